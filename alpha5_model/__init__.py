@@ -1,0 +1,54 @@
+"""The Reach Alpha 5 arm: URDF, dynamics under water and closed-form inverse kinematics.
+
+Generated from the manufacturer's printed tables. ``import alpha5_model`` loads NumPy only; Pinocchio,
+xacro, trimesh, meshcat and matplotlib are imported when something that needs them is called.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from alpha5_model.errors import Alpha5Error, UnreachableError
+
+# Two functions that share their module's name: bound now, so that a later import of the module
+# cannot put itself in the function's place.
+from alpha5_model.parameters import parameters
+from alpha5_model.published import published
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
+    from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
+    from alpha5_model.paths import URDF_PATH as URDF_PATH
+
+#: Public name -> module that defines it; None where the name is the module itself.
+_PUBLIC: dict[str, tuple[str, str | None]] = {
+    "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
+    "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
+    "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
+}
+
+__all__ = [
+    "Alpha5Error",
+    "UnreachableError",
+    "__version__",
+    "parameters",
+    "published",
+    *sorted(_PUBLIC),
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module_name, attribute = _PUBLIC[name]
+    module = import_module(module_name)
+    value = module if attribute is None else getattr(module, attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PUBLIC})

@@ -1,0 +1,80 @@
+"""Input checks, in one place: what comes in is a float array of the right shape, or an error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from alpha5_model.errors import InputError, NonFiniteError, ShapeError, UnknownNameError
+
+FloatArray = NDArray[np.float64]
+
+
+def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> FloatArray:
+    """Check and convert an array whose last axes are fixed and whose leading axes are free.
+
+    Args:
+        name: Name of the argument, for the message.
+        value: Anything NumPy can read as real numbers.
+        trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
+
+    Returns:
+        A float64 array of shape (..., \\*trailing); the caller's own array if it already is one.
+
+    Raises:
+        InputError: Not real numbers (strings, complex, ragged lists, None).
+        ShapeError: Wrong trailing shape.
+        NonFiniteError: NaN or infinity; the first bad index is named.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(name, value, "an array of real numbers") from None
+    if array.dtype.kind not in "fiu":
+        raise InputError(name, value, "an array of real numbers")
+    array = np.asarray(array, dtype=np.float64)
+    if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
+        shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
+        raise ShapeError(name, array.shape, f"shape {shape}")
+    if not np.isfinite(array).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise NonFiniteError(name, float(array[index]), index)
+    return array
+
+
+def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:
+    """Check and convert one finite real number, optionally bounded below.
+
+    Raises:
+        InputError: Not a real number, or below ``minimum`` (at it, if ``strict``).
+        NonFiniteError: NaN or infinity.
+    """
+    number = float(float_array(name, value, ()).reshape(-1)[0]) if np.ndim(value) == 0 else None
+    if number is None:
+        raise InputError(name, value, "one real number")
+    if minimum is not None and (number < minimum or (strict and number == minimum)):
+        raise InputError(
+            name, value, f"a number {'above' if strict else 'of at least'} {minimum:g}"
+        )
+    return number
+
+
+def choice(kind: str, name: Any, choices: Sequence[str]) -> str:
+    """Check a name against the ones that exist.
+
+    Raises:
+        UnknownNameError: Not one of ``choices``.
+    """
+    if not isinstance(name, str) or name not in choices:
+        raise UnknownNameError(kind, name, choices)
+    return name
+
+
+def frozen(array: ArrayLike) -> FloatArray:
+    """A read-only float64 copy."""
+    copy = np.array(array, dtype=np.float64)
+    copy.flags.writeable = False
+    return copy

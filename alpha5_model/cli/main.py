@@ -1,0 +1,79 @@
+"""The command line's frame: the application, its version, and one line for every error."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Annotated, Any
+
+import typer
+
+from alpha5_model import __version__
+from alpha5_model.errors import Alpha5Error
+
+#: Modules of this package, each with a ``register(app)``, in the order of ``alpha5 --help``.
+COMMANDS: tuple[str, ...] = ()
+
+#: Root of the errors that the parser raises (click's own, which typer may carry inside).
+_PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
+
+app = typer.Typer(
+    name="alpha5",
+    help="The Reach Alpha 5 arm: generate, check, solve, compute, look.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+    ] = False,
+) -> None:
+    """Model of the Reach Alpha 5, generated from the manufacturer's printed tables."""
+
+
+for _command in COMMANDS:
+    import_module(f"alpha5_model.cli.{_command}").register(app)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        args: Arguments without the program's name; ``sys.argv`` if None.
+
+    Returns:
+        Exit status: 0, 1 if a check failed, 2 if the input cannot be used (one line on stderr).
+    """
+    try:
+        status = app(args=list(sys.argv[1:] if args is None else args), standalone_mode=False)
+    except Alpha5Error as error:
+        return _complain(str(error))
+    except BrokenPipeError:  # `alpha5 ... | head`
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        if isinstance(error, _PARSER_ERROR):
+            return _complain(f"{error.format_message()} (see --help)")
+        raise
+    return status if isinstance(status, int) else 0
+
+
+def run() -> None:
+    """Entry point of the ``alpha5`` program."""
+    sys.exit(main())
+
+
+def _complain(message: str) -> int:
+    print(f"alpha5: {' '.join(message.split())}", file=sys.stderr)
+    return 2

@@ -1,0 +1,154 @@
+"""The one tree of errors.
+
+Every error is an :class:`Alpha5Error` and also the built-in that fits, so that both
+``except Alpha5Error`` and ``except ValueError`` do what a caller expects. Messages are one line that
+names what was given, what was expected and, where there is a choice, the possible choices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+class Alpha5Error(Exception):
+    """Root of all errors of this package."""
+
+
+class InputError(Alpha5Error, ValueError):
+    """A value that cannot be used.
+
+    Attributes:
+        name: Name of the argument.
+        value: What was given.
+    """
+
+    def __init__(self, name: str, value: Any, expected: str) -> None:
+        self.name = name
+        self.value = value
+        self.expected = expected
+        super().__init__(f"{name}: expected {expected}, got {_short(value)}")
+
+
+class ShapeError(InputError):
+    """An array of the wrong shape. ``value`` is the shape that was given."""
+
+
+class NonFiniteError(InputError):
+    """NaN or infinity where a finite number is needed. ``index`` is the first bad place."""
+
+    def __init__(self, name: str, value: Any, index: tuple[int, ...]) -> None:
+        self.index = index
+        place = f"{name}[{', '.join(map(str, index))}]" if index else name
+        super().__init__(place, value, "finite numbers")
+        self.name = name
+
+
+class UnknownNameError(Alpha5Error, ValueError):
+    """A frame, joint, correction, format or branch that does not exist.
+
+    Attributes:
+        kind: What was looked up, for example ``"frame"``.
+        name: The name that was given.
+        choices: The names that exist.
+    """
+
+    def __init__(self, kind: str, name: Any, choices: Iterable[str]) -> None:
+        self.kind = kind
+        self.name = name
+        self.choices = tuple(choices)
+        super().__init__(f"unknown {kind} {name!r}; choose from {', '.join(self.choices)}")
+
+
+class PublishedDataError(Alpha5Error, ValueError):
+    """A data file of published numbers that is malformed. ``place`` says where."""
+
+    def __init__(self, place: str, problem: str) -> None:
+        self.place = place
+        super().__init__(f"{place}: {problem}")
+
+
+class JointLimitError(Alpha5Error, ValueError):
+    """A joint position, speed or torque beyond its bound.
+
+    Attributes:
+        joint: Name of the joint.
+        value: What was given.
+        bound: The bound that it passes.
+    """
+
+    def __init__(self, joint: str, value: float, bound: float, unit: str = "rad") -> None:
+        self.joint = joint
+        self.value = value
+        self.bound = bound
+        side = "above the upper" if value > bound else "below the lower"
+        super().__init__(f"{joint}: {value:.6g} {unit} is {side} limit {bound:.6g} {unit}")
+
+
+class UnreachableError(Alpha5Error, ValueError):
+    """A target that no joint position within the limits reaches.
+
+    Attributes:
+        position: The target, (3,) [m].
+        distance: Distance from the target to the nearest reachable point [m].
+        nearest: That point, (3,) [m].
+    """
+
+    def __init__(self, position: Any, distance: float, nearest: Any, reason: str = "") -> None:
+        self.position = position
+        self.distance = distance
+        self.nearest = nearest
+        target = ", ".join(f"{c:.6g}" for c in position)
+        point = ", ".join(f"{c:.6g}" for c in nearest)
+        super().__init__(
+            f"({target}) m cannot be reached{reason}: the nearest reachable point ({point}) m "
+            f"is {distance * 1e3:.3g} mm away"
+        )
+
+
+class MissingParameterError(Alpha5Error, ValueError):
+    """A quantity that the documents do not give and the caller has not given either."""
+
+    def __init__(self, parameter: str, needed_for: str) -> None:
+        self.parameter = parameter
+        super().__init__(
+            f"{needed_for} needs {parameter}, which is not published: give it yourself"
+        )
+
+
+class MissingFileError(Alpha5Error, FileNotFoundError):
+    """A file or folder that is not there."""
+
+    def __init__(self, path: Any, expected: str) -> None:
+        self.path = path
+        super().__init__(f"{path}: no such file; expected {expected}")
+
+
+class FileFormatError(Alpha5Error, ValueError):
+    """A file that cannot be understood. ``place`` says where: line, column or element."""
+
+    def __init__(self, path: Any, problem: str, place: str = "") -> None:
+        self.path = path
+        self.place = place
+        super().__init__(f"{path}{', ' + place if place else ''}: {problem}")
+
+
+class OutputError(Alpha5Error, OSError):
+    """Output that could not be written; nothing is left half-written."""
+
+    def __init__(self, path: Any, problem: str) -> None:
+        self.path = path
+        super().__init__(f"cannot write {path}: {problem}")
+
+
+class MissingDependencyError(Alpha5Error, ImportError):
+    """An optional package or program that is not installed."""
+
+    def __init__(self, dependency: str, needed_for: str, remedy: str) -> None:
+        self.dependency = dependency
+        super().__init__(f"{needed_for} needs {dependency}, which is not installed: {remedy}")
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."

@@ -1,0 +1,222 @@
+"""Conversions and checks of rigid-body inertia: pure functions on arrays.
+
+Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative integrals,
+``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook tensor have it. SolidWorks
+prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg].
+
+References:
+    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent inertial
+        parameter identification, IEEE RA-L 3(1), 2018.
+    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully physical consistent
+        inertial parameters using optimization on manifolds, IROS 2016.
+    [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly 107(4), 2000.
+    [ReachAlpha] Manufacturer's document, Section 2.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, float_array
+
+
+def flip_products(inertia: ArrayLike) -> FloatArray:
+    """Change the sign of the products of inertia: SolidWorks to URDF, and back.
+
+    [ReachAlpha] prints ``+(integral of x y dm)`` off the diagonal; URDF expects the negative.
+
+    Args:
+        inertia: (..., 3, 3) [kg m^2].
+
+    Returns:
+        (..., 3, 3), the same diagonal, every off-diagonal entry negated.
+    """
+    tensor = float_array("inertia", inertia, (3, 3))
+    return np.where(np.eye(3, dtype=bool), tensor, -tensor)
+
+
+def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
+    """Tensor of a point mass about the origin, ``m ((p . p) E_3 - p p^T)``.
+
+    This is the parallel-axis term. The document's equation (1) prints ``(p . p)^T`` for the outer
+    product and equation (2) prints ``+m skew(p)^2`` where ``-m skew(p)^2`` is meant.
+
+    Args:
+        mass: (...) [kg].
+        position: (..., 3) [m].
+
+    Returns:
+        (..., 3, 3) [kg m^2].
+    """
+    p = float_array("position", position, (3,))
+    m = float_array("mass", mass, ())[..., None, None]
+    square = np.einsum("...i,...i->...", p, p)[..., None, None]
+    out: FloatArray = m * (square * np.eye(3) - p[..., :, None] * p[..., None, :])
+    return out
+
+
+def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+    """Parallel-axis theorem, from the COM to the origin of the frame.
+
+    Args:
+        mass: (...) [kg].
+        com: (..., 3) [m].
+        inertia_com: (..., 3, 3) about the COM [kg m^2].
+
+    Returns:
+        (..., 3, 3) about the origin, same axes [kg m^2].
+    """
+    return float_array("inertia_com", inertia_com, (3, 3)) + point_mass_tensor(mass, com)
+
+
+def tensor_at_com(mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike) -> FloatArray:
+    """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
+    return float_array("inertia_origin", inertia_origin, (3, 3)) - point_mass_tensor(mass, com)
+
+
+def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
+    """Tensor in the axes of {b} from the tensor in the axes of {a}, ``R I R^T``.
+
+    Args:
+        rotation_a_to_b: (..., 3, 3), maps coordinates in {a} to coordinates in {b}.
+        inertia: (..., 3, 3) in {a} [kg m^2].
+
+    Returns:
+        (..., 3, 3) in {b} [kg m^2].
+    """
+    r = float_array("rotation_a_to_b", rotation_a_to_b, (3, 3))
+    return r @ float_array("inertia", inertia, (3, 3)) @ np.swapaxes(r, -1, -2)
+
+
+def combine(
+    masses: ArrayLike, coms: ArrayLike, inertias: ArrayLike
+) -> tuple[float, FloatArray, FloatArray]:
+    """Mass, COM and tensor of rigidly joined bodies; a negative mass takes a body out.
+
+    Args:
+        masses: (N,) [kg].
+        coms: (N, 3) [m], in one common frame.
+        inertias: (N, 3, 3), each about its own COM, in that frame's axes [kg m^2]; those of a
+            body to be taken out negated like its mass.
+
+    Returns:
+        Mass [kg], COM (3,) [m], tensor about that COM (3, 3) [kg m^2].
+    """
+    m = float_array("masses", masses, ())
+    c = float_array("coms", coms, (3,))
+    mass = float(m.sum())
+    com = (m[:, None] * c).sum(axis=0) / mass
+    return mass, com, tensor_at_origin(m, c - com, inertias).sum(axis=0)
+
+
+def second_moments(inertia: ArrayLike) -> FloatArray:
+    """Second moments of mass ``integral of r r^T dm = tr(I)/2 E_3 - I`` [Wensing2018, eq. 8].
+
+    Args:
+        inertia: (..., 3, 3) about any point [kg m^2].
+
+    Returns:
+        (..., 3, 3) about the same point [kg m^2].
+    """
+    tensor = float_array("inertia", inertia, (3, 3))
+    trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
+    out: FloatArray = trace / 2 * np.eye(3) - tensor
+    return out
+
+
+def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+    """The 4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the origin [Wensing2018, eq. 7].
+
+    A body is physically possible exactly when it is positive definite.
+
+    Args:
+        mass: (...) [kg].
+        com: (..., 3) [m].
+        inertia_com: (..., 3, 3) about the COM [kg m^2].
+
+    Returns:
+        (..., 4, 4).
+    """
+    m, c = float_array("mass", mass, ()), float_array("com", com, (3,))
+    sigma = second_moments(tensor_at_origin(m, c, inertia_com))
+    out = np.empty((*sigma.shape[:-2], 4, 4))
+    out[..., :3, :3] = sigma
+    out[..., :3, 3] = out[..., 3, :3] = m[..., None] * c
+    out[..., 3, 3] = m
+    return out
+
+
+def principal_moments(inertia: ArrayLike) -> FloatArray:
+    """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
+    tensor = float_array("inertia", inertia, (3, 3))
+    out: FloatArray = np.linalg.eigvalsh((tensor + np.swapaxes(tensor, -1, -2)) / 2)
+    return out
+
+
+def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
+    """Radii of gyration ``sqrt(I_kk / m)`` about the frame's axes, (..., 3) [m]."""
+    diagonal = np.diagonal(float_array("inertia", inertia, (3, 3)), axis1=-2, axis2=-1)
+    return np.sqrt(diagonal / float_array("mass", mass, ())[..., None])
+
+
+def inconsistencies(
+    mass: float,
+    com: ArrayLike,
+    inertia_com: ArrayLike,
+    bounds: ArrayLike | None = None,
+    tolerance: float = 1e-12,
+) -> tuple[str, ...]:
+    """What makes one body physically impossible; empty if nothing does.
+
+    Positive mass, a symmetric and positive definite tensor, the triangle inequality of the principal
+    moments, and a positive definite pseudo-inertia [Traversaro2016, Wensing2018]. With the
+    body's outer bounds also: the COM lies inside, and along each axis the variance of the mass is at
+    most ``(max - com)(com - min)`` [Bhatia2000]. The bounds find what the
+    triangle inequality cannot: a tensor about the link frame in place of the COM, a COM on the wrong
+    side, a guessed inertia larger than the body.
+
+    Args:
+        mass: [kg].
+        com: (3,) [m].
+        inertia_com: (3, 3) about the COM [kg m^2].
+        bounds: (3, 2), min and max of the body along each axis [m].
+        tolerance: Relative slack on each inequality, for rounding.
+
+    Returns:
+        One short sentence for each violated condition.
+    """
+    c = float_array("com", com, (3,))
+    tensor = float_array("inertia_com", inertia_com, (3, 3))
+    found = []
+    if mass <= 0:
+        found.append(f"mass {mass:g} kg is not positive")
+    scale = float(np.abs(tensor).max())
+    if np.abs(tensor - tensor.T).max() > tolerance * scale:
+        found.append("the inertia tensor is not symmetric")
+    small, middle, large = principal_moments(tensor)
+    if small <= tolerance * scale:
+        found.append(f"the smallest principal moment {small:.4g} kg m^2 is not positive")
+    if large > (small + middle) * (1 + tolerance):
+        found.append(
+            f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
+            f"{small + middle:.4g}"
+        )
+    if not found and np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0] <= 0:
+        found.append("the pseudo-inertia is not positive definite")
+    if bounds is not None:
+        box = float_array("bounds", bounds, (3, 2))
+        variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
+        for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
+            if not low <= position <= high:
+                found.append(
+                    f"the COM's {axis} = {position * 1e3:.1f} mm is outside the body, "
+                    f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+                )
+            elif variance > (high - position) * (position - low) * (1 + tolerance):
+                limit = np.sqrt((high - position) * (position - low))
+                found.append(
+                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}, more than a body "
+                    f"of this size can, {limit * 1e3:.1f} mm"
+                )
+    return tuple(found)

@@ -1,0 +1,281 @@
+"""The published numbers in SI units and URDF convention, frozen.
+
+`parameters` is the one door between the printed tables and everything that computes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from alpha5_model.checks import FloatArray, frozen
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.errors import PublishedDataError
+from alpha5_model.inertia import flip_products
+from alpha5_model.published import published
+
+if TYPE_CHECKING:
+    from alpha5_model.published.tables import ActuatorRow, JointRow, Published
+
+
+@dataclass(frozen=True, eq=False)
+class DHParameters:
+    """A row of Table 1: ``A = Rz(theta) Tz(d) Tx(a) Rx(alpha)``, ``theta = q + theta_offset``.
+
+    Attributes:
+        d: Offset along the previous z [m].
+        theta_offset: Constant part of theta [rad].
+        a: Length of the common normal [m].
+        alpha: Angle about the common normal [rad].
+        variable: Name of the joint variable in the document; None for the fixed last row.
+    """
+
+    d: float
+    theta_offset: float
+    a: float
+    alpha: float
+    variable: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class LinkParameters:
+    """Mass and displaced water of one link, in its inertial frame.
+
+    Attributes:
+        name: ``link_0`` to ``link_4``.
+        mass: [kg].
+        com: Centre of mass, (3,) [m].
+        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
+        volume: Displaced volume [m^3].
+        cob: Centre of buoyancy, (3,) [m].
+        bounds: Outer bounds of the body, (3, 2) [m].
+    """
+
+    name: str
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    cob: FloatArray
+    bounds: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class JointParameters:
+    """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
+
+    Attributes:
+        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod).
+        dh_variable: The document's name of the same coordinate.
+        device_id: Address of the actuator on the arm's bus.
+        effort: A placeholder that every public model copies; no rating is published.
+    """
+
+    name: str
+    dh_variable: str
+    device_id: int
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+
+
+@dataclass(frozen=True, eq=False)
+class ActuatorParameters:
+    """A row of Table 4.
+
+    Attributes:
+        resistance: [Ohm].
+        inductance: [H].
+        friction: At the motor shaft [N m].
+        friction_tolerance: Printed relative tolerance of the friction, 0.1 for 10 %.
+        efficiency: Highest efficiency of the gearbox, 0 to 1.
+        torque_constant: [N m/A].
+        voltage_constant: [V s/rad].
+        gear_ratio: Motor turns per output turn.
+    """
+
+    resistance: float
+    inductance: float
+    friction: float
+    friction_tolerance: float
+    efficiency: float
+    torque_constant: float
+    voltage_constant: float
+    gear_ratio: float
+
+
+@dataclass(frozen=True, eq=False)
+class JawParameters:
+    """Geometry of the jaws along -z of link_4 (supplementary and estimated values).
+
+    Attributes:
+        collar_base: Distance of the jaw collar's base from the elbow axis [m].
+        pivot_height: Pivots above the collar's base [m].
+        pivot_offset: Pivots to either side of the wrist axis [m].
+        finger_length, finger_width: [m].
+        finger_volume: Of one finger [m^3].
+        finger_density: Estimated [kg/m^3].
+        rod_mass: Estimated [kg].
+        finger_turn: Turn of each finger per rod travel [rad/m].
+    """
+
+    collar_base: float
+    pivot_height: float
+    pivot_offset: float
+    finger_length: float
+    finger_width: float
+    finger_volume: float
+    finger_density: float
+    rod_mass: float
+    finger_turn: float
+
+
+@dataclass(frozen=True, eq=False)
+class Alpha5Parameters:
+    """The arm in SI units, base to tip. Arrays are read-only.
+
+    Attributes:
+        dh: The five rows of Table 1.
+        theta_c: Elbow angle of Table 1's caption [rad].
+        links: ``link_0`` to ``link_4``, Tables 2 and 3.
+        joints: ``axis_e, axis_d, axis_c, axis_b`` and the jaw rod ``axis_a``.
+        actuators: Actuators 0 to 4 of Table 4; number 4 drives the jaw rod.
+        jaws: Geometry of the jaws.
+        base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without ``base_frame``.
+        corrections: Names of the corrections applied.
+    """
+
+    dh: tuple[DHParameters, ...]
+    theta_c: float
+    links: tuple[LinkParameters, ...]
+    joints: tuple[JointParameters, ...]
+    actuators: tuple[ActuatorParameters, ...]
+    jaws: JawParameters
+    base_yaw: float
+    corrections: tuple[str, ...]
+
+
+def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parameters:
+    """The arm's parameters in SI units and URDF convention.
+
+    Args:
+        corrections: Names of recorded corrections (`alpha5_model.corrections.CORRECTIONS`);
+            ``()`` is the document to the letter.
+
+    Returns:
+        A frozen record, the same object for the same corrections.
+
+    Raises:
+        UnknownNameError: A correction that is not recorded.
+    """
+    return _parameters(check_corrections(corrections))
+
+
+@cache
+def _parameters(corrections: tuple[str, ...]) -> Alpha5Parameters:
+    return convert(published(), corrections)
+
+
+def convert(printed: Published, corrections: tuple[str, ...]) -> Alpha5Parameters:
+    """Printed tables to SI units and URDF convention, with the named corrections."""
+    dh, theta_c = _dh(printed)
+    return Alpha5Parameters(
+        dh=dh,
+        theta_c=theta_c,
+        links=_links(printed, dh, corrections),
+        joints=tuple(_joint(row) for row in printed.supplementary.joints),
+        actuators=tuple(_actuator(row) for row in printed.table_4.rows),
+        jaws=JawParameters(**{k: v.quantity.si for k, v in printed.supplementary.jaws.items()}),
+        base_yaw=0.0 if "base_frame" in corrections else math.pi,
+        corrections=corrections,
+    )
+
+
+def _dh(printed: Published) -> tuple[tuple[DHParameters, ...], float]:
+    opposite, adjacent = printed.elbow.opposite, printed.elbow.adjacent
+    theta_c = math.atan2(opposite.value, adjacent.value)
+    lengths = {"a_1": math.hypot(opposite.si, adjacent.si)}
+    angles = {"theta_c": theta_c, "pi": math.pi, "pi/2": math.pi / 2, "0": 0.0}
+    rows = []
+    for row in printed.table_1.rows:
+        place = f"Table 1, link {row.link}"
+        variable, offset = _split_angle(row.theta, angles, place)
+        a = lengths[row.a] if isinstance(row.a, str) else row.a.si
+        _, alpha = _split_angle(row.alpha, angles, place)
+        rows.append(DHParameters(row.d.si, offset, a, alpha, variable))
+    return tuple(rows), theta_c
+
+
+def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple[str | None, float]:
+    """Split ``theta_1 + theta_c - pi/2`` into its joint variable and its constant part [rad]."""
+    variable, constant = None, 0.0
+    for term in expression.replace("-", "+-").replace(" ", "").strip("+").split("+"):
+        name, sign = term.removeprefix("-"), -1.0 if term.startswith("-") else 1.0
+        if name in angles:
+            constant += sign * angles[name]
+        elif name.startswith("theta_") and variable is None and sign > 0:
+            variable = name
+        else:
+            raise PublishedDataError(
+                place, f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
+            )
+    return variable, constant
+
+
+def _links(
+    printed: Published, dh: tuple[DHParameters, ...], corrections: tuple[str, ...]
+) -> tuple[LinkParameters, ...]:
+    links = []
+    rows = zip(
+        printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies, strict=True
+    )
+    for inertial, buoyancy, body in rows:
+        cob = [c.si for c in buoyancy.cob]
+        if body.name == "link_3" and "link3_cob" in corrections:
+            # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
+            # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
+            x, y, z = cob
+            cob = [dh[2].a - x, z - dh[0].d, y]
+        links.append(
+            LinkParameters(
+                name=body.name,
+                mass=inertial.mass.si,
+                com=frozen([c.si for c in inertial.com]),
+                inertia=frozen(
+                    flip_products([[x.si for x in row] for row in inertial.inertia_com])
+                ),
+                volume=buoyancy.volume.si,
+                cob=frozen(cob),
+                bounds=frozen([[low.si, high.si] for low, high in body.bounds]),
+            )
+        )
+    return tuple(links)
+
+
+def _joint(row: JointRow) -> JointParameters:
+    return JointParameters(
+        name=row.name,
+        dh_variable=row.dh_variable,
+        device_id=row.device_id,
+        lower=row.lower.quantity.si,
+        upper=row.upper.quantity.si,
+        velocity=row.velocity.quantity.si,
+        effort=row.effort.quantity.si,
+    )
+
+
+def _actuator(row: ActuatorRow) -> ActuatorParameters:
+    return ActuatorParameters(
+        resistance=row.resistance.si,
+        inductance=row.inductance.si,
+        friction=row.friction.si,
+        friction_tolerance=row.friction_tolerance.si,
+        efficiency=row.efficiency.si,
+        torque_constant=row.torque_constant.si,
+        voltage_constant=row.voltage_constant.si,
+        gear_ratio=row.gear_ratio.si,
+    )

@@ -1,0 +1,16 @@
+"""Where the generated and source files are: in a checkout, or inside an installed wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+#: Folder that holds ``urdf/``, ``xacro/`` and ``meshes/``: the checkout, or the wheel's data folder.
+REPOSITORY_PATH = str(_data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent)
+#: Folder to which ``package://alpha5_description`` resolves.
+PACKAGE_PATH = REPOSITORY_PATH
+#: The arm with its jaws locked, 4 joints.
+URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf")
+#: The arm with jaws, 5 joints of which 2 more mimic.
+JAWS_URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5_jaws.urdf")
+XACRO_PATH = str(Path(REPOSITORY_PATH) / "xacro" / "alpha5.urdf.xacro")

@@ -1,0 +1,94 @@
+"""A number as printed: its digits, its unit, and what both mean in SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+
+from alpha5_model.errors import PublishedDataError
+
+#: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every printed digit:
+#: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
+DECIMAL_SHIFT: dict[str, int] = {
+    "": 0,
+    "kg": 0,
+    "m": 0,
+    "rad": 0,
+    "Nm": 0,
+    "N": 0,
+    "Ohm": 0,
+    "Nm/A": 0,
+    "V/rad/s": 0,
+    "kg/m^3": 0,
+    "rad/m": 0,
+    "mm": -3,
+    "mm/s": -3,
+    "Nmm": -3,
+    "L": -3,
+    "%": -2,
+    "uH": -6,
+    "kg.mm^2": -6,
+}
+#: Units that need more than a shift of the decimal point.
+FACTOR: dict[str, float] = {"deg/s": math.pi / 180.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """One printed number.
+
+    Attributes:
+        text: The digits exactly as printed, for example ``"-7.120"``.
+        unit: The unit printed with them, for example ``"mm"``; empty for a pure number.
+    """
+
+    text: str
+    unit: str
+
+    @classmethod
+    def parse(cls, text: object, unit: str, place: str) -> Quantity:
+        """Read a number of a data file; ``place`` names it in errors.
+
+        Raises:
+            PublishedDataError: Not a printed decimal number, or an unknown unit.
+        """
+        if unit not in DECIMAL_SHIFT and unit not in FACTOR:
+            known = ", ".join(repr(u) for u in sorted([*DECIMAL_SHIFT, *FACTOR]))
+            raise PublishedDataError(place, f"unknown unit {unit!r}; known units are {known}")
+        if not isinstance(text, str):
+            raise PublishedDataError(
+                place, f"expected the number as printed, in quotes, got {text!r}"
+            )
+        try:
+            finite = Decimal(text).is_finite()
+        except InvalidOperation:
+            finite = False
+        if not finite or text != text.strip():
+            raise PublishedDataError(place, f"expected a printed decimal number, got {text!r}")
+        return cls(text, unit)
+
+    @property
+    def value(self) -> Decimal:
+        """The printed value, in the printed unit, exact."""
+        return Decimal(self.text)
+
+    @property
+    def si(self) -> float:
+        """The double nearest to the printed value in SI units."""
+        if self.unit in FACTOR:
+            return float(self.text) * FACTOR[self.unit]
+        return float(self.value.scaleb(DECIMAL_SHIFT[self.unit]))
+
+    @property
+    def rounding(self) -> float:
+        """Half a unit of the last printed digit, in SI units: what rounding may hide."""
+        exponent = self.value.as_tuple().exponent
+        assert isinstance(exponent, int)  # finite, checked by parse
+        half = Decimal(5).scaleb(exponent - 1)
+        if self.unit in FACTOR:
+            return float(half) * FACTOR[self.unit]
+        return float(half.scaleb(DECIMAL_SHIFT[self.unit]))
+
+    def __str__(self) -> str:
+        return f"{self.text} {self.unit}".rstrip()
