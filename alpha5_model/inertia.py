@@ -150,8 +150,8 @@ def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> F
 def principal_moments(inertia: ArrayLike) -> FloatArray:
     """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
     tensor = float_array("inertia", inertia, (3, 3))
-    out: FloatArray = np.linalg.eigvalsh((tensor + np.swapaxes(tensor, -1, -2)) / 2)
-    return out
+    symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
+    return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
 
 
 def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
