@@ -37,7 +37,7 @@ class Dimension(float):
 def _printed(length: Quantity | str) -> Dimension:
     if isinstance(length, str):
         raise PublishedDataError("Table 1", f"expected a length, got {length!r}")
-    return Dimension(length.value, "printed")
+    return Dimension(float(length.value), "printed")
 
 
 #: Every turned part has this radius.
