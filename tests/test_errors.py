@@ -6,6 +6,7 @@ import inspect
 
 import numpy as np
 import pytest
+
 from alpha5_model import checks, errors
 
 
@@ -103,7 +104,7 @@ def test_real_and_its_bounds() -> None:
 @pytest.mark.parametrize("name", ["b", None, 3, ["a"]])
 def test_choice(name: object) -> None:
     assert checks.choice("format", "a", ("a",)) == "a"
-    with pytest.raises(errors.UnknownNameError, match="choose from a$"):
+    with pytest.raises(errors.UnknownNameError, match=r"choose from a$"):
         checks.choice("format", name, ("a",))
 
 

@@ -6,10 +6,11 @@ import math
 from fractions import Fraction
 
 import pytest
-from alpha5_model.errors import PublishedDataError
-from alpha5_model.published.quantity import Quantity
 from hypothesis import given
 from hypothesis import strategies as st
+
+from alpha5_model.errors import PublishedDataError
+from alpha5_model.published.quantity import Quantity
 
 #: Unit -> size in SI, as an exact fraction, written down from the unit's definition.
 SIZE = {
@@ -86,11 +87,11 @@ def test_reads_as_printed() -> None:
     ],
 )
 def test_what_is_not_a_printed_number_is_refused(text: object) -> None:
-    with pytest.raises(PublishedDataError, match="^row 3: expected") as caught:
+    with pytest.raises(PublishedDataError, match=r"^row 3: expected") as caught:
         Quantity.parse(text, "mm", "row 3")
     assert caught.value.place == "row 3"
 
 
 def test_unknown_unit_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(PublishedDataError, match="unknown unit 'inch'.*'kg.mm\\^2'"):
+    with pytest.raises(PublishedDataError, match=r"unknown unit 'inch'.*'kg\.mm\^2'"):
         Quantity.parse("1", "inch", "row 3")
