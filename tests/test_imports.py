@@ -14,7 +14,7 @@ HEAVY = ("pinocchio", "xacro", "trimesh", "meshcat", "matplotlib", "scipy", "typ
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "checks", "files", "paths"),
+    ("errors", "checks", "files", "paths", "fluids"),
     ("published",),
     ("inertia", "corrections", "parameters", "jaws"),
     ("dh", "kinematics", "description", "actuators", "planar"),

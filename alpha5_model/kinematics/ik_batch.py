@@ -49,10 +49,14 @@ def solve_rows(
             target, angle = position[part], wrist if wrist.ndim == 0 else wrist[part]
             if len(target) != scratch.rows:
                 scratch = _Scratch(len(target))
-            near = _solve_block(constant, scratch, target, angle, q[part], exists[part], within[part])
+            near = _solve_block(
+                constant, scratch, target, angle, q[part], exists[part], within[part]
+            )
             for row in near:
                 at = start + int(row)
-                solution = solve_one(*target[row].tolist(), float(angle if angle.ndim == 0 else angle[row]))
+                solution = solve_one(
+                    *target[row].tolist(), float(angle if angle.ndim == 0 else angle[row])
+                )
                 q[at] = np.reshape(solution[0], (4, 4))
                 exists[at], within[at], singular[at] = solution[1:]
 

@@ -76,7 +76,9 @@ def solve_one(
     c = constants()
     limits = c.limits
     nan = math.nan
-    theta_3, wrist_fits = _into_range(wrist - _TAU * math.floor((wrist - limits[3][2]) / _TAU + 0.5), limits[3], LIMIT_TOLERANCE)
+    theta_3, wrist_fits = _into_range(
+        wrist - _TAU * math.floor((wrist - limits[3][2]) / _TAU + 0.5), limits[3], LIMIT_TOLERANCE
+    )
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
     singular = radius <= SINGULAR_TOLERANCE
