@@ -19,12 +19,14 @@ from alpha5_model.published import published
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from alpha5_model.comparison.report import compare as compare
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
 
 #: Public name -> module that defines it; None where the name is the module itself.
 _PUBLIC: dict[str, tuple[str, str | None]] = {
+    "compare": ("alpha5_model.comparison.report", "compare"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),

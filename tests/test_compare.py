@@ -205,6 +205,7 @@ def test_our_own_files_have_no_findings(path):
 def test_a_mounted_arm_differs_by_its_mount_only(variant):
     comparison = compare_robots(parse_urdf(urdf(variant)), samples=20)
     assert [finding.where for finding in comparison.findings] == ["base"]
+    assert comparison.agrees
     assert comparison.tip_error < 1e-12
     assert comparison.gravity_error.max() < 1e-12
     assert comparison.mass_matrix_error < 1e-12
@@ -212,9 +213,8 @@ def test_a_mounted_arm_differs_by_its_mount_only(variant):
 
 def test_the_base_after_the_rotation_pi_is_recognised():
     comparison = compare_robots(parse_urdf(urdf(Variant(corrections=()))), samples=5)
-    (finding,) = comparison.findings
-    assert finding.where == "link_0"
-    assert "turned by pi about z" in finding.text
+    assert {finding.where for finding in comparison.findings} == {"link_0"}
+    assert sum("turned by pi about z" in finding.text for finding in comparison.findings) == 2
 
 
 def test_shifted_zeros_and_signs_are_measured():
@@ -364,7 +364,9 @@ def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
     text = ET.tostring(root)
     cut = data.draw(st.integers(0, len(text)))
     for source in (text, text[:cut]):
+        message = ""
         try:
             compare_robots(parse_urdf(source), samples=2)
         except Alpha5Error as error:
-            assert len(str(error).splitlines()) == 1
+            message = str(error)
+        assert len(message.splitlines()) <= 1

@@ -16,6 +16,10 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.mapping import FourJointArm
 
+#: A root that stands closer to ours than this was meant to be the same one; the rest is an error of
+#: the model's geometry, not another mount.
+SAME_ROOT = 0.005  # [m], and [rad] for its rotation
+
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
@@ -32,25 +36,25 @@ class Alignment:
     sign: FloatArray
     zero: FloatArray
 
+    @property
+    def oddities(self) -> int:
+        """Number of turned signs and shifted zeros."""
+        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_ROOT).sum())
+
     def theirs(self, q: FloatArray) -> FloatArray:
         """The other model's joint positions for ours."""
         return self.sign * q + self.zero
 
 
-#: A root that stands closer to ours than this was meant to be the same one; the rest is an error of
-#: the model's geometry, not another mount.
-SAME_ROOT = 0.005  # [m], and [rad] for its rotation
-
-
 def align(ours: FourJointArm, theirs: FourJointArm) -> Alignment:
     """Best alignment of two models of the same arm.
 
-    Of the two ways to lay the first two axes over ours, head up or head down, the one with the
-    smaller rotation of the base is taken.
+    There are two ways to lay the first two axes over ours, head up or head down. The one that leaves
+    fewer turned signs and shifted zeros is taken, then the one with the smaller rotation of the base.
     """
     reference = axis_lines(ours, np.zeros(4))
     candidates = [_align(theirs, reference, head) for head in (1.0, -1.0)]
-    best = min(candidates, key=lambda c: -np.trace(c.base[:3, :3]))
+    best = min(candidates, key=lambda c: (c.oddities, -np.trace(c.base[:3, :3])))
     if np.abs(best.base - np.eye(4)).max() < SAME_ROOT:
         return Alignment(np.eye(4), best.sign, best.zero)
     return best
@@ -137,7 +141,10 @@ def bodies_in_our_frames(
     there = alignment.base @ theirs.poses(alignment.zero)
     transforms = np.linalg.inv(here) @ there
     rotation, shift = transforms[:, :3, :3], transforms[:, :3, 3]
-    mine, other = _seats(ours, np.zeros(4), np.eye(4)), _seats(theirs, alignment.zero, alignment.base)
+    mine, other = (
+        _seats(ours, np.zeros(4), np.eye(4)),
+        _seats(theirs, alignment.zero, alignment.base),
+    )
     shift[1:] += np.einsum("nji,nj->ni", here[1:, :3, :3], mine - other)
     com = np.einsum("nij,nj->ni", rotation, theirs.com) + shift
     return com, rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)

@@ -12,7 +12,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.inertia import flip_products, tensor_at_origin
-from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.parameters import Alpha5Parameters, LinkParameters
 
 #: What still counts as the same number: a model may print fewer digits than the tables.
 MASS_TOLERANCE = 1e-3  # of the mass
@@ -56,19 +56,23 @@ def explain_com(
         com: In our link frame, (3,) [m].
         as_written: In the other model's own frame, (3,) [m].
     """
-    expected = parameters.links[body].com
+    link = parameters.links[body]
+    expected = link.com
     if _near(com, expected):
         return None
     distance = np.linalg.norm(com - expected) * 1e3
     text = f"COM {distance:.1f} mm off"
-    for wrong, words in _wrong_coms(parameters, body):
-        if _near(com, wrong):
-            return f"{text}: {words}"
+    error, words = min(
+        ((float(np.linalg.norm(com - wrong)), words) for wrong, words in _wrong_coms(link)),
+        key=lambda fit: fit[0],
+    )
+    if error <= COM_TOLERANCE:
+        return f"{text}: {words}"
     if _near(as_written, expected):
         return f"{text}: Table 2's numbers, but the frame is not inertial frame {{{body}}}"
-    for link in parameters.links:
-        if link.name != f"link_{body}" and _near(as_written, link.com):
-            return f"{text}: Table 2's numbers of {link.name}"
+    for other in parameters.links:
+        if other is not link and _near(as_written, other.com):
+            return f"{text}: Table 2's numbers of {other.name}"
     if _near(as_written, np.zeros(3)):
         return f"{text}: at the origin of the other model's link frame"
     for factor, words in ((1e3, "millimetres"), (1e-3, "kilometres")):
@@ -77,8 +81,7 @@ def explain_com(
     return text
 
 
-def _wrong_coms(parameters: Alpha5Parameters, body: int) -> Iterator[tuple[FloatArray, str]]:
-    link = parameters.links[body]
+def _wrong_coms(link: LinkParameters) -> Iterator[tuple[FloatArray, str]]:
     c, main = link.com, int(np.abs(link.com).argmax())
     yield link.cob, "the centre of buoyancy of Table 3"
     yield -c, "mirrored through the origin, on the wrong side of the joint"
@@ -98,7 +101,11 @@ def _wrong_coms(parameters: Alpha5Parameters, body: int) -> Iterator[tuple[Float
 
 
 def explain_inertia(
-    parameters: Alpha5Parameters, body: int, mass: float, inertia: FloatArray
+    parameters: Alpha5Parameters,
+    body: int,
+    mass: float,
+    inertia: FloatArray,
+    as_written: FloatArray,
 ) -> str | None:
     """Why a tensor differs, or None if it agrees.
 
@@ -107,6 +114,7 @@ def explain_inertia(
         body: 0 to 4.
         mass: Of the other body [kg]: a tensor is judged for the mass it goes with.
         inertia: At the other body's COM, in our link's axes, (3, 3) [kg m^2].
+        as_written: The same in the other model's own axes, (3, 3) [kg m^2].
     """
     link = parameters.links[body]
     if _same_tensor(inertia, link.inertia):
@@ -116,16 +124,20 @@ def explain_inertia(
     text = f"inertia differs{times}"
     if not inertia.any():
         return "no inertia"
-    for wrong, words in _wrong_tensors(parameters, body):
-        if _same_tensor(inertia, wrong):
-            return f"{text}: {words}"
+    fits = [
+        (float(np.abs(inertia - wrong).max() / np.abs(wrong).max()), words)
+        for wrong, words in _wrong_tensors(parameters, body)
+    ]
+    error, words = min(fits, key=lambda fit: fit[0])
+    if error <= INERTIA_TOLERANCE:
+        return f"{text}: {words}"
     if not _same_mass(mass, link.mass) and _same_tensor(inertia * (link.mass / mass), link.inertia):
         return f"{text}: scaled with the wrong mass"
     for exponent in (9, 6, 3, -3, -6, -9):
         if _same_tensor(inertia, link.inertia * 10.0**exponent):
             return f"{text}: wrong unit, a factor of 1e{exponent}"
-    diagonal = np.diag(inertia)
-    if not (inertia - np.diag(diagonal)).any():
+    diagonal = np.diag(as_written)
+    if not (as_written - np.diag(diagonal)).any():
         if np.ptp(diagonal) <= 1e-9 * diagonal.max():
             return f"{text}: a dummy, {diagonal[0]:g} kg m^2 about every axis"
         return f"{text}: a guess without products of inertia"

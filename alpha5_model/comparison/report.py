@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -171,8 +172,7 @@ def compare_robots(
 ) -> Comparison:
     """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
     tables = parameters()
-    own = parse_urdf(urdf(Variant()))
-    ours = reduce_robot(own, map_joints(own))
+    ours = _ours()
     mapped = map_joints(other, names)
     theirs = reduce_robot(other, mapped)
     alignment = align(ours, theirs)
@@ -219,6 +219,13 @@ def compare_robots(
     )
 
 
+@cache
+def _ours() -> FourJointArm:
+    """Our own arm, generated from the tables and read like any other."""
+    robot = parse_urdf(urdf(Variant()))
+    return reduce_robot(robot, map_joints(robot))
+
+
 def _geometry(
     ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, tip_error: float
 ) -> list[Finding]:
@@ -231,7 +238,8 @@ def _geometry(
             Finding(
                 "base",
                 f"its root stands at ({x:.2f}, {y:.2f}, {z:.2f}) mm in our base_link, turned by "
-                f"{math.degrees(angle):.2f} deg; a yaw may also be a shifted zero of axis_e",
+                f"{math.degrees(angle):.2f} deg: another mount, or for a yaw a shifted zero of axis_e",
+                serious=False,
             )
         )
     for axis, sign, zero in zip(AXES, alignment.sign, alignment.zero, strict=True):
@@ -311,7 +319,9 @@ def _bodies(
         reasons = [
             mass,
             explain_com(tables, i, body.com, theirs.com[i]) if body.mass else None,
-            explain_inertia(tables, i, body.mass, body.inertia) if body.mass else None,
+            explain_inertia(tables, i, body.mass, body.inertia, theirs.inertia[i])
+            if body.mass
+            else None,
         ]
         found += [Finding(link.name, reason) for reason in reasons if reason is not None]
         if any(reasons) and body.mass:

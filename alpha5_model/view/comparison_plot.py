@@ -38,7 +38,9 @@ def plot_comparison(comparison: Comparison, path: Path) -> Path:
     figure = Figure(figsize=(11, 3.2), layout="constrained")
     for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
         bars = axes.barh(names, values, color="#c0504d")
-        axes.bar_label(bars, fmt=lambda v: f"{v:.3g}" if abs(v) > 1e-9 else "0", padding=3, fontsize=8)
+        axes.bar_label(
+            bars, fmt=lambda v: f"{v:.3g}" if abs(v) > 1e-9 else "0", padding=3, fontsize=8
+        )
         axes.invert_yaxis()
         axes.margins(x=0.25)
         axes.axvline(0, color="black", linewidth=0.8)
