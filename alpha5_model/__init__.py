@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
+    from alpha5_model.comparison.report import compare as compare
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -37,6 +38,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "AIR": ("alpha5_model.dynamics.water", "AIR"),
     "Arm": ("alpha5_model.dynamics.arm", "Arm"),
     "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
+    "compare": ("alpha5_model.comparison.report", "compare"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
