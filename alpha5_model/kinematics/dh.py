@@ -23,7 +23,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, frozen, real
+from alpha5_model.checks import FloatArray, float_array, real, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.parameters import parameters
@@ -188,7 +188,7 @@ class DHChain:
         object.__setattr__(self, "links", links)
         object.__setattr__(self, "joint_names", names)
         for part in ("base", "tool"):
-            object.__setattr__(self, part, _rigid(part, getattr(self, part)))
+            object.__setattr__(self, part, rigid_transform(part, getattr(self, part)))
 
     @classmethod
     def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
@@ -317,18 +317,3 @@ class DHChain:
         if isinstance(frame, bool) or frame not in range(self.n + 1):
             raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
         return int(frame)
-
-
-def _rigid(name: str, value: ArrayLike) -> FloatArray:
-    """A read-only rigid transform (4, 4), or an error."""
-    t = float_array(name, value, (4, 4))
-    if t.shape != (4, 4):
-        raise InputError(name, t.shape, "one (4, 4) transform")
-    r = t[:3, :3]
-    if (
-        not np.allclose(r @ r.T, np.eye(3), rtol=0, atol=1e-9)
-        or np.linalg.det(r) < 0
-        or not np.array_equal(t[3], (0, 0, 0, 1))
-    ):
-        raise InputError(name, t.tolist(), "a rigid transform (rotation, translation, 0 0 0 1)")
-    return frozen(t)
