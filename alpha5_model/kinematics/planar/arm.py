@@ -114,17 +114,10 @@ class PlanarArm:
                 ranges[-1][1] += length + limit[1]
         return tuple((max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges))
 
-    def without_first(self) -> PlanarArm | None:
-        """The arm from its second joint on, in the frame of its first link; None if that is all."""
-        if self.n == 1:
-            return None
-        return PlanarArm(self.lengths[1:], self.limits[1:], self.joints[1:], self.angles[1:])
-
-    def without_last(self) -> PlanarArm | None:
-        """The arm up to its last joint; None if that is the first."""
-        if self.n == 1:
-            return None
-        return PlanarArm(self.lengths[:-1], self.limits[:-1], self.joints[:-1], self.angles[:-1])
+    def part(self, start: int, stop: int | None = None) -> PlanarArm:
+        """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
+        cut = slice(start, stop)
+        return PlanarArm(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
 
     def poses(self, q: ArrayLike) -> FloatArray:
         """Base, every link's end, and the direction there.

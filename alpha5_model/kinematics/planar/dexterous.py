@@ -35,6 +35,9 @@ from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.curves import TURN
 from alpha5_model.kinematics.planar.workspace import annulus
 
+#: Equality counts in every condition here; lengths this share of the whole apart count as equal.
+ROUNDING = 1e-14
+
 
 @dataclass(frozen=True)
 class TheoremRow:
@@ -89,7 +92,7 @@ def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
     pair = sum(sorted((first, second, fourth))[:2])
     half = (first + second + third + fourth) / 2
     exact = turns_fully(PlanarArm((first, second, third)), fourth)
-    return TheoremRow(fourth, pair, half, pair >= half, exact)
+    return TheoremRow(fourth, pair, half, pair >= half * (1 - ROUNDING), exact)
 
 
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
@@ -105,7 +108,8 @@ def turns_fully(arm: PlanarArm, radius: float) -> bool:
     low, high, short, long = _wrist_and_link(arm)
     r = real("radius", radius, 0.0)
     # Worst orientation outwards: the wrist beyond the tip. Inwards: towards the base.
-    return r + short <= high and max(abs(r - short), abs(r - long)) >= low
+    slack = ROUNDING * (high + long)
+    return r + short <= high + slack and max(abs(r - short), abs(r - long)) >= low - slack
 
 
 def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
@@ -125,15 +129,17 @@ def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
     limit = high - short
     # max(|r - short|, |r - long|) >= low leaves out an open interval of r.
     gap = (long - low, short + low)
-    if limit < 0:
+    slack = ROUNDING * (high + long)
+    if limit < -slack:
         return ()
+    limit = max(limit, 0.0)
     if gap[0] >= gap[1]:
         return ((0.0, limit),)
     out = []
-    if gap[0] >= 0:
-        out.append((0.0, min(gap[0], limit)))
-    if gap[1] <= limit:
-        out.append((gap[1], limit))
+    if gap[0] >= -slack:
+        out.append((0.0, min(max(gap[0], 0.0), limit)))
+    if gap[1] <= limit + slack:
+        out.append((min(gap[1], limit), limit))
     return tuple(out)
 
 
@@ -186,7 +192,7 @@ def dexterity(
     flat = p.reshape(-1, 2)
     phi = np.arange(orientations) * (TURN / orientations)
     found = np.zeros((len(flat), orientations), dtype=bool)
-    tail = PlanarArm(*(part[-3:] for part in (arm.lengths, arm.limits, arm.joints, arm.angles)))
+    tail = arm.part(arm.n - 3)
     wrist = flat[:, None, :] - arm.lengths[-1] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     for x, y, heading in _sampled_starts(arm, samples):
         c, s = math.cos(heading), math.sin(heading)
@@ -216,17 +222,15 @@ def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
         return np.zeros((1, 3))
     axes = [np.linspace(*(limit or (-math.pi, math.pi)), samples) for limit in arm.limits[:head]]
     q = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, head)
-    first = PlanarArm(*(part[:head] for part in (arm.lengths, arm.limits, arm.joints, arm.angles)))
-    return first.forward_kinematics(q)
+    return arm.part(0, head).forward_kinematics(q)
 
 
 def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> np.ndarray:
     """Whether joints 1 and 2 reach the wrist (..., 2) and joint 3 then the orientation phi (...)."""
     first, second = wrist_solutions(arm, wrist)
-    heading = sum(arm.angles)
-    heading = heading + (first if arm.joints[0] == "R" else 0.0)
-    heading = heading + (second if arm.joints[1] == "R" else 0.0)
-    last = phi[..., None] - heading
+    last = phi[..., None] - math.fsum(arm.angles)
+    for kind, q in zip(arm.joints, (first, second), strict=False):
+        last = last - (q if kind == "R" else 0.0)
     ok = _within(first, arm, 0) & _within(second, arm, 1) & _within(last, arm, 2)
     return np.asarray(ok.any(axis=-1))
 

@@ -26,6 +26,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -202,7 +203,7 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
 def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
     if arm is None:
         return Workspace(None, (), (Arc((0.0, 0.0), 0.0),), None)
-    inner = _build(arm.without_first(), tolerance, step)
+    inner = _build(arm.part(1) if arm.n > 1 else None, tolerance, step)
     ranges = arm.length_ranges
     if ranges is not None:
         return _annular(arm, inner, *annulus(ranges), tolerance)
@@ -321,7 +322,7 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
     origin: list[int] = []
     for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance), strict=True)):
         per_radian = curve.radius if isinstance(curve, Arc) else 1.0
-        for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+        for low, high in pairwise(cuts):
             if (high - low) * per_radian > 4 * tolerance:
                 pieces.append(curve.piece(low, high))
                 origin.append(number)
@@ -343,22 +344,21 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
 def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
     """Parameters at which each curve begins, meets another, and ends."""
     cuts: list[list[float]] = [list(c.interval) for c in curves]
-    arcs = [i for i, c in enumerate(curves) if isinstance(c, Arc)]
-    lines = [i for i, c in enumerate(curves) if isinstance(c, Segment)]
-    centers = np.array([curves[i].center for i in arcs]).reshape(-1, 2)  # type: ignore[union-attr]
-    radii = np.array([curves[i].radius for i in arcs])  # type: ignore[union-attr]
-    starts = np.array([curves[i].start for i in lines]).reshape(-1, 2)  # type: ignore[union-attr]
-    headings = np.array([curves[i].angle for i in lines])  # type: ignore[union-attr]
-    along = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
+    arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
+    lines = [(i, c) for i, c in enumerate(curves) if isinstance(c, Segment)]
+    centers = np.array([c.center for _, c in arcs])
+    radii = np.array([c.radius for _, c in arcs])
+    starts = np.array([c.start for _, c in lines])
+    along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines])
     for j, other in enumerate(curves):
         hits = (
             (arcs, circle_hits(centers, radii, other, tolerance) if arcs else ()),
             (lines, line_hits(starts, along, other, tolerance) if lines else ()),
         )
         for members, found in hits:
-            for i, points in zip(members, found, strict=True):
+            for (i, curve), points in zip(members, found, strict=True):
                 if i != j:
-                    t = curves[i].parameter(points, tolerance)
+                    t = curve.parameter(points, tolerance)
                     cuts[i] += t[~np.isnan(t)].tolist()
     return [sorted(c) for c in cuts]
 
