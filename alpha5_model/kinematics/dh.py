@@ -16,6 +16,7 @@ References:
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -213,6 +214,26 @@ class DHChain:
         )
         names = tuple(joint.name for joint in joints)
         return cls(links, tool=tool, name="alpha5", joint_names=names)
+
+    @classmethod
+    def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
+        """The chain from a pin.Model's root to a frame; see `dh_pinocchio.dh_from_pinocchio`."""
+        from alpha5_model.kinematics.dh_pinocchio import dh_from_pinocchio
+
+        return dh_from_pinocchio(model, frame)
+
+    @classmethod
+    def from_urdf(cls, path: str | os.PathLike[str], frame: str | None = None) -> DHChain:
+        """The chain from a URDF's root to a link; see `dh_pinocchio.dh_from_urdf`."""
+        from alpha5_model.kinematics.dh_pinocchio import dh_from_urdf
+
+        return dh_from_urdf(path, frame)
+
+    def to_urdf(self) -> str:
+        """The chain as URDF text; see `alpha5_model.description.dh_chain`."""
+        from alpha5_model.description.dh_chain import dh_chain_urdf
+
+        return dh_chain_urdf(self)
 
     @property
     def n(self) -> int:

@@ -9,6 +9,8 @@ the origin of {j} is where it meets ``z_j``. Where the rule leaves a choice:
 - {0}: the world frame if its z is the first joint's axis, else the frame on that axis that makes
   theta_1 and d_1 zero;
 - {N}: ``z_N`` is the z axis of the end effector, and what is left of its pose is the chain's tool.
+  Where that axis is parallel to the last joint's, {N} has the end effector's origin, and on the
+  same axis its x too: then nothing is left.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Frame assignment".
@@ -83,6 +85,12 @@ def assign_frames(
     frames = _frames(p, z, tolerance)
     if end is None:
         frames.append(frames[-1])
+    elif np.linalg.norm(np.cross(z[-2], z[-1])) <= tolerance:
+        x = frames[-1][:3, 0]
+        away = np.cross(np.cross(z[-1], end[:3, 3] - p[-2]), z[-1])
+        if np.linalg.norm(away) <= tolerance:
+            x = end[:3, 0]
+        frames[-1] = _frame(end[:3, 3], x, z[-1])
     links = []
     for j in range(n):
         theta, d, a, alpha = _row(np.linalg.inv(frames[j]) @ frames[j + 1])

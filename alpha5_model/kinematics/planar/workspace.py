@@ -351,15 +351,17 @@ def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
     starts = np.array([c.start for _, c in lines])
     along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines])
     for j, other in enumerate(curves):
-        hits = (
-            (arcs, circle_hits(centers, radii, other, tolerance) if arcs else ()),
-            (lines, line_hits(starts, along, other, tolerance) if lines else ()),
-        )
-        for members, found in hits:
-            for (i, curve), points in zip(members, found, strict=True):
-                if i != j:
-                    t = curve.parameter(points, tolerance)
-                    cuts[i] += t[~np.isnan(t)].tolist()
+        hits: list[tuple[int, Curve, FloatArray]] = []
+        if arcs:
+            found = circle_hits(centers, radii, other, tolerance)
+            hits += [(i, c, p) for (i, c), p in zip(arcs, found, strict=True)]
+        if lines:
+            found = line_hits(starts, along, other, tolerance)
+            hits += [(i, c, p) for (i, c), p in zip(lines, found, strict=True)]
+        for i, curve, points in hits:
+            if i != j:
+                t = curve.parameter(points, tolerance)
+                cuts[i] += t[~np.isnan(t)].tolist()
     return [sorted(c) for c in cuts]
 
 
