@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
     from alpha5_model.comparison.report import compare as compare
+    from alpha5_model.kinematics import planar as planar
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -48,6 +49,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
     "load": ("alpha5_model.dynamics.loading", "load"),
     "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
+    "planar": ("alpha5_model.kinematics.planar", None),
 }
 
 __all__ = [
