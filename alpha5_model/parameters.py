@@ -119,7 +119,8 @@ class JawParameters:
         finger_length, finger_width: [m].
         finger_volume: Of one finger [m^3].
         finger_density: Estimated [kg/m^3].
-        rod_mass: Estimated [kg].
+        rod_length, rod_diameter: Estimated [m].
+        rod_density: Estimated [kg/m^3].
         finger_turn: Turn of each finger per rod travel [rad/m].
     """
 
@@ -130,7 +131,9 @@ class JawParameters:
     finger_width: float
     finger_volume: float
     finger_density: float
-    rod_mass: float
+    rod_length: float
+    rod_diameter: float
+    rod_density: float
     finger_turn: float
 
 

@@ -301,7 +301,9 @@ def _supplementary(root: _Node) -> Supplementary:
         "finger_width": "mm",
         "finger_volume": "L",
         "finger_density": "kg/m^3",
-        "rod_mass": "kg",
+        "rod_length": "mm",
+        "rod_diameter": "mm",
+        "rod_density": "kg/m^3",
         "finger_turn": "rad/m",
     }
     bodies = root.table("bodies")

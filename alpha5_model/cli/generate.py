@@ -1,0 +1,126 @@
+"""``alpha5 generate``: any variant of the arm's description, anywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+MESH_URIS = ("relative", "package", "file")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("generate")(generate)
+
+
+def generate(
+    output: Annotated[
+        Path | None,
+        typer.Option(help="File to write; meshes go beside it. Standard output if not given."),
+    ] = None,
+    gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "locked",
+    prefix: Annotated[str, typer.Option(help="Before every link and joint name.")] = "",
+    parent: Annotated[str, typer.Option(help="Link to mount on; made if given.")] = "",
+    xyz: Annotated[str, typer.Option(help="Mount in the parent, three numbers [m].")] = "0 0 0",
+    rpy: Annotated[str, typer.Option(help="Its roll, pitch, yaw [rad].")] = "0 0 0",
+    mesh_uri: Annotated[
+        str,
+        typer.Option(help="relative (copies the meshes beside the file), package or file."),
+    ] = "relative",
+    collision: Annotated[str, typer.Option(help="primitives or none.")] = "primitives",
+    dh_frames: Annotated[bool, typer.Option("--dh-frames", help="Add dh_1 ... dh_5.")] = False,
+    ros2_control: Annotated[
+        bool, typer.Option("--ros2-control", help="Add interfaces and device ids.")
+    ] = False,
+    ros2_control_plugin: Annotated[
+        str, typer.Option(help="Hardware plugin.")
+    ] = "mock_components/GenericSystem",
+    corrections: Annotated[
+        str | None,
+        typer.Option(help="Recorded corrections, with commas; '' is the document to the letter."),
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Compare the committed files; status 1 if stale.")
+    ] = False,
+    update: Annotated[
+        bool, typer.Option("--update", help="Write the committed files of this checkout anew.")
+    ] = False,
+) -> int:
+    """Write the URDF of any variant of the arm.
+
+    Example: alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
+    """
+    if check:
+        return _check()
+    if update:
+        return _update()
+    from alpha5_model.checks import choice
+    from alpha5_model.corrections import DEFAULT_CORRECTIONS
+    from alpha5_model.description.variants import Variant, urdf
+    from alpha5_model.errors import OutputError
+    from alpha5_model.files import atomic_write
+    from alpha5_model.paths import REPOSITORY_PATH
+
+    meshes = Path(REPOSITORY_PATH) / "meshes"
+    prefixes = {
+        "relative": "meshes/",
+        "package": "package://alpha5_description/meshes/",
+        "file": meshes.as_uri() + "/",
+    }
+    variant = Variant(
+        gripper=gripper,
+        prefix=prefix,
+        parent=parent,
+        xyz=_triple("xyz", xyz),
+        rpy=_triple("rpy", rpy),
+        mesh_prefix=prefixes[choice("mesh URI", mesh_uri, MESH_URIS)],
+        collision=collision,
+        dh_frames=dh_frames,
+        ros2_control=ros2_control,
+        ros2_control_plugin=ros2_control_plugin,
+        corrections=DEFAULT_CORRECTIONS
+        if corrections is None
+        else [name.strip() for name in corrections.split(",") if name.strip()],
+    )
+    text = urdf(variant)
+    if output is None:
+        typer.echo(text, nl=False)
+        return 0
+    if not output.suffix:
+        raise OutputError(output, "give a file name, such as alpha5.urdf")
+    if mesh_uri == "relative":
+        for mesh in sorted(meshes.glob("*.obj")):
+            atomic_write(output.parent / "meshes" / mesh.name, mesh.read_bytes())
+    typer.echo(f"wrote {atomic_write(output, text)}")
+    return 0
+
+
+def _check() -> int:
+    from alpha5_model.description.committed import generated_files, stale_files
+
+    stale = stale_files()
+    for file in stale:
+        typer.echo(file.diff, nl=False)
+    total = len(generated_files())
+    typer.echo(f"{total - len(stale)} of {total} generated files are fresh")
+    return 1 if stale else 0
+
+
+def _update() -> int:
+    from alpha5_model.description.committed import update
+
+    for path in update():
+        typer.echo(f"wrote {path}")
+    return 0
+
+
+def _triple(name: str, text: str) -> tuple[float, float, float]:
+    from alpha5_model.errors import InputError
+
+    try:
+        x, y, z = (float(part) for part in text.replace(",", " ").split())
+    except ValueError:
+        raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
+    return x, y, z

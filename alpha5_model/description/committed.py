@@ -1,0 +1,73 @@
+"""The generated files that are committed, and how far they are from a fresh generation."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from pathlib import Path
+
+from alpha5_model.description.meshes import mesh_files
+from alpha5_model.description.parameter_file import parameter_yaml
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.files import atomic_write
+from alpha5_model.parameters import parameters
+from alpha5_model.paths import REPOSITORY_PATH
+
+
+@dataclass(frozen=True)
+class StaleFile:
+    """A committed file that differs from what would be generated now.
+
+    Attributes:
+        path: Relative to the repository.
+        diff: Unified diff, committed against fresh; one line for binary or missing files.
+    """
+
+    path: str
+    diff: str
+
+
+def generated_files() -> dict[str, bytes]:
+    """Every file that is committed and generated: path in the repository -> content."""
+    texts = {
+        "xacro/parameters.yaml": parameter_yaml(parameters()),
+        "urdf/alpha5.urdf": urdf(Variant()),
+        "urdf/alpha5_jaws.urdf": urdf(Variant(gripper="jaws")),
+    }
+    return {
+        **{path: text.encode("utf-8") for path, text in texts.items()},
+        **{f"meshes/{name}": content for name, content in mesh_files().items()},
+    }
+
+
+def stale_files(repository: str = REPOSITORY_PATH) -> list[StaleFile]:
+    """Compare the committed files with a fresh generation; empty if all agree."""
+    stale = []
+    for path, fresh in generated_files().items():
+        file = Path(repository) / path
+        committed = file.read_bytes() if file.is_file() else None
+        if committed != fresh:
+            stale.append(StaleFile(path, _diff(path, committed, fresh)))
+    return stale
+
+
+def update(repository: str = REPOSITORY_PATH) -> list[Path]:
+    """Write the generated files into the repository; returns the paths that changed."""
+    fresh = generated_files()
+    return [
+        atomic_write(Path(repository) / stale.path, fresh[stale.path])
+        for stale in stale_files(repository)
+    ]
+
+
+def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:
+    if committed is None:
+        return f"{path}: missing\n"
+    try:
+        old, new = committed.decode("utf-8"), fresh.decode("utf-8")
+    except UnicodeDecodeError:
+        return f"{path}: {len(committed)} bytes differ from {len(fresh)} fresh ones\n"
+    lines = difflib.unified_diff(
+        old.splitlines(True), new.splitlines(True), f"committed/{path}", f"fresh/{path}"
+    )
+    return "".join(lines)

@@ -1,0 +1,45 @@
+"""Run xacro from Python: the one place that touches the xacro library."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from alpha5_model.errors import FileFormatError, MissingFileError
+
+
+def expand_xacro(path: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> str:
+    """Expand a xacro file.
+
+    Args:
+        path: The file.
+        arguments: Values of its ``xacro:arg`` elements, as text.
+
+    Returns:
+        The XML text, without xacro's banner, which names the input's path on this machine, and
+        without the comments above the root element, which are about the source.
+
+    Raises:
+        MissingFileError: No such file.
+        FileFormatError: xacro cannot expand it.
+    """
+    import xacro
+
+    # Beside a folder named xacro/, Python finds that folder if the library is missing.
+    process: Any = getattr(xacro, "process_file", None)
+    if process is None:
+        raise MissingFileError("xacro", "the xacro library to be installed")
+    if not Path(path).is_file():
+        raise MissingFileError(path, "a xacro file")
+    try:
+        # xacro writes into the mapping that it is given.
+        document = process(os.fspath(path), mappings=dict(arguments or {}))
+    except Exception as error:
+        raise FileFormatError(path, f"xacro: {' '.join(str(error).split())}") from None
+    for node in list(document.childNodes):
+        if node.nodeType == node.COMMENT_NODE:
+            document.removeChild(node)
+    text: str = document.toprettyxml(indent="  ")
+    return "\n".join(line for line in text.splitlines() if line.strip()) + "\n"

@@ -1,0 +1,95 @@
+"""Variants of the URDF: what can be chosen, and the text that a choice gives."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from alpha5_model.checks import choice, float_array
+from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.description.expand import expand_xacro
+from alpha5_model.description.parameter_file import parameter_yaml
+from alpha5_model.errors import InputError
+from alpha5_model.parameters import parameters
+from alpha5_model.paths import XACRO_PATH
+
+GRIPPERS = ("locked", "jaws")
+COLLISIONS = ("primitives", "none")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What can be chosen about a generated URDF.
+
+    Attributes:
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a and two fingers that follow it).
+        prefix: Stands before every link and joint name.
+        parent: Name of a link to mount on, which is then made; empty for none.
+        xyz: Mount of base_link in the parent [m].
+        rpy: Its roll, pitch, yaw [rad].
+        mesh_prefix: Stands before the file name of every mesh.
+        collision: ``primitives`` or ``none``.
+        dh_frames: Adds the massless DH frames ``dh_1`` to ``dh_5``.
+        ros2_control: Adds hardware interfaces and device ids.
+        ros2_control_plugin: Name of the hardware plugin.
+        corrections: Recorded corrections to apply.
+    """
+
+    gripper: str = "locked"
+    prefix: str = ""
+    parent: str = ""
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mesh_prefix: str = "../meshes/"
+    collision: str = "primitives"
+    dh_frames: bool = False
+    ros2_control: bool = False
+    ros2_control_plugin: str = "mock_components/GenericSystem"
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS
+
+    def __post_init__(self) -> None:
+        choice("gripper", self.gripper, GRIPPERS)
+        choice("collision", self.collision, COLLISIONS)
+        float_array("xyz", self.xyz, (3,))
+        float_array("rpy", self.rpy, (3,))
+        for name in ("prefix", "parent", "mesh_prefix", "ros2_control_plugin"):
+            text = getattr(self, name)
+            # xacro would evaluate ${...} and $(...), and XML escapes would hide in names
+            if not isinstance(text, str) or any(c in text for c in "${}<>&\"'\n\t"):
+                raise InputError(name, text, "a text without any of $ { } < > & quotes or newlines")
+            if name in ("prefix", "parent") and " " in text:
+                raise InputError(name, text, "a name without spaces")
+        for name in ("xyz", "rpy"):
+            if self.parent == "" and any(getattr(self, name)):
+                raise InputError(name, getattr(self, name), "a parent link to mount on")
+
+
+def urdf(variant: Variant | None = None) -> str:
+    """Text of the URDF of a variant, expanded by xacro from the published tables.
+
+    Raises:
+        Alpha5Error: See `Variant`, and `UnknownNameError` for unknown corrections.
+    """
+    chosen = variant or Variant()
+    with tempfile.TemporaryDirectory() as folder:
+        # From the tables, never from the committed YAML: that one may be stale.
+        values = Path(folder) / "parameters.yaml"
+        values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
+        return expand_xacro(
+            XACRO_PATH,
+            {
+                "prefix": chosen.prefix,
+                "parent": chosen.parent,
+                "xyz": " ".join(repr(float(x)) for x in chosen.xyz),
+                "rpy": " ".join(repr(float(x)) for x in chosen.rpy),
+                "gripper": chosen.gripper,
+                "mesh_prefix": chosen.mesh_prefix,
+                "collision": chosen.collision,
+                "dh_frames": str(chosen.dh_frames).lower(),
+                "ros2_control": str(chosen.ros2_control).lower(),
+                "ros2_control_plugin": chosen.ros2_control_plugin,
+                "parameters": str(values),
+            },
+        )

@@ -1,0 +1,169 @@
+"""Link 4 taken apart: wrist, jaw rod and two fingers that together are Table 2's link 4.
+
+The document prints link 4 with its jaws closed as one body. The fingers and the rod are estimated (their
+geometry and densities are supplementary values); the wrist is what remains, so that with closed jaws
+mass, first and second moments of the assembly are the printed ones whatever the estimate.
+
+Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
+
+- ``link_4``: the wrist, frame unchanged.
+- ``jaw_rod``: +z towards the tip; ``axis_a`` slides it along its +z.
+- ``finger_1`` on the -x side, ``finger_2`` on the +x side: +z along the hinge; each turns about its
+  +z by ``finger_turn`` times the rod's travel, and a positive angle opens it. Closed is 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray, frozen
+from alpha5_model.inertia import combine, rotate_tensor
+from alpha5_model.parameters import Alpha5Parameters
+
+
+@dataclass(frozen=True, eq=False)
+class JawBody:
+    """One body of the opened link 4, in its own frame.
+
+    Attributes:
+        name: ``link_4``, ``jaw_rod``, ``finger_1`` or ``finger_2``.
+        roll: Rotation about x from the body's frame to link_4, jaws closed [rad].
+        origin: Origin of the body's frame in link_4, jaws closed, (3,) [m].
+        mass: [kg].
+        com: (3,) [m].
+        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
+        volume: Displaced volume [m^3]; the rod moves inside the wrist and displaces nothing.
+        cob: (3,) [m].
+    """
+
+    name: str
+    roll: float
+    origin: FloatArray
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    cob: FloatArray
+
+    def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
+        rotation = _rotation_x(self.roll)
+        return (
+            self.origin + rotation @ self.com,
+            rotate_tensor(rotation, self.inertia),
+            self.origin + rotation @ self.cob,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Jaws:
+    """The four bodies of link 4 and the motion of the fingers.
+
+    Attributes:
+        wrist, rod, finger_1, finger_2: The bodies.
+        rod_closed: Position of ``axis_a`` with closed jaws, its lower limit [m].
+        finger_turn: Turn of each finger per metre of rod travel [rad/m].
+        finger_upper: Angle of the fingers with the rod at its upper limit [rad].
+    """
+
+    wrist: JawBody
+    rod: JawBody
+    finger_1: JawBody
+    finger_2: JawBody
+    rod_closed: float
+    finger_turn: float
+    finger_upper: float
+
+    @property
+    def bodies(self) -> tuple[JawBody, JawBody, JawBody, JawBody]:
+        """Wrist, rod and fingers."""
+        return self.wrist, self.rod, self.finger_1, self.finger_2
+
+
+def split_link_4(parameters: Alpha5Parameters) -> Jaws:
+    """Take the rod and the fingers out of link 4.
+
+    A finger is a box of the measured length, width and volume, its centre halfway along and halfway
+    between its pivot and the wrist axis; the rod is a cylinder centred at the jaw collar's base.
+
+    Args:
+        parameters: The arm's parameters.
+
+    Returns:
+        The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to rounding.
+    """
+    link, jaws = parameters.links[4], parameters.jaws
+    rod_joint = parameters.joints[4]
+    fingers = [_finger(parameters, i) for i in (1, 2)]
+    radius = jaws.rod_diameter / 2
+    rod_mass = jaws.rod_density * math.pi * radius**2 * jaws.rod_length
+    across = rod_mass * (3 * radius**2 + jaws.rod_length**2) / 12
+    rod = JawBody(
+        name="jaw_rod",
+        roll=math.pi,
+        origin=frozen([0.0, 0.0, -(jaws.collar_base + rod_joint.lower)]),
+        mass=rod_mass,
+        com=frozen([0.0, 0.0, 0.0]),
+        inertia=frozen(np.diag([across, across, rod_mass * radius**2 / 2])),
+        volume=0.0,
+        cob=frozen([0.0, 0.0, 0.0]),
+    )
+    moving = [rod, *fingers]
+    placed = [body.in_link_4() for body in moving]
+    mass, com, inertia = combine(
+        [link.mass, *(-body.mass for body in moving)],
+        [link.com, *(com for com, _, _ in placed)],
+        [link.inertia, *(-tensor for _, tensor, _ in placed)],
+    )
+    volume = link.volume - sum(body.volume for body in moving)
+    moment = link.volume * link.cob - sum(
+        body.volume * cob for body, (_, _, cob) in zip(moving, placed, strict=True)
+    )
+    wrist = JawBody(
+        name="link_4",
+        roll=0.0,
+        origin=frozen([0.0, 0.0, 0.0]),
+        mass=mass,
+        com=frozen(com),
+        inertia=frozen((inertia + inertia.T) / 2),
+        volume=volume,
+        cob=frozen(moment / volume),
+    )
+    return Jaws(
+        wrist=wrist,
+        rod=rod,
+        finger_1=fingers[0],
+        finger_2=fingers[1],
+        rod_closed=rod_joint.lower,
+        finger_turn=jaws.finger_turn,
+        finger_upper=jaws.finger_turn * (rod_joint.upper - rod_joint.lower),
+    )
+
+
+def _finger(parameters: Alpha5Parameters, number: int) -> JawBody:
+    jaws = parameters.jaws
+    # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
+    # positive angle, so one multiplier and one range serve both.
+    side = -1.0 if number == 1 else 1.0
+    thickness = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
+    mass = jaws.finger_density * jaws.finger_volume
+    x, y, z = thickness, jaws.finger_length, jaws.finger_width
+    centre = frozen([-side * jaws.pivot_offset / 2, -side * jaws.finger_length / 2, 0.0])
+    return JawBody(
+        name=f"finger_{number}",
+        roll=side * math.pi / 2,
+        origin=frozen([side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)]),
+        mass=mass,
+        com=centre,
+        inertia=frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2])),
+        volume=jaws.finger_volume,
+        cob=centre,
+    )
+
+
+def _rotation_x(angle: float) -> FloatArray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
