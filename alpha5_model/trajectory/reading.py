@@ -135,7 +135,7 @@ def _columns(
         return [joint + suffix for suffix in suffixes]
 
     time_column = need(TIME_COLUMNS, "the time")
-    joints = JOINTS[:4]
+    joints: tuple[str, ...] = JOINTS[:4]
     if find(names("axis_a", POSITION_SUFFIXES), "the position of axis_a") is not None:
         joints = JOINTS
     positions = [need(names(j, POSITION_SUFFIXES), f"the position of {j}") for j in joints]
