@@ -21,6 +21,8 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from alpha5_model.consistency.document import audit as audit
     from alpha5_model.kinematics import dh as dh
+    from alpha5_model import actuators as actuators
+    from alpha5_model import trajectory as trajectory
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
@@ -50,6 +52,8 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "load": ("alpha5_model.dynamics.loading", "load"),
     "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
     "planar": ("alpha5_model.kinematics.planar", None),
+    "actuators": ("alpha5_model.actuators", None),
+    "trajectory": ("alpha5_model.trajectory", None),
 }
 
 __all__ = [
