@@ -38,7 +38,8 @@ def position_check(model: Any) -> Callable[[Any], FloatArray]:
         try:
             # A second axis would make the list one of lists, which sum() refuses.
             if q.dtype is _FLOAT64 and len(q) == nq and isfinite(sum(q.tolist())):
-                return q
+                clean: FloatArray = q
+                return clean
         except (AttributeError, TypeError):
             pass
         return slowly(q)
@@ -94,9 +95,9 @@ def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
         ShapeError: Not of shape (n,).
         NonFiniteError: NaN or infinity.
     """
-    if np.shape(value) not in ((n,), ()):  # () is left to float_array, which tells what else it is
-        raise ShapeError(name, np.shape(value), f"shape ({n},)")
-    array = float_array(name, value, (n,))
+    array = float_array(name, value, ())
+    if array.shape != (n,):
+        raise ShapeError(name, array.shape, f"shape ({n},)")
     return array
 
 
