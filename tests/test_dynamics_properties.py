@@ -78,8 +78,9 @@ def test_hydrostatic_torque_is_the_gradient_of_potential_energy(arm, rng):
 
 
 def test_potential_energy_counts_link_0_on_either_base():
-    fixed, free = a5.load(gravity=(1.0, 2.0, -9.0)), a5.load(
-        floating_base=True, gravity=(1.0, 2.0, -9.0)
+    fixed, free = (
+        a5.load(gravity=(1.0, 2.0, -9.0)),
+        a5.load(floating_base=True, gravity=(1.0, 2.0, -9.0)),
     )
     q = np.array([0.3, 1.0, 2.0, 0.5])
     pose = np.concatenate([np.zeros(6), [1.0], q])
@@ -167,7 +168,9 @@ def test_jacobian_and_center_of_mass_are_derivatives_too(arm, rng):
     for frame in ("tcp", "link_2", "base_link"):
         q = random_q(arm, rng)
         jacobian = arm.jacobian(q, frame)
-        linear = central_difference(lambda x: arm.forward_kinematics(x, frame).translation, arm, q, 1e-5)  # noqa: B023
+        linear = central_difference(
+            lambda x: arm.forward_kinematics(x, frame).translation, arm, q, 1e-5
+        )  # noqa: B023
         close(jacobian[:3], linear, 1e-8)
         local = arm.jacobian(q, frame, pin.LOCAL)
         here = arm.forward_kinematics(q, frame)
@@ -175,7 +178,9 @@ def test_jacobian_and_center_of_mass_are_derivatives_too(arm, rng):
             h = 1e-6
             dq = np.zeros(arm.model.nv)
             dq[i] = h
-            twist = pin.log6(here.actInv(arm.forward_kinematics(moved(arm, q, dq), frame))).vector / h
+            twist = (
+                pin.log6(here.actInv(arm.forward_kinematics(moved(arm, q, dq), frame))).vector / h
+            )
             close(local[:, i], twist, 1e-4)
 
 

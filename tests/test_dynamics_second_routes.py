@@ -58,14 +58,15 @@ def test_corrections_change_what_they_say(states):
     q, v, a = states
     q, v, a = q[:50], v[:50], a[:50]
     printed = a5.load(corrections=())
-    assert np.abs(
-        printed.inverse_dynamics_batch(q, v, a) - a5.load().inverse_dynamics_batch(q, v, a)
-    ).max() < 1e-12
+    assert (
+        np.abs(
+            printed.inverse_dynamics_batch(q, v, a) - a5.load().inverse_dynamics_batch(q, v, a)
+        ).max()
+        < 1e-12
+    )
     # Without base_frame, link_0 lies on the +x side: its weight in water turns the mount the other way.
     net = (MASS[0] * COM[0, 0] - 1025.0 * VOLUME[0] * COB[0, 0]) * 9.81
-    change = (
-        printed.base_wrench_batch(q, v, a)[:, 4] - a5.load().base_wrench_batch(q, v, a)[:, 4]
-    )
+    change = printed.base_wrench_batch(q, v, a)[:, 4] - a5.load().base_wrench_batch(q, v, a)[:, 4]
     assert np.abs(change + 2 * net).max() < 1e-12
     cob = COB.copy()
     cob[3] = [0.02 - 0.002, 0.029 - 0.0462, -0.004]
@@ -101,9 +102,7 @@ def test_buoyancy_four_ways(states, gravity):
         third = air.inverse_dynamics(q[i], still[i], still[i]) - air.inverse_dynamics(
             q[i], still[i], still[i], fext=arm.buoyancy_wrenches(q[i])
         )
-        worst = max(
-            worst, *(np.abs(first - other).max() for other in (second, third, fourth[i]))
-        )
+        worst = max(worst, *(np.abs(first - other).max() for other in (second, third, fourth[i])))
     assert worst < EXACT
     assert np.abs(fourth).max() > 0.3  # there is something to agree on
 
@@ -144,9 +143,7 @@ def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
         q, still = random_q(arm, rng), np.zeros(arm.model.nv)
         weight, lift = mass * g, -arm.fluid_density * volume * g
         wrench = arm.base_wrench(q, still, still)
-        moment = np.cross(arm.center_of_mass(q), weight) + np.cross(
-            arm.center_of_buoyancy(q), lift
-        )
+        moment = np.cross(arm.center_of_mass(q), weight) + np.cross(arm.center_of_buoyancy(q), lift)
         assert np.abs(wrench.linear - (weight + lift)).max() < 1e-12
         assert np.abs(wrench.angular - moment).max() < 1e-12
 

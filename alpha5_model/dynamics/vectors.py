@@ -51,6 +51,9 @@ def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray
     """The same for q and v."""
     position, nq, nv = position_check(model), model.nq, model.nv
 
+    def slowly(q: Any, v: Any) -> tuple[FloatArray, FloatArray]:
+        return position(q), vector("v", v, nv)
+
     def check(q: Any, v: Any) -> tuple[FloatArray, FloatArray]:
         try:
             if (
@@ -61,9 +64,9 @@ def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray
                 return q, v
         except (AttributeError, TypeError):
             pass
-        return position(q), vector("v", v, nv)
+        return slowly(q, v)
 
-    return check
+    return check if nq == nv else slowly
 
 
 def motion_check(
@@ -71,6 +74,9 @@ def motion_check(
 ) -> Callable[[Any, Any, Any], tuple[FloatArray, FloatArray, FloatArray]]:
     """The same for q, v and a third vector of the length of v."""
     position, nq, nv = position_check(model), model.nq, model.nv
+
+    def slowly(q: Any, v: Any, x: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return position(q), vector("v", v, nv), vector(name, x, nv)
 
     def check(q: Any, v: Any, x: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         try:
@@ -82,9 +88,9 @@ def motion_check(
                 return q, v, x
         except (AttributeError, TypeError):
             pass
-        return position(q), vector("v", v, nv), vector(name, x, nv)
+        return slowly(q, v, x)
 
-    return check
+    return check if nq == nv else slowly
 
 
 def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
