@@ -44,8 +44,9 @@ def torque(
     import math
 
     unit = math.pi / 180.0 if degrees else 1.0
-    state = [tuple(unit * x for x in values) for values in (q, v, a)]
-    result = _compute(*state, fluid_density(fluid), triple("gravity", gravity), constants)
+    position, velocity, acceleration = (tuple(unit * x for x in values) for values in (q, v, a))
+    density, g = fluid_density(fluid), triple("gravity", gravity)
+    result = _compute(position, velocity, acceleration, density, g, constants)
     if as_json:
         import json
 
