@@ -77,11 +77,11 @@ def _shells() -> tuple[Body, Body]:
     return (
         _solved(
             *("link_1", what, shell.bored, blank, arm.links[1].volume, limits),
-            place=lambda solid: shell.in_link_1(solid, arm.dh[0].d * _MM_PER_M),
+            place=lambda solid: solid.transform(shell.frame_in_link_1(arm.dh[0].d * _MM_PER_M)),
         ),
         _solved(
             *("link_3", what, shell.bored, blank, arm.links[3].volume, limits),
-            place=shell.in_link_3,
+            place=lambda solid: solid.transform(shell.frame_in_link_3()),
         ),
     )
 
