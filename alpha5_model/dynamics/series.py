@@ -1,13 +1,12 @@
 """Many states at once, term by term: what a recorded or planned motion asks for.
 
-Rows are states. Torques are Pinocchio's parallel recursive Newton-Euler algorithm: each term is one
-call of it, or the difference of two. Arms on a fixed base only.
+Rows are states. Each term is the difference of two inverse dynamics, computed in parallel.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -56,13 +55,14 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = batch.rows(arm.model, q=q, v=v, a=a)
-    n = batch.available_threads() if threads is None else threads
-    pool, zero = pin.ModelPool(arm.model, n), np.zeros_like(v)
-    weight = _rnea(pool, n, q, zero, zero)
-    bias = _rnea(pool, n, q, v, zero)
-    total = _rnea(pool, n, q, v, a)
-    water = _rnea(pin.ModelPool(arm.fluid_model, n), n, q, zero, zero)
-    return TorqueTerms(total - bias, bias - weight, weight, -water)
+    still = np.zeros((1, arm.model.nv))
+    total = arm.inverse_dynamics_batch(q, v, a, threads)
+    bias = arm.inverse_dynamics_batch(q, v, still, threads)
+    static = arm.inverse_dynamics_batch(q, still, still, threads)
+    n, zero, buoyancy = threads or batch.available_threads(), np.zeros_like(v), np.empty_like(v)
+    pool = pin.ModelPool(arm.fluid_model, n)
+    pin.rneaInParallel(n, pool, q.T, zero.T, zero.T, buoyancy.T)
+    return TorqueTerms(total - bias, bias - static, static + buoyancy, -buoyancy)
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
@@ -88,10 +88,4 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     for k, configuration in enumerate(configurations):
         pin.framesForwardKinematics(arm.model, data, configuration)
         out[k] = placement.translation
-    return out
-
-
-def _rnea(pool: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    out = np.empty_like(v)
-    pin.rneaInParallel(threads, pool, q.T, v.T, a.T, out.T)
     return out

@@ -230,13 +230,17 @@ def _least_current(
 def _limits(
     motors: tuple[Actuator, ...], s: SmoothMotion, supply_voltage: float, current_limit: float
 ) -> Interval:
+    """What the drive can give while the joint moves, and what it can hold where it rests."""
     lower, upper = np.full((2, *s.position.shape), np.nan)
+    rest = at_rest(s)
     for k, motor in enumerate(motors):
         try:
-            limits = motor.torque_limits(s.velocity[:, k], supply_voltage, current_limit)
+            moving = motor.torque_limits(s.velocity[:, k], supply_voltage, current_limit)
         except MissingParameterError:
             continue
-        lower[:, k], upper[:, k] = limits
+        most = min(current_limit, supply_voltage / motor.parameters.resistance)
+        lower[:, k] = np.where(rest[:, k], motor.holding_torque(-most).lower, moving.lower)
+        upper[:, k] = np.where(rest[:, k], motor.holding_torque(most).upper, moving.upper)
     return Interval(frozen(lower), frozen(upper))
 
 
