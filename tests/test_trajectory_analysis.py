@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -187,6 +189,14 @@ def test_summary_holds_the_peaks_and_margins() -> None:
     assert s["joints"]["axis_b"]["beyond_drive_limits"] == 0
     power = np.clip(r.electrical_power.sum(axis=1), 0, None)
     assert s["energy"]["drawn_j"] == pytest.approx(np.trapezoid(power, r.smooth.time), rel=1e-12)
+    # The interval of energy by running the motors of each extreme of friction.
+    for end, energy in zip((0, 1), s["energy"]["drawn_interval_j"], strict=True):
+        extreme = {
+            name: actuator(name).extremes()[end]
+            for name in ("axis_e", "axis_d", "axis_c", "axis_b")
+        }
+        other = a5.trajectory.summary(a5.trajectory.analyse(motion, actuators=extreme))["energy"]
+        assert energy == pytest.approx(other["drawn_j"], rel=1e-9)
     text = a5.trajectory.text(s)
     assert "K_t/K_v: axis_e 1.155" in text
     assert "beyond the speed-torque limit" in text
@@ -268,6 +278,15 @@ def test_tables_hold_every_column_and_can_be_read_again(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
         a5.trajectory.write(r, tmp_path / "folder.csv")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["folder.csv", "t.csv", "t.json"]
+
+
+def test_import_stays_light() -> None:
+    script = "import sys; from alpha5_model.trajectory import read_motion; print(*sys.modules)"
+    root = Path(a5.__file__).parent.parent
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=root
+    )
+    assert {"pinocchio", "scipy", "matplotlib", "typer"}.isdisjoint(done.stdout.split())
 
 
 def test_a_hundred_thousand_samples_stay_interactive(tmp_path: Path) -> None:

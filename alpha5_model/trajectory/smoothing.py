@@ -97,7 +97,9 @@ def smooth(
         nyquist = 0.5 / float(np.median(np.diff(t)))
         if bandwidth >= nyquist:
             raise InputError(
-                "bandwidth", bandwidth, f"less than half the sample rate, {nyquist:.4g} Hz"
+                "bandwidth",
+                bandwidth,
+                f"less than half the sample rate, {nyquist:.4g} Hz (or method interpolate)",
             )
     signals = motion.position
     if use_velocity:
