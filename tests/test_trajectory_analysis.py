@@ -300,13 +300,13 @@ def test_a_hundred_thousand_samples_stay_interactive(tmp_path: Path) -> None:
     rows = np.column_stack([t, noisy, v]).tolist()
     path.write_text("\n".join([header, *(",".join(map(repr, row)) for row in rows)]))
     a5.trajectory.analyse(planned(51))  # start-up
+    # Processor time of one thread: what a user waits on a free machine, whatever else runs here.
     best = np.inf
     for _ in range(2):
-        start = time.perf_counter()
-        text = a5.trajectory.text(
-            a5.trajectory.summary(a5.trajectory.analyse(a5.trajectory.read_motion(path)))
-        )
-        best = min(best, time.perf_counter() - start)
+        start = time.process_time()
+        motion = a5.trajectory.read_motion(path)
+        text = a5.trajectory.text(a5.trajectory.summary(a5.trajectory.analyse(motion, threads=1)))
+        best = min(best, time.process_time() - start)
     assert "100000 samples" in text
     assert best < 3.0
 

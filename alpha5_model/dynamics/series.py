@@ -1,12 +1,13 @@
 """Many states at once, term by term: what a recorded or planned motion asks for.
 
-Rows are states. Each term is the difference of two inverse dynamics, computed in parallel.
+Rows are states. Each term is one call of Pinocchio's parallel recursive Newton-Euler algorithm, or the
+difference of two.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -55,14 +56,16 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = batch.rows(arm.model, q=q, v=v, a=a)
-    still = np.zeros((1, arm.model.nv))
-    total = arm.inverse_dynamics_batch(q, v, a, threads)
-    bias = arm.inverse_dynamics_batch(q, v, still, threads)
-    static = arm.inverse_dynamics_batch(q, still, still, threads)
-    n, zero, buoyancy = threads or batch.available_threads(), np.zeros_like(v), np.empty_like(v)
-    pool = pin.ModelPool(arm.fluid_model, n)
-    pin.rneaInParallel(n, pool, q.T, zero.T, zero.T, buoyancy.T)
-    return TorqueTerms(total - bias, bias - static, static + buoyancy, -buoyancy)
+    n = threads or batch.available_threads()
+    dry, wet, still = (
+        pin.ModelPool(arm.model, n),
+        pin.ModelPool(arm.fluid_model, n),
+        np.zeros_like(v),
+    )
+    total = _rnea(dry, n, q, v, a)
+    bias = _rnea(dry, n, q, v, still)
+    weight = _rnea(dry, n, q, still, still)
+    return TorqueTerms(total - bias, bias - weight, weight, -_rnea(wet, n, q, still, still))
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
@@ -88,4 +91,10 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     for k, configuration in enumerate(configurations):
         pin.framesForwardKinematics(arm.model, data, configuration)
         out[k] = placement.translation
+    return out
+
+
+def _rnea(pool: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    out = np.empty_like(v)
+    pin.rneaInParallel(threads, pool, q.T, v.T, a.T, out.T)
     return out
