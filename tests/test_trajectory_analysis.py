@@ -117,10 +117,10 @@ def test_motors_case_by_case() -> None:
     for k in range(201):
         for j, (resistance, friction, eta, k_t, k_v, gear) in enumerate(TABLE_4):
             tau, v = r.torque[k, j], r.smooth.velocity[k, j]
-            if abs(v) < 0.02 * RATED[j]:
+            if abs(v) < 0.002 * RATED[j]:
                 # At rest friction holds a load of either sign up to F, so that no current is needed.
                 assert abs(tau) * eta / gear < friction
-                current, case = 0.0, "rest"
+                current, v, case = 0.0, 0.0, "rest"
             elif (tau > 0) == (v > 0):
                 current, case = (tau / (gear * eta) + np.sign(v) * friction) / k_t, "driving"
             else:
@@ -137,6 +137,22 @@ def test_motors_case_by_case() -> None:
     assert (r.current_lower <= r.current).all()
     assert (r.current <= r.current_upper).all()
     assert (r.current_upper - r.current_lower).max() == pytest.approx(0.2 * 3.752e-3 / 0.0134)
+
+
+def test_noise_does_not_turn_friction_round() -> None:
+    """A joint that creeps forward, its velocities noisier than they are large, needs a steady current."""
+    rng = np.random.default_rng(31)
+    t = np.cumsum(rng.uniform(0.01, 0.03, 2000))
+    q = 1.0 + 0.006 * t[:, None] * np.ones(4)
+    v = 0.006 + rng.normal(scale=0.02, size=q.shape)
+    r = a5.trajectory.analyse(a5.trajectory.motion(t, q, v))
+    assert (r.smooth.velocity < 0).sum() > 1000
+    assert (r.smooth.direction == 1).all()
+    friction_current = np.array([3.752e-3 / 0.0134] * 3 + [0.469e-3 / 0.0271])
+    assert (np.abs(r.current / friction_current - 1) < 0.3).all()
+    still = a5.trajectory.analyse(a5.trajectory.motion(t, q[:1] + 0 * q, v - 0.006))
+    assert (still.smooth.direction == 0).all()
+    assert (still.current == 0).all()
 
 
 def test_rotor_inertia_and_screw_lead_are_used_when_given() -> None:

@@ -8,7 +8,8 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import JointParameters, parameters
-from alpha5_model.trajectory.analysis import REST_SHARE, Analysis
+from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.smoothing import REST_SHARE
 
 CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
 
@@ -27,7 +28,10 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     power = np.nansum(a.electrical_power, axis=1)
     contradiction = np.stack(
         [
-            (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * s.velocity[:, k]
+            (m.back_emf_constant - m.torque_constant)
+            * m.ratio
+            * a.current[:, k]
+            * a.smooth.signed_velocity[:, k]
             if np.isfinite(a.current[:, k]).all()
             else np.zeros(s.time.size)
             for k, m in enumerate(a.actuators)
@@ -137,10 +141,10 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
 
 def _power_interval(a: Analysis) -> tuple[FloatArray, FloatArray]:
     """Electrical power of all motors over the printed tolerance of friction, (N,) each [W]."""
-    ends = []
+    ends, velocity = [], a.smooth.signed_velocity
     for current in (a.current_lower, a.current_upper):
         columns = [
-            motor.voltage(current[:, k], a.smooth.velocity[:, k]) * current[:, k]
+            motor.voltage(current[:, k], velocity[:, k]) * current[:, k]
             for k, motor in enumerate(a.actuators)
             if np.isfinite(current[:, k]).all()
         ]
@@ -207,7 +211,7 @@ def text(record: dict[str, Any]) -> str:
 def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
     ratios = ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items())
     notes = [
-        f"a joint slower than {REST_SHARE:.0%} of its rated speed counts as at rest: friction holds it and "
+        f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
         "its motor needs the least current that keeps it there",
         "torque margins are to an effort of 9 Nm (jaw rod 10 N) that every public model copies; "
         "no rating is published",
