@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import actuation, buoyancy, geometry, inertial
+from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, workspace
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -24,6 +24,6 @@ def audit() -> tuple[AuditRow, ...]:
     printed, p = published(), parameters()
     return tuple(
         row
-        for topic in (geometry, inertial, buoyancy, actuation)
+        for topic in (geometry, workspace, inertial, buoyancy, actuation)
         for row in topic.audit(printed, p)
     )
