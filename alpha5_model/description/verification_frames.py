@@ -2,13 +2,40 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.urdf_text import UrdfText
+from alpha5_model.description.urdf_reading import UrdfJoint, UrdfLink, read_urdf
 from alpha5_model.parameters import Alpha5Parameters
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A URDF file that is checked.
+
+    Attributes:
+        path: The file.
+        prefix: What stands before ``base_link`` in it.
+        links, joints: By name, as read from the text.
+    """
+
+    path: Path
+    prefix: str
+    links: dict[str, UrdfLink]
+    joints: dict[str, UrdfJoint]
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Subject:
+        """Read a file; see `read_urdf` for what it raises."""
+        robot = read_urdf(Path(path))
+        base = [name for name in robot.links if name.endswith("base_link")]
+        prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
+        return cls(Path(path), prefix, robot.links, robot.joints)
 
 
 class NotInstalledError(Exception):
@@ -68,7 +95,7 @@ def frame_error(given: FloatArray, expected: FloatArray) -> float:
 
 
 def pinocchio_frames(
-    text: UrdfText, links: list[str], joints: list[str], q: FloatArray
+    text: Subject, links: list[str], joints: list[str], q: FloatArray
 ) -> dict[str, FloatArray]:
     """Poses in base_link of the named links, name -> (N, 4, 4), by Pinocchio."""
     import pinocchio as pin
@@ -92,7 +119,7 @@ def pinocchio_frames(
 
 
 def yourdfpy_frames(
-    text: UrdfText, links: list[str], joints: list[str], q: FloatArray
+    text: Subject, links: list[str], joints: list[str], q: FloatArray
 ) -> dict[str, FloatArray]:
     """Poses in base_link of the named links, name -> (N, 4, 4), by yourdfpy."""
     try:
