@@ -12,6 +12,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
 from alpha5_model.consistency.units import GRAVITY, MM, excess_of_box
 from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.ik_published import published_inverse_kinematics
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.tables import Published
 
@@ -50,33 +51,6 @@ def _base_frame(printed: Published, p: Alpha5Parameters) -> AuditRow:
     )
 
 
-def printed_solution(position: FloatArray, p: Alpha5Parameters, overarm: bool) -> FloatArray:
-    """The formulas of Section 1.3 (underarm) or 1.4 (overarm), to the letter.
-
-    Args:
-        position: (..., 3) in base_link [m].
-        p: Lengths.
-        overarm: Section 1.4 instead of 1.3.
-
-    Returns:
-        (..., 4), theta_3 = 0, not wrapped into the limits; NaN out of reach.
-    """
-    a_0, d_0, a_1, a_2, d_3 = p.dh[0].a, p.dh[0].d, p.dh[1].a, p.dh[2].a, p.dh[3].d
-    x, y, z = np.moveaxis(position, -1, 0)
-    side = -1.0 if overarm else 1.0
-    radius = np.hypot(x, y) - side * a_0
-    l_1, l_2, l_3 = a_1, np.hypot(a_2, d_3), np.hypot(radius, z - d_0)
-    corner = np.arcsin(2 * a_2 / l_1)
-    with np.errstate(invalid="ignore"):
-        theta_2 = np.arccos((l_1**2 + l_2**2 - l_3**2) / (2 * l_1 * l_2))
-        inner = np.arccos((l_1**2 + l_3**2 - l_2**2) / (2 * l_1 * l_3))
-    theta_2 = theta_2 - corner - np.arcsin(a_2 / l_2)
-    start = 3 * np.pi / 2 if overarm else np.pi / 2
-    theta_1 = start + side * np.arctan2(z - d_0, radius) - inner - corner
-    theta_0 = np.arctan2(y, x) + (0.0 if overarm else np.pi)
-    return np.stack([theta_0, theta_1, theta_2, np.zeros_like(theta_0)], axis=-1)
-
-
 def _inverse_kinematics(p: Alpha5Parameters) -> list[AuditRow]:
     """Random joint positions within the limits: where do the printed formulas lead?"""
     joints = p.joints[:4]
@@ -85,12 +59,13 @@ def _inverse_kinematics(p: Alpha5Parameters) -> list[AuditRow]:
     chain = DHChain.alpha5()
     target = chain.frames(q)[:, -1, :3, 3]
     rows, found = [], np.zeros(SAMPLES, dtype=bool)
-    for overarm, name, section in ((False, "underarm", "1.3"), (True, "overarm", "1.4")):
-        solution = printed_solution(target, p, overarm)
+    printed = published_inverse_kinematics(target)
+    for k, (name, section) in enumerate((("underarm", "1.3"), ("overarm", "1.4"))):
+        solution = np.concatenate([printed[:, k], q[:, 3:]], axis=-1)
         exists = np.isfinite(solution).all(axis=-1)
         reached = chain.frames(solution[exists])[:, -1, :3, 3]
         away = np.remainder(solution - q + np.pi, 2 * np.pi) - np.pi
-        found |= exists & (np.abs(away[:, :3]).max(axis=-1) < 1e-6)
+        found |= exists & (np.abs(away).max(axis=-1) < 1e-6)
         rows.append(
             judged(
                 f"inverse_kinematics.{name}",

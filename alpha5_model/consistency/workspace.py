@@ -13,12 +13,13 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
 from alpha5_model.consistency.units import MM
 from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.reach import reachable
+from alpha5_model.kinematics.workspace import published_errors
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published
 
-#: Points along the radius of the grid that measures areas of the workspace's cross-section.
+#: Points along the radius of the grid on which the rounding of the tori is counted.
 GRID = 401
 
 
@@ -138,7 +139,11 @@ def _length(printed: Published, row: int, column: str) -> Quantity:
 
 
 def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
-    """Areas of the half-plane R >= 0: between the printed tori, and reached within the limits."""
+    """Areas of the half-plane R >= 0: between the printed tori, and reached within the limits.
+
+    The areas are exact; how much of them the rounding of the printed lengths may move is counted on
+    a grid, on which only the tori move.
+    """
     opposite, adjacent = printed.elbow.opposite, printed.elbow.adjacent
     numbers = printed.workspace
     inputs = [
@@ -154,7 +159,7 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     )
     # Azimuth pi/2 lies within the limits of theta_0 whichever way the arm faces.
     points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
-    reached = inverse_kinematics(points).within_limits.any(axis=-1)
+    reached = reachable(points)
 
     def published(x: FloatArray) -> NDArray[np.bool_]:
         a_0, d_0, a_2, d_3, opp, adj, offset, length, drop = x
@@ -173,23 +178,24 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     def left_out(x: FloatArray) -> float:
         return float((reached & ~published(x)).sum() / reached.sum())
 
-    values = np.array([q.si for q in inputs])
+    exact = published_errors()
     return [
         judged(
             f"workspace.{name}",
             "Section 1.2, Figure 2",
             says,
-            100 * share(values),
+            100 * measured,
             "=",
             0.0,
             100 * float(rounding_bound(share, inputs)),
             "%",
             finding,
         )
-        for name, says, share, finding in (
+        for name, says, measured, share, finding in (
             (
                 "beyond_reach",
                 "all points between the tori are reached",
+                exact.unreachable_area / exact.published_area,
                 beyond_reach,
                 "share of the published region, by area in the half-plane, that no joint position within "
                 "the limits reaches: the tori ignore joint limits",
@@ -197,6 +203,7 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
             (
                 "left_out",
                 "no point outside the tori is reached",
+                exact.missed_area / exact.reachable_area,
                 left_out,
                 "share of what can be reached, by area in the half-plane, that lies outside the tori",
             ),
