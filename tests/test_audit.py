@@ -69,7 +69,7 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
     excess = row.measured - row.expected
     distance = {"=": abs(excess), "<=": excess, ">=": -excess}[row.relation]
     assert (row.verdict == "agrees") == (distance <= row.bound)
-    assert row.place.startswith(("Section", "Tables"))
+    assert row.place.startswith(("Section", "Tables", "Lecture 7.1"))
     assert 0 < len(row.says) < 90
     assert row.finding
     assert (row.effect is None) == (row.effect_unit == "")
@@ -396,6 +396,28 @@ def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:
     row = rows["inverse_kinematics.branches"]
     assert row.measured == pytest.approx(share, abs=2.0)
     assert row.verdict == "differs"
+    assert row.finding.endswith("the four solutions recover 100 %")
+
+
+# --- the lecture ------------------------------------------------------------------------------
+
+
+def test_the_theorem_by_turning_the_hand(rows: dict[str, AuditRow]) -> None:
+    """The hand turns fully if its wrist stays within the reach of links 1 and 2, all the way round."""
+    turns = promised = broken = missed = 0
+    angle = np.linspace(0, 2 * np.pi, 721)
+    for l_1, l_2, l_3, l_4 in itertools.product(range(1, 7), repeat=4):
+        wrist = np.hypot(l_4 + l_3 * np.cos(angle), l_3 * np.sin(angle))
+        exact = wrist.max() <= l_1 + l_2 + 1e-9 and wrist.min() >= abs(l_1 - l_2) - 1e-9
+        half = (l_1 + l_2 + l_3 + l_4) / 2
+        theorem = all(a + b >= half for a, b in itertools.combinations((l_1, l_2, l_4), 2))
+        turns, promised = turns + exact, promised + theorem
+        broken, missed = broken + (theorem and not exact), missed + (exact and not theorem)
+        assert not (exact and not theorem) or l_4 <= min(l_1, l_2, l_3)
+    assert rows["lecture.sufficient"].measured == 100 * broken / promised == 0
+    assert rows["lecture.sufficient"].verdict == "agrees"
+    assert rows["lecture.necessary"].measured == pytest.approx(100 * missed / turns)
+    assert rows["lecture.necessary"].verdict == "differs"
 
 
 # --- other documents: every verdict can turn --------------------------------------------------

@@ -385,7 +385,7 @@ def test_the_report_fits_its_width(
         v: sum(r.verdict == v for r in a5.audit()) for v in ("agrees", "differs", "impossible")
     }
     assert lines[-1].startswith(
-        f"Document {counts['agrees']} agree, {counts['differs']} differ, {counts['impossible']} impossible; files "
+        f"Documents {counts['agrees']} agree, {counts['differs']} differ, {counts['impossible']} impossible; files "
     )
     text = "\n".join(lines)
     assert not any("…" in line for line in lines)
@@ -408,7 +408,7 @@ def test_a_failing_file_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixtur
     out = capsys.readouterr().out
     assert "it is I_Link" in " ".join(out.split())
     assert "1 failed" in out.splitlines()[-1]
-    assert "The document" not in out
+    assert "The documents against themselves" not in out
 
 
 def test_a_failing_generated_file_is_status_1(

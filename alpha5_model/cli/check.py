@@ -99,7 +99,7 @@ def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed
 def _print_document(console: Console, rows: Sequence[AuditRow], every: bool) -> None:
     from rich.padding import Padding
 
-    console.rule("[bold]The document against itself", align="left", style="dim")
+    console.rule("[bold]The documents against themselves", align="left", style="dim")
     console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
     for topic, of_topic in _grouped(rows, lambda row: row.topic):
         place = _common([row.place for row in of_topic])
@@ -128,7 +128,7 @@ def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
     from rich.padding import Padding
     from rich.table import Table
 
-    console.rule("[bold]The files against the document", align="left", style="dim")
+    console.rule("[bold]The files against the documents", align="left", style="dim")
     for file, of_file in _grouped(rows, lambda row: row.file):
         console.print(f"\n[bold]{_plain(file)}[/]")
         table = Table.grid(padding=(0, 2))
@@ -211,7 +211,7 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
     if document:
         counts = Counter(str(row.verdict) for row in document)
         words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
-        parts.append("document " + ", ".join(f"{counts[key]} {word}" for word, key in words))
+        parts.append("documents " + ", ".join(f"{counts[key]} {word}" for word, key in words))
     verdicts = Counter(str(row.verdict) for row in files)
     shown = ("passed", "failed", "not run") if verdicts["not run"] else ("passed", "failed")
     parts.append("files " + ", ".join(f"{verdicts[word]} {word}" for word in shown))
