@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -56,20 +57,21 @@ def check(
     from alpha5_model.description.verification import verify_generated, verify_urdf
     from alpha5_model.errors import InputError
 
-    document: Sequence[AuditRow] = ()
     if urdf is None:
-        from alpha5_model.consistency.document import audit
-
         if corrections is not None:
             raise InputError("corrections", corrections, "a file to check, --urdf FILE")
-        document, files = audit(), verify_generated()
+    elif corrections is None:
+        names = DEFAULT_CORRECTIONS
     else:
-        names = (
-            DEFAULT_CORRECTIONS
-            if corrections is None
-            else tuple(name.strip() for name in corrections.split(",") if name.strip())
-        )
-        files = verify_urdf(urdf, names)
+        names = tuple(name.strip() for name in corrections.split(",") if name.strip())
+    document: Sequence[AuditRow] = ()
+    with _progress("checking"):
+        if urdf is None:
+            from alpha5_model.consistency.document import audit
+
+            document, files = audit(), verify_generated()
+        else:
+            files = verify_urdf(urdf, names)
     failed = any(row.verdict == "failed" for row in files)
     if as_json:
         _print_json(document, files, failed)
@@ -82,6 +84,14 @@ def check(
         _print_files(console, files)
         console.print(_summary(document, files))
     return 1 if failed else 0
+
+
+def _progress(words: str) -> AbstractContextManager[object]:
+    """A spinner on a terminal's stderr; nothing where nobody looks."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    return console.status(words) if console.is_terminal else nullcontext()
 
 
 def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:

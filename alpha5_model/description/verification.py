@@ -80,7 +80,7 @@ def verify_generated() -> tuple[FileCheck, ...]:
     """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
     stale = [file.path for file in stale_files()]
     fresh = FileCheck(
-        "all",
+        "generated files",
         "fresh",
         None,
         None,
