@@ -300,7 +300,9 @@ def test_friction_and_stall_torque(rows: dict[str, AuditRow]) -> None:
     assert friction.verdict == "differs"
     assert friction.bound > 0.1 * friction.measured
     stall = rows["stall_torque.actuator_0"]
-    assert stall.measured == pytest.approx(0.0134 * 24 / 3.22 * 1754.4 * 0.86)
+    supply = max(0.0116 * 1754.4 * math.radians(30), 0.0545 * 340.4 * math.radians(50))
+    assert stall.measured == pytest.approx(0.0134 * supply / 3.22 * 1754.4 * 0.86)
+    assert f"{supply:.1f} V" in stall.finding
     assert stall.measured > 100
     assert stall.verdict == "differs"
 
