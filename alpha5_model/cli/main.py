@@ -17,6 +17,8 @@ COMMANDS: tuple[str, ...] = (
     "generate",
     "compare",
     "trajectory",
+    "ik",
+    "workspace",
 )
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).

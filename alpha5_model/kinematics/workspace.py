@@ -37,6 +37,8 @@ __all__ = [
     "boundary",
     "cross_section_area",
     "distance_to_reach",
+    "in_half_plane",
+    "in_tori",
     "manipulability",
     "nearest_reachable",
     "published_errors",
@@ -115,7 +117,7 @@ def published_reachable(positions: ArrayLike) -> NDArray[np.bool_]:
         (...) bool.
     """
     target = float_array("positions", positions, (3,))
-    return _in_tori(np.hypot(target[..., 0], target[..., 1]), target[..., 2])
+    return in_tori(np.hypot(target[..., 0], target[..., 1]), target[..., 2])
 
 
 def cross_section_area(side: str = "both", limits: bool = True) -> float:
@@ -145,16 +147,16 @@ def published_errors() -> PublishedErrors:
         Arc(torus.center, torus.radius, 0.0, 2 * math.pi, 0, torus.name, "published")
         for torus in published_tori()
     ]
-    printed = trace(tori, _in_tori)
+    printed = trace(tori, in_tori)
     curves = [*tori, *(curve for side in SIDES[:2] for curve in side_curves(side))]
     wrong, missed = {}, {}
     for side in SIDES:
 
         def is_wrong(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
-            return _in_tori(R, z) & ~in_half_plane(R, z, side)
+            return in_tori(R, z) & ~in_half_plane(R, z, side)
 
         def is_missed(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
-            return in_half_plane(R, z, side) & ~_in_tori(R, z)
+            return in_half_plane(R, z, side) & ~in_tori(R, z)
 
         wrong[side] = trace(curves, is_wrong)
         missed[side] = trace(curves, is_missed)
@@ -170,7 +172,8 @@ def published_errors() -> PublishedErrors:
     )
 
 
-def _in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+def in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    """Which points of a half-plane (R, z) [m] satisfy the three inequalities of Section 1.2."""
     inside = np.ones(np.shape(radius), np.bool_)
     for torus in published_tori():
         squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2
