@@ -37,7 +37,6 @@ BoolArray = NDArray[np.bool_]
 #: The plane faces the target (underarm) or turns its back (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
 
-
 # One target's numbers are packed once, and its arrays are read-only views of them.
 _NEW, _ARRAY, _FLOAT = tuple.__new__, np.ndarray, np.dtype(np.float64)
 _FLAGS = tuple(
