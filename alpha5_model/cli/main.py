@@ -19,6 +19,8 @@ COMMANDS: tuple[str, ...] = (
     "compare",
     "torque",
     "trajectory",
+    "ik",
+    "workspace",
 )
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
