@@ -157,6 +157,22 @@ def test_forward_dynamics_derivatives(arm, rng):
             close(dtau[:, i], one, 1e-9)
 
 
+def vector_of_base_wrench(q, v, a, arm):
+    return arm.base_wrench(q, v, a).vector
+
+
+def test_base_wrench_derivatives(arm, rng):
+    for _ in range(3):
+        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        dq, dv, da = arm.base_wrench_derivatives(q, v, a)
+        close(dq, central_difference(vector_of_base_wrench, arm, q, 1e-5, v, a, arm), 1e-6)
+        for i, column in enumerate(np.eye(arm.model.nv)):
+            ahead, behind = (arm.base_wrench(q, v + s * column, a) for s in (1.0, -1.0))
+            close(dv[:, i], (ahead - behind).vector / 2, 1e-10)
+            ahead, behind = (arm.base_wrench(q, v, a + s * column) for s in (1.0, -1.0))
+            close(da[:, i], (ahead - behind).vector / 2, 1e-10)
+
+
 def test_derivatives_without_the_water_would_be_wrong(rng):
     arm, air = a5.load(), a5.load(a5.AIR)
     q = random_q(arm, rng)
