@@ -117,6 +117,20 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
     assert fine < 1e-6
 
 
+def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
+    """d(kinetic + potential)/dt = tau . v along any motion, on a moving base too."""
+    for _ in range(20):
+        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        h = 1e-5
+        ahead, behind = (
+            arm.kinetic_energy(x, v + s * h * a) + arm.potential_energy(x)
+            for s in (1.0, -1.0)
+            for x in [moved(arm, q, s * h * v)]
+        )
+        power = arm.inverse_dynamics(q, v, a) @ v
+        assert (ahead - behind) / (2 * h) == pytest.approx(power, rel=1e-7, abs=1e-7)
+
+
 def test_inverse_dynamics_derivatives(arm, rng):
     for _ in range(3):
         q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
