@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.hydrostatics import Displacement
+from alpha5_model.dynamics.mount import Mount
 from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.statics import Statics
 from alpha5_model.dynamics.vectors import forces, motion_check, state_check
@@ -200,6 +201,26 @@ class Arm(Statics):
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
+    def base_wrench_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Analytic derivatives of `base_wrench`.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            a: (nv,).
+
+        Returns:
+            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between arm and
+            vehicle, linearised.
+        """
+        q, v, a = self._clean_qva(q, v, a)
+        if self.floating_base:
+            dq, dv, da = self.inverse_dynamics_derivatives(q, v, a)
+            return -dq[:6], -dv[:6], -da[:6]
+        return self._mount.derivatives(q, v, a)
+
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         q, v = self._clean_qv(q, v)
@@ -243,24 +264,8 @@ class Arm(Statics):
         """
         q, v, a = batch.rows(self._model, q=q, v=v, a=a)
         if self.floating_base:
-            wrench = batch.inverse_dynamics(
-                self._model, self._fluid, self._own.pools, threads, q, v, a
-            )
-            return -wrench[:, :6]
-        # The same arm on a free-flyer that does not move: its first six torques are the mount's.
-        model, fluid = self._on_free_flyer
-        still = np.zeros((len(q), 6))
-        pose = np.hstack([still, np.ones((len(q), 1))])
-        wrench = batch.inverse_dynamics(
-            model,
-            fluid,
-            self._own.pools,
-            threads,
-            np.hstack([pose, q]),
-            np.hstack([still, v]),
-            np.hstack([still, a]),
-        )
-        return -wrench[:, :6]
+            return -self.inverse_dynamics_batch(q, v, a, threads)[:, :6]
+        return self._mount.wrenches(self._own.pools, threads, q, v, a)
 
     def with_payload(
         self,
@@ -296,8 +301,8 @@ class Arm(Statics):
         return type(self)(model, (*self.displacements, displacement), self.fluid_density)
 
     @cached_property
-    def _on_free_flyer(self) -> tuple[Any, Any]:
-        return batch.free_flyer(self._model), batch.free_flyer(self._fluid)
+    def _mount(self) -> Mount:
+        return Mount(self._model, self._fluid)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._model, self.displacements, self.fluid_density)

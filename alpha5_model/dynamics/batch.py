@@ -74,7 +74,7 @@ def inverse_dynamics(
     a: FloatArray,
 ) -> FloatArray:
     """RNEA of each row with the torque of the water taken off, (N, nv)."""
-    n = _threads(threads)
+    n = thread_count(threads)
     tau = np.empty_like(v)
     pin.rneaInParallel(n, pools.of(model, n), q.T, v.T, a.T, tau.T)
     tau -= _buoyancy(fluid, n, pools, q)
@@ -91,25 +91,12 @@ def forward_dynamics(
     tau: FloatArray,
 ) -> FloatArray:
     """ABA of each row with the torque of the water added, (N, nv)."""
-    n = _threads(threads)
+    n = thread_count(threads)
     total = _buoyancy(fluid, n, pools, q)
     total += tau
     a = np.empty_like(v)
     pin.abaInParallel(n, pools.of(model, n), q.T, v.T, total.T, a.T)
     return a
-
-
-def free_flyer(model: Any) -> Any:
-    """The same arm with its fixed base on a free-flyer joint; frames are left out."""
-    free = pin.Model()
-    free.gravity = model.gravity
-    root = free.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
-    free.appendBodyToJoint(root, model.inertias[0], pin.SE3.Identity())
-    for i in range(1, model.njoints):
-        parent = model.parents[i] + 1
-        joint = free.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
-        free.appendBodyToJoint(joint, model.inertias[i], pin.SE3.Identity())
-    return free
 
 
 def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArray:
@@ -119,7 +106,8 @@ def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArr
     return out
 
 
-def _threads(threads: int | None) -> int:
+def thread_count(threads: int | None) -> int:
+    """Check a number of threads; None stands for `available_threads`."""
     if threads is None:
         return available_threads()
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
