@@ -1,0 +1,324 @@
+"""MuJoCo: a folder in the style of MuJoCo Menagerie, with the buoyancy of Table 3.
+
+MuJoCo has no hydrostatics, but it can compensate a body's weight: a body of mass m with
+``gravcomp = k`` feels ``-k m g`` at its centre of mass. Each link therefore carries, at its centre of
+buoyancy, a child body without inertia whose mass is the displaced volume over `DILUTION`; with
+``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the weight of the displaced
+fluid added, upwards. The mass matrix changes by less than 1e-13 kg m^2.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from alpha5_model.checks import choice, real
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.frames import Placement, base_placement, tcp_placement
+from alpha5_model.description.mjcf_readme import mjcf_readme
+from alpha5_model.description.parameter_file import MATERIALS, parameter_tree
+from alpha5_model.description.postures import POSTURES
+from alpha5_model.description.tree import Body, Joint, Mesh, Shape, arm_bodies
+from alpha5_model.description.variants import COLLISIONS, GRIPPERS
+from alpha5_model.fluids import SEA_WATER
+from alpha5_model.parameters import parameters
+
+ACTUATORS = ("position", "velocity", "motor")
+#: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
+#: keep every mass above the least that MuJoCo knows, 1e-15 kg.
+DILUTION = 1e9
+#: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s].
+VISCOSITY = 1.08e-3
+
+#: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
+_STIFFNESS = {"axis_e": 200.0, "axis_d": 200.0, "axis_c": 200.0, "axis_b": 5.0, "axis_a": 500.0}
+#: MuJoCo would take the critical damping of the rod from the rod alone; the fingers weigh more [N s/m].
+_ROD_DAMPING = 8.0
+
+
+@dataclass(frozen=True)
+class MjcfOptions:
+    """What can be chosen about the MuJoCo model.
+
+    Attributes:
+        gripper: ``locked`` or ``jaws``.
+        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's README.
+        actuators: ``position``, ``velocity`` or ``motor``.
+        drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
+        collision: ``primitives`` or ``none``.
+        corrections: Recorded corrections to apply.
+    """
+
+    gripper: str = "locked"
+    fluid_density: float = SEA_WATER
+    actuators: str = "position"
+    drag: bool = False
+    collision: str = "primitives"
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS
+
+    def __post_init__(self) -> None:
+        choice("gripper", self.gripper, GRIPPERS)
+        choice("actuators", self.actuators, ACTUATORS)
+        choice("collision", self.collision, COLLISIONS)
+        real("fluid_density", self.fluid_density, minimum=0.0)
+        object.__setattr__(self, "corrections", check_corrections(self.corrections))
+
+
+def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
+    """The folder: path in it -> content.
+
+    ``alpha5.xml`` (the model), ``scene.xml`` (with light and sea bed), ``assets/`` (meshes), ``README.md``.
+
+    Raises:
+        Alpha5Error: See `MjcfOptions`.
+    """
+    from alpha5_model.description.meshes import mesh_files
+
+    chosen = options or MjcfOptions()
+    assets = {name: data for name, data in mesh_files().items() if name.endswith(".obj")}
+    return {
+        "alpha5.xml": mjcf(chosen, assets).encode(),
+        "scene.xml": _SCENE.encode(),
+        "README.md": mjcf_readme(chosen, DILUTION).encode(),
+        **{f"assets/{name}": data for name, data in assets.items()},
+    }
+
+
+def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
+    """Text of the model.
+
+    Args:
+        options: What to write.
+        meshes: File names of the meshes that will be in ``assets/``; others are left out.
+    """
+    chosen = options or MjcfOptions()
+    values = parameters(chosen.corrections)
+    bodies = arm_bodies(values, chosen.gripper)
+    files = {name.removesuffix(".obj") for name in meshes}
+    shown = [mesh for body in bodies for mesh in body.meshes if mesh.name in files]
+    joints = [body.joint for body in bodies if body.joint is not None]
+
+    root = ET.Element("mujoco", model="alpha5")
+    provenance = parameter_tree(values)["provenance"]
+    root.append(ET.Comment(f" Generated from: {provenance['document']}. "))
+    root.append(
+        ET.Comment(f" By: {provenance['package']}. Corrections: {provenance['corrections']}. ")
+    )
+    ET.SubElement(
+        root,
+        "compiler",
+        # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
+        {"angle": "radian", "eulerseq": "XYZ", "autolimits": "true", "meshdir": "assets"},
+    )
+    fluid = {"density": _text(chosen.fluid_density), "viscosity": _text(VISCOSITY)}
+    ET.SubElement(
+        root,
+        "option",
+        {"integrator": "implicitfast", "gravity": "0 0 -9.81", **(fluid if chosen.drag else {})},
+    )
+    _defaults(root)
+    _assets(root, shown)
+    _worldbody(root, values, bodies, files, chosen)
+    if chosen.collision == "primitives" and any(body.shapes for body in bodies):
+        _contact(root, bodies)
+    if chosen.gripper == "jaws":
+        _equality(root, joints)
+    _actuator(root, joints, chosen.actuators)
+    _keyframe(root, joints, chosen.actuators)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _defaults(root: ET.Element) -> None:
+    top = ET.SubElement(ET.SubElement(root, "default"), "default", {"class": "alpha5"})
+    visual = ET.SubElement(top, "default", {"class": "visual"})
+    ET.SubElement(
+        visual, "geom", type="mesh", contype="0", conaffinity="0", group="2", mass="0", density="0"
+    )
+    collision = ET.SubElement(top, "default", {"class": "collision"})
+    ET.SubElement(collision, "geom", group="3", mass="0")
+    # Without a geom of its own, MuJoCo's drag would take a buoyancy body for a box of decimetres.
+    no_drag = ET.SubElement(top, "default", {"class": "no_drag"})
+    ET.SubElement(
+        no_drag,
+        "geom",
+        {
+            "type": "sphere",
+            "size": "1e-6",
+            "fluidshape": "ellipsoid",
+            "fluidcoef": "0 0 0 0 0",
+            "contype": "0",
+            "conaffinity": "0",
+            "group": "4",
+            "mass": "0",
+        },
+    )
+
+
+def _assets(root: ET.Element, shown: list[Mesh]) -> None:
+    asset = ET.SubElement(root, "asset")
+    for name, rgba in MATERIALS.items():
+        ET.SubElement(asset, "material", name=name, rgba=_text(*rgba))
+    for mesh in shown:
+        ET.SubElement(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
+
+
+def _worldbody(
+    root: ET.Element, values: Any, bodies: tuple[Body, ...], files: set[str], options: MjcfOptions
+) -> None:
+    world = ET.SubElement(root, "worldbody")
+    base = ET.SubElement(world, "body", {"name": "base_link", "childclass": "alpha5"})
+    elements = {base_placement(values).parent: base}
+    for body in bodies:
+        element = ET.SubElement(
+            elements[body.placement.parent], "body", {"name": body.name, **_pose(body.placement)}
+        )
+        elements[body.name] = element
+        if body.joint is not None:
+            attributes = {"name": body.joint.name, "axis": "0 0 1"}
+            attributes["type"] = "hinge" if body.joint.kind == "revolute" else "slide"
+            if body.joint.mimic is None:  # limits of a follower would fight its equality
+                attributes["range"] = _text(body.joint.lower, body.joint.upper)
+            ET.SubElement(element, "joint", attributes)
+        i = body.inertia
+        ET.SubElement(
+            element,
+            "inertial",
+            pos=_text(*body.com),
+            mass=_text(body.mass),
+            fullinertia=_text(i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]),
+        )
+        for mesh in body.meshes:
+            if mesh.name in files:
+                _visual(element, mesh)
+        if options.collision == "primitives":
+            for shape in body.shapes:
+                _collision(element, shape)
+        if body.volume > 0:
+            _buoyancy(element, body, options)
+    tip = tcp_placement(values)
+    ET.SubElement(elements[tip.parent], "site", {"name": "tcp", "size": "0.005", **_pose(tip)})
+
+
+def _visual(element: ET.Element, mesh: Mesh) -> None:
+    pose = _pose(mesh.placement)
+    attributes = {"class": "visual", "mesh": mesh.name, "material": mesh.material, **pose}
+    ET.SubElement(element, "geom", attributes)
+
+
+def _collision(element: ET.Element, shape: Shape) -> None:
+    # Boxes and cylinders are given by half their lengths.
+    halves = {
+        "box": (0.5, 0.5, 0.5),
+        "cylinder": (1.0, 0.5),
+        "sphere": (1.0,),
+        "capsule": (1.0, 0.5),
+    }
+    size = _text(*(s * h for s, h in zip(shape.size, halves[shape.kind], strict=True)))
+    pose = _pose(shape.placement)
+    ET.SubElement(element, "geom", {"class": "collision", "type": shape.kind, "size": size, **pose})
+
+
+def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
+    compensation = options.fluid_density * DILUTION + 1.0
+    child = ET.SubElement(
+        element,
+        "body",
+        name=f"{body.name}_buoyancy",
+        pos=_text(*body.cob),
+        gravcomp=_text(compensation),
+    )
+    mass = _text(body.volume / DILUTION)
+    ET.SubElement(child, "inertial", pos="0 0 0", mass=mass, diaginertia="0 0 0")
+    if options.drag:
+        ET.SubElement(child, "geom", {"class": "no_drag"})
+
+
+def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
+    contact = ET.SubElement(root, "contact")
+    for body in bodies:
+        if body.joint is not None:
+            ET.SubElement(contact, "exclude", body1=body.placement.parent, body2=body.name)
+
+
+def _equality(root: ET.Element, joints: list[Joint]) -> None:
+    equality = ET.SubElement(root, "equality")
+    for joint in joints:
+        if joint.mimic is not None:
+            line = _text(joint.mimic.offset, joint.mimic.multiplier, 0.0, 0.0, 0.0)
+            pair = {"joint1": joint.name, "joint2": joint.mimic.leader, "polycoef": line}
+            # stiffer than MuJoCo's default, with which servo and fingers excite each other
+            ET.SubElement(equality, "joint", {**pair, "solref": "0.005 1"})
+
+
+def _actuator(root: ET.Element, joints: list[Joint], kind: str) -> None:
+    actuator = ET.SubElement(root, "actuator")
+    for joint in joints:
+        if joint.mimic is not None:
+            continue
+        limits = _text(joint.lower, joint.upper)
+        speeds = _text(-joint.velocity, joint.velocity)
+        effort = _text(-joint.effort, joint.effort)
+        common = {"name": joint.name, "joint": joint.name}
+        if kind == "motor":
+            ET.SubElement(actuator, "motor", {**common, "ctrlrange": effort})
+            continue
+        servo = {**common, "kp": _text(_STIFFNESS[joint.name]), "forcerange": effort}
+        servo |= {"kv": _text(_ROD_DAMPING)} if joint.kind == "prismatic" else {"dampratio": "1"}
+        if kind == "position":
+            ET.SubElement(actuator, "position", {**servo, "ctrlrange": limits})
+        else:  # a position servo whose target moves at the speed asked for: it holds against weight
+            ET.SubElement(
+                actuator, "intvelocity", {**servo, "ctrlrange": speeds, "actrange": limits}
+            )
+
+
+def _keyframe(root: ET.Element, joints: list[Joint], kind: str) -> None:
+    keyframe = ET.SubElement(root, "keyframe")
+    for name, posture in POSTURES.items():
+        at = dict(posture)
+        for joint in joints:
+            if joint.name not in at and joint.mimic is None:
+                at[joint.name] = joint.lower
+        for joint in joints:
+            if joint.mimic is not None:
+                leader = at[joint.mimic.leader]
+                at[joint.name] = joint.mimic.offset + joint.mimic.multiplier * leader
+        key = {"name": name, "qpos": _text(*(at[joint.name] for joint in joints))}
+        if kind != "motor":  # servos start at rest: their targets are where the joints are
+            targets = _text(*(at[joint.name] for joint in joints if joint.mimic is None))
+            key["ctrl" if kind == "position" else "act"] = targets
+        ET.SubElement(keyframe, "key", key)
+
+
+def _pose(placement: Placement) -> dict[str, str]:
+    pose = {"pos": placement.xyz, "euler": placement.rpy}
+    return {name: _text(*values) for name, values in pose.items() if any(values)}
+
+
+def _text(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+_SCENE = """\
+<mujoco model="alpha5 scene">
+  <include file="alpha5.xml"/>
+  <statistic center="0.1 0 0.05" extent="0.5"/>
+  <visual>
+    <headlight diffuse="0.6 0.6 0.6" ambient="0.3 0.35 0.4" specular="0 0 0"/>
+    <rgba haze="0.05 0.2 0.3 1"/>
+    <global azimuth="130" elevation="-20"/>
+  </visual>
+  <asset>
+    <texture type="skybox" builtin="gradient" rgb1="0.1 0.4 0.5" rgb2="0 0.05 0.1" width="512" height="3072"/>
+    <texture name="sea_bed" type="2d" builtin="checker" rgb1="0.5 0.45 0.35" rgb2="0.45 0.4 0.3" width="300" height="300"/>
+    <material name="sea_bed" texture="sea_bed" texuniform="true" texrepeat="5 5"/>
+  </asset>
+  <worldbody>
+    <light pos="0 0 1.5" dir="0 0 -1" directional="true"/>
+    <geom name="sea_bed" type="plane" pos="0 0 -0.6" size="0 0 0.05" material="sea_bed"/>
+  </worldbody>
+</mujoco>
+"""

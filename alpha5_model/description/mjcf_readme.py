@@ -1,0 +1,68 @@
+"""The README beside the MuJoCo model: how it was derived, what was tuned, what it leaves out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from alpha5_model.description.parameter_file import parameter_tree
+from alpha5_model.parameters import parameters
+
+if TYPE_CHECKING:
+    from alpha5_model.description.mjcf import MjcfOptions
+
+_TEXT = """\
+# Reach Alpha 5, MuJoCo model
+
+Needs MuJoCo 3.5 or later. Generated from {document}
+by {package}. Recorded corrections to the document: {corrections}.
+Gripper: {gripper}. Fluid density: {density} kg/m^3. Actuators: {actuators}. Drag: {drag}.
+
+## Derivation
+
+1. Joint placements are the rows of Table 1. `eulerseq="XYZ"` reads the URDF's roll, pitch and yaw
+   without a change; every number is written with all its digits.
+2. `inertial` is Table 2: centre of mass, and the tensor at the centre of mass with the products of
+   inertia negated, because the table has the SolidWorks sign.
+3. Each `<link>_buoyancy` body sits at the centre of buoyancy of Table 3. Its mass is the printed volume
+   over {dilution:.0e} m^3/kg, its inertia zero; `gravcomp` turns that mass into the weight of the displaced
+   fluid, pointing up. Together these bodies change the mass matrix by less than 1e-13 kg m^2.
+4. Joint ranges are those that the arm itself reports; `forcerange` is a placeholder that every public
+   model of this arm copies, no rating is published.
+5. {jaws}
+
+## Another fluid at run time
+
+```python
+model.body_gravcomp[model.body_gravcomp > 0] = 1000.0 * {dilution:.0e} + 1  # fresh water; 0.0 is air
+```
+
+## Not from the document
+
+- Servo gains (`kp`, `kv`) are tuned to hold the arm within 0.02 rad under water, nothing more. A velocity
+  servo is a position servo whose target moves (`intvelocity`), because a plain one sags under weight.
+- Friction, damping and rotor inertia are absent: the document gives no rotor inertia, and its friction
+  belongs to the motor shaft (Table 4).
+- Drag, where it is on, is MuJoCo's inertia-box model. MuJoCo has no added mass that acts on
+  accelerations.
+"""
+_JAWS = {
+    "locked": "The jaws are closed and part of link_4, as in Table 2.",
+    "jaws": (
+        "Rod and fingers are taken out of link_4 so that the sum with closed jaws is Table 2's; their\n"
+        "   own masses are estimates. `equality` makes the fingers follow the rod, axis_a."
+    ),
+}
+
+
+def mjcf_readme(options: MjcfOptions, dilution: float) -> str:
+    """Text of the README for these options."""
+    provenance = parameter_tree(parameters(options.corrections))["provenance"]
+    return _TEXT.format(
+        **provenance,
+        gripper=options.gripper,
+        density=options.fluid_density,
+        actuators=options.actuators,
+        drag="on" if options.drag else "off",
+        dilution=dilution,
+        jaws=_JAWS[options.gripper],
+    )
