@@ -9,7 +9,7 @@ import typer
 
 MESH_URIS = ("relative", "package", "file")
 FORMATS = ("urdf", "mjcf", "sdf")
-#: Options that only a URDF has, or only a folder for a simulator.
+#: Options that not every format has.
 _URDF_ONLY = (
     "prefix",
     "parent",
@@ -20,7 +20,7 @@ _URDF_ONLY = (
     "ros2_control",
     "ros2_control_plugin",
 )
-_SIMULATORS_ONLY = {"fluid_density": ("mjcf", "sdf"), "actuators": ("mjcf",), "drag": ("mjcf",)}
+_NOT_IN_ALL = {"fluid_density": ("mjcf", "sdf"), "collision": ("urdf", "mjcf"), "actuators": ("mjcf",), "drag": ("mjcf",)}
 
 
 def register(app: typer.Typer) -> None:
@@ -105,6 +105,11 @@ def generate(
             gripper, fluid_density, actuators, drag, collision, chosen_corrections
         )
         return _write_folder(mjcf_files(options), output, "alpha5.xml")
+    if description_format == "sdf":
+        from alpha5_model.description.sdf import SdfOptions, sdf_files
+
+        world = SdfOptions(gripper, fluid_density, chosen_corrections)
+        return _write_folder(sdf_files(world), output, "model.sdf")
     meshes = Path(REPOSITORY_PATH) / "meshes"
     prefixes = {
         "relative": "meshes/",
@@ -140,7 +145,7 @@ def generate(
 def _refuse_options_of_other_formats(context: typer.Context, description_format: str) -> None:
     from alpha5_model.errors import InputError
 
-    homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _SIMULATORS_ONLY
+    homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
     for name, formats in homes.items():
         source = context.get_parameter_source(name)
         given = source is not None and source.name == "COMMANDLINE"
