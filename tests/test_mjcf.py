@@ -245,7 +245,8 @@ def test_velocity_servos_move_at_the_speed_asked_for():
 
 
 @pytest.mark.parametrize("actuators", ["position", "velocity", "motor"])
-def test_ten_seconds_of_random_control_without_a_warning(tmp_path, actuators):
+def test_ten_seconds_of_random_control_without_a_warning(tmp_path, monkeypatch, actuators):
+    monkeypatch.chdir(tmp_path)
     folder = tmp_path / "alpha5"
     arguments = ["--format", "mjcf", "--gripper", "jaws", "--actuators", actuators]
     assert main(["generate", *arguments, "--output", str(folder)]) == 0
@@ -264,7 +265,8 @@ def test_ten_seconds_of_random_control_without_a_warning(tmp_path, actuators):
     assert [int(warning.number) for warning in data.warning] == [0] * len(data.warning)
 
 
-def test_a_warning_would_be_seen(text):
+def test_a_warning_would_be_seen(text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log where it stands
     model, data = compiled(text)
     data.qvel[0] = 1e12
     mujoco.mj_step(model, data)

@@ -20,7 +20,12 @@ _URDF_ONLY = (
     "ros2_control",
     "ros2_control_plugin",
 )
-_NOT_IN_ALL = {"fluid_density": ("mjcf", "sdf"), "collision": ("urdf", "mjcf"), "actuators": ("mjcf",), "drag": ("mjcf",)}
+_NOT_IN_ALL = {
+    "fluid_density": ("mjcf", "sdf"),
+    "collision": ("urdf", "mjcf"),
+    "actuators": ("mjcf",),
+    "drag": ("mjcf",),
+}
 
 
 def register(app: typer.Typer) -> None:

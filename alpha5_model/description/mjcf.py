@@ -16,10 +16,17 @@ from typing import Any
 
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.bodies.materials import MATERIALS
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
+from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.mjcf_readme import mjcf_readme
-from alpha5_model.description.parameter_file import MATERIALS, parameter_tree
-from alpha5_model.description.postures import POSTURES
+from alpha5_model.description.parameter_file import parameter_tree
+from alpha5_model.description.poses import (
+    ADJACENT_PAIRS,
+    CLOSING_PAIRS,
+    NAMED_POSES,
+    NEVER_PAIRS,
+)
 from alpha5_model.description.tree import Body, Joint, Mesh, Shape, arm_bodies
 from alpha5_model.description.variants import COLLISIONS, GRIPPERS
 from alpha5_model.fluids import SEA_WATER
@@ -74,10 +81,8 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
     Raises:
         Alpha5Error: See `MjcfOptions`.
     """
-    from alpha5_model.description.meshes import mesh_files
-
     chosen = options or MjcfOptions()
-    assets = {name: data for name, data in mesh_files().items() if name.endswith(".obj")}
+    assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
         "scene.xml": _SCENE.encode(),
@@ -159,8 +164,17 @@ def _defaults(root: ET.Element) -> None:
 
 def _assets(root: ET.Element, shown: list[Mesh]) -> None:
     asset = ET.SubElement(root, "asset")
-    for name, rgba in MATERIALS.items():
-        ET.SubElement(asset, "material", name=name, rgba=_text(*rgba))
+    for material in MATERIALS:
+        rgba, metallic = _text(*material.rgba), _text(material.metallic)
+        roughness = _text(material.roughness)
+        ET.SubElement(
+            asset,
+            "material",
+            name=material.name,
+            rgba=rgba,
+            metallic=metallic,
+            roughness=roughness,
+        )
     for mesh in shown:
         ET.SubElement(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
 
@@ -204,7 +218,7 @@ def _worldbody(
 
 def _visual(element: ET.Element, mesh: Mesh) -> None:
     pose = _pose(mesh.placement)
-    attributes = {"class": "visual", "mesh": mesh.name, "material": mesh.material, **pose}
+    attributes = {"class": "visual", "mesh": mesh.name, "material": mesh.material.name, **pose}
     ET.SubElement(element, "geom", attributes)
 
 
@@ -238,9 +252,10 @@ def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
 
 def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     contact = ET.SubElement(root, "contact")
-    for body in bodies:
-        if body.joint is not None:
-            ET.SubElement(contact, "exclude", body1=body.placement.parent, body2=body.name)
+    names = {body.name for body in bodies}
+    for one, other in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS):
+        if {one, other} <= names:
+            ET.SubElement(contact, "exclude", body1=one, body2=other)
 
 
 def _equality(root: ET.Element, joints: list[Joint]) -> None:
@@ -277,11 +292,9 @@ def _actuator(root: ET.Element, joints: list[Joint], kind: str) -> None:
 
 def _keyframe(root: ET.Element, joints: list[Joint], kind: str) -> None:
     keyframe = ET.SubElement(root, "keyframe")
-    for name, posture in POSTURES.items():
-        at = dict(posture)
-        for joint in joints:
-            if joint.name not in at and joint.mimic is None:
-                at[joint.name] = joint.lower
+    for name, pose in NAMED_POSES.items():
+        at = {joint.name: joint.lower for joint in joints}  # the jaws closed
+        at |= {joint.name: angle for joint, angle in zip(joints, pose, strict=False)}
         for joint in joints:
             if joint.mimic is not None:
                 leader = at[joint.mimic.leader]

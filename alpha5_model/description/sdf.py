@@ -18,7 +18,8 @@ import numpy as np
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.frames import Placement, tcp_placement
-from alpha5_model.description.parameter_file import MATERIALS, parameter_tree
+from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.parameter_file import parameter_tree
 from alpha5_model.description.tree import Body, Joint, Mesh, arm_bodies
 from alpha5_model.description.variants import GRIPPERS
 from alpha5_model.fluids import SEA_WATER
@@ -56,10 +57,8 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     Raises:
         Alpha5Error: See `SdfOptions`.
     """
-    from alpha5_model.description.meshes import mesh_files
-
     chosen = options or SdfOptions()
-    meshes = {name: data for name, data in mesh_files().items() if name.endswith(".obj")}
+    meshes = mesh_assets(".obj", ".mtl")
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
         "model.config": _CONFIG.encode(),
@@ -162,7 +161,7 @@ def _visual(link: ET.Element, mesh: Mesh) -> None:
     ET.SubElement(shape, "uri").text = f"meshes/{mesh.name}.obj"
     material = ET.SubElement(visual, "material")
     for light in ("ambient", "diffuse"):
-        _value(material, light, *MATERIALS[mesh.material])
+        _value(material, light, *mesh.material.rgba)
 
 
 def _joint(model: ET.Element, joint: Joint, body: Body) -> None:

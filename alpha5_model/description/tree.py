@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from alpha5_model.checks import FloatArray, choice, frozen
+from alpha5_model.description.bodies.materials import Material, material_of
 from alpha5_model.description.frames import Placement
 from alpha5_model.description.parameter_file import parameter_tree
 from alpha5_model.description.variants import GRIPPERS
@@ -50,7 +51,7 @@ class Mesh:
     """A visual mesh: file name without suffix, material, pose in the body."""
 
     name: str
-    material: str
+    material: Material
     placement: Placement
 
 
@@ -163,8 +164,7 @@ def _joint(name: str, data: dict[str, Any]) -> Joint:
 
 
 def _mesh(name: str, placement: Placement | None = None) -> Mesh:
-    material = "bare_metal" if name.startswith("finger") else "anodised"
-    return Mesh(name, material, placement or Placement(name))
+    return Mesh(name, material_of(name), placement or Placement(name))
 
 
 def _shape(data: dict[str, Any]) -> Shape:
