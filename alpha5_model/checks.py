@@ -52,9 +52,10 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
         InputError: Not a real number, or below ``minimum`` (at it, if ``strict``).
         NonFiniteError: NaN or infinity.
     """
-    number = float(float_array(name, value, ()).reshape(-1)[0]) if np.ndim(value) == 0 else None
-    if number is None:
+    array = float_array(name, value, ())
+    if array.ndim != 0:
         raise InputError(name, value, "one real number")
+    number = float(array)
     if minimum is not None and (number < minimum or (strict and number == minimum)):
         raise InputError(
             name, value, f"a number {'above' if strict else 'of at least'} {minimum:g}"
@@ -78,3 +79,24 @@ def frozen(array: ArrayLike) -> FloatArray:
     copy = np.array(array, dtype=np.float64)
     copy.flags.writeable = False
     return copy
+
+
+def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
+    """Check one homogeneous transform: a rotation within 1e-9, a translation, a last row 0 0 0 1.
+
+    Returns:
+        A read-only copy, (4, 4).
+
+    Raises:
+        InputError: Anything else.
+    """
+    transform = float_array(name, value, (4, 4))
+    rotation = transform[..., :3, :3]
+    if (
+        transform.shape != (4, 4)
+        or not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0, atol=1e-9)
+        or np.linalg.det(rotation) < 0
+        or not np.array_equal(transform[3], (0, 0, 0, 1))
+    ):
+        raise InputError(name, transform.tolist(), "one rigid transform, (4, 4)")
+    return frozen(transform)

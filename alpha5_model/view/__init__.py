@@ -1,0 +1,1 @@
+"""For eyes: pictures and the viewer. No physics in here."""
