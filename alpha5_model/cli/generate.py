@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from alpha5_model.cli.options import FLUID_HELP, fluid_density
+
 MESH_URIS = ("relative", "package", "file")
 FORMATS = ("urdf", "mjcf", "sdf")
 #: Options that not every format has.
@@ -21,7 +23,7 @@ _URDF_ONLY = (
     "ros2_control_plugin",
 )
 _NOT_IN_ALL = {
-    "fluid_density": ("mjcf", "sdf"),
+    "fluid": ("mjcf", "sdf"),
     "collision": ("urdf", "mjcf"),
     "actuators": ("mjcf",),
     "drag": ("mjcf",),
@@ -66,9 +68,7 @@ def generate(
         str | None,
         typer.Option(help="Recorded corrections, with commas; '' is the document to the letter."),
     ] = None,
-    fluid_density: Annotated[
-        float, typer.Option(help="mjcf, sdf: what the arm is in [kg/m^3].")
-    ] = 1025.0,
+    fluid: Annotated[str, typer.Option(help=f"mjcf, sdf: {FLUID_HELP}")] = "sea",
     actuators: Annotated[str, typer.Option(help="mjcf: position, velocity or motor.")] = "position",
     drag: Annotated[
         bool, typer.Option("--drag", help="mjcf: MuJoCo's own drag, not from the document.")
@@ -84,7 +84,7 @@ def generate(
 
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
-    alpha5 generate --format mjcf --fluid-density 1000 --output out/mujoco
+    alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     """
     if check:
         return _check()
@@ -107,13 +107,13 @@ def generate(
         from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 
         options = MjcfOptions(
-            gripper, fluid_density, actuators, drag, collision, chosen_corrections
+            gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections
         )
         return _write_folder(mjcf_files(options), output, "alpha5.xml")
     if description_format == "sdf":
         from alpha5_model.description.sdf import SdfOptions, sdf_files
 
-        world = SdfOptions(gripper, fluid_density, chosen_corrections)
+        world = SdfOptions(gripper, fluid_density(fluid), chosen_corrections)
         return _write_folder(sdf_files(world), output, "model.sdf")
     meshes = Path(REPOSITORY_PATH) / "meshes"
     prefixes = {

@@ -108,7 +108,7 @@ def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, E
     root.append(
         ET.Comment(f" By: {provenance['package']}. Corrections: {provenance['corrections']}. ")
     )
-    # A link without mass is an error in SDF, so base_link and tcp are frames here.
+    # base_link and tcp have no mass: frames here, because a simulated link needs some.
     model = ET.SubElement(
         root, "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
     )
