@@ -45,7 +45,9 @@ def mujoco_urdf(files: Path, states: States) -> Arrays:
     text = (files / "alpha5.urdf").read_text(encoding="utf-8")
     settings = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
     model = mujoco.MjModel.from_xml_string(text.replace("</robot>", settings))
-    return _mujoco(model, states, lambda data: data.body("tcp"))
+    out = _mujoco(model, states, lambda data: data.body("tcp"))
+    del out["buoyancy"]  # URDF has no place for it
+    return out
 
 
 def mujoco_mjcf(files: Path, states: States) -> Arrays:
@@ -86,8 +88,6 @@ def _mujoco(model, states: States, tip) -> Arrays:
         model.body_gravcomp[:] = water
         mujoco.mj_forward(model, data)
         out["buoyancy"].append(columns @ data.qacc + dry)
-    if not (water > 0).any():
-        del out["buoyancy"]
     return {name: np.array(rows) for name, rows in out.items()}
 
 
