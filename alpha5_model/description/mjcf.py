@@ -14,7 +14,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from alpha5_model.checks import choice, real
+import numpy as np
+
+from alpha5_model.checks import FloatArray, choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies.materials import MATERIALS
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
@@ -196,13 +198,14 @@ def _worldbody(
             if body.joint.mimic is None:  # limits of a follower would fight its equality
                 attributes["range"] = _text(body.joint.lower, body.joint.upper)
             ET.SubElement(element, "joint", attributes)
-        i = body.inertia
+        moments, quaternion = _principal(body.inertia)
         ET.SubElement(
             element,
             "inertial",
             pos=_text(*body.com),
+            quat=_text(*quaternion),
             mass=_text(body.mass),
-            fullinertia=_text(i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]),
+            diaginertia=_text(*moments),
         )
         for mesh in body.meshes:
             if mesh.name in files:
@@ -304,6 +307,24 @@ def _keyframe(root: ET.Element, joints: list[Joint], kind: str) -> None:
             targets = _text(*(at[joint.name] for joint in joints if joint.mimic is None))
             key["ctrl" if kind == "position" else "act"] = targets
         ET.SubElement(keyframe, "key", key)
+
+
+def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
+    """Principal moments [kg m^2] and the quaternion (w, x, y, z) of their axes in the body.
+
+    MuJoCo before 4.0 finds them from a full tensor to about 4e-10 kg m^2 only.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    r = axes if np.linalg.det(axes) > 0 else -axes
+    # Of the four expressions for the quaternion, the one with the largest component [Shepperd1978].
+    squares = np.array([np.trace(r), *np.diag(r)])
+    outer = np.empty((4, 4))
+    outer[0, 0] = 1 + np.trace(r)
+    outer[0, 1:] = outer[1:, 0] = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    outer[1:, 1:] = r + r.T + (1 - np.trace(r)) * np.eye(3)
+    quaternion = outer[np.argmax(squares)]
+    unit = quaternion / np.linalg.norm(quaternion)
+    return moments.tolist(), (unit if unit[0] >= 0 else -unit).tolist()
 
 
 def _pose(placement: Placement) -> dict[str, str]:
