@@ -18,7 +18,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("published",),
     ("inertia", "corrections", "parameters", "jaws"),
     ("dh", "kinematics", "description", "actuators", "planar"),
-    ("dynamics",),
+    ("dynamics", "loaders"),
     ("trajectory",),
     ("consistency",),
     ("view",),
