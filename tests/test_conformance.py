@@ -77,6 +77,13 @@ def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, 
     assert printed in text
 
 
+@pytest.mark.parametrize("tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}")
+def test_every_installed_tool_agrees(files, states, expected, tool):
+    needs(tool)
+    row = conformance.measure(tool, files, states, expected)
+    assert row.status == "agrees", row
+
+
 def test_a_missing_tool_is_not_run_never_passed(files, states, expected):
     ghost = dataclasses.replace(BY_NAME["Drake", "URDF"], module="no_such_module.inside")
     row = conformance.measure(ghost, files, states, expected)

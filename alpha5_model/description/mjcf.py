@@ -38,7 +38,7 @@ ACTUATORS = ("position", "velocity", "motor")
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
 #: keep every mass above the least that MuJoCo knows, 1e-15 kg.
 DILUTION = 1e9
-#: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s].
+#: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
 
 #: Servo stiffness [N m/rad, N/m]: tuned, not from the document.

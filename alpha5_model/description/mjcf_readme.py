@@ -37,6 +37,11 @@ Gripper: {gripper}. Fluid density: {density} kg/m^3. Actuators: {actuators}. Dra
 model.body_gravcomp[model.body_gravcomp > 0] = 1000.0 * {dilution:.0e} + 1  # fresh water; 0.0 is air
 ```
 
+## MJX
+
+The model works in MJX; write it with `--collision none`, because MJX does not know contacts between cylinders
+and boxes.
+
 ## Not from the document
 
 - Servo gains (`kp`, `kv`) are tuned to hold the arm within 0.02 rad under water, nothing more. A velocity
