@@ -216,7 +216,9 @@ def _worldbody(
         if body.volume > 0:
             _buoyancy(element, body, options)
     tip = tcp_placement(values)
-    ET.SubElement(elements[tip.parent], "site", {"name": "tcp", "size": "0.005", **_pose(tip)})
+    ET.SubElement(
+        elements[tip.parent], "site", {"name": "tcp", "size": "0.005", "group": "4", **_pose(tip)}
+    )
 
 
 def _visual(element: ET.Element, mesh: Mesh) -> None:
