@@ -21,30 +21,30 @@ from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies.materials import MATERIALS
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
-from alpha5_model.description.mjcf_readme import mjcf_readme
+from alpha5_model.description.mjcf_control import (
+    ACTUATORS,
+    add_actuators,
+    add_equality,
+    add_keyframes,
+)
+from alpha5_model.description.mjcf_texts import SCENE, mjcf_readme
+from alpha5_model.description.number_text import numbers_text
 from alpha5_model.description.parameter_file import parameter_tree
 from alpha5_model.description.poses import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
-    NAMED_POSES,
     NEVER_PAIRS,
 )
-from alpha5_model.description.tree import Body, Joint, Mesh, Shape, arm_bodies
+from alpha5_model.description.tree import Body, Mesh, Shape, arm_bodies
 from alpha5_model.description.variants import COLLISIONS, GRIPPERS
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.parameters import parameters
 
-ACTUATORS = ("position", "velocity", "motor")
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
 #: keep every mass above the least that MuJoCo knows, 1e-15 kg.
 DILUTION = 1e9
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
-
-#: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
-_STIFFNESS = {"axis_e": 200.0, "axis_d": 200.0, "axis_c": 200.0, "axis_b": 5.0, "axis_a": 500.0}
-#: MuJoCo would take the critical damping of the rod from the rod alone; the fingers weigh more [N s/m].
-_ROD_DAMPING = 8.0
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
     assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": _SCENE.encode(),
+        "scene.xml": SCENE.encode(),
         "README.md": mjcf_readme(chosen, DILUTION).encode(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
@@ -119,7 +119,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
         {"angle": "radian", "eulerseq": "XYZ", "autolimits": "true", "meshdir": "assets"},
     )
-    fluid = {"density": _text(chosen.fluid_density), "viscosity": _text(VISCOSITY)}
+    fluid = {"density": numbers_text(chosen.fluid_density), "viscosity": numbers_text(VISCOSITY)}
     ET.SubElement(
         root,
         "option",
@@ -131,9 +131,9 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     if chosen.collision == "primitives" and any(body.shapes for body in bodies):
         _contact(root, bodies)
     if chosen.gripper == "jaws":
-        _equality(root, joints)
-    _actuator(root, joints, chosen.actuators)
-    _keyframe(root, joints, chosen.actuators)
+        add_equality(root, joints)
+    add_actuators(root, joints, chosen.actuators)
+    add_keyframes(root, joints, chosen.actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -167,8 +167,8 @@ def _defaults(root: ET.Element) -> None:
 def _assets(root: ET.Element, shown: list[Mesh]) -> None:
     asset = ET.SubElement(root, "asset")
     for material in MATERIALS:
-        rgba, metallic = _text(*material.rgba), _text(material.metallic)
-        roughness = _text(material.roughness)
+        rgba, metallic = numbers_text(*material.rgba), numbers_text(material.metallic)
+        roughness = numbers_text(material.roughness)
         ET.SubElement(
             asset,
             "material",
@@ -196,16 +196,16 @@ def _worldbody(
             attributes = {"name": body.joint.name, "axis": "0 0 1"}
             attributes["type"] = "hinge" if body.joint.kind == "revolute" else "slide"
             if body.joint.mimic is None:  # limits of a follower would fight its equality
-                attributes["range"] = _text(body.joint.lower, body.joint.upper)
+                attributes["range"] = numbers_text(body.joint.lower, body.joint.upper)
             ET.SubElement(element, "joint", attributes)
         moments, quaternion = _principal(body.inertia)
         ET.SubElement(
             element,
             "inertial",
-            pos=_text(*body.com),
-            quat=_text(*quaternion),
-            mass=_text(body.mass),
-            diaginertia=_text(*moments),
+            pos=numbers_text(*body.com),
+            quat=numbers_text(*quaternion),
+            mass=numbers_text(body.mass),
+            diaginertia=numbers_text(*moments),
         )
         for mesh in body.meshes:
             if mesh.name in files:
@@ -235,7 +235,7 @@ def _collision(element: ET.Element, shape: Shape) -> None:
         "sphere": (1.0,),
         "capsule": (1.0, 0.5),
     }
-    size = _text(*(s * h for s, h in zip(shape.size, halves[shape.kind], strict=True)))
+    size = numbers_text(*(s * h for s, h in zip(shape.size, halves[shape.kind], strict=True)))
     pose = _pose(shape.placement)
     ET.SubElement(element, "geom", {"class": "collision", "type": shape.kind, "size": size, **pose})
 
@@ -246,10 +246,10 @@ def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
         element,
         "body",
         name=f"{body.name}_buoyancy",
-        pos=_text(*body.cob),
-        gravcomp=_text(compensation),
+        pos=numbers_text(*body.cob),
+        gravcomp=numbers_text(compensation),
     )
-    mass = _text(body.volume / DILUTION)
+    mass = numbers_text(body.volume / DILUTION)
     ET.SubElement(child, "inertial", pos="0 0 0", mass=mass, diaginertia="0 0 0")
     if options.drag:
         ET.SubElement(child, "geom", {"class": "no_drag"})
@@ -261,54 +261,6 @@ def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     for one, other in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS):
         if {one, other} <= names:
             ET.SubElement(contact, "exclude", body1=one, body2=other)
-
-
-def _equality(root: ET.Element, joints: list[Joint]) -> None:
-    equality = ET.SubElement(root, "equality")
-    for joint in joints:
-        if joint.mimic is not None:
-            line = _text(joint.mimic.offset, joint.mimic.multiplier, 0.0, 0.0, 0.0)
-            pair = {"joint1": joint.name, "joint2": joint.mimic.leader, "polycoef": line}
-            # stiffer than MuJoCo's default, with which servo and fingers excite each other
-            ET.SubElement(equality, "joint", {**pair, "solref": "0.005 1"})
-
-
-def _actuator(root: ET.Element, joints: list[Joint], kind: str) -> None:
-    actuator = ET.SubElement(root, "actuator")
-    for joint in joints:
-        if joint.mimic is not None:
-            continue
-        limits = _text(joint.lower, joint.upper)
-        speeds = _text(-joint.velocity, joint.velocity)
-        effort = _text(-joint.effort, joint.effort)
-        common = {"name": joint.name, "joint": joint.name}
-        if kind == "motor":
-            ET.SubElement(actuator, "motor", {**common, "ctrlrange": effort})
-            continue
-        servo = {**common, "kp": _text(_STIFFNESS[joint.name]), "forcerange": effort}
-        servo |= {"kv": _text(_ROD_DAMPING)} if joint.kind == "prismatic" else {"dampratio": "1"}
-        if kind == "position":
-            ET.SubElement(actuator, "position", {**servo, "ctrlrange": limits})
-        else:  # a position servo whose target moves at the speed asked for: it holds against weight
-            ET.SubElement(
-                actuator, "intvelocity", {**servo, "ctrlrange": speeds, "actrange": limits}
-            )
-
-
-def _keyframe(root: ET.Element, joints: list[Joint], kind: str) -> None:
-    keyframe = ET.SubElement(root, "keyframe")
-    for name, pose in NAMED_POSES.items():
-        at = {joint.name: joint.lower for joint in joints}  # the jaws closed
-        at |= {joint.name: angle for joint, angle in zip(joints, pose, strict=False)}
-        for joint in joints:
-            if joint.mimic is not None:
-                leader = at[joint.mimic.leader]
-                at[joint.name] = joint.mimic.offset + joint.mimic.multiplier * leader
-        key = {"name": name, "qpos": _text(*(at[joint.name] for joint in joints))}
-        if kind != "motor":  # servos start at rest: their targets are where the joints are
-            targets = _text(*(at[joint.name] for joint in joints if joint.mimic is None))
-            key["ctrl" if kind == "position" else "act"] = targets
-        ET.SubElement(keyframe, "key", key)
 
 
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
@@ -331,30 +283,4 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
 
 def _pose(placement: Placement) -> dict[str, str]:
     pose = {"pos": placement.xyz, "euler": placement.rpy}
-    return {name: _text(*values) for name, values in pose.items() if any(values)}
-
-
-def _text(*values: float) -> str:
-    return " ".join(repr(float(value)) for value in values)
-
-
-_SCENE = """\
-<mujoco model="alpha5 scene">
-  <include file="alpha5.xml"/>
-  <statistic center="0.1 0 0.05" extent="0.5"/>
-  <visual>
-    <headlight diffuse="0.6 0.6 0.6" ambient="0.3 0.35 0.4" specular="0 0 0"/>
-    <rgba haze="0.05 0.2 0.3 1"/>
-    <global azimuth="130" elevation="-20"/>
-  </visual>
-  <asset>
-    <texture type="skybox" builtin="gradient" rgb1="0.1 0.4 0.5" rgb2="0 0.05 0.1" width="512" height="3072"/>
-    <texture name="sea_bed" type="2d" builtin="checker" rgb1="0.5 0.45 0.35" rgb2="0.45 0.4 0.3" width="300" height="300"/>
-    <material name="sea_bed" texture="sea_bed" texuniform="true" texrepeat="5 5"/>
-  </asset>
-  <worldbody>
-    <light pos="0 0 1.5" dir="0 0 -1" directional="true"/>
-    <geom name="sea_bed" type="plane" pos="0 0 -0.6" size="0 0 0.05" material="sea_bed"/>
-  </worldbody>
-</mujoco>
-"""
+    return {name: numbers_text(*values) for name, values in pose.items() if any(values)}

@@ -19,6 +19,7 @@ from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.frames import Placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.number_text import numbers_text
 from alpha5_model.description.parameter_file import parameter_tree
 from alpha5_model.description.tree import Body, Joint, Mesh, arm_bodies
 from alpha5_model.description.variants import GRIPPERS
@@ -86,7 +87,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     chosen = options or SdfOptions()
     root, arm = _document(chosen, meshes)
     root.remove(arm)
-    frame = ET.fromstring(_WORLD.format(density=_text(chosen.fluid_density)))
+    frame = ET.fromstring(_WORLD.format(density=numbers_text(chosen.fluid_density)))
     mounted = frame.find("model")
     assert mounted is not None
     mounted.insert(0, arm)
@@ -186,12 +187,8 @@ def _pose(parent: ET.Element, placement: Placement) -> ET.Element:
 
 def _value(parent: ET.Element, name: str, *values: float) -> ET.Element:
     element = ET.SubElement(parent, name)
-    element.text = _text(*values)
+    element.text = numbers_text(*values)
     return element
-
-
-def _text(*values: float) -> str:
-    return " ".join(repr(float(value)) for value in values)
 
 
 _CONFIG = """\

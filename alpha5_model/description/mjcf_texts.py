@@ -1,4 +1,4 @@
-"""The README beside the MuJoCo model: how it was derived, what was tuned, what it leaves out."""
+"""What stands beside the MuJoCo model: a scene around it, and a README with its derivation."""
 
 from __future__ import annotations
 
@@ -9,6 +9,28 @@ from alpha5_model.parameters import parameters
 
 if TYPE_CHECKING:
     from alpha5_model.description.mjcf import MjcfOptions
+
+#: Light, a sea bed below the arm's reach, a camera angle.
+SCENE = """\
+<mujoco model="alpha5 scene">
+  <include file="alpha5.xml"/>
+  <statistic center="0.1 0 0.05" extent="0.5"/>
+  <visual>
+    <headlight diffuse="0.6 0.6 0.6" ambient="0.3 0.35 0.4" specular="0 0 0"/>
+    <rgba haze="0.05 0.2 0.3 1"/>
+    <global azimuth="130" elevation="-20"/>
+  </visual>
+  <asset>
+    <texture type="skybox" builtin="gradient" rgb1="0.1 0.4 0.5" rgb2="0 0.05 0.1" width="512" height="3072"/>
+    <texture name="sea_bed" type="2d" builtin="checker" rgb1="0.5 0.45 0.35" rgb2="0.45 0.4 0.3" width="300" height="300"/>
+    <material name="sea_bed" texture="sea_bed" texuniform="true" texrepeat="5 5"/>
+  </asset>
+  <worldbody>
+    <light pos="0 0 1.5" dir="0 0 -1" directional="true"/>
+    <geom name="sea_bed" type="plane" pos="0 0 -0.6" size="0 0 0.05" material="sea_bed"/>
+  </worldbody>
+</mujoco>
+"""
 
 _TEXT = """\
 # Reach Alpha 5, MuJoCo model
