@@ -120,6 +120,8 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         {"angle": "radian", "eulerseq": "XYZ", "autolimits": "true", "meshdir": "assets"},
     )
     fluid = {"density": numbers_text(chosen.fluid_density), "viscosity": numbers_text(VISCOSITY)}
+    if chosen.drag:
+        root.append(ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. "))
     ET.SubElement(
         root,
         "option",

@@ -72,6 +72,8 @@ and boxes.
   belongs to the motor shaft (Table 4).
 - Drag, where it is on, is MuJoCo's inertia-box model. MuJoCo has no added mass that acts on
   accelerations.
+
+Licence: BSD-3-Clause. The numbers are the manufacturer's.
 """
 _JAWS = {
     "locked": "The jaws are closed and part of link_4, as in Table 2.",
