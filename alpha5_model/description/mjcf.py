@@ -268,7 +268,7 @@ def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     """Principal moments [kg m^2] and the quaternion (w, x, y, z) of their axes in the body.
 
-    MuJoCo before 4.0 finds them from a full tensor to about 4e-10 kg m^2 only.
+    MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
     """
     moments, axes = np.linalg.eigh(inertia)
     r = axes if np.linalg.det(axes) > 0 else -axes

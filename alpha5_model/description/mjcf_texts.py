@@ -45,7 +45,7 @@ Gripper: {gripper}. Fluid density: {density} kg/m^3. Actuators: {actuators}. Dra
    without a change; every number is written with all its digits.
 2. `inertial` is Table 2: centre of mass, and the tensor at the centre of mass with the products of
    inertia negated, because the table has the SolidWorks sign. It is written as principal moments and axes:
-   older versions of MuJoCo find these from a full tensor with an error of 4e-10 kg m^2.
+   MuJoCo 3.5 finds these from a full tensor with an error of 4e-10 kg m^2.
 3. Each `<link>_buoyancy` body sits at the centre of buoyancy of Table 3. Its mass is the printed volume
    over {dilution:.0e} m^3/kg, its inertia zero; `gravcomp` turns that mass into the weight of the displaced
    fluid, pointing up. Together these bodies change the mass matrix by less than 1e-13 kg m^2.
