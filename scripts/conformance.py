@@ -166,7 +166,7 @@ def reference(files: Path, states: States) -> Arrays:
 
 def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
     """Run one tool in a process of its own and compare."""
-    if not _installed(tool.module):
+    if not installed(tool.module):
         return Row(tool.name, tool.file, "", {}, "not run")
     found = version(tool.package)
     try:
@@ -246,7 +246,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if all(row.status in ("agrees", "not run") for row in rows) else 1
 
 
-def _installed(module: str) -> bool:
+def installed(module: str) -> bool:
+    """Whether a module can be found."""
     try:
         return importlib.util.find_spec(module) is not None
     except ModuleNotFoundError:  # the parent package is missing

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
 import re
 import sys
@@ -23,7 +22,7 @@ COUNT = 40
 
 
 def needs(tool: conformance.Tool) -> None:
-    if importlib.util.find_spec(tool.module.partition(".")[0]) is None:
+    if not conformance.installed(tool.module):
         pytest.skip(f"{tool.name} is not installed")
 
 
