@@ -19,7 +19,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("inertia", "corrections", "parameters", "jaws"),
     ("kinematics", "actuators"),
     ("description",),
-    ("dynamics", "comparison"),
+    ("dynamics", "comparison", "loaders"),
     ("trajectory",),
     ("consistency",),
     ("view",),
