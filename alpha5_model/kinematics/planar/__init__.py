@@ -10,6 +10,7 @@ from alpha5_model.kinematics.planar.dexterous import (
     dexterous_radii,
     lecture_theorem,
     necessary_conditions,
+    theorem_radii,
     theorem_row,
     turns_fully,
 )
@@ -30,6 +31,7 @@ __all__ = [
     "dexterous_radii",
     "lecture_theorem",
     "necessary_conditions",
+    "theorem_radii",
     "theorem_row",
     "turns_fully",
     "workspace",

@@ -95,6 +95,18 @@ def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
     return TheoremRow(fourth, pair, half, pair >= half * (1 - ROUNDING), exact)
 
 
+def theorem_radii(l_1: float, l_2: float, l_3: float) -> tuple[float, float] | None:
+    """The l_4 for which the theorem holds: ``|l_1 - l_2| + l_3 <= l_4 <= l_1 + l_2 - l_3``.
+
+    Returns:
+        Least and greatest l_4, or None if there is none.
+    """
+    first, second = real("l_1", l_1, 0.0, strict=True), real("l_2", l_2, 0.0, strict=True)
+    third = real("l_3", l_3, 0.0, strict=True)
+    low, high = abs(first - second) + third, first + second - third
+    return (low, max(low, high)) if low <= high + ROUNDING * low else None
+
+
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
     """The exact condition: whether the last link turns fully with the tip pinned at a radius.
 
@@ -160,7 +172,7 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
     if not free:
         reasons.append("no revolute joint without limits: not every orientation occurs")
     if arm.n < 3:
-        reasons.append(f"{arm.n - 1} joints beside it where placing the end effector takes two")
+        reasons.append(f"{arm.n - 1} more, beside it, where placing the end effector takes two")
     return Conditions(not reasons, tuple(reasons))
 
 
