@@ -30,7 +30,11 @@ FINENESS = 361
 
 
 def plot_planar(
-    arm: PlanarArm, q: ArrayLike | None = None, axes: Any = None, resolution: int = 81
+    arm: PlanarArm,
+    q: ArrayLike | None = None,
+    axes: Any = None,
+    dexterous: bool = True,
+    resolution: int = 81,
 ) -> Any:
     """Draw an arm, its workspace and its dexterous workspace.
 
@@ -41,6 +45,7 @@ def plot_planar(
         arm: The arm.
         q: Joint position at which it is drawn, (N,); in the middle of its limits by default.
         axes: matplotlib axes; a new figure by default.
+        dexterous: Whether to draw the dexterous workspace too.
         resolution: Points along each side of the map.
 
     Returns:
@@ -52,9 +57,9 @@ def plot_planar(
     axes = new_axes() if axes is None else axes
     space = arm.workspace()
     _fill(axes, space, REACHED, "workspace")
-    if arm.length_ranges is not None:
+    if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
-    elif arm.n >= 3 and arm.joints[-1] == "R":
+    elif dexterous and arm.n >= 3 and arm.joints[-1] == "R":
         _dexterity_map(axes, arm, space, resolution)
     for curve in space.curves:
         line = _polyline(curve)
@@ -62,15 +67,15 @@ def plot_planar(
             axes.plot(*line.T, color=EDGE, lw=2.4, label="workspace")
         else:
             axes.plot(*line.T, color=EDGE, lw=1.0)
-    _draw_arm(axes, arm, middle_position(arm) if q is None else q)
-    axes.set_aspect("equal")
-    axes.margins(0.06)
+    poses = arm.poses(middle_position(arm) if q is None else q)
+    _draw_arm(axes, arm, poses)
+    _square_window(axes, np.concatenate([*map(_polyline, space.curves), poses[:, :2]]))
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_title(title(arm, space), fontsize=10)
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
-    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": len(unique)}
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14), "ncols": len(unique)}
     axes.legend(unique.values(), unique.keys(), fontsize=8, frameon=False, **below)
     return axes
 
@@ -194,8 +199,17 @@ def _dexterity_map(axes: Any, arm: PlanarArm, space: Workspace, resolution: int)
         axes.plot([], [], color=ALL, lw=1, label="dexterous (numerical)")
 
 
-def _draw_arm(axes: Any, arm: PlanarArm, q: ArrayLike) -> None:
-    poses = arm.poses(q)
+def _square_window(axes: Any, points: FloatArray) -> None:
+    """The same scale on both axes and the same shape for every picture."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.54 * float((high - low).max())
+    (x, y) = (low + high) / 2
+    axes.set_aspect("equal")
+    axes.set_xlim(x - half, x + half)
+    axes.set_ylim(y - half, y + half)
+
+
+def _draw_arm(axes: Any, arm: PlanarArm, poses: FloatArray) -> None:
     axes.plot(poses[:, 0], poses[:, 1], color=ARM, lw=3, solid_capstyle="round", label="arm")
     for kind, pose in zip(arm.joints, poses[:-1], strict=True):
         marker = "o" if kind == "R" else "s"
