@@ -4,7 +4,8 @@
 Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic, ``sigma = 1``) the axis
 ``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a constant transform on either side,
 which is where the rows of a table that no joint moves go: `DHChain.alpha5` holds the fixed last row of
-the arm's Table 1 as its ``tool``.
+the arm's Table 1 as its ``tool``. The matrix of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2 without
+the minus sign that the product of the four factors gives it; the product counts.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg parameters".
@@ -124,8 +125,8 @@ class DHLink:
         Args:
             vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,) with the offset.
         """
-        row = float_array("vector", vector, (np.shape(vector)[0] if np.ndim(vector) == 1 else 5,))
-        if row.size not in (4, 5, 6):
+        row = float_array("vector", vector, ())
+        if row.ndim != 1 or row.size not in (4, 5, 6):
             raise InputError("vector", vector, "[theta, d, a, alpha, sigma]")
         return cls(*row.tolist())
 
