@@ -20,8 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray, float_array
-from alpha5_model.errors import InputError
+from alpha5_model.checks import FloatArray, count, float_array
 from alpha5_model.kinematics.arm_types import (
     GENERAL,
     chain_size,
@@ -110,10 +109,8 @@ def spatial_dexterity(
         seed: Of the starts.
     """
     p = float_array("positions", positions, (3,))
-    for name, count in (("orientations", orientations), ("starts", starts), ("steps", steps)):
-        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-            raise InputError(name, count, "a whole number of at least 1")
-    rotations = even_rotations(orientations)
+    starts, steps = count("starts", starts), count("steps", steps)
+    rotations = even_rotations(count("orientations", orientations))
     rng = np.random.default_rng(seed)
     where = np.repeat(p.reshape(-1, 3), orientations, axis=0)
     turned = np.tile(rotations, (len(where) // orientations, 1, 1))
@@ -135,10 +132,10 @@ def spatial_dexterity(
     )
 
 
-def even_rotations(count: int) -> FloatArray:
-    """Rotation matrices spread evenly over SO(3) (super-Fibonacci spiral [Alexa2022]), (count, 3, 3)."""
-    s = np.arange(count) + 0.5
-    r, big_r = np.sqrt(s / count), np.sqrt(1 - s / count)
+def even_rotations(number: int) -> FloatArray:
+    """Rotation matrices spread evenly over SO(3) (super-Fibonacci spiral [Alexa2022]), (number, 3, 3)."""
+    s = np.arange(number) + 0.5
+    r, big_r = np.sqrt(s / number), np.sqrt(1 - s / number)
     first, second = 2 * math.pi * s / math.sqrt(2), 2 * math.pi * s / 1.533751168755204288118041
     x, y = r * np.sin(first), r * np.cos(first)
     z, w = big_r * np.sin(second), big_r * np.cos(second)

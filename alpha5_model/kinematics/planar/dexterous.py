@@ -29,7 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, real
+from alpha5_model.checks import FloatArray, count, float_array, real
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.curves import TURN
@@ -201,6 +201,7 @@ def dexterity(
     p = float_array("points", points, (2,))
     if arm.n < 3 or arm.joints[-1] != "R":
         raise InputError("arm", arm.joints, "three joints or more, the last one R")
+    orientations, samples = count("orientations", orientations), count("samples", samples)
     flat = p.reshape(-1, 2)
     phi = np.arange(orientations) * (TURN / orientations)
     found = np.zeros((len(flat), orientations), dtype=bool)
