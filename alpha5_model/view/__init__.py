@@ -1,1 +1,1 @@
-"""For eyes: pictures and pages, no physics."""
+"""For eyes: pictures and the viewer. No physics in here."""
