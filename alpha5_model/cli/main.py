@@ -17,6 +17,8 @@ COMMANDS: tuple[str, ...] = (
     "generate",
     "compare",
     "trajectory",
+    "ik",
+    "workspace",
     "dh",
     "planar",
 )

@@ -320,10 +320,9 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
     """Cut the critical curves where they meet and keep what bounds the workspace."""
     pieces: list[Curve] = []
     origin: list[int] = []
-    for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance), strict=True)):
-        per_radian = curve.radius if isinstance(curve, Arc) else 1.0
+    for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance, step), strict=True)):
         for low, high in pairwise(cuts):
-            if (high - low) * per_radian > 4 * tolerance:
+            if (high - low) * _per_parameter(curve) > step:
                 pieces.append(curve.piece(low, high))
                 origin.append(number)
     middles = [sum(c.interval) / 2 for c in pieces]
@@ -341,7 +340,7 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
     return Workspace(raw.arm, tuple(edges), tuple(thin), raw.inner)
 
 
-def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
+def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float]]:
     """Parameters at which each curve begins, meets another, and ends."""
     cuts: list[list[float]] = [list(c.interval) for c in curves]
     arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
@@ -362,7 +361,29 @@ def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
             if i != j:
                 t = curve.parameter(points, tolerance)
                 cuts[i] += t[~np.isnan(t)].tolist()
-    return [sorted(c) for c in cuts]
+    return [_merged(sorted(c), step / _per_parameter(k)) for c, k in zip(cuts, curves, strict=True)]
+
+
+def _merged(cuts: list[float], width: float) -> list[float]:
+    """Cuts closer together than `width` become one, at their mean; the first and last stay.
+
+    Where curves touch, rounding makes two cuts of one, some 1e-8 to either side; the mean is exact.
+    """
+    groups = [[cuts[0]]]
+    for t in cuts[1:]:
+        if t - groups[-1][-1] <= width:
+            groups[-1].append(t)
+        else:
+            groups.append([t])
+    means = [math.fsum(g) / len(g) for g in groups]
+    if len(means) == 1:
+        return [cuts[0], cuts[-1]]
+    return [cuts[0], *means[1:-1], cuts[-1]]
+
+
+def _per_parameter(curve: Curve) -> float:
+    """Length per unit of the curve's parameter [m]."""
+    return curve.radius if isinstance(curve, Arc) else 1.0
 
 
 def _joined(
