@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
     from alpha5_model.kinematics import dh as dh
+    from alpha5_model.kinematics import planar as planar
     from alpha5_model.kinematics import workspace as workspace
     from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
     from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from alpha5_model.kinematics.reach import distance_to_reach as distance_to_reach
     from alpha5_model.kinematics.reach import nearest_reachable as nearest_reachable
     from alpha5_model.kinematics.reach import reachable as reachable
-    from alpha5_model.kinematics import planar as planar
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH

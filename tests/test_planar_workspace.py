@@ -40,6 +40,12 @@ LIMITED = {
     "RPR": PlanarArm((1, 1, 0.5), [(0, 2), (0, 1), (-1, 1)], "RPR", (0, 0.5, 0)),
     "PRR": PlanarArm((0, 2, 1), [(0, 2), (-1, 1), (0.2, 2)], "PRR"),
     "RRP": PlanarArm((2, 1, 0), [(-1, 1), (0, 2), (0.5, 1)], "RRP"),
+    "RPRR, curves that touch": PlanarArm(
+        (1, 3, 1, 1),
+        [(-2 * math.pi / 3, -math.pi / 6), (0, 1), (-QUARTER, math.pi / 6), (-5 * math.pi / 6, 0)],
+        "RPRR",
+        (0, QUARTER, QUARTER, 0),
+    ),
     "RRR, middle locked": PlanarArm((2, 1, 1.5), [(-1, 1), (0.7, 0.7), (0, 2)]),
 }
 FREE = [

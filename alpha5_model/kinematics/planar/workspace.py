@@ -320,7 +320,9 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
     """Cut the critical curves where they meet and keep what bounds the workspace."""
     pieces: list[Curve] = []
     origin: list[int] = []
-    for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance, step), strict=True)):
+    for number, (curve, cuts) in enumerate(
+        zip(critical, _cuts(critical, tolerance, step), strict=True)
+    ):
         for low, high in pairwise(cuts):
             if (high - low) * _per_parameter(curve) > step:
                 pieces.append(curve.piece(low, high))
