@@ -15,6 +15,7 @@ from alpha5_model.errors import Alpha5Error
 #: Modules of this package, each with a ``register(app)``, in the order of ``alpha5 --help``.
 COMMANDS: tuple[str, ...] = (
     "generate",
+    "check",
     "compare",
     "trajectory",
     "ik",

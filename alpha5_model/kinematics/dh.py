@@ -231,8 +231,8 @@ class DHChain:
         return dh_from_urdf(path, frame)
 
     def to_urdf(self) -> str:
-        """The chain as URDF text; see `dh_urdf.dh_chain_urdf`."""
-        from alpha5_model.kinematics.dh_urdf import dh_chain_urdf
+        """The chain as URDF text; see `alpha5_model.description.dh_chain`."""
+        from alpha5_model.description.dh_chain import dh_chain_urdf
 
         return dh_chain_urdf(self)
 
