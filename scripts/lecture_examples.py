@@ -4,6 +4,9 @@
 
 Prints every example of the notes, in their order, beside what the package computes, and writes the
 pictures to FOLDER (by default ``lecture_examples``). Exit status 1 if a printed number differs.
+
+The notes call the workspace of a 2R arm with joint limits a disc. That is topology: a region without a
+hole, bounded by arcs; and with a free first joint it keeps its hole.
 """
 
 from __future__ import annotations

@@ -126,6 +126,18 @@ def test_planar_as_json(capsys) -> None:
     assert data["necessary_conditions"]["satisfied"] is False
 
 
+def test_planar_with_limits_states_its_resolution(capsys) -> None:
+    args = ("planar", "5", "4", "1", "-l", "none", "-l", "-2.5 2.5", "-l", "none")
+    status, out, _ = run(capsys, *args)
+    assert status == 0
+    assert "by enumeration every 0.25 m and with 120 orientations" in out
+    data = json.loads(run(capsys, *args, "--json")[1])["dexterous_workspace"]
+    # The elbow keeps the wrist 2.99 m from the base: ring from 3.99 to 8.
+    low = math.sqrt(41 + 40 * math.cos(2.5)) + 1
+    assert data["radii"] is None
+    assert data["area"] == pytest.approx(math.pi * (64 - low**2), rel=0.03)
+
+
 def test_planar_prismatic_and_empty(capsys) -> None:
     status, out, _ = run(capsys, "planar", "1", "2", "--joints", "RP", "-l", "none", "-l", "0 1")
     assert status == 0

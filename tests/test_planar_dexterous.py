@@ -11,6 +11,7 @@ from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.kinematics.planar import (
     PlanarArm,
     dexterity,
+    dexterity_map,
     dexterous_area,
     dexterous_radii,
     lecture_theorem,
@@ -263,6 +264,21 @@ def test_reached_orientations_are_reached(kinds: str) -> None:
         assert dexterity(turned, point, orientations=1, samples=101) == 1
 
 
+def test_the_map_has_the_exact_area() -> None:
+    arm = PlanarArm((5, 4, 1))
+    found = dexterity_map(arm, resolution=81, orientations=120)
+    assert found.share.shape == (len(found.y), len(found.x))
+    assert found.spacing == pytest.approx(20 / 80)
+    circles = 2 * math.pi * (2 + 8)  # half a square along either circle
+    assert abs(found.area - dexterous_area(arm)) < 0.5 * found.spacing * circles
+    limited = dexterity_map(PlanarArm((5, 4, 1), [None, None, (-3, 3)]), 41)
+    assert 0 < limited.area < dexterous_area(arm)
+    i, j = 12, 20
+    point = np.array([limited.x[i], limited.y[j]])
+    arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
+    assert limited.share[j, i] == pytest.approx(limited_brute_force(arm, point, 120))
+
+
 def test_negative_controls_of_the_map() -> None:
     arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
     assert dexterity(arm, [20.0, 0.0]) == 0
@@ -322,6 +338,8 @@ def test_isolated_radii(lengths, radii) -> None:
         (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0, 0]), "points"),
         (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], orientations=0), "orientations"),
         (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], samples=1.5), "samples"),
+        (lambda: dexterity_map(PlanarArm((1, 1, 1)), resolution=1), "resolution"),
+        (lambda: dexterity_map(PlanarArm((1, 1))), "three joints"),
     ],
 )
 def test_bad_input(call, words) -> None:

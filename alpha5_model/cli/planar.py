@@ -60,6 +60,7 @@ def planar(
 
 def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
     from alpha5_model.kinematics.planar import (
+        dexterity_map,
         dexterous_area,
         dexterous_radii,
         lecture_theorem,
@@ -87,6 +88,7 @@ def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
         result["dexterous_workspace"] = {
             "radii": [list(interval) for interval in dexterous_radii(arm)],
             "area": dexterous_area(arm),
+            "resolution": None,
         }
         three = arm.joints == "RRR"
         if three:
@@ -101,6 +103,14 @@ def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
             }
     elif radius is not None:
         raise InputError("--radius", radius, "an arm without limits on its revolute joints")
+    elif arm.n >= 3 and arm.joints[-1] == "R":
+        found = dexterity_map(arm)
+        resolution = {"spacing": found.spacing, "orientations": found.orientations}
+        result["dexterous_workspace"] = {
+            "radii": None,
+            "area": found.area,
+            "resolution": resolution,
+        }
     return result
 
 
@@ -112,7 +122,13 @@ def _lines(result: dict[str, Any]) -> list[str]:
         f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     ]
     if dexterous is None:
-        text = "not a set of radii (joint limits): see the picture, --plot"
+        text = "not computed: fewer than three joints with limits, or a last joint that slides"
+    elif dexterous["resolution"] is not None:
+        grid = dexterous["resolution"]
+        text = (
+            f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m and "
+            f"with {grid['orientations']} orientations"
+        )
     elif not dexterous["radii"]:
         text = "empty"
     else:

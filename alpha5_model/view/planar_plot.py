@@ -19,7 +19,7 @@ from alpha5_model.kinematics.planar import (
     Curve,
     PlanarArm,
     Workspace,
-    dexterity,
+    dexterity_map,
     dexterous_radii,
 )
 
@@ -60,7 +60,7 @@ def plot_planar(
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
     elif dexterous and arm.n >= 3 and arm.joints[-1] == "R":
-        _dexterity_map(axes, arm, space, resolution)
+        _dexterity_map(axes, arm, resolution)
     for curve in space.curves:
         line = _polyline(curve)
         if curve in space.thin:
@@ -179,17 +179,11 @@ def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
             axes.add_patch(band)
 
 
-def _dexterity_map(axes: Any, arm: PlanarArm, space: Workspace, resolution: int) -> None:
-    points = np.concatenate([_polyline(c) for c in space.curves])
-    (x_0, y_0), (x_1, y_1) = points.min(axis=0), points.max(axis=0)
-    step = max(x_1 - x_0, y_1 - y_0) / (resolution - 1)
-    x, y = np.arange(x_0, x_1 + step, step), np.arange(y_0, y_1 + step, step)
-    grid = np.stack(np.meshgrid(x, y), axis=-1)
-    share = np.zeros(grid.shape[:2])
-    inside = space.contains(grid)
-    share[inside] = dexterity(arm, grid[inside], orientations=120, samples=31)
+def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:
+    found = dexterity_map(arm, resolution)
+    x, y, share = found.x, found.y, found.share
     mesh = axes.pcolormesh(
-        x, y, np.ma.masked_where(~inside, share), cmap="Blues", vmin=0, vmax=1, shading="nearest"
+        x, y, np.ma.masked_equal(share, 0), cmap="Blues", vmin=0, vmax=1, shading="nearest"
     )
     mesh.set_zorder(0.5)
     bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.04, pad=0.02)
