@@ -255,7 +255,7 @@ def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
         for axis in (0, 1):
             for shift in (-1, 1):
                 local &= cost <= np.roll(cost, shift, axis=axis)
-        for x in zip(a[local & (cost < 0.02)], b[local & (cost < 0.01)], strict=True):
+        for x in zip(a[local & (cost < 0.02)], b[local & (cost < 0.02)], strict=True):
             angles = np.array(x)
             for _ in range(50):  # Newton on two equations
                 value = np.array(plane(*angles[:, None]))[:, 0]
