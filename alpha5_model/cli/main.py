@@ -17,6 +17,7 @@ COMMANDS: tuple[str, ...] = (
     "generate",
     "check",
     "compare",
+    "torque",
     "trajectory",
     "ik",
     "workspace",
