@@ -64,7 +64,7 @@ def numerical_distance(target: np.ndarray) -> float:
         for i in kind[np.argsort(gap[kind])[:60]]:
             if all(np.abs(GRID_Q[i] - c).max() > 0.3 for c in chosen):
                 chosen.append(GRID_Q[i])
-        for start in chosen[:4]:
+        for start in chosen[:3]:
             options = {"ftol": 1e-18, "gtol": 1e-13, "maxiter": 300}
             found = minimize(
                 scaled, start, jac=True, bounds=bounds, method="L-BFGS-B", options=options
@@ -89,7 +89,7 @@ def test_the_minimised_function_is_the_retyped_table() -> None:
 def test_distance_is_the_least_over_all_joint_positions() -> None:
     rng = np.random.default_rng(50)
     target = rng.uniform(BOX[:, 0] - 0.1, BOX[:, 1] + 0.1, (400, 3))
-    target = target[~a5.reachable(target)][:40]
+    target = target[~a5.reachable(target)][:24]
     distance = a5.distance_to_reach(target)
     numerical = np.array([numerical_distance(t) for t in target])
     np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-7)
@@ -102,7 +102,7 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
     )
     radius, z = rng.uniform(0.0, 0.36, 80) ** 1.5 * 1.6, rng.uniform(-0.3, 0.4, 80)
     target = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
-    target = target[~a5.reachable(target)][:40]
+    target = target[~a5.reachable(target)][::4][:20]
     numerical = np.array([numerical_distance(t) for t in target])
     np.testing.assert_allclose(a5.distance_to_reach(target), numerical, rtol=0, atol=1e-7)
 
@@ -147,7 +147,7 @@ def test_both_sides_of_every_arc(side: str) -> None:
     azimuth = 1.0
     pairs = []
     for arc in space.boundary(side):
-        for share in (0.02, 0.5, 0.98):
+        for share in (0.1, 0.5, 0.9):
             at = arc.start + share * (arc.end - arc.start)
             for step, filled in ((-1e-6, 1), (1e-6, -1)):
                 R = arc.center[0] + (arc.radius + step) * math.cos(at)
@@ -223,10 +223,13 @@ def test_volume_without_limits_by_pappus() -> None:
     l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
     outer, inner = l_1 + l_2, abs(l_1 - l_2)
     z = outer * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 200_001))
-    far = 0.02 + np.sqrt(np.maximum(outer**2 - z**2, 0.0))
+    half = np.sqrt(np.maximum(outer**2 - z**2, 0.0))
+    far, dimple = 0.02 + half, np.maximum(0.02 - half, 0.0)  # above and below, around the axis
     hole = np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02  # where both discs' holes meet
-    area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2)
-    assert space.volume(limits=False) == pytest.approx(np.trapezoid(area, z), rel=1e-6)
+    area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2 - dimple**2)
+    assert space.volume(limits=False) == pytest.approx(
+        ((area[1:] + area[:-1]) / 2 * np.diff(z)).sum(), rel=1e-6
+    )
 
 
 def test_volume_lost_to_the_wedges() -> None:

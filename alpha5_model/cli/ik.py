@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -70,24 +69,24 @@ def _print(solutions: Solutions, best: list[float]) -> None:
     from alpha5_model.kinematics.ik import BRANCHES
     from alpha5_model.parameters import parameters
 
-    table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("branch")
+    table = Table(box=box.SIMPLE_HEAD, title="joint positions (rad)", title_justify="left")
+    table.add_column("branch", no_wrap=True)
     for joint in parameters().joints[:4]:
-        table.add_column(f"{joint.name} (rad)", justify="right")
-    table.add_column("within limits")
+        table.add_column(joint.name, justify="right")
+    table.add_column("in limits")
     for i, name in enumerate(BRANCHES):
         if not solutions.exists[i]:
             table.add_row(name, *["-"] * 4, "out of reach")
             continue
         angles = solutions.q[i].tolist()
-        chosen = all(math.isclose(a, b, abs_tol=1e-12) for a, b in zip(angles, best, strict=True))
-        mark = "yes" if solutions.within_limits[i] else "no"
         table.add_row(
             name,
             *(f"{angle:.6f}" for angle in angles),
-            f"{mark}, nearest to the middle" if chosen else mark,
+            "yes" if solutions.within_limits[i] else "no",
         )
     console = Console()
     console.print(table)
+    angles = " ".join(f"{angle:.9g}" for angle in best)
+    console.print(f"nearest to the middle of the ranges: {angles}", highlight=False, soft_wrap=True)
     if solutions.singular:
         console.print("The target is singular: on the yaw axis, or the arm is stretched or folded.")
