@@ -21,6 +21,8 @@ COMMANDS: tuple[str, ...] = (
     "trajectory",
     "ik",
     "workspace",
+    "dh",
+    "planar",
 )
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
