@@ -77,7 +77,7 @@ def urdf(variant: Variant | None = None) -> str:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
         values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
-        return expand_xacro(
+        text = expand_xacro(
             XACRO_PATH,
             {
                 "prefix": chosen.prefix,
@@ -93,3 +93,6 @@ def urdf(variant: Variant | None = None) -> str:
                 "parameters": str(values),
             },
         )
+    if text.count(f'<link name="{chosen.parent}"') > 1:
+        raise InputError("parent", chosen.parent, "a name that no link of the arm has")
+    return text
