@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, gravity_vector
 
 if TYPE_CHECKING:
     from alpha5_model.actuators import Actuator
@@ -102,7 +102,7 @@ def trajectory(
     with _Progress() as progress:
         motion = library.read_motion(file, progress)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
-        arm = _arm(motion, gripper, fluid_density(fluid), triple("gravity", gravity))
+        arm = _arm(motion, gripper, fluid_density(fluid), gravity_vector(gravity))
         analysis = library.analyse(
             motion,
             arm,

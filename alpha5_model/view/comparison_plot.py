@@ -11,13 +11,15 @@ from alpha5_model.files import atomic_write
 if TYPE_CHECKING:
     from alpha5_model.comparison.report import Comparison
 
+FORMATS = (".png", ".pdf", ".svg")
+
 
 def plot_comparison(comparison: Comparison, path: Path) -> Path:
     """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
 
     Args:
         comparison: What `alpha5_model.compare` returns.
-        path: Picture to write; the suffix tells the format (png, svg, pdf).
+        path: Picture to write; the suffix tells the format (.png, .pdf, .svg).
 
     Raises:
         OutputError: It cannot be written.
@@ -27,7 +29,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> Path:
 
     from alpha5_model.checks import choice
 
-    kind = choice("picture format", path.suffix.lstrip("."), ("png", "svg", "pdf"))
+    kind = choice("plot format", path.suffix.lower(), FORMATS).lstrip(".")
     bodies = [body.name for body in comparison.bodies]
     panels = (
         ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
@@ -37,10 +39,10 @@ def plot_comparison(comparison: Comparison, path: Path) -> Path:
     )
     figure = Figure(figsize=(11, 3.2), layout="constrained")
     for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
+        # Rounding of the arithmetic is no error to look at: it would stretch to the full width.
+        values = [value if abs(value) > 1e-9 else 0.0 for value in values]
         bars = axes.barh(names, values, color="#c0504d")
-        axes.bar_label(
-            bars, fmt=lambda v: f"{v:.3g}" if abs(v) > 1e-9 else "0", padding=3, fontsize=8
-        )
+        axes.bar_label(bars, fmt=lambda v: f"{v:.3g}", padding=3, fontsize=8)
         axes.invert_yaxis()
         axes.margins(x=0.25)
         axes.axvline(0, color="black", linewidth=0.8)
