@@ -103,4 +103,5 @@ def _print(comparison: Comparison) -> None:
         console.print("[green]The model agrees with the tables.[/green]")
     else:
         serious = sum(finding.serious for finding in comparison.findings)
-        console.print(f"[red]The model differs: {serious} findings.[/red]")
+        plural = "" if serious == 1 else "s"
+        console.print(f"[red]The model differs: {serious} finding{plural}.[/red]")
