@@ -1,0 +1,308 @@
+"""From an arm and its joint positions to a scene: bodies, frames, centres, forces, workspace, ghosts."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, choice, float_array
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
+from alpha5_model.view.bodies import urdf_bodies
+from alpha5_model.view.scene import (
+    DEFAULT_SHOW,
+    GROUPS,
+    WORLD,
+    Camera,
+    Label,
+    Load,
+    Mean,
+    MotionTrack,
+    Rigid,
+    Scene,
+    Shape,
+)
+from alpha5_model.view.shapes import arrow, ball, triad
+from alpha5_model.view.tree import TreeJoint, joint_tree
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.trajectory.motion import Motion
+
+#: Length of an arrow per force [m/N].
+ARROW_SCALE = 0.02
+_YELLOW, _BLACK = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10)
+_BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
+_RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
+#: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
+_SIGHT = np.array([0.35, -1.0, 0.42])
+
+
+def build_scene(
+    arm: Arm,
+    q: ArrayLike | None = None,
+    *,
+    target: ArrayLike | None = None,
+    motion: Motion | None = None,
+    show: Iterable[str] | None = None,
+) -> Scene:
+    """Everything that can be seen of an arm.
+
+    Args:
+        arm: What to show.
+        q: Joint positions, (nq,); the pose ``home`` if None.
+        target: Position for which all solutions of the inverse kinematics stand as ghosts, (3,) [m].
+        motion: Played in real time.
+        show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on.
+
+    Raises:
+        Alpha5Error: Joint positions, target, motion or groups that do not fit the arm.
+    """
+    source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
+    text = source.read_text(encoding="utf-8")
+    tree = joint_tree(text)
+    sliders = tuple(arm.joint_names)
+    named = named_poses(tree, sliders)
+    if q is None:
+        rest = named["home"]
+        q = np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], rest]) if arm.floating_base else rest
+    position = float_array("q", q, (arm.model.nq,))
+    if position.ndim != 1:
+        raise ShapeError("q", position.shape, f"shape ({arm.model.nq},)")
+    poses = link_poses(arm, tree, position)
+    loads = _loads(arm, tree)
+    shown = tuple(choice("group", g, tuple(GROUPS)) for g in (DEFAULT_SHOW if show is None else show))
+    folder = str(source.parent)
+    shapes = [*_bodies(text, folder), *_frames(tree), *_centers(loads), *_forces(arm, loads)]
+    shapes += _collision(text, folder)
+    labels = [*_frame_labels(tree, sliders), *_center_labels(loads), *_force_labels(arm, loads)]
+    weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
+    notes = [
+        f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
+        if arm.fluid_density
+        else f"In air: weight {weight:.2f} N.",
+        f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
+    ]
+    return Scene(
+        title="Reach Alpha 5",
+        notes=tuple(notes),
+        tree=tree,
+        sliders=sliders,
+        q=position[arm.model.nq - len(sliders) :],
+        poses=poses,
+        shapes=tuple(shapes),
+        labels=tuple(labels),
+        loads=loads,
+        gravity=np.array(arm.model.gravity.linear),
+        camera=_camera(shapes, poses, shown),
+        show=shown,
+        named_poses=named,
+        motion=None if motion is None else motion_track(motion, sliders, position),
+    )
+
+
+def link_poses(arm: Arm, tree: Sequence[TreeJoint], q: FloatArray) -> dict[str, FloatArray]:
+    """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
+    links = [tree[0].parent, *(joint.child for joint in tree)]
+    poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
+    return {WORLD: np.eye(4), **poses}
+
+
+def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
+    """A motion in the order of the sliders; joints that it lacks stay where they are."""
+    time = motion.time - motion.time[0]
+    if len(time) < 2:
+        raise InputError("motion", f"{len(time)} sample", "at least two samples")
+    track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
+    for i, name in enumerate(sliders):
+        if name in motion.joints:
+            track[:, i] = motion.position[:, motion.joints.index(name)]
+    return MotionTrack(Path(motion.source).name, time, track)
+
+
+def named_poses(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> dict[str, FloatArray]:
+    """Poses named in the SRDF, in the order of the sliders; the jaw rod where it is closed."""
+    joints = {joint.name: joint for joint in tree}
+    poses = {}
+    for name, values in _group_states().items():
+        poses[name] = np.array([values.get(s, joints[s].lower) for s in sliders])
+    return poses
+
+
+@cache
+def _group_states() -> dict[str, dict[str, float]]:
+    root = ElementTree.parse(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf").getroot()
+    return {
+        state.attrib["name"]: {
+            joint.attrib["name"]: float(joint.attrib["value"]) for joint in state.findall("joint")
+        }
+        for state in root.findall("group_state")
+    }
+
+
+def _loads(arm: Arm, tree: Sequence[TreeJoint]) -> tuple[Load, ...]:
+    """Weight and buoyancy on each joint of the model, payloads included."""
+    carrier = {joint.name: joint.child for joint in tree}
+    strength = float(np.linalg.norm(arm.model.gravity.linear))
+    loads = []
+    for name, inertia in zip(arm.model.names, arm.model.inertias, strict=True):
+        displaced = [d for d in arm.displacements if d.joint == name and d.volume > 0.0]
+        volume = sum(d.volume for d in displaced)
+        if inertia.mass == 0.0 and volume == 0.0:
+            continue
+        cob = sum((d.volume * np.asarray(d.cob) for d in displaced), np.zeros(3))
+        loads.append(
+            Load(
+                # the universe and the free-flyer carry the base
+                link=carrier.get(name, tree[0].parent),
+                weight=inertia.mass * strength,
+                com=np.array(inertia.lever),
+                buoyancy=arm.fluid_density * volume * strength,
+                cob=cob / volume if volume else np.array(inertia.lever),
+            )
+        )
+    return tuple(loads)
+
+
+def _bodies(text: str, folder: str) -> list[Shape]:
+    bodies = urdf_bodies(text, folder)
+    return [
+        Shape(
+            "bodies",
+            f"{body.link}/part_{i}",
+            Rigid(body.link),
+            body.mesh,
+            body.color[:3],
+            shine=1.0 if sum(body.color[:3]) > 1.5 else 0.5,
+        )
+        for i, body in enumerate(bodies)
+    ]
+
+
+def _collision(text: str, folder: str) -> list[Shape]:
+    bodies = urdf_bodies(text, folder, "collision")
+    color = (0.95, 0.55, 0.10)
+    return [
+        Shape("collision", f"{body.link}_{i}", Rigid(body.link), body.mesh, color, opacity=0.35)
+        for i, body in enumerate(bodies)
+    ]
+
+
+def _frames(tree: Sequence[TreeJoint]) -> list[Shape]:
+    links = [tree[0].parent, *(joint.child for joint in tree)]
+    mesh = triad(0.05, 0.0013)
+    return [Shape("frames", link, Rigid(link), mesh, on_top=True) for link in links]
+
+
+def _frame_labels(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> list[Label]:
+    labels = [
+        Label("bodies", joint.name, Rigid(joint.child)) for joint in tree if joint.name in sliders
+    ]
+    frames = [joint.child for joint in tree]
+    labels += [Label("frames", link, Rigid(link), (0.1, 0.3, 0.6)) for link in frames]
+    return [*labels, Label("bodies", "tcp", Rigid("tcp"))]
+
+
+def _whole(loads: Sequence[Load], kind: str) -> Mean:
+    """Anchor at the centre of mass (``com``) or of buoyancy (``cob``) of the whole arm."""
+    if kind == "com":
+        return Mean(tuple((load.link, load.weight, load.com) for load in loads if load.weight))
+    return Mean(tuple((load.link, load.buoyancy, load.cob) for load in loads if load.buoyancy))
+
+
+def _centers(loads: Sequence[Load]) -> list[Shape]:
+    shapes = []
+    for kind, colors in (("com", (_YELLOW, _BLACK)), ("cob", (_BLUE, _WHITE))):
+        small, large = ball(0.0048, *colors), ball(0.0095, *colors)
+        for i, load in enumerate(loads):
+            point = load.com if kind == "com" else load.cob
+            if load.weight if kind == "com" else load.buoyancy:
+                anchor = Mean(((load.link, 1.0, point),))
+                shapes.append(Shape(kind, f"load_{i}", anchor, small, on_top=True))
+        if _whole(loads, kind).points:
+            shapes.append(Shape(kind, "arm", _whole(loads, kind), large, on_top=True))
+    return shapes
+
+
+def _center_labels(loads: Sequence[Load]) -> list[Label]:
+    names = {"com": ("centre of mass", (0.45, 0.33, 0.0)), "cob": ("centre of buoyancy", _BLUE)}
+    return [
+        Label(kind, text, _whole(loads, kind), color)
+        for kind, (text, color) in names.items()
+        if _whole(loads, kind).points
+    ]
+
+
+def _forces(arm: Arm, loads: Sequence[Load]) -> list[Shape]:
+    shapes = []
+    for i, load in enumerate(loads):
+        for kind, force, point, color in _pair(arm, load):
+            anchor = Mean(((load.link, 1.0, point),))
+            mesh = arrow(ARROW_SCALE * force, 0.0022)
+            shapes.append(Shape(kind, f"load_{i}", anchor, mesh, color))
+    for kind, force, anchor, color in _totals(arm, loads):
+        mesh = arrow(ARROW_SCALE * force, 0.0042)
+        shapes.append(Shape(kind, "arm", anchor, mesh, color))
+    return shapes
+
+
+def _force_labels(arm: Arm, loads: Sequence[Load]) -> list[Label]:
+    return [
+        Label(
+            kind,
+            f"{kind} {np.linalg.norm(force):.2f} N",
+            Mean(anchor.points, ARROW_SCALE * force),
+            color,
+        )
+        for kind, force, anchor, color in _totals(arm, loads)
+    ]
+
+
+def _pair(arm: Arm, load: Load) -> list[tuple[str, FloatArray, FloatArray, Any]]:
+    down = _down(arm)
+    pairs = [
+        ("weight", load.weight * down, load.com, _RED),
+        ("buoyancy", -load.buoyancy * down, load.cob, _SKY),
+    ]
+    return [pair for pair in pairs if pair[1].any()]
+
+
+def _totals(arm: Arm, loads: Sequence[Load]) -> list[tuple[str, FloatArray, Mean, Any]]:
+    down = _down(arm)
+    weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
+    totals = [
+        ("weight", weight * down, _whole(loads, "com"), tuple(0.8 * c for c in _RED)),
+        ("buoyancy", -lift * down, _whole(loads, "cob"), tuple(0.8 * c for c in _SKY)),
+    ]
+    return [total for total in totals if total[1].any()]
+
+
+def _down(arm: Arm) -> FloatArray:
+    gravity = np.array(arm.model.gravity.linear)
+    strength = np.linalg.norm(gravity)
+    down: FloatArray = gravity / strength if strength else gravity
+    return down
+
+
+def _camera(
+    shapes: Sequence[Shape], poses: dict[str, FloatArray], shown: Sequence[str]
+) -> Camera:
+    points = np.concatenate(
+        [
+            s.mesh.vertices @ t[:3, :3].T + t[:3, 3]
+            for s in shapes
+            if s.group in {"bodies", *shown}
+            for t in [s.anchor.transform(poses)]
+        ]
+    )
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(points - center, axis=1).max())
+    camera = Camera(center, center)
+    distance = 1.02 * radius / np.sin(np.deg2rad(camera.field_of_view) / 2)
+    return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
