@@ -1,0 +1,235 @@
+"""Generation: every argument changes the output as it says, plain xacro agrees, nothing is stale."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+import yaml
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
+from alpha5_model.description.parameter_file import parameter_yaml
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
+from alpha5_model.files import atomic_write
+from alpha5_model.paths import REPOSITORY_PATH, XACRO_PATH
+
+
+def names(text: str, tag: str) -> list[str]:
+    return [element.get("name") for element in ET.fromstring(text).iter(tag) if element.get("name")]
+
+
+def xml(variant: Variant) -> ET.Element:
+    return ET.fromstring(urdf(variant))
+
+
+def test_prefix_stands_before_every_link_joint_and_reference():
+    plain, prefixed = urdf(Variant(gripper="jaws")), urdf(Variant(gripper="jaws", prefix="l_"))
+    for tag in ("link", "joint", "material"):
+        assert names(prefixed, tag) == [f"l_{name}" for name in names(plain, tag)]
+    root = ET.fromstring(prefixed)
+    links = set(names(prefixed, "link"))
+    for joint in root.findall("joint"):
+        assert {joint.find("parent").get("link"), joint.find("child").get("link")} <= links
+    assert {m.get("joint") for m in root.iter("mimic")} == {"l_axis_a"}
+
+
+def test_parent_is_made_and_mounted_on():
+    root = xml(Variant(parent="vehicle", xyz=(0.1, 0.0, -0.2), rpy=(0.0, 0.5, 0.0)))
+    mount = root.find("joint[@name='mount']")
+    assert root.find("link[@name='vehicle']") is not None
+    assert mount.find("parent").get("link") == "vehicle"
+    assert mount.find("child").get("link") == "base_link"
+    assert mount.find("origin").attrib == {"xyz": "0.1 0.0 -0.2", "rpy": "0.0 0.5 0.0"}
+    assert xml(Variant()).find("joint[@name='mount']") is None
+
+
+def test_gripper_jaws_adds_the_rod_and_two_fingers():
+    added = set(names(urdf(Variant(gripper="jaws")), "joint")) - set(
+        names(urdf(Variant()), "joint")
+    )
+    assert added == {"axis_a", "finger_1_joint", "finger_2_joint"}
+
+
+def test_mesh_prefix_stands_before_every_mesh():
+    root = xml(Variant(mesh_prefix="package://somewhere/"))
+    files = [mesh.get("filename") for mesh in root.iter("mesh")]
+    assert len(files) == 7
+    assert all(file.startswith("package://somewhere/") for file in files)
+
+
+def test_collision_none_has_none():
+    assert not list(xml(Variant(collision="none")).iter("collision"))
+    assert list(xml(Variant()).iter("collision"))
+
+
+def test_dh_frames_are_added():
+    added = set(names(urdf(Variant(dh_frames=True)), "link")) - set(names(urdf(Variant()), "link"))
+    assert added == {f"dh_{i}" for i in range(1, 6)}
+
+
+def test_ros2_control_gives_interfaces_and_device_ids():
+    root = xml(Variant(gripper="jaws", ros2_control=True, ros2_control_plugin="pkg/Driver"))
+    control = root.find("ros2_control")
+    assert control.find("hardware/plugin").text == "pkg/Driver"
+    ids = {j.get("name"): j.find("param[@name='device_id']").text for j in control.findall("joint")}
+    assert ids == {"axis_e": "5", "axis_d": "4", "axis_c": "3", "axis_b": "2", "axis_a": "1"}
+    for joint in control.findall("joint"):
+        assert [c.get("name") for c in joint.findall("command_interface")] == [
+            "position",
+            "velocity",
+        ]
+    assert xml(Variant()).find("ros2_control") is None
+
+
+def test_corrections_turn_the_base_and_are_named():
+    printed = urdf(Variant(corrections=()))
+    assert "Corrections to the document: none" in printed
+    base = ET.fromstring(printed).find("joint[@name='link_0_fixed']/origin")
+    assert base.get("rpy") == "0.0 0.0 3.141592653589793"
+    assert "Corrections to the document: base_frame" in urdf()
+
+
+def test_the_file_names_document_version_and_package():
+    head = urdf().split("<link", 1)[0]
+    for words in ("Kinematic and Dynamic Properties, version 7", f"alpha5_model {a5.__version__}"):
+        assert words in head
+    assert str(Path(REPOSITORY_PATH)) not in urdf()
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_plain_xacro_gives_the_same_elements(gripper, tmp_path):
+    """The committed sources, from a shell, in another folder, without this package."""
+    program = Path(sys.executable).with_name("xacro")
+    result = subprocess.run(
+        [program, XACRO_PATH, f"gripper:={gripper}", "prefix:=p_", "dh_frames:=true"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=True,
+    )
+    ours = urdf(Variant(gripper=gripper, prefix="p_", dh_frames=True))
+    assert ET.canonicalize(result.stdout, strip_text=True) == ET.canonicalize(ours, strip_text=True)
+
+
+def test_plain_xacro_refuses_an_unknown_gripper(tmp_path):
+    program = Path(sys.executable).with_name("xacro")
+    result = subprocess.run(
+        [program, XACRO_PATH, "gripper:=hook"], capture_output=True, text=True, check=False
+    )
+    assert result.returncode != 0
+    assert "gripper must be 'locked' or 'jaws', not 'hook'" in result.stderr
+
+
+def test_the_committed_files_are_fresh(capsys):
+    assert stale_files() == []
+    assert main(["generate", "--check"]) == 0
+    assert "generated files are fresh" in capsys.readouterr().out
+
+
+def test_a_stale_file_is_found_and_mended(tmp_path):
+    update(str(tmp_path))
+    urdf_file = tmp_path / "urdf" / "alpha5.urdf"
+    urdf_file.write_text(urdf_file.read_text().replace('value="0.38"', 'value="0.39"'))
+    (tmp_path / "urdf" / "alpha5_jaws.urdf").unlink()
+    stale = {file.path: file.diff for file in stale_files(str(tmp_path))}
+    assert set(stale) == {"urdf/alpha5.urdf", "urdf/alpha5_jaws.urdf"}
+    assert '-      <mass value="0.39"/>\n+      <mass value="0.38"/>' in stale["urdf/alpha5.urdf"]
+    assert stale["urdf/alpha5_jaws.urdf"].endswith("missing\n")
+    update(str(tmp_path))
+    assert stale_files(str(tmp_path)) == []
+
+
+def test_check_exits_1_with_a_diff(monkeypatch, capsys):
+    import alpha5_model.description.committed as committed
+
+    monkeypatch.setattr(committed, "stale_files", lambda: [StaleFile("urdf/x", "-old\n+new\n")])
+    assert main(["generate", "--check"]) == 1
+    assert capsys.readouterr().out.startswith("-old\n+new\n")
+
+
+def test_two_generations_are_the_same_bytes():
+    assert generated_files() == generated_files()
+
+
+def test_yaml_numbers_read_back_exactly():
+    content = yaml.safe_load(parameter_yaml(a5.parameters()))
+    for link in a5.parameters().links:
+        assert content["links"][link.name]["mass"] == link.mass
+        assert content["links"][link.name]["com"] == list(link.com)
+        assert content["links"][link.name]["inertia"]["ixy"] == link.inertia[0, 1]
+    assert content["joints"]["axis_c"]["xyz"][0] == a5.parameters().dh[1].a
+
+
+def test_command_line_writes_file_and_meshes(tmp_path, capsys):
+    target = tmp_path / "out" / "arm.urdf"
+    assert main(["generate", "--output", str(target), "--gripper", "jaws"]) == 0
+    for mesh in ET.parse(target).getroot().iter("mesh"):
+        assert (target.parent / mesh.get("filename")).is_file()
+    assert main(["generate", "--mesh-uri", "package"]) == 0
+    assert "package://alpha5_description/meshes/link_0.obj" in capsys.readouterr().out
+    assert main(["generate", "--mesh-uri", "file"]) == 0
+    uri = next(ET.fromstring(capsys.readouterr().out).iter("mesh")).get("filename")
+    assert Path(uri.removeprefix("file://")).is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--gripper", "hook"], "unknown gripper 'hook'; choose from locked, jaws"),
+        (["--collision", "mesh"], "choose from primitives, none"),
+        (["--mesh-uri", "http"], "choose from relative, package, file"),
+        (["--corrections", "sign"], "choose from base_frame, link3_cob"),
+        (["--xyz", "0 0"], "three numbers"),
+        (["--xyz", "0 0 nan", "--parent", "w"], "finite numbers"),
+        (["--xyz", "0 0 1"], "a parent link to mount on"),
+        (["--prefix", "${1/0}"], "a text without"),
+        (["--prefix", "a b"], "a name without spaces"),
+        (["--output", "/dev/null/arm.urdf"], "cannot write"),
+        (["--output", "folder"], "give a file name"),
+        (["--colour", "red"], "No such option"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(arguments, words, capsys):
+    assert main(["generate", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.splitlines()) == 1
+    assert words in err
+
+
+def test_errors_have_attributes():
+    with pytest.raises(UnknownNameError) as caught:
+        Variant(gripper="hook")
+    assert (caught.value.kind, caught.value.name) == ("gripper", "hook")
+    assert caught.value.choices == ("locked", "jaws")
+    with pytest.raises(InputError):
+        Variant(prefix=3)  # type: ignore[arg-type]
+
+
+def test_a_broken_xacro_file_is_named(tmp_path):
+    from alpha5_model.description.expand import expand_xacro
+
+    broken = tmp_path / "broken.xacro"
+    broken.write_text("<robot><oops></robot>")
+    with pytest.raises(FileFormatError, match=r"broken\.xacro"):
+        expand_xacro(broken)
+
+
+def test_atomic_write_leaves_the_old_file_when_it_fails(tmp_path, monkeypatch):
+    target = tmp_path / "file.txt"
+    atomic_write(target, "old")
+
+    def refuse(self, destination):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    with pytest.raises(OutputError, match="No space left"):
+        atomic_write(target, "new")
+    assert target.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]

@@ -1,0 +1,159 @@
+"""The committed URDF against the document, typed again in `reference`."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import reference
+import yourdfpy
+
+import alpha5_model as a5
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.paths import JAWS_URDF_PATH
+
+FRAMES = [f"link_{i}" for i in range(5)]
+
+
+def pinocchio_error(text: str, count: int = 3000) -> float:
+    """Largest difference of any frame's pose from the document's, m and rad."""
+    model = pin.buildModelFromXML(text)
+    data = model.createData()
+    ids = [model.getFrameId(name) for name in [*FRAMES, "tcp"]]
+    worst = 0.0
+    for q in reference.configurations(count, seed=1):
+        pin.framesForwardKinematics(model, data, q)
+        expected = [*reference.inertial_frames(q), reference.dh_frames(q)[5]]
+        for frame, pose in zip(ids, expected, strict=True):
+            worst = max(worst, np.abs(data.oMf[frame].homogeneous - pose).max())
+    return worst
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return Path(a5.URDF_PATH).read_text(encoding="utf-8")
+
+
+def test_forward_kinematics_of_every_frame_equals_the_dh_product(text):
+    assert pinocchio_error(text) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('xyz="0.02 0.0 0.0462"', 'xyz="0.02 0.0 0.047"'),  # the SDK's shoulder, 0.8 mm higher
+        ('rpy="0.0 0.0 3.141592653589793"', 'rpy="0.0 0.0 3.1416"'),  # five printed digits
+        ('xyz="0.0 0.0 -0.18"', 'xyz="0.0 0.0 0.18"'),
+    ],
+)
+def test_a_wrong_placement_is_found(text, old, new):
+    assert old in text
+    assert pinocchio_error(text.replace(old, new), count=50) > 1e-6
+
+
+def test_every_dh_frame_is_where_the_document_puts_it():
+    model = pin.buildModelFromXML(urdf(Variant(dh_frames=True)))
+    data = model.createData()
+    for q in reference.configurations(200, seed=2):
+        pin.framesForwardKinematics(model, data, q)
+        for i, pose in enumerate(reference.dh_frames(q)[1:], start=1):
+            frame = data.oMf[model.getFrameId(f"dh_{i}")].homogeneous
+            np.testing.assert_allclose(frame, pose, atol=1e-12)
+
+
+def test_inertias_equal_table_2_to_the_last_bit(text):
+    # The decimal point is shifted in the printed text, and float() reads the nearest double:
+    # no product of floats on this route.
+    def shifted(number: float, places: int) -> float:
+        return float(f"{number:.3f}e-{places}")
+
+    for i in range(5):
+        inertial = ET.fromstring(text).find(f"link[@name='link_{i}']/inertial")
+        assert float(inertial.find("mass").get("value")) == reference.MASS[i]
+        com = [float(x) for x in inertial.find("origin").get("xyz").split()]
+        assert com == [shifted(x, 3) for x in reference.COM[i]]
+        assert [float(x) for x in inertial.find("origin").get("rpy").split()] == [0, 0, 0]
+        xx, yy, zz, xy, xz, yz = (shifted(x, 6) for x in reference.INERTIA[i])
+        expected = {"ixx": xx, "iyy": yy, "izz": zz, "ixy": -xy, "ixz": -xz, "iyz": -yz}
+        assert {k: float(v) for k, v in inertial.find("inertia").attrib.items()} == expected
+
+
+def test_yourdfpy_agrees(text, tmp_path):
+    robot = yourdfpy.URDF.load(a5.URDF_PATH, load_meshes=False, build_scene_graph=True)
+    worst = 0.0
+    for q in reference.configurations(300, seed=3):
+        robot.update_cfg(q)
+        pose = robot.get_transform("tcp", "base_link")
+        worst = max(worst, np.abs(pose - reference.dh_frames(q)[5]).max())
+    assert worst < 1e-9
+
+
+def test_massless_frames_say_so(text):
+    root = ET.fromstring(text)
+    for name in ("base_link", "tcp"):
+        inertial = root.find(f"link[@name='{name}']/inertial")
+        assert float(inertial.find("mass").get("value")) == 0
+        assert {float(v) for v in inertial.find("inertia").attrib.values()} == {0.0}
+
+
+def test_closed_jaws_are_link_4_of_table_2():
+    model = pin.buildModelFromUrdf(JAWS_URDF_PATH)
+    joints = {name: model.joints[model.getJointId(name)].idx_q for name in model.names[1:]}
+    q = np.zeros(model.nq)
+    q[joints["axis_a"]] = 0.0013  # closed: the rod's lower limit, fingers at zero
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    wrist = data.oMi[model.getJointId("axis_b")]
+    total = pin.Inertia.Zero()
+    for name in ("axis_b", "axis_a", "finger_1_joint", "finger_2_joint"):
+        joint = model.getJointId(name)
+        total += wrist.actInv(data.oMi[joint]).act(model.inertias[joint])
+    assert total.mass == pytest.approx(reference.MASS[4], abs=1e-12)
+    np.testing.assert_allclose(total.lever, np.array(reference.COM[4]) / 1e3, atol=1e-12)
+    xx, yy, zz, xy, xz, yz = np.array(reference.INERTIA[4]) / 1e6
+    expected = [[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]
+    np.testing.assert_allclose(total.inertia, expected, atol=1e-12)
+
+
+def test_rod_and_finger_limits_agree():
+    root = ET.parse(JAWS_URDF_PATH).getroot()
+    rod = root.find("joint[@name='axis_a']/limit")
+    for i in (1, 2):
+        joint = root.find(f"joint[@name='finger_{i}_joint']")
+        mimic, limit = joint.find("mimic"), joint.find("limit")
+        assert mimic.get("joint") == "axis_a"
+        for end in ("lower", "upper"):
+            angle = float(mimic.get("multiplier")) * float(rod.get(end)) + float(
+                mimic.get("offset")
+            )
+            assert angle == pytest.approx(float(limit.get(end)), abs=1e-12)
+        turn = float(mimic.get("multiplier")) * float(rod.get("velocity"))
+        assert turn == pytest.approx(float(limit.get("velocity")))
+
+
+def test_open_fingers_move_apart():
+    model = pin.buildModelFromUrdf(JAWS_URDF_PATH, mimic=True)
+    data = model.createData()
+    gaps = []
+    for rod in (0.0013, 0.0133):
+        pin.framesForwardKinematics(model, data, np.array([1.0, 1.0, 1.0, 1.0, rod]))
+        tips = [
+            data.oMf[model.getFrameId(f"finger_{i}")].act(np.array([0, sign * 0.085, 0]))
+            for i, sign in ((1, 1), (2, -1))
+        ]
+        gaps.append(np.linalg.norm(tips[0] - tips[1]))
+    assert gaps[0] == pytest.approx(0.031, abs=1e-12)  # pivots 15.5 mm to either side
+    assert gaps[1] == pytest.approx(0.031 + 2 * 0.085 * math.sin(51 * 0.012), abs=1e-12)
+
+
+def test_check_urdf_accepts_the_committed_files():
+    program = Path(sys.executable).with_name("check_urdf")  # the pin wheel brings it
+    for path in (a5.URDF_PATH, JAWS_URDF_PATH):
+        result = subprocess.run([program, path], capture_output=True, text=True, check=False)
+        assert "Successfully Parsed XML" in result.stdout, result.stderr
