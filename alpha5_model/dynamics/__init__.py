@@ -1,0 +1,1 @@
+"""Dynamics under water: Pinocchio on the generated URDF, with the water added."""

@@ -1,0 +1,298 @@
+"""The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
+
+A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the fluid
+that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only: there is no drag and no
+added mass, for which nothing is published.
+
+Thread safety: an arm never changes after it is made, and each thread computes in its own pin.Data, so
+one arm may be used from any number of threads. What a method returns belongs to the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.payload import Payload
+from alpha5_model.dynamics.statics import Statics
+from alpha5_model.dynamics.vectors import forces, ready_2, ready_3, vector
+
+_rnea, _aba, _gravity = pin.rnea, pin.aba, pin.computeGeneralizedGravity
+
+#: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
+Forces = Sequence[Any] | None
+
+
+class Arm(Statics):
+    """An arm in a fluid. Make one with `alpha5_model.load`.
+
+    Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both are the number
+    of joints. With a floating base, v and a begin with the spatial velocity and acceleration of base_link in
+    its own axes, and tau with the wrench on it (linear before angular).
+
+    Every method raises `InputError` or one of its kinds (`ShapeError`, `NonFiniteError`) for input that it
+    cannot use.
+    """
+
+    def mass_matrix(self, q: ArrayLike) -> FloatArray:
+        """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
+        out: FloatArray = pin.crba(self._model, self._own.data, self._checked_q(q))
+        return out
+
+    def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
+        """C(q, v), (nv, nv), with ``dM/dt - 2 C`` skew-symmetric; C v is Coriolis and centrifugal."""
+        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+            q, v = self._checked(q=q, v=v)
+        out: FloatArray = pin.computeCoriolisMatrix(self._model, self._own.data, q, v)
+        return out
+
+    def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
+        """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
+        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+            q, v = self._checked(q=q, v=v)
+        own = self._own
+        out: FloatArray = pin.nonLinearEffects(self._model, own.data, q, v) - _gravity(
+            self._fluid, own.fluid_data, q
+        )
+        return out
+
+    def inverse_dynamics(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
+    ) -> FloatArray:
+        """Joint torque for a motion, by the recursive Newton-Euler algorithm, water included.
+
+        Args:
+            q: (nq,).
+            v: (nv,) [rad/s].
+            a: (nv,) [rad/s^2].
+            fext: Further external forces, one pin.Force for each joint in its frame.
+
+        Returns:
+            tau, (nv,) [N m].
+        """
+        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+            q, v, a = self._checked(q=q, v=v, a=a)
+        own = self._own
+        if fext is None:
+            tau = _rnea(self._model, own.data, q, v, a)
+        else:
+            tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
+        out: FloatArray = tau - _gravity(self._fluid, own.fluid_data, q)
+        return out
+
+    def forward_dynamics(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
+    ) -> FloatArray:
+        """Joint acceleration under a torque, by the articulated-body algorithm, water included.
+
+        Args:
+            q: (nq,).
+            v: (nv,) [rad/s].
+            tau: (nv,) [N m].
+            fext: Further external forces, one pin.Force for each joint in its frame.
+
+        Returns:
+            a, (nv,) [rad/s^2].
+        """
+        if self.floating_base or not ready_3(q, v, tau, self._q_shape, self._v_shape):
+            q, v, tau = self._checked(q=q, v=v, tau=tau)
+        own = self._own
+        total = tau + _gravity(self._fluid, own.fluid_data, q)
+        if fext is None:
+            out: FloatArray = _aba(self._model, own.data, q, v, total)
+        else:
+            out = _aba(self._model, own.data, q, v, total, forces(fext, self._model.njoints))
+        return out
+
+    def inverse_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Analytic derivatives of `inverse_dynamics` [Carpentier2018], water included.
+
+        [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics algorithms,
+        RSS 2018.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            a: (nv,).
+
+        Returns:
+            dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating base.
+        """
+        q, v, a = self._checked(q=q, v=v, a=a)
+        own = self._own
+        dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
+        water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
+        # Pinocchio hands out views of its data here.
+        return dq - water, dv.copy(), da.copy()
+
+    def forward_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Analytic derivatives of `forward_dynamics`, from those of its inverse.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            tau: (nv,).
+
+        Returns:
+            da/dq, da/dv, da/dtau = M^-1, each (nv, nv); dq in the tangent space for a floating base.
+        """
+        a = self.forward_dynamics(q, v, tau)
+        dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a)
+        inverse = np.linalg.inv(mass)
+        return -inverse @ dq, -inverse @ dv, inverse
+
+    def base_wrench(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None) -> Any:
+        """Wrench that the arm exerts on its mount, weight and buoyancy of link_0 included.
+
+        At rest it is the weight minus the buoyancy of the whole arm. With a floating base it is the
+        wrench on whatever carries base_link through the motion q, v, a.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            a: (nv,).
+            fext: Further external forces on the arm, one pin.Force for each joint in its frame (entry 0:
+                on link_0 of a fixed base).
+
+        Returns:
+            pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
+        """
+        q, v, a = self._checked(q=q, v=v, a=a)
+        own, zero = self._own, np.zeros(self._model.nv)
+        outside = None if fext is None else forces(fext, self._model.njoints)
+        water = _load_on_root(self._fluid, own.fluid_data, q, zero, zero, None)
+        return water - _load_on_root(self._model, own.data, q, v, a, outside)
+
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
+        """``v^T M(q) v / 2`` [J]."""
+        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+            q, v = self._checked(q=q, v=v)
+        return float(pin.computeKineticEnergy(self._model, self._own.data, q, v))
+
+    def inverse_dynamics_batch(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
+    ) -> FloatArray:
+        """`inverse_dynamics` of many states, in parallel.
+
+        Args:
+            q: (N, nq), one state in each row; a single row is used for all states, here and below.
+            v: (N, nv).
+            a: (N, nv).
+            threads: How many to use; None for all that this process may use.
+
+        Returns:
+            (N, nv).
+        """
+        states = batch.rows(self._model, q=q, v=v, a=a)
+        return batch.inverse_dynamics(self._model, self._fluid, self._own.pools, threads, *states)
+
+    def forward_dynamics_batch(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
+    ) -> FloatArray:
+        """`forward_dynamics` of many states, in parallel; arguments as `inverse_dynamics_batch`."""
+        states = batch.rows(self._model, q=q, v=v, tau=tau)
+        return batch.forward_dynamics(self._model, self._fluid, self._own.pools, threads, *states)
+
+    def base_wrench_batch(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
+    ) -> FloatArray:
+        """`base_wrench` of many states, in parallel.
+
+        Args:
+            q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `inverse_dynamics_batch`.
+
+        Returns:
+            (N, 6): force [N] and moment [N m] on the mount, in base_link.
+        """
+        q, v, a = batch.rows(self._model, q=q, v=v, a=a)
+        if self.floating_base:
+            wrench = batch.inverse_dynamics(
+                self._model, self._fluid, self._own.pools, threads, q, v, a
+            )
+            return -wrench[:, :6]
+        # The same arm on a free-flyer that does not move: its first six torques are the mount's.
+        model, fluid = batch.free_flyer(self._model), batch.free_flyer(self._fluid)
+        still = np.zeros((len(q), 6))
+        pose = np.hstack([still, np.ones((len(q), 1))])
+        wrench = batch.inverse_dynamics(
+            model,
+            fluid,
+            {},
+            threads,
+            np.hstack([pose, q]),
+            np.hstack([still, v]),
+            np.hstack([still, a]),
+        )
+        return -wrench[:, :6]
+
+    def with_payload(
+        self,
+        mass: float,
+        com: ArrayLike = (0.0, 0.0, 0.0),
+        inertia: ArrayLike | None = None,
+        volume: float = 0.0,
+        cob: ArrayLike | None = None,
+        frame: str = "tcp",
+    ) -> Self:
+        """A new arm that holds a rigid body; this one stays as it is.
+
+        Args:
+            mass: [kg].
+            com: Centre of mass in ``frame``, (3,) [m].
+            inertia: At the COM in the axes of ``frame``, URDF sign, (3, 3) [kg m^2]; None for a point mass.
+            volume: Displaced volume [m^3].
+            cob: Centre of buoyancy in ``frame``, (3,) [m]; None for the COM.
+            frame: Name of the frame that carries it.
+
+        Returns:
+            The arm with one more body frame, ``payload`` (``payload_2``, ... for further ones).
+
+        Raises:
+            InputError: Negative mass or volume, or an inertia that no body can have.
+            UnknownNameError: No such frame.
+        """
+        return self._holding(Payload.checked(mass, com, inertia, volume, cob), frame)
+
+    def _holding(self, payload: Payload, frame: str) -> Self:
+        self._frame(frame)
+        model, displacement = payload.attached(self._model, frame)
+        return type(self)(model, (*self.displacements, displacement), self.fluid_density)
+
+    def _checked(self, q: ArrayLike, **others: ArrayLike) -> tuple[FloatArray, ...]:
+        return (
+            self._checked_q(q),
+            *(vector(name, value, self._v_shape) for name, value in others.items()),
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._model, self.displacements, self.fluid_density)
+
+    def __repr__(self) -> str:
+        base = "floating" if self.floating_base else "fixed"
+        return (
+            f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
+            f"fluid {self.fluid_density:g} kg/m^3)"
+        )
+
+
+def _load_on_root(model: Any, data: Any, q: Any, v: Any, a: Any, fext: Any) -> Any:
+    """Force that must act on base_link from outside for this motion, in base_link."""
+    pin.rnea(model, data, q, v, a, *(() if fext is None else (fext,)))
+    if model.joints[1].nq == 7:
+        return data.f[1].copy()
+    # RNEA stops at the joints of the universe, so the last step down is taken here.
+    load = model.inertias[0] * -model.gravity
+    for joint in range(1, model.njoints):
+        if model.parents[joint] == 0:
+            load += data.liMi[joint].act(data.f[joint])
+    return load if fext is None else load - fext[0]

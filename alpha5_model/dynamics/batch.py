@@ -1,0 +1,129 @@
+"""Many states at once, through Pinocchio's parallel algorithms.
+
+Pinocchio reads one state from each column; a C-ordered (N, n) array transposed is exactly that, so no state
+is copied.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.errors import InputError, ShapeError
+
+
+def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
+    """Check and convert states in rows; the first one has nq columns, the others nv.
+
+    Raises:
+        InputError: Not real numbers, or a quaternion without unit norm.
+        ShapeError: Wrong number of columns, or of rows.
+        NonFiniteError: NaN or infinity.
+    """
+    columns = [model.nq, *[model.nv] * (len(states) - 1)]
+    arrays = {}
+    for (name, value), n in zip(states.items(), columns, strict=True):
+        array = float_array(name, value, (n,))
+        if array.ndim > 2:
+            raise ShapeError(name, array.shape, f"shape (N, {n})")
+        arrays[name] = np.atleast_2d(array)
+    count = max((len(array) for array in arrays.values()), key=lambda n: (n != 1, n))
+    for name, array in arrays.items():
+        if len(array) not in (1, count):
+            raise ShapeError(name, array.shape, f"{count} rows, as the others, or one")
+    if model.nq > model.nv:
+        quaternion = arrays["q"][:, 3:7]
+        off = np.abs(np.einsum("ij,ij->i", quaternion, quaternion) - 1.0) > 2e-6
+        if off.any():
+            row = int(np.argmax(off))
+            norm = float(np.linalg.norm(quaternion[row]))
+            raise InputError(f"q[{row}, 3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
+    return [
+        np.ascontiguousarray(np.broadcast_to(array, (count, array.shape[1])))
+        for array in arrays.values()
+    ]
+
+
+def inverse_dynamics(
+    model: Any,
+    fluid: Any,
+    pools: dict[tuple[str, int], Any],
+    threads: int | None,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+) -> FloatArray:
+    """RNEA of each row with the torque of the water taken off, (N, nv)."""
+    n = _threads(threads)
+    tau = np.empty_like(v)
+    pin.rneaInParallel(n, _pool("arm", model, n, pools), q.T, v.T, a.T, tau.T)
+    tau -= _buoyancy(fluid, n, pools, q)
+    return tau
+
+
+def forward_dynamics(
+    model: Any,
+    fluid: Any,
+    pools: dict[tuple[str, int], Any],
+    threads: int | None,
+    q: FloatArray,
+    v: FloatArray,
+    tau: FloatArray,
+) -> FloatArray:
+    """ABA of each row with the torque of the water added, (N, nv)."""
+    n = _threads(threads)
+    total = _buoyancy(fluid, n, pools, q)
+    total += tau
+    a = np.empty_like(v)
+    pin.abaInParallel(n, _pool("arm", model, n, pools), q.T, v.T, total.T, a.T)
+    return a
+
+
+def free_flyer(model: Any) -> Any:
+    """The same arm with its fixed base on a free-flyer joint; frames are left out."""
+    free = pin.Model()
+    free.gravity = model.gravity
+    root = free.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
+    free.appendBodyToJoint(root, model.inertias[0], pin.SE3.Identity())
+    for i in range(1, model.njoints):
+        parent = model.parents[i] + 1
+        joint = free.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
+        free.appendBodyToJoint(joint, model.inertias[i], pin.SE3.Identity())
+    return free
+
+
+def _buoyancy(
+    fluid: Any, threads: int, pools: dict[tuple[str, int], Any], q: FloatArray
+) -> FloatArray:
+    out = np.empty((len(q), fluid.nv))
+    still = np.zeros_like(out)
+    pool = _pool("fluid", fluid, threads, pools)
+    pin.rneaInParallel(threads, pool, q.T, still.T, still.T, out.T)
+    return out
+
+
+def _pool(name: str, model: Any, threads: int, pools: dict[tuple[str, int], Any]) -> Any:
+    if (name, threads) not in pools:
+        pools[name, threads] = pin.ModelPool(model, threads)
+    return pools[name, threads]
+
+
+def _threads(threads: int | None) -> int:
+    if threads is None:
+        return available_threads()
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise InputError("threads", threads, "a positive integer or None")
+    return threads
+
+
+def available_threads() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on this system
+        return os.cpu_count() or 1

@@ -1,0 +1,274 @@
+"""The arm at rest in the water: where it is, what it weighs, what the water carries."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, choice, real
+from alpha5_model.dynamics.hydrostatics import Displacement, displaced_fluid_model
+from alpha5_model.dynamics.vectors import ready, vector
+from alpha5_model.dynamics.water import SEA_WATER
+from alpha5_model.errors import InputError
+
+# Bound once: an attribute of a module costs as much as half of an addition.
+_gravity = pin.computeGeneralizedGravity
+_gravity_derivative = pin.computeGeneralizedGravityDerivatives
+
+
+class Workspace(threading.local):
+    """Pinocchio's scratch memory, one set for each thread."""
+
+    def __init__(self, model: Any, fluid: Any) -> None:
+        self.data = model.createData()
+        self.fluid_data = fluid.createData()
+        self.pools: dict[tuple[str, int], Any] = {}
+
+
+class Statics:
+    """Kinematics and hydrostatics of an arm; base of `alpha5_model.dynamics.arm.Arm`.
+
+    Attributes:
+        model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
+            nothing done to this one changes what the arm's methods return.
+        fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of buoyancy.
+        displacements: The displaced volumes.
+        fluid_density: [kg/m^3].
+        floating_base: Whether the first joint is Pinocchio's free-flyer.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        displacements: Iterable[Displacement],
+        fluid_density: float = SEA_WATER,
+    ) -> None:
+        self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
+        self.displacements = tuple(displacements)
+        self._model = model.copy()
+        self._fluid = displaced_fluid_model(model, self.displacements, self.fluid_density)
+        self.model = model.copy()
+        self.fluid_model = self._fluid.copy()
+        self.floating_base = model.njoints > 1 and model.joints[1].nq == 7
+        self._own = Workspace(self._model, self._fluid)
+        self._users = threading.local()
+        self._q_shape, self._v_shape = (model.nq,), (model.nv,)
+        self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
+        # Pinocchio leaves the bodies fixed to the universe (link_0 on a fixed base) out of its sums.
+        moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
+        fixed = model.inertias[0]
+        total = moving + fixed.mass
+        self._moving_fraction = np.full(3, moving / total)
+        self._fixed_fraction = fixed.lever * (fixed.mass / total)
+        buoyed = self._fluid.inertias[0]
+        self._fixed_potential = float(
+            model.gravity.linear @ (buoyed.mass * buoyed.lever - fixed.mass * fixed.lever)
+        )
+
+    @property
+    def data(self) -> Any:
+        """pin.Data of `model`, the caller's to use: one for each thread; no method touches it."""
+        try:
+            return self._users.data
+        except AttributeError:
+            self._users.data = self.model.createData()
+            return self._users.data
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints that q runs over, base to tip (without the free-flyer)."""
+        names = [n for n, j in zip(self.model.names, self.model.joints, strict=True) if j.nv == 1]
+        return tuple(names)
+
+    def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
+        """Pose of a frame.
+
+        Args:
+            q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base, position [m] and
+                quaternion (x, y, z, w) of base_link come first.
+            frame: Name of a frame of the model.
+
+        Returns:
+            pin.SE3 ``transform_frame_to_world``; the world is base_link if the base is fixed.
+
+        Raises:
+            InputError: q has the wrong shape or is not finite, or its quaternion has no unit norm.
+            UnknownNameError: No such frame.
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        data = self._own.data
+        pin.forwardKinematics(self._model, data, q)
+        return pin.updateFramePlacement(self._model, data, self._frame(frame)).copy()
+
+    def jacobian(
+        self, q: ArrayLike, frame: str = "tcp", reference_frame: Any = pin.LOCAL_WORLD_ALIGNED
+    ) -> FloatArray:
+        """Geometric Jacobian of a frame.
+
+        Args:
+            q: (nq,).
+            frame: Name of a frame of the model.
+            reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The default is the velocity of
+                the frame's origin in the axes of the world.
+
+        Returns:
+            (6, nv), linear rows [m/rad] above angular rows, as Pinocchio has them.
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        if type(reference_frame) is not pin.ReferenceFrame:
+            raise InputError(
+                "reference_frame", reference_frame, "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
+            )
+        out: FloatArray = pin.computeFrameJacobian(
+            self._model, self._own.data, q, self._frame(frame), reference_frame
+        )
+        return out
+
+    def gravity_torque(self, q: ArrayLike) -> FloatArray:
+        """Torque that holds the weight, g(q) on the left side of the equation of motion.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            (nv,) [N m, N].
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        out: FloatArray = _gravity(self._model, self._own.data, q)
+        return out
+
+    def buoyancy_torque(self, q: ArrayLike) -> FloatArray:
+        """Generalized force that the fluid applies, on the right side of the equation of motion.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            (nv,) [N m, N].
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        out: FloatArray = _gravity(self._fluid, self._own.fluid_data, q)
+        return out
+
+    def hydrostatic_torque(self, q: ArrayLike) -> FloatArray:
+        """Torque that holds the arm still in the fluid: gravity_torque - buoyancy_torque.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            (nv,) [N m, N].
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        own = self._own
+        out: FloatArray = _gravity(self._model, own.data, q) - _gravity(
+            self._fluid, own.fluid_data, q
+        )
+        return out
+
+    def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
+        """Derivative of `hydrostatic_torque` with respect to q (tangent space for a floating base).
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            (nv, nv): row = torque, column = coordinate.
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        own = self._own
+        weight = _gravity_derivative(self._model, own.data, q)
+        out: FloatArray = weight - _gravity_derivative(self._fluid, own.fluid_data, q)
+        return out
+
+    def buoyancy_wrenches(self, q: ArrayLike) -> Any:
+        """Buoyancy as one wrench for each joint, by Archimedes at the centres of buoyancy.
+
+        Args:
+            q: (nq,).
+
+        Returns:
+            pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's ``fext``. Entry 0 is what
+            the fluid applies to bodies fixed to the universe, link_0 on a fixed base.
+        """
+        q = self._checked_q(q)
+        data = self._own.data
+        pin.forwardKinematics(self._model, data, q)
+        out = pin.StdVec_Force([pin.Force.Zero()] * self._model.njoints)
+        for body in self.displacements:
+            joint = self._model.getJointId(body.joint)
+            up = data.oMi[joint].rotation.T @ -self._model.gravity.linear
+            force = self.fluid_density * body.volume * up
+            out[joint] += pin.Force(force, np.cross(body.cob, force))
+        return out
+
+    def potential_energy(self, q: ArrayLike) -> float:
+        """Potential energy of weight and buoyancy, zero for a point at the world's origin [J].
+
+        Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
+        """
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        own = self._own
+        weight = pin.computePotentialEnergy(self._model, own.data, q)
+        return float(
+            weight
+            - pin.computePotentialEnergy(self._fluid, own.fluid_data, q)
+            + self._fixed_potential
+        )
+
+    def center_of_mass(self, q: ArrayLike) -> FloatArray:
+        """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
+        q = self._in_base(q)
+        out: FloatArray = pin.centerOfMass(self._model, self._own.data, q)
+        out *= self._moving_fraction
+        out += self._fixed_fraction
+        return out
+
+    def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
+        """Centroid of the displaced volume of the whole arm, link_0 included, in base_link, (3,) [m].
+
+        It does not depend on the fluid, and is there in air too.
+        """
+        q = self._in_base(q)
+        data = self._own.data
+        pin.forwardKinematics(self._model, data, q)
+        moment = np.zeros(3)
+        for body in self.displacements:
+            placement = data.oMi[self._model.getJointId(body.joint)]
+            moment += body.volume * placement.act(np.array(body.cob))
+        return moment / sum(body.volume for body in self.displacements)
+
+    def _frame(self, name: str) -> int:
+        try:
+            return self._frames[name]
+        except (KeyError, TypeError):
+            choice("frame", name, tuple(self._frames))
+            raise
+
+    def _checked_q(self, q: ArrayLike) -> FloatArray:
+        checked = q if ready(q, self._q_shape) else vector("q", q, self._q_shape)
+        assert isinstance(checked, np.ndarray)
+        if self.floating_base and not pin.isNormalized(self._model, checked, 1e-6):
+            norm = float(np.linalg.norm(checked[3:7]))
+            raise InputError("q[3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
+        return checked
+
+    def _in_base(self, q: ArrayLike) -> FloatArray:
+        """q with base_link at the world's origin."""
+        checked = self._checked_q(q)
+        if self.floating_base:
+            checked = checked.copy()
+            checked[:7] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
+        return checked
