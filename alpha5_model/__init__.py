@@ -19,6 +19,7 @@ from alpha5_model.published import published
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from alpha5_model.kinematics import dh as dh
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -28,6 +29,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
+    "dh": ("alpha5_model.kinematics.dh", None),
 }
 
 __all__ = [

@@ -1,0 +1,1 @@
+"""Geometry of motion: NumPy only, no dynamics."""

@@ -1,0 +1,334 @@
+"""Standard Denavit-Hartenberg parameters: one link, and a chain of them.
+
+``A_j = Rz(theta_j) Tz(d_j) Tx(a_j) Rx(alpha_j)`` maps coordinates in {j} to coordinates in {j-1}.
+Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic, ``sigma = 1``) the axis
+``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a constant transform on either side,
+which is where the rows of a table that no joint moves go: `DHChain.alpha5` holds the fixed last row of
+the arm's Table 1 as its ``tool``.
+
+References:
+    [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg parameters".
+    [Corke2011] Corke: Robotics, Vision and Control, section 7.2, equation (7.2).
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 2.8.2 and 3.1.3.
+    [ReachAlpha] Manufacturer's document, Section 1, Table 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, float_array, frozen, real
+from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.parameters import parameters
+
+#: A frame of a chain: the number j of {j}, or the tool.
+Frame = int | Literal["tool"]
+
+
+def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike) -> FloatArray:
+    """The relative pose A_j, ``Rz(theta) Tz(d) Tx(a) Rx(alpha)`` [Lecture7.1], [Corke2011, 7.2].
+
+    Args:
+        theta: Angle about z_{j-1} from x_{j-1} to x_j, (...) [rad].
+        d: Distance along z_{j-1}, (...) [m].
+        a: Distance along x_j, (...) [m].
+        alpha: Angle about x_j from z_{j-1} to z_j, (...) [rad].
+
+    Returns:
+        (..., 4, 4) over the broadcast shape of the arguments.
+
+    Raises:
+        InputError: Not finite real numbers, or shapes that do not broadcast.
+    """
+    values = [
+        float_array(name, value, ())
+        for name, value in (("theta", theta), ("d", d), ("a", a), ("alpha", alpha))
+    ]
+    try:
+        shape = np.broadcast_shapes(*(value.shape for value in values))
+    except ValueError:
+        shapes = tuple(value.shape for value in values)
+        raise InputError("theta, d, a, alpha", shapes, "shapes that broadcast together") from None
+    return _transform(shape, *values)
+
+
+def _transform(
+    shape: tuple[int, ...], theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike
+) -> FloatArray:
+    ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
+    out = np.zeros((*shape, 4, 4))
+    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2], out[..., 0, 3] = ct, -st * ca, st * sa, a * ct
+    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2], out[..., 1, 3] = st, ct * ca, -ct * sa, a * st
+    out[..., 2, 1], out[..., 2, 2], out[..., 2, 3] = sa, ca, d
+    out[..., 3, 3] = 1.0
+    return out
+
+
+@dataclass(frozen=True)
+class DHLink:
+    """A row of a standard DH table: a link and the joint that moves it.
+
+    The place of the joint's own variable (theta if revolute, d if prismatic) holds its value at the
+    drawn configuration, `home`; `transform` takes the variable from its argument, as Corke's
+    ``Link.A(q)`` does.
+
+    Attributes:
+        theta: Angle about z_{j-1} [rad].
+        d: Distance along z_{j-1} [m].
+        a: Distance along x_j [m].
+        alpha: Angle about x_j [rad].
+        sigma: 0 revolute, 1 prismatic.
+        offset: Added to the joint variable, ``theta = q + offset`` or ``d = q + offset`` [rad or m].
+        lower, upper: Limits of the joint variable [rad or m]; infinite where there is none.
+
+    Raises:
+        InputError: A sigma that is neither 0 nor 1, limits the wrong way round.
+        NonFiniteError: A parameter that is not finite.
+    """
+
+    theta: float
+    d: float
+    a: float
+    alpha: float
+    sigma: int = 0
+    offset: float = 0.0
+    lower: float = -math.inf
+    upper: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("theta", "d", "a", "alpha", "offset"):
+            object.__setattr__(self, name, real(name, getattr(self, name)))
+        if isinstance(self.sigma, bool) or self.sigma not in (0, 1):
+            raise InputError("sigma", self.sigma, "0 (revolute) or 1 (prismatic)")
+        object.__setattr__(self, "sigma", int(self.sigma))
+        for name in ("lower", "upper"):
+            value = getattr(self, name)
+            if value not in (-math.inf, math.inf):
+                value = real(name, value)
+            object.__setattr__(self, name, float(value))
+        if not self.lower <= self.upper or self.lower == math.inf or self.upper == -math.inf:
+            raise InputError("lower, upper", (self.lower, self.upper), "lower <= upper")
+
+    @classmethod
+    def from_vector(cls, vector: ArrayLike) -> DHLink:
+        """A link from ``[theta, d, a, alpha, sigma]``, the order of the notes' and Corke's ``Link``.
+
+        Args:
+            vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,) with the offset.
+        """
+        row = float_array("vector", vector, (np.shape(vector)[0] if np.ndim(vector) == 1 else 5,))
+        if row.size not in (4, 5, 6):
+            raise InputError("vector", vector, "[theta, d, a, alpha, sigma]")
+        return cls(*row.tolist())
+
+    @property
+    def revolute(self) -> bool:
+        """Whether the joint turns; otherwise it slides."""
+        return self.sigma == 0
+
+    @property
+    def home(self) -> float:
+        """Joint variable at the drawn configuration: theta of a revolute, d of a prismatic joint."""
+        return self.theta if self.revolute else self.d
+
+    def transform(self, q: ArrayLike) -> FloatArray:
+        """A_j at a joint position.
+
+        Args:
+            q: Joint variable, (...) [rad or m].
+
+        Returns:
+            transform_j_to_j-1, (..., 4, 4).
+        """
+        variable = float_array("q", q, ()) + self.offset
+        theta, d = (variable, self.d) if self.revolute else (self.theta, variable)
+        return _transform(variable.shape, theta, d, self.a, self.alpha)
+
+
+@dataclass(frozen=True, eq=False)
+class DHChain:
+    """A serial arm in standard DH parameters.
+
+    Attributes:
+        links: One `DHLink` per joint, base to tip; at least one.
+        base: transform_0_to_world, (4, 4): where frame {0} stands; read-only.
+        tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only. Constant rows at
+            the end of a printed table belong here.
+        name: For messages, tables and the URDF.
+        joint_names: One per joint.
+
+    Raises:
+        InputError: No links, something that is not a `DHLink`, or a base or tool that is not a
+            rigid transform.
+    """
+
+    links: tuple[DHLink, ...]
+    base: FloatArray = field(default_factory=lambda: np.eye(4))
+    tool: FloatArray = field(default_factory=lambda: np.eye(4))
+    name: str = "dh_chain"
+    joint_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        links: Any = self.links
+        if not isinstance(links, Iterable) or not (links := tuple(links)):
+            raise InputError("links", self.links, "at least one DHLink")
+        for link in links:
+            if not isinstance(link, DHLink):
+                raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
+        names = tuple(self.joint_names) or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
+        if len(set(names)) != len(links):
+            raise InputError("joint_names", names, f"{len(links)} different names")
+        object.__setattr__(self, "links", links)
+        object.__setattr__(self, "joint_names", names)
+        for part in ("base", "tool"):
+            object.__setattr__(self, part, _rigid(part, getattr(self, part)))
+
+    @classmethod
+    def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
+        """A chain from rows ``[theta, d, a, alpha, sigma]``; options as for `DHChain`."""
+        return cls(tuple(DHLink.from_vector(row) for row in rows), **options)
+
+    @classmethod
+    def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
+        """The Reach Alpha 5 [ReachAlpha, Table 1]: four joints; the fixed last row is the tool.
+
+        Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
+        """
+        p = parameters(corrections)
+        moving = [row for row in p.dh if row.variable is not None]
+        joints = [j for row in moving for j in p.joints if j.dh_variable == row.variable]
+        tool = np.eye(4)
+        for row in p.dh[len(moving) :]:
+            tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
+        links = tuple(
+            DHLink(0.0, row.d, row.a, row.alpha, 0, row.theta_offset, joint.lower, joint.upper)
+            for row, joint in zip(moving, joints, strict=True)
+        )
+        names = tuple(joint.name for joint in joints)
+        return cls(links, tool=tool, name="alpha5", joint_names=names)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.links)
+
+    @property
+    def sigma(self) -> tuple[int, ...]:
+        """Joint types, 0 revolute and 1 prismatic, base to tip."""
+        return tuple(link.sigma for link in self.links)
+
+    @property
+    def home(self) -> FloatArray:
+        """Joint position at which the table is drawn, (N,) [rad or m]."""
+        return np.array([link.home for link in self.links])
+
+    @property
+    def lower(self) -> FloatArray:
+        """Lower joint limits, (N,) [rad or m], -inf where there is none."""
+        return np.array([link.lower for link in self.links])
+
+    @property
+    def upper(self) -> FloatArray:
+        """Upper joint limits, (N,) [rad or m], inf where there is none."""
+        return np.array([link.upper for link in self.links])
+
+    def frames(self, q: ArrayLike) -> FloatArray:
+        """All frames {0} ... {N} and the tool, in the world.
+
+        Args:
+            q: (..., N) [rad or m].
+
+        Returns:
+            (..., N + 2, 4, 4).
+        """
+        position = float_array("q", q, (self.n,))
+        out = np.empty((*position.shape[:-1], self.n + 2, 4, 4))
+        out[..., 0, :, :] = self.base
+        for j, link in enumerate(self.links):
+            np.matmul(
+                out[..., j, :, :], link.transform(position[..., j]), out=out[..., j + 1, :, :]
+            )
+        np.matmul(out[..., self.n, :, :], self.tool, out=out[..., self.n + 1, :, :])
+        return out
+
+    def forward_kinematics(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
+        """Pose of one frame in the world; `frames` gives all.
+
+        Args:
+            q: (..., N) [rad or m].
+            frame: j for frame {j}, 0 to N, or ``"tool"``.
+
+        Returns:
+            transform_frame_to_world, (..., 4, 4).
+
+        Raises:
+            UnknownNameError: No such frame.
+        """
+        return np.ascontiguousarray(self.frames(q)[..., self._index(frame), :, :])
+
+    def joint_axes(self, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Origins of frames {j-1} and directions z_{j-1}, the axes of joints 1 to N, in the world.
+
+        Args:
+            q: (..., N) [rad or m].
+
+        Returns:
+            Points (..., N, 3) [m] and unit directions (..., N, 3).
+        """
+        frames = self.frames(q)[..., : self.n, :, :]
+        return frames[..., :3, 3].copy(), frames[..., :3, 2].copy()
+
+    def jacobian(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
+        """Geometric Jacobian [Siciliano2009, 3.1.3].
+
+        Linear rows first: velocity of the frame's origin, then angular velocity, both in the axes
+        of the world (Pinocchio's ``LOCAL_WORLD_ALIGNED``).
+
+        Args:
+            q: (..., N) [rad or m].
+            frame: j for frame {j}, 0 to N, or ``"tool"``.
+
+        Returns:
+            (..., 6, N); columns of joints beyond the frame are zero.
+        """
+        index = self._index(frame)
+        frames = self.frames(q)
+        tip = frames[..., index, :3, 3]
+        out = np.zeros((*tip.shape[:-1], 6, self.n))
+        for j, link in enumerate(self.links[:index]):
+            z = frames[..., j, :3, 2]
+            if link.revolute:
+                out[..., :3, j] = np.cross(z, tip - frames[..., j, :3, 3])
+                out[..., 3:, j] = z
+            else:
+                out[..., :3, j] = z
+        return out
+
+    def _index(self, frame: Frame) -> int:
+        if frame == "tool":
+            return self.n + 1
+        if isinstance(frame, bool) or frame not in range(self.n + 1):
+            raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
+        return int(frame)
+
+
+def _rigid(name: str, value: ArrayLike) -> FloatArray:
+    """A read-only rigid transform (4, 4), or an error."""
+    t = float_array(name, value, (4, 4))
+    if t.shape != (4, 4):
+        raise InputError(name, t.shape, "one (4, 4) transform")
+    r = t[:3, :3]
+    if (
+        not np.allclose(r @ r.T, np.eye(3), rtol=0, atol=1e-9)
+        or np.linalg.det(r) < 0
+        or not np.array_equal(t[3], (0, 0, 0, 1))
+    ):
+        raise InputError(name, t.tolist(), "a rigid transform (rotation, translation, 0 0 0 1)")
+    return frozen(t)

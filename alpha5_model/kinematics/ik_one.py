@@ -1,0 +1,143 @@
+"""Inverse kinematics of one target in plain floats, with the edges of reach, limits and yaw axis."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+from alpha5_model.kinematics.arm_plane import arm_plane
+
+#: A target this far beyond the edge of reach [m] is on it: rounding must not lose a solution.
+EDGE_TOLERANCE = 1e-10
+#: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
+LIMIT_TOLERANCE = 1e-12
+#: ``singular`` within this distance of the yaw axis, the stretched or the folded arm [m].
+SINGULAR_TOLERANCE = 1e-9
+#: Closer to the yaw axis than this [m], theta_0 is free and the middle of its range is returned.
+AXIS_TOLERANCE = 1e-13
+
+
+_TAU = 2 * math.pi
+
+
+class Constants(NamedTuple):
+    """What the formulas need, computed once."""
+
+    a_0: float
+    d_0: float
+    longest: float
+    longest_2: float
+    shortest_2: float
+    k: float
+    azimuth_offset: float
+    phi_offset: float
+    gamma_offset: float
+    edge: float  # of (l_1 + l_2)^2 - rho^2, at EDGE_TOLERANCE [m^2]
+    edge_folded: float
+    singular: float
+    singular_folded: float
+    product: float  # l_1 l_2 [m^2]
+    slide: float  # (l_1 + l_2) / l_2
+    limits: tuple[tuple[float, float, float], ...]  # lower, upper, middle of each joint
+
+
+@cache
+def constants() -> Constants:
+    g = arm_plane()
+    return Constants(
+        a_0=g.a_0,
+        d_0=g.d_0,
+        longest=g.longest,
+        longest_2=g.longest**2,
+        shortest_2=g.shortest**2,
+        k=(g.l_2 - g.l_1) / g.longest,
+        azimuth_offset=g.azimuth_offset,
+        phi_offset=g.phi_offset,
+        gamma_offset=g.gamma_offset,
+        edge=2 * g.longest * EDGE_TOLERANCE,
+        edge_folded=2 * g.shortest * EDGE_TOLERANCE,
+        singular=2 * g.longest * SINGULAR_TOLERANCE,
+        singular_folded=2 * g.shortest * SINGULAR_TOLERANCE,
+        product=g.l_1 * g.l_2,
+        slide=g.longest / g.l_2,
+        limits=tuple(zip(g.lower, g.upper, g.middle, strict=True)),
+    )
+
+
+def solve_one(
+    x: float, y: float, z: float, wrist: float
+) -> tuple[list[float], list[bool], list[bool], bool]:
+    """One target with all its edges, in plain floats.
+
+    Returns:
+        q of the four branches (16 numbers), exists, within_limits, singular.
+    """
+    c = constants()
+    limits = c.limits
+    nan = math.nan
+    theta_3, wrist_fits = _into_range(wrist - _TAU * math.floor((wrist - limits[3][2]) / _TAU + 0.5), limits[3], LIMIT_TOLERANCE)
+    radius = math.sqrt(x * x + y * y)
+    h = z - c.d_0
+    singular = radius <= SINGULAR_TOLERANCE
+    lower, upper, middle = limits[1]
+    low_2, high_2, middle_2 = limits[2]
+    q = [nan] * 16
+    exists, within = [False] * 4, [False] * 4
+    for pair in (0, 1):
+        r = (-radius if pair else radius) - c.a_0
+        rho_2 = r * r + h * h
+        above = c.longest_2 - rho_2
+        below = rho_2 - c.shortest_2
+        if above < -c.edge or below < -c.edge_folded:
+            continue
+        if above <= c.singular or below <= c.singular_folded:
+            singular = True
+        if radius <= AXIS_TOLERANCE:
+            theta_0, fits_0 = limits[0][2], True
+        else:
+            # The azimuth of a point at distance R is known to rounding / R.
+            theta_0 = math.atan2(y, x) - c.azimuth_offset + (math.pi if pair else 0.0)
+            theta_0, fits_0 = _into_range(
+                _near(theta_0, limits[0][2]), limits[0], LIMIT_TOLERANCE + 1e-15 / radius
+            )
+        root_above = math.sqrt(above) if above > 0.0 else 0.0
+        root_below = math.sqrt(below) if below > 0.0 else 0.0
+        half_gamma = math.atan2(root_below, root_above)
+        alpha = math.atan2(root_above, root_below) + math.atan2(c.k * root_above, root_below)
+        phi = math.atan2(h, r) - c.phi_offset
+        # Close to the stretched arm, sin(gamma)^2 = above / (l_1 l_2), and rounding of rho^2 moves
+        # the two angles against each other by rounding / sin(gamma).
+        slack = LIMIT_TOLERANCE + 1e-14 / max(math.sqrt(abs(above) / c.product), 1e-7)
+        for branch, side in ((pair, 1.0), (pair + 2, -1.0)):
+            theta_1 = _near(phi - side * alpha, middle)
+            theta_2 = _near(side * 2.0 * half_gamma - c.gamma_offset, middle_2)
+            snapped, fits_1 = _into_range(theta_1, limits[1], slack)
+            # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
+            theta_2 += c.slide * (snapped - theta_1)
+            theta_2, fits_2 = _into_range(theta_2, limits[2], LIMIT_TOLERANCE)
+            q[4 * branch : 4 * branch + 4] = theta_0, snapped, theta_2, theta_3
+            exists[branch] = True
+            within[branch] = fits_0 and fits_1 and fits_2 and wrist_fits
+    return q, exists, within, singular
+
+
+def _near(angle: float, middle: float) -> float:
+    """The 2 pi shift of an angle within one turn of the window that is nearest to the middle."""
+    if angle > middle + math.pi:
+        return angle - _TAU
+    return angle + _TAU if angle < middle - math.pi else angle
+
+
+def _into_range(
+    angle: float, limits: tuple[float, float, float], slack: float
+) -> tuple[float, bool]:
+    """The angle, moved onto a limit that it passes by no more than ``slack``, and whether it fits."""
+    lower, upper, _ = limits
+    if lower <= angle <= upper:
+        return angle, True
+    if lower - slack <= angle < lower:
+        return lower, True
+    if upper < angle <= upper + slack:
+        return upper, True
+    return angle, False

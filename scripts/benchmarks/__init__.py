@@ -1,0 +1,1 @@
+"""Sections of the benchmark table: one module per part of the package, each with ``rows()``."""
