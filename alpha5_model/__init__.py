@@ -20,6 +20,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from alpha5_model.kinematics import dh as dh
+    from alpha5_model import actuators as actuators
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -30,6 +31,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
     "dh": ("alpha5_model.kinematics.dh", None),
+    "actuators": ("alpha5_model.actuators", None),
 }
 
 __all__ = [

@@ -1,0 +1,97 @@
+"""Many states at once, term by term: what a recorded or planned motion asks for.
+
+Rows are states. Torques are Pinocchio's parallel recursive Newton-Euler algorithm: each term is one
+call of it, or the difference of two. Arms on a fixed base only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, choice, float_array
+from alpha5_model.dynamics import batch
+from alpha5_model.errors import InputError
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueTerms:
+    """Joint torques by cause, (N, nv) each [N m, N]; their sum is the inverse dynamics.
+
+    Attributes:
+        inertia: ``M(q) a``.
+        coriolis: ``C(q, v) v``.
+        weight: Holds the weight, ``g(q)``.
+        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``: against the weight where the water helps.
+    """
+
+    inertia: FloatArray
+    coriolis: FloatArray
+    weight: FloatArray
+    buoyancy: FloatArray
+
+
+def torque_terms(
+    arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
+) -> TorqueTerms:
+    """Inertia, Coriolis, weight and buoyancy torques of many states.
+
+    Args:
+        arm: On a fixed base.
+        q: (N, nq), or one row for all states, as in `Arm.inverse_dynamics_batch`.
+        v: (N, nv).
+        a: (N, nv).
+        threads: How many to use; None for all that this process may use.
+
+    Raises:
+        InputError: An arm on a floating base, or arrays that do not fit.
+    """
+    if arm.floating_base:
+        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
+    q, v, a = batch.rows(arm.model, q=q, v=v, a=a)
+    n = batch.available_threads() if threads is None else threads
+    pool, zero = pin.ModelPool(arm.model, n), np.zeros_like(v)
+    weight = _rnea(pool, n, q, zero, zero)
+    bias = _rnea(pool, n, q, v, zero)
+    total = _rnea(pool, n, q, v, a)
+    water = _rnea(pin.ModelPool(arm.fluid_model, n), n, q, zero, zero)
+    return TorqueTerms(total - bias, bias - weight, weight, -water)
+
+
+def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
+    """Origin of a frame, state by state; in base_link on a fixed base, else in the world.
+
+    Args:
+        arm: The arm.
+        q: (N, nq).
+        frame: Name of a frame of the model.
+
+    Returns:
+        (N, 3) [m].
+
+    Raises:
+        UnknownNameError: No such frame.
+    """
+    names = tuple(f.name for f in arm.model.frames)
+    index = names.index(choice("frame", frame, names))
+    configurations = np.atleast_2d(float_array("q", q, (arm.model.nq,)))
+    data = arm.model.createData()
+    placement = data.oMf[index]  # refers to the data, no copy in the loop
+    out = np.empty((len(configurations), 3))
+    for k, configuration in enumerate(configurations):
+        pin.framesForwardKinematics(arm.model, data, configuration)
+        out[k] = placement.translation
+    return out
+
+
+def _rnea(pool: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    out = np.empty_like(v)
+    pin.rneaInParallel(threads, pool, q.T, v.T, a.T, out.T)
+    return out

@@ -1,0 +1,268 @@
+"""What a joint motion asks of the arm: torques by cause, motors, power, load on the mount, TCP path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from alpha5_model.actuators import Actuator, Interval, actuator
+from alpha5_model.checks import FloatArray, choice, frozen, real
+from alpha5_model.errors import InputError, MissingParameterError
+from alpha5_model.parameters import parameters
+from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning
+from alpha5_model.trajectory.reading import Progress
+from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH, SmoothMotion, smooth
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+#: Slower than this share of its rated speed a joint counts as at rest: friction then holds the load.
+REST_SHARE = 0.02
+#: Rows computed between two reports of progress.
+_CHUNK = 25_000
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """A motion's forces, currents and powers; rows are samples, columns joints base to tip.
+
+    Torques are those at the joint: N m, for the jaw rod N. ``inertia + coriolis + weight + buoyancy``
+    is ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
+    Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
+
+    Attributes:
+        motion: The samples as they came.
+        smooth: Positions, velocities and accelerations that the rest is computed from.
+        actuators: Motor of each joint.
+        arm: The model.
+        inertia, coriolis, weight, buoyancy: Torques by cause, (N, n).
+        torque: Joint torque, (N, n).
+        friction: Motor friction and gear loss at the joint, (N, n). At rest friction holds the load and
+            the motor gives the least torque that keeps it there, in most cases none.
+        current: Motor currents, (N, n) [A].
+        current_lower, current_upper: Over the printed tolerance of friction, (N, n) [A].
+        voltage: Winding voltages, (N, n) [V]; di/dt is left out (L/R is below 0.1 ms).
+        electrical_power, mechanical_power: (N, n) [W]; negative where the joint feeds back.
+        base_wrench: Force and moment on the mount at base_link, in its axes, (N, 6) [N, N m].
+        tcp: TCP in base_link, (N, 3) [m].
+        torque_limits: Lower and upper (N, n) limits from supply voltage and current limit; None
+            without them.
+        supply_voltage, current_limit: As given [V], [A]; None if not.
+        warnings: What was found odd in the motion, velocities that contradict positions included.
+    """
+
+    motion: Motion
+    smooth: SmoothMotion
+    actuators: tuple[Actuator, ...]
+    arm: Arm
+    inertia: FloatArray
+    coriolis: FloatArray
+    weight: FloatArray
+    buoyancy: FloatArray
+    torque: FloatArray
+    friction: FloatArray
+    current: FloatArray
+    current_lower: FloatArray
+    current_upper: FloatArray
+    voltage: FloatArray
+    electrical_power: FloatArray
+    mechanical_power: FloatArray
+    base_wrench: FloatArray
+    tcp: FloatArray
+    torque_limits: Interval | None
+    supply_voltage: float | None
+    current_limit: float | None
+    warnings: tuple[MotionWarning, ...]
+
+
+def analyse(
+    motion: Motion,
+    arm: Arm | None = None,
+    *,
+    method: str = "spline",
+    bandwidth: float = DEFAULT_BANDWIDTH,
+    use_velocity: bool | None = None,
+    constants: str = "printed",
+    actuators: Mapping[str, Actuator] | None = None,
+    supply_voltage: float | None = None,
+    current_limit: float | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Analysis:
+    """Torques, currents, powers, mount load and TCP path of a motion.
+
+    Args:
+        motion: From `read_motion` or `motion`.
+        arm: The model; its joints decide whether the jaw rod is used. None loads the jaws variant in
+            sea water if the motion has ``axis_a``, and the one with locked jaws otherwise.
+        method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
+        constants: Which of the contradicting motor constants to believe (`alpha5_model.actuators`).
+        actuators: Motors by joint name, to replace those of Table 4, for example with a rotor inertia.
+        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits. Not published.
+        threads: Of Pinocchio; None for all that this process may use.
+        progress: Called with a stage's name and the part done, 0 to 1.
+
+    Raises:
+        InputError: An arm with other joints than the motion, or one limit without the other.
+        UnknownNameError: No such method, constants or joint.
+    """
+    from alpha5_model.dynamics.series import frame_positions, torque_terms
+
+    if arm is None:
+        from alpha5_model.dynamics.arm import load
+
+        arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
+    motion = _for_arm(motion, arm)
+    if (supply_voltage is None) != (current_limit is None):
+        raise InputError(
+            "supply_voltage and current_limit", (supply_voltage, current_limit), "both or neither"
+        )
+    motors = _motors(motion.joints, constants, actuators)
+    s = smooth(motion, method, bandwidth, use_velocity)
+    count, n = s.position.shape
+    terms: dict[str, FloatArray] = {
+        name: np.empty((count, n)) for name in ("inertia", "coriolis", "weight", "buoyancy")
+    }
+    wrench, tcp = np.empty((count, 6)), np.empty((count, 3))
+    for start in range(0, count, _CHUNK):
+        rows = slice(start, start + _CHUNK)
+        state = s.position[rows], s.velocity[rows], s.acceleration[rows]
+        part = torque_terms(arm, *state, threads=threads)
+        for name, column in terms.items():
+            column[rows] = getattr(part, name)
+        wrench[rows] = arm.base_wrench_batch(*state, threads=threads)
+        tcp[rows] = frame_positions(arm, state[0])
+        if progress:
+            progress("compute", min(start + _CHUNK, count) / count)
+    torque = terms["inertia"] + terms["coriolis"] + terms["weight"] + terms["buoyancy"]
+    motor = _motor_side(motors, s, torque)
+    limits = None
+    if supply_voltage is not None and current_limit is not None:
+        real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
+        real("current_limit", current_limit, minimum=0.0, strict=True)
+        limits = _limits(motors, s, supply_voltage, current_limit)
+    return Analysis(
+        motion=motion,
+        smooth=s,
+        actuators=motors,
+        arm=arm,
+        torque=frozen(torque),
+        **{name: frozen(column) for name, column in terms.items()},
+        **motor,
+        mechanical_power=frozen(torque * s.velocity),
+        base_wrench=frozen(wrench),
+        tcp=frozen(tcp),
+        torque_limits=limits,
+        supply_voltage=supply_voltage,
+        current_limit=current_limit,
+        warnings=motion.warnings + _velocity_warnings(motion),
+    )
+
+
+def at_rest(motion: SmoothMotion) -> Any:
+    """Where each joint counts as at rest, (N, n) bool: below `REST_SHARE` of its rated speed."""
+    rated = {j.name: j.velocity for j in parameters().joints}
+    return np.abs(motion.velocity) < REST_SHARE * np.array([rated[name] for name in motion.joints])
+
+
+def _for_arm(motion: Motion, arm: Arm) -> Motion:
+    """The motion of the joints that the arm has; a locked gripper leaves the jaw rod out."""
+    if arm.floating_base or arm.model.nv not in (4, 5):
+        raise InputError("arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base")
+    wanted = JOINTS[: arm.model.nv]
+    if wanted == motion.joints:
+        return motion
+    if len(wanted) > len(motion.joints):
+        raise InputError(
+            "motion", motion.joints, "a motion of axis_a too, since the arm's gripper has jaws"
+        )
+    return replace(
+        motion,
+        joints=wanted,
+        position=motion.position[:, :4],
+        velocity=None if motion.velocity is None else motion.velocity[:, :4],
+        warnings=tuple(w for w in motion.warnings if "axis_a" not in w.text),
+        ignored=(*motion.ignored, "axis_a"),
+    )
+
+
+def _motors(
+    joints: tuple[str, ...], constants: str, given: Mapping[str, Actuator] | None
+) -> tuple[Actuator, ...]:
+    motors = {name: actuator(name, constants) for name in joints}
+    for name, motor in (given or {}).items():
+        motors[choice("joint", name, joints)] = motor
+    return tuple(motors[name] for name in joints)
+
+
+def _motor_side(
+    motors: tuple[Actuator, ...], s: SmoothMotion, torque: FloatArray
+) -> dict[str, Any]:
+    names = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
+    out = {name: np.full(torque.shape, np.nan) for name in names}
+    rest = at_rest(s)
+    for k, motor in enumerate(motors):
+        try:
+            ratio = motor.ratio
+        except MissingParameterError:
+            continue
+        state = torque[:, k], s.velocity[:, k], s.acceleration[:, k], rest[:, k]
+        nominal, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
+        out["current"][:, k] = nominal
+        out["current_lower"][:, k] = np.minimum(*ends)
+        out["current_upper"][:, k] = np.maximum(*ends)
+        out["voltage"][:, k] = motor.voltage(nominal, s.velocity[:, k])
+        out["electrical_power"][:, k] = out["voltage"][:, k] * nominal
+        out["friction"][:, k] = motor.torque_constant * ratio * nominal - torque[:, k]
+    return {name: frozen(column) for name, column in out.items()}
+
+
+def _least_current(
+    motor: Actuator, torque: FloatArray, velocity: FloatArray, acceleration: FloatArray, rest: Any
+) -> FloatArray:
+    moving = motor.current(
+        torque, velocity, None if motor.rotor_inertia is None else acceleration
+    )
+    return np.where(rest, np.clip(0.0, *motor.holding_current(torque)), moving)
+
+
+def _limits(
+    motors: tuple[Actuator, ...], s: SmoothMotion, supply_voltage: float, current_limit: float
+) -> Interval:
+    lower, upper = np.full((2, *s.position.shape), np.nan)
+    for k, motor in enumerate(motors):
+        try:
+            limits = motor.torque_limits(s.velocity[:, k], supply_voltage, current_limit)
+        except MissingParameterError:
+            continue
+        lower[:, k], upper[:, k] = limits
+    return Interval(frozen(lower), frozen(upper))
+
+
+def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
+    """Joints whose velocities are not the slope of their positions, by slow parts of both."""
+    if motion.velocity is None:
+        return ()
+    bandwidth = min(0.5, 0.1 / float(np.median(np.diff(motion.time))))
+    slope = smooth(motion, "spline", bandwidth, use_velocity=False).velocity
+    given = smooth(motion, "spline", bandwidth, use_velocity=True).velocity
+    found = []
+    rated = {j.name: j.velocity for j in parameters().joints}
+    for k, name in enumerate(motion.joints):
+        power = float(np.mean(slope[:, k] ** 2))
+        if power < (REST_SHARE * rated[name]) ** 2:
+            continue
+        gain = float(np.mean(slope[:, k] * given[:, k])) / power
+        if not 0.8 < gain < 1.25:
+            found.append(
+                MotionWarning(
+                    "velocity",
+                    len(slope),
+                    f"{name}",
+                    f"{name}: velocities are {gain:.3g} times the slope of the positions",
+                )
+            )
+    return tuple(found)

@@ -1,0 +1,173 @@
+"""A joint motion over time, checked: what recordings are read into and planned motions are given as."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, choice, float_array, frozen
+from alpha5_model.errors import Alpha5Error, InputError, ShapeError
+from alpha5_model.parameters import parameters
+
+#: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
+#: Fewer samples have no acceleration worth the name.
+MINIMUM_SAMPLES = 5
+#: A step is a jump beyond this share of the joint's range plus twice its rated speed.
+JUMP_SHARE = 0.1
+#: A gap is longer than this many median sample times.
+GAP_FACTOR = 10.0
+
+#: (sample, joint or None for the time) -> where that number stands, for messages.
+Place = Callable[[int, "str | None"], str]
+#: (sample, joint or None for the time, what is wrong) -> the error to raise.
+Refuse = Callable[[int, "str | None", str], Alpha5Error]
+
+
+@dataclass(frozen=True)
+class MotionWarning:
+    """Something odd in a motion that does not stop the computation.
+
+    Attributes:
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"`` or ``"outside_limits"``.
+        count: How often.
+        first: Where it happens first.
+        text: What it is, and what is done about it.
+    """
+
+    kind: str
+    count: int
+    first: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.count} x {self.text} (first at {self.first})"
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Samples of a joint motion, as they came; times strictly increase.
+
+    Attributes:
+        time: (N,) [s].
+        joints: Names of the n joints, base to tip: four, or five with the jaw rod ``axis_a``.
+        position: (N, n) [rad], jaw rod [m].
+        velocity: (N, n) [rad/s], jaw rod [m/s]; None if not given.
+        warnings: What was found odd.
+        source: File name, or ``"arrays"``.
+        ignored: Columns of the file that were not used.
+    """
+
+    time: FloatArray
+    joints: tuple[str, ...]
+    position: FloatArray
+    velocity: FloatArray | None = None
+    warnings: tuple[MotionWarning, ...] = ()
+    source: str = "arrays"
+    ignored: tuple[str, ...] = ()
+
+
+def motion(
+    time: ArrayLike,
+    position: ArrayLike,
+    velocity: ArrayLike | None = None,
+    joints: Sequence[str] | None = None,
+) -> Motion:
+    """A motion from arrays, with the same checks as one from a file.
+
+    Args:
+        time: (N,) [s], increasing; need not be uniform. Of samples with the same time the first counts.
+        position: (N, n) [rad], jaw rod [m].
+        velocity: (N, n), optional.
+        joints: Names of the columns, in any order; base to tip if None.
+
+    Raises:
+        InputError: Time runs back, a joint is missing or named twice, too few samples, not finite.
+    """
+    t = float_array("time", time, ())
+    if t.ndim != 1:
+        raise ShapeError("time", t.shape, "shape (N,)")
+    width = np.shape(position)[-1] if np.ndim(position) == 2 else 4
+    q = float_array("position", position, (t.size, width if width in (4, 5) else 4))
+    v = None if velocity is None else float_array("velocity", velocity, q.shape)
+    names = JOINTS[: q.shape[1]] if joints is None else tuple(joints)
+    for name in names:
+        choice("joint", name, JOINTS)
+    wanted = JOINTS[: q.shape[1]]
+    if sorted(names) != sorted(wanted):
+        raise InputError("joints", names, f"each of {', '.join(wanted)} once")
+    order = [names.index(name) for name in wanted]
+
+    def place(sample: int, joint: str | None) -> str:
+        return f"sample {sample}" + (f" of {joint}" if joint else "")
+
+    def refuse(sample: int, joint: str | None, problem: str) -> Alpha5Error:
+        return InputError(f"{joint or 'time'}[{sample}]", float(t[sample]), problem)
+
+    return checked(t, wanted, q[:, order], None if v is None else v[:, order], place, refuse)
+
+
+def checked(
+    time: FloatArray,
+    joints: tuple[str, ...],
+    position: FloatArray,
+    velocity: FloatArray | None,
+    place: Place,
+    refuse: Refuse,
+    source: str = "arrays",
+    ignored: tuple[str, ...] = (),
+) -> Motion:
+    """Check finite samples in joint order; times that repeat are dropped and counted."""
+    if time.size < MINIMUM_SAMPLES:
+        raise InputError(
+            source if source != "arrays" else "time",
+            time.size,
+            f"at least {MINIMUM_SAMPLES} samples",
+        )
+    steps = np.diff(time)
+    if (steps < 0).any():
+        k = int(np.argmax(steps < 0)) + 1
+        raise refuse(k, None, f"a time of at least {time[k - 1]:.9g} s: time runs back")
+    keep = np.concatenate([[True], steps > 0])
+    samples = np.flatnonzero(keep)
+    found: list[MotionWarning] = []
+
+    def warn(kind: str, bad: np.ndarray, joint: str | None, text: str) -> None:
+        if bad.size:
+            found.append(MotionWarning(kind, int(bad.size), place(int(bad[0]), joint), text))
+
+    warn("repeated_time", np.flatnonzero(~keep), None, "time repeated, sample dropped")
+    t, q = time[keep], position[keep]
+    v = None if velocity is None else velocity[keep]
+    if t.size < MINIMUM_SAMPLES:
+        raise refuse(0, None, f"at least {MINIMUM_SAMPLES} samples with different times")
+    steps = np.diff(t)
+    gap = GAP_FACTOR * float(np.median(steps))
+    warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")
+    bounds = {j.name: j for j in parameters().joints}
+    for column, name in enumerate(joints):
+        joint = bounds[name]
+        span = joint.upper - joint.lower
+        unit = "m" if name == "axis_a" else "rad"
+        jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * joint.velocity * steps
+        warn("jump", samples[1:][jump], name, f"{name} jumps farther than it can move")
+        slack = 1e-3 * span
+        outside = (q[:, column] < joint.lower - slack) | (q[:, column] > joint.upper + slack)
+        warn(
+            "outside_limits",
+            samples[outside],
+            name,
+            f"{name} outside its range {joint.lower:.6g} to {joint.upper:.6g} {unit}",
+        )
+    return Motion(
+        frozen(t),
+        joints,
+        frozen(q),
+        None if v is None else frozen(v),
+        tuple(found),
+        source,
+        ignored,
+    )

@@ -1,0 +1,251 @@
+"""Positions, velocities and accelerations of a motion from noisy samples, with a stated bandwidth.
+
+Differentiating twice multiplies noise by the square of its frequency, so that a recording says nothing
+about acceleration until a bandwidth is chosen. Each method states the one it has: the frequency at
+which the amplitude of a sine is down to 1/sqrt(2) (-3 dB). All are free of phase shift.
+
+``"spline"`` (default)
+    Cubic smoothing spline, the minimum of ``integral (y - f)^2 dt + lam * integral f''^2 dt``, with the
+    first integral by the trapezoidal rule, so that samples need not be uniform. Its response to a
+    sine of angular frequency w is ``1 / (1 + lam w^4)`` [Silverman1984], hence
+    ``lam = (sqrt(2) - 1) / w_c^4``. Accelerations are zero at both ends (natural spline).
+``"savgol"``
+    Savitzky-Golay filter of third degree on a uniform grid of the median sample time, the window
+    chosen for the bandwidth by its frequency response; linear interpolation to the grid and back.
+``"interpolate"``
+    Cubic spline through every sample (not-a-knot): for planned motions; no bandwidth.
+
+References:
+    [Reinsch1967] Smoothing by spline functions, Numerische Mathematik 10.
+    [Silverman1984] Spline smoothing: the equivalent variable kernel method, Annals of Statistics 12(3).
+    [Schafer2011] What is a Savitzky-Golay filter?, IEEE Signal Processing Magazine 28(4).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray, choice, frozen, real
+from alpha5_model.errors import InputError
+from alpha5_model.trajectory.motion import Motion
+
+METHODS = ("spline", "savgol", "interpolate")
+#: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.
+DEFAULT_BANDWIDTH = 2.0
+_DEGREE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothMotion:
+    """A motion with its derivatives; rows are samples, columns joints from base to tip.
+
+    Attributes:
+        time: (N,) [s].
+        joints: Names of the n joints.
+        position: (N, n) [rad], jaw rod [m].
+        velocity: (N, n) [rad/s].
+        acceleration: (N, n) [rad/s^2].
+        method: One of `METHODS`.
+        bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
+        from_velocity: Velocities and accelerations come from the motion's velocities.
+        deviation: Largest distance of the samples from the smooth position, (n,) [rad].
+    """
+
+    time: FloatArray
+    joints: tuple[str, ...]
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    method: str
+    bandwidth: float | None
+    from_velocity: bool
+    deviation: FloatArray
+
+
+def smooth(
+    motion: Motion,
+    method: str = "spline",
+    bandwidth: float = DEFAULT_BANDWIDTH,
+    use_velocity: bool | None = None,
+) -> SmoothMotion:
+    """Smooth positions and their derivatives at the motion's own sample times.
+
+    Args:
+        motion: Samples.
+        method: One of `METHODS`; see the head of this module.
+        bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
+        use_velocity: Take velocities, and accelerations as their derivative, from the velocities of
+            the motion in place of its positions; None does so if there are any. Real recordings hold
+            each position for about 0.1 s, which makes the second derivative of positions useless.
+
+    Raises:
+        UnknownNameError: No such method.
+        InputError: A bandwidth that the samples cannot carry, or no velocities to use.
+    """
+    choice("smoothing method", method, METHODS)
+    if use_velocity is None:
+        use_velocity = motion.velocity is not None
+    if use_velocity and motion.velocity is None:
+        raise InputError("use_velocity", True, "False: the motion has no velocities")
+    t = motion.time
+    reached: float | None = None
+    if method != "interpolate":
+        bandwidth = real("bandwidth", bandwidth, minimum=0.0, strict=True)
+        nyquist = 0.5 / float(np.median(np.diff(t)))
+        if bandwidth >= nyquist:
+            raise InputError(
+                "bandwidth", bandwidth, f"less than half the sample rate, {nyquist:.4g} Hz"
+            )
+    signals = motion.position
+    if use_velocity:
+        assert motion.velocity is not None
+        signals = np.hstack([motion.position, motion.velocity])
+    if method == "spline":
+        value, slope, bend = smoothing_spline(t, signals, bandwidth)
+        reached = bandwidth
+    elif method == "savgol":
+        value, slope, bend, reached = savitzky_golay(t, signals, bandwidth)
+    else:
+        value, slope, bend = _interpolate(t, signals)
+    n = len(motion.joints)
+    position = value[:, :n]
+    velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
+    return SmoothMotion(
+        time=t,
+        joints=motion.joints,
+        position=frozen(position),
+        velocity=frozen(velocity),
+        acceleration=frozen(acceleration),
+        method=method,
+        bandwidth=reached,
+        from_velocity=use_velocity,
+        deviation=frozen(np.abs(position - motion.position).max(axis=0)),
+    )
+
+
+def smoothing_spline(
+    time: FloatArray, signals: FloatArray, bandwidth: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cubic smoothing spline of all columns at once, by Reinsch's banded equations.
+
+    The same spline as SciPy's ``make_smoothing_spline`` with the trapezoidal weights, found for the
+    second derivatives at the samples instead of for B-spline coefficients: one banded solution
+    gives value, slope and second derivative, in a tenth of the time.
+
+    Args:
+        time: (N,) [s], increasing.
+        signals: (N, k).
+        bandwidth: -3 dB frequency [Hz].
+
+    Returns:
+        Values, first and second derivatives at the samples, each (N, k).
+    """
+    from scipy.linalg import solveh_banded
+
+    lam = (math.sqrt(2) - 1) / (2 * math.pi * bandwidth) ** 4
+    h = np.diff(time)
+    weight = np.empty_like(time)
+    weight[0], weight[-1] = h[0] / 2, h[-1] / 2
+    weight[1:-1] = (h[:-1] + h[1:]) / 2
+    # Q^T takes second differences: row j has (below, middle, above) at samples j, j+1, j+2.
+    below, above = 1 / h[:-1], 1 / h[1:]
+    middle = -below - above
+    inverse = lam / weight
+    bands = np.zeros((3, h.size - 1))  # upper form of R + lam Q^T W^-1 Q
+    bands[2] = (h[:-1] + h[1:]) / 3
+    bands[2] += inverse[:-2] * below**2 + inverse[1:-1] * middle**2 + inverse[2:] * above**2
+    bands[1, 1:] = h[1:-1] / 6
+    bands[1, 1:] += (
+        inverse[1:-2] * middle[:-1] * below[1:] + inverse[2:-1] * above[:-1] * middle[1:]
+    )
+    bands[0, 2:] = inverse[2:-2] * above[:-2] * below[2:]
+    right = np.diff(np.diff(signals, axis=0) / h[:, None], axis=0)
+    bend = np.zeros_like(signals)
+    bend[1:-1] = solveh_banded(bands, right, check_finite=False)
+    # f = y - lam W^-1 Q f'': the residual is the second difference of the second derivative.
+    residual = np.zeros_like(signals)
+    residual[:-2] += below[:, None] * bend[1:-1]
+    residual[1:-1] += middle[:, None] * bend[1:-1]
+    residual[2:] += above[:, None] * bend[1:-1]
+    value = signals - inverse[:, None] * residual
+    step, rise = h[:, None], np.diff(value, axis=0) / h[:, None]
+    slope = np.empty_like(signals)
+    slope[:-1] = rise - step / 6 * (2 * bend[:-1] + bend[1:])
+    slope[-1] = rise[-1] + step[-1] / 6 * (bend[-2] + 2 * bend[-1])
+    return value, slope, bend
+
+
+def savitzky_golay(
+    time: FloatArray, signals: FloatArray, bandwidth: float
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Savitzky-Golay filter of third degree, its window chosen for the bandwidth.
+
+    Returns:
+        Values, first and second derivatives at the samples, each (N, k), and the bandwidth that the
+        whole number of samples in the window gives [Hz].
+
+    Raises:
+        InputError: The bandwidth asks for a window longer than the motion, or shorter than 5 samples.
+    """
+    from scipy.signal import savgol_filter
+
+    dt = float(np.median(np.diff(time)))
+    window, reached = _window(bandwidth * dt)
+    grid = np.arange(time[0], time[-1] + dt, dt)
+    if window > grid.size:
+        raise InputError(
+            "bandwidth",
+            bandwidth,
+            f"a window of at most the motion's {grid.size} samples (it takes {window})",
+        )
+    even = _columns(grid, time, signals)
+    results = [
+        _columns(time, grid, savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0))
+        for k in range(3)
+    ]
+    return results[0], results[1], results[2], reached / dt
+
+
+def _window(frequency: float) -> tuple[int, float]:
+    """Odd window whose -3 dB frequency comes nearest, and that frequency, in cycles per sample."""
+    # [Schafer2011, eq. 12] is the first guess; the response itself decides.
+    guess = max(2, round(((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2))
+    lowest = max(2, guess - 3 - guess // 10)
+    halves = range(lowest, guess + 4 + guess // 10)
+    cutoffs = [_cutoff(2 * half + 1) for half in halves]
+    best = int(np.argmin([abs(c - frequency) for c in cutoffs]))
+    return 2 * halves[best] + 1, cutoffs[best]
+
+
+def _cutoff(window: int) -> float:
+    """-3 dB frequency of the Savitzky-Golay filter, cycles per sample, by bisection."""
+    from scipy.signal import savgol_coeffs
+
+    half = window // 2
+    kernel = savgol_coeffs(window, _DEGREE)[half:]
+    k = np.arange(1, half + 1)
+
+    def response(f: float) -> float:
+        return float(kernel[0] + 2 * np.cos(2 * math.pi * f * k) @ kernel[1:])
+
+    low, high = 0.0, 2.0 / window
+    for _ in range(40):
+        mid = (low + high) / 2
+        low, high = (mid, high) if response(mid) > math.sqrt(0.5) else (low, mid)
+    return low
+
+
+def _interpolate(
+    time: FloatArray, signals: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(time, signals)
+    return signals, spline(time, 1), spline(time, 2)
+
+
+def _columns(new: FloatArray, old: FloatArray, signals: FloatArray) -> FloatArray:
+    return np.stack([np.interp(new, old, column) for column in signals.T], axis=1)

@@ -1,0 +1,240 @@
+"""The figures a reader of an analysed motion asks for first, as a plain record and as text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.parameters import JointParameters, parameters
+from alpha5_model.trajectory.analysis import Analysis
+
+CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
+
+
+def summary(analysis: Analysis) -> dict[str, Any]:
+    """Peaks, margins, energies and warnings, made of what JSON knows.
+
+    Units: s, rad, rad/s, N m, A, V, W, J, N, m; for the jaw rod ``axis_a`` m, m/s and N in place of rad,
+    rad/s and N m. A margin is what is left to a limit, negative beyond it. ``null`` where a motor
+    cannot be computed or a limit is not given.
+    """
+    a, s = analysis, analysis.smooth
+    bounds = {joint.name: joint for joint in parameters().joints}
+    steps = np.diff(s.time)
+    path = np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
+    power = np.nansum(a.electrical_power, axis=1)
+    contradiction = np.stack(
+        [
+            (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * s.velocity[:, k]
+            if np.isfinite(a.current[:, k]).all()
+            else np.zeros(s.time.size)
+            for k, m in enumerate(a.actuators)
+        ]
+    ).sum(axis=0)
+    return {
+        "source": a.motion.source,
+        "samples": int(s.time.size),
+        "start_s": float(s.time[0]),
+        "duration_s": float(s.time[-1] - s.time[0]),
+        "sample_time_s": {"median": float(np.median(steps)), "longest": float(steps.max())},
+        "model": {
+            "gripper": "jaws" if "axis_a" in s.joints else "locked",
+            "fluid_density": a.arm.fluid_density,
+            "gravity": [float(g) for g in a.arm.model.gravity.linear],
+        },
+        "smoothing": {
+            "method": s.method,
+            "bandwidth_hz": s.bandwidth,
+            "derivatives_from": "velocities" if s.from_velocity else "positions",
+        },
+        "motors": {
+            "constants": a.actuators[0].constants,
+            "constants_ratio": {m.joint: m.constants_ratio for m in a.actuators},
+            "supply_voltage": a.supply_voltage,
+            "current_limit": a.current_limit,
+        },
+        "joints": {name: _joint(a, k, bounds[name]) for k, name in enumerate(s.joints)},
+        "energy": {
+            "electrical_peak_w": float(power.max()),
+            "drawn_j": _integral(np.maximum(power, 0.0), s.time),
+            "fed_back_j": _integral(np.maximum(-power, 0.0), s.time),
+            "mechanical_j": _integral(a.mechanical_power.sum(axis=1), s.time),
+            "contradiction_j": _integral(contradiction, s.time),
+        },
+        "mount": {
+            "force_peak_n": _peak_norm(a.base_wrench[:, :3], s.time),
+            "moment_peak_nm": _peak_norm(a.base_wrench[:, 3:], s.time),
+        },
+        "tcp": {
+            "lowest_m": [float(x) for x in a.tcp.min(axis=0)],
+            "highest_m": [float(x) for x in a.tcp.max(axis=0)],
+            "path_length_m": float(path.sum()),
+        },
+        "warnings": [
+            {"kind": w.kind, "count": w.count, "first": w.first, "text": w.text}
+            for w in a.warnings
+        ],
+        "ignored_columns": list(a.motion.ignored),
+    }
+
+
+def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
+    s = a.smooth
+    q = a.motion.position[:, k]
+    out: dict[str, Any] = {
+        "position_range": [float(q.min()), float(q.max())],
+        "position_margin": float(min(q.min() - joint.lower, joint.upper - q.max())),
+        "velocity_peak": _peak(s.velocity[:, k], s.time),
+        "velocity_margin": float(joint.velocity - np.abs(s.velocity[:, k]).max()),
+        "acceleration_peak": _peak(s.acceleration[:, k], s.time),
+        "smoothing_deviation": float(s.deviation[k]),
+        "torque_peak": _peak(a.torque[:, k], s.time),
+        "torque_rms": _rms(a.torque[:, k], s.time),
+        # Against the effort that every public model copies; no rating is published.
+        "torque_margin": float(joint.effort - np.abs(a.torque[:, k]).max()),
+        "causes_peak": {
+            cause: _finite(float(np.abs(getattr(a, cause)[:, k]).max())) for cause in CAUSES
+        },
+        "current_peak": None,
+        "current_rms": None,
+        "voltage_peak": None,
+        "power_peak": None,
+        "energy_drawn_j": None,
+        "current_margin": None,
+        "voltage_margin": None,
+        "drive_torque_margin": None,
+        "beyond_drive_limits": None,
+    }
+    if not np.isfinite(a.current[:, k]).all():
+        return out
+    out["current_peak"] = _peak(a.current[:, k], s.time)
+    at = int(np.abs(a.current[:, k]).argmax())
+    out["current_peak"]["interval"] = [
+        float(a.current_lower[at, k]),
+        float(a.current_upper[at, k]),
+    ]
+    out["current_rms"] = _rms(a.current[:, k], s.time)
+    out["voltage_peak"] = _peak(a.voltage[:, k], s.time)
+    out["power_peak"] = _peak(a.electrical_power[:, k], s.time)
+    out["energy_drawn_j"] = _integral(np.maximum(a.electrical_power[:, k], 0.0), s.time)
+    if a.torque_limits is not None:
+        assert a.current_limit is not None
+        assert a.supply_voltage is not None
+        worst = np.maximum(np.abs(a.current_lower[:, k]), np.abs(a.current_upper[:, k])).max()
+        out["current_margin"] = float(a.current_limit - worst)
+        out["voltage_margin"] = float(a.supply_voltage - np.abs(a.voltage[:, k]).max())
+        reserve = np.minimum(
+            a.torque_limits.upper[:, k] - a.torque[:, k],
+            a.torque[:, k] - a.torque_limits.lower[:, k],
+        )
+        possible = reserve[np.isfinite(reserve)]
+        out["drive_torque_margin"] = float(possible.min()) if possible.size else None
+        out["beyond_drive_limits"] = int(np.count_nonzero(~(reserve >= 0)))
+    return out
+
+
+def text(record: dict[str, Any]) -> str:
+    """The record of `summary` as lines for a terminal."""
+    model, smoothing, motors = record["model"], record["smoothing"], record["motors"]
+    width = smoothing["bandwidth_hz"]
+    gravity = ", ".join(f"{g:g}" for g in model["gravity"])
+    lines = [
+        f"{record['source']}: {record['samples']} samples, {record['duration_s']:.2f} s",
+        f"  model: {model['gripper']} gripper, fluid {model['fluid_density']:g} kg/m^3, "
+        f"gravity ({gravity}) m/s^2",
+        f"  smoothing: {smoothing['method']}"
+        + (f", {width:.3g} Hz (-3 dB)" if width is not None else "")
+        + f"; derivatives from {smoothing['derivatives_from']}",
+        "",
+        "  joint      torque [Nm]  margin   current [A], interval     margin  "
+        "speed [rad/s]  margin   range margin [rad]",
+    ]
+    for name, j in record["joints"].items():
+        current = "       (needs --screw-lead)   "
+        if j["current_peak"] is not None:
+            low, high = j["current_peak"]["interval"]
+            current = f"{j['current_peak']['value']:+8.3f}  {low:+.3f} .. {high:+.3f}"
+        lines.append(
+            f"  {name:7} {j['torque_peak']['value']:+14.4g} {j['torque_margin']:7.4g} "
+            f"  {current:26} {_or_dash(j['current_margin'])} "
+            f"{j['velocity_peak']['value']:+14.4g} {j['velocity_margin']:+7.3g} "
+            f"{j['position_margin']:+20.4g}"
+        )
+    lines += ["", "  peak torque by cause [Nm]" + "".join(f"{c:>11}" for c in CAUSES)]
+    for name, j in record["joints"].items():
+        causes = (j["causes_peak"][c] for c in CAUSES)
+        lines.append(
+            f"  {name:25}" + "".join("          -" if c is None else f"{c:11.4g}" for c in causes)
+        )
+    energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
+    lines += [
+        "",
+        f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J, fed back "
+        f"{energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
+        f"  mount: force up to {mount['force_peak_n']['value']:.4g} N, moment up to "
+        f"{mount['moment_peak_nm']['value']:.4g} Nm",
+        f"  TCP: path {tcp['path_length_m']:.4g} m, from ("
+        + ", ".join(f"{x:.3f}" for x in tcp["lowest_m"])
+        + ") to ("
+        + ", ".join(f"{x:.3f}" for x in tcp["highest_m"])
+        + ") m",
+    ]
+    for name, j in record["joints"].items():
+        if j["beyond_drive_limits"]:
+            lines.append(
+                f"  limit: {name} is beyond the speed-torque limit in {j['beyond_drive_limits']} samples"
+            )
+    for w in record["warnings"]:
+        lines.append(f"  warning: {w['count']} x {w['text']} (first at {w['first']})")
+    lines += [f"  note: {note}" for note in _notes(record, motors)]
+    return "\n".join(lines)
+
+
+def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
+    ratios = ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items())
+    notes = [
+        "torque margins are to an effort of 9 Nm (jaw rod 10 N) that every public model copies; "
+        "no rating is published",
+        f"Table 4's K_t and K_v contradict each other (K_t/K_v: {ratios}); used here: "
+        f"{motors['constants']}"
+        + (
+            f", which leaves {record['energy']['contradiction_j']:+.3g} J of the electrical energy "
+            "unexplained"
+            if motors["constants"] == "printed"
+            else ""
+        ),
+    ]
+    if "axis_a" in record["joints"]:
+        notes.append("for the jaw rod axis_a read N, m/s and m in place of Nm, rad/s and rad")
+    if motors["supply_voltage"] is None:
+        notes.append(
+            "current margins need --supply-voltage and --current-limit; neither is published"
+        )
+    return notes
+
+
+def _or_dash(value: float | None) -> str:
+    return "      -" if value is None else f"{value:+7.3f}"
+
+
+def _peak(values: FloatArray, time: FloatArray) -> dict[str, Any]:
+    at = int(np.abs(values).argmax())
+    return {"value": float(values[at]), "time_s": float(time[at])}
+
+
+def _peak_norm(vectors: FloatArray, time: FloatArray) -> dict[str, Any]:
+    return _peak(np.linalg.norm(vectors, axis=1), time)
+
+
+def _integral(values: FloatArray, time: FloatArray) -> float:
+    return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(time)))
+
+
+def _rms(values: FloatArray, time: FloatArray) -> float:
+    return float(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -1,0 +1,230 @@
+"""Motors and gearboxes against formulas written case by case from Table 4, and against a simulation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import alpha5_model as a5
+from alpha5_model import actuators
+from alpha5_model.errors import InputError, MissingParameterError, UnknownNameError
+
+# Table 4, typed from the document, in SI: R, L, F, tolerance, eta, K_t, K_v, Gr.
+BIG = (3.22, 231e-6, 3.752e-3, 0.10, 0.86, 0.0134, 0.0116, 1754.4)
+SMALL = (38.6, 1280e-6, 0.469e-3, 0.15, 0.77, 0.0271, 0.0545, 340.4)
+TABLE_4 = {"axis_e": BIG, "axis_d": BIG, "axis_c": BIG, "axis_b": SMALL}
+REVOLUTE = tuple(TABLE_4)
+
+
+def states(count: int = 400, seed: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Joint torques and velocities in all four quadrants, some of them exactly at rest."""
+    rng = np.random.default_rng(seed)
+    velocity = rng.uniform(-0.6, 0.6, count)
+    velocity[::10] = 0.0
+    return rng.uniform(-3, 3, count), velocity
+
+
+def current_by_cases(row: tuple[float, ...], torque: float, velocity: float) -> float:
+    _, _, friction, _, eta, k_t, _, gear = row
+    if velocity == 0:
+        return torque / gear / k_t
+    driving = (torque > 0) == (velocity > 0)
+    shaft = torque / (gear * eta) if driving else torque * eta / gear
+    return (shaft + (friction if velocity > 0 else -friction)) / k_t
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_current_in_four_quadrants(joint: str) -> None:
+    torque, velocity = states()
+    motor = a5.actuators.actuator(joint)
+    expected = [
+        current_by_cases(TABLE_4[joint], t, v) for t, v in zip(torque, velocity, strict=True)
+    ]
+    np.testing.assert_allclose(motor.current(torque, velocity), expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("constants", actuators.CONSTANTS)
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_torque_and_voltage_are_inverted(joint: str, constants: str) -> None:
+    motor = actuators.actuator(joint, constants, rotor_inertia=4e-7)
+    torque, velocity = states()
+    acceleration = np.random.default_rng(1).uniform(-5, 5, torque.shape)
+    for a in (None, acceleration):
+        current = motor.current(torque, velocity, a)
+        np.testing.assert_allclose(
+            motor.torque(current, velocity, a), torque, rtol=1e-10, atol=1e-12
+        )
+    np.testing.assert_allclose(
+        motor.speed(motor.voltage(current, velocity), current), velocity, rtol=1e-9, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("constants", actuators.CONSTANTS)
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_power_is_accounted_for(joint: str, constants: str) -> None:
+    motor = actuators.actuator(joint, constants, rotor_inertia=4e-7)
+    torque, velocity = states()
+    p = motor.power(torque, velocity, acceleration=np.cos(torque))
+    parts = p.mechanical + p.copper + p.friction + p.gear + p.rotor + p.contradiction
+    np.testing.assert_allclose(p.electrical, parts, rtol=1e-12, atol=1e-12)
+    for heat in (p.copper, p.friction, p.gear):
+        assert (heat >= -1e-15).all()
+    moving = velocity != 0
+    if constants == "printed":
+        assert np.abs(p.contradiction[moving]).min() > 0
+    else:
+        np.testing.assert_array_equal(p.contradiction, 0.0)
+
+
+def test_constants_contradict_each_other_and_the_choice_is_obeyed() -> None:
+    for joint, (_, _, _, _, _, k_t, k_v, _) in TABLE_4.items():
+        assert actuators.actuator(joint).constants_ratio == pytest.approx(k_t / k_v, rel=1e-14)
+        chosen = {
+            c: (m.torque_constant, m.back_emf_constant)
+            for c in actuators.CONSTANTS
+            for m in (actuators.actuator(joint, c),)
+        }
+        assert chosen == {
+            "printed": (pytest.approx(k_t), pytest.approx(k_v)),
+            "torque": (pytest.approx(k_t), pytest.approx(k_t)),
+            "voltage": (pytest.approx(k_v), pytest.approx(k_v)),
+        }
+
+
+@pytest.mark.parametrize("joint", ["axis_d", "axis_b"])
+@pytest.mark.parametrize("load", [0.4, -0.4])
+def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
+    """Winding and shaft integrated in time settle at the speed and current of the algebra."""
+    resistance, inductance, friction, _, eta, k_t, k_v, gear = TABLE_4[joint]
+    voltage, rotor = 12.0, 4e-7
+
+    def rates(_: float, state: np.ndarray) -> list[float]:
+        current, speed = state
+        gear_input = load / (gear * eta) if load > 0 else load * eta / gear
+        shaft = k_t * current - friction - gear_input  # it turns forward throughout
+        return [(voltage - resistance * current - k_v * speed) / inductance, shaft / rotor]
+
+    # Start at the no-load speed, so that friction keeps its sign.
+    run = solve_ivp(rates, (0, 1.0), [0.0, voltage / k_v], method="LSODA", rtol=1e-10, atol=1e-10)
+    current, speed = run.y[:, -1]
+    motor = actuators.actuator(joint)
+    assert (run.y[1] > 0).all()
+    assert motor.current(load, speed / gear) == pytest.approx(current, rel=1e-6)
+    assert motor.speed(voltage, current) == pytest.approx(speed / gear, rel=1e-6)
+    limits = motor.speed_limits(load, voltage, current_limit=100.0)
+    assert limits.upper == pytest.approx(speed / gear, rel=1e-6)
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_holding_interval_is_where_a_pushed_joint_stays(joint: str) -> None:
+    """Beyond the interval the motor overcomes friction and gear in one of the two directions."""
+    _, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
+    motor = actuators.actuator(joint)
+    torque, _ = states()
+    currents = np.linspace(-1.5, 1.5, 601) * (friction + 3 / (gear * eta)) / k_t
+    low, high = motor.holding_current(torque)
+    for tau, lo, hi in zip(torque, low, high, strict=True):
+        rises = k_t * currents - friction > (tau / (gear * eta) if tau > 0 else tau * eta / gear)
+        falls = k_t * currents + friction < (tau * eta / gear if tau > 0 else tau / (gear * eta))
+        inside = (currents >= lo) & (currents <= hi)
+        np.testing.assert_array_equal(inside, ~(rises | falls))
+    for current in currents[::60]:
+        t_low, t_high = motor.holding_torque(current)
+        np.testing.assert_array_equal(
+            (low <= current) & (current <= high), (t_low <= torque) & (torque <= t_high)
+        )
+
+
+def test_friction_alone_holds_the_arm() -> None:
+    """F Gr of the big actuators is 6.6 N m, far above the arm's own peak gravity torque."""
+    motor = actuators.actuator("axis_d")
+    assert motor.joint_friction == pytest.approx(3.752e-3 * 1754.4)
+    low, high = motor.holding_current(1.4)
+    assert low < 0 < high
+    assert motor.holding_current(20.0).lower > 0
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_limits_are_the_edge_of_what_voltage_and_current_allow(joint: str) -> None:
+    motor = actuators.actuator(joint)
+    supply, limit = 18.0, 0.3
+    torque, velocity = states()
+    low, high = motor.torque_limits(velocity, supply, limit)
+    current = motor.current(torque, velocity)
+    allowed = (np.abs(current) <= limit) & (np.abs(motor.voltage(current, velocity)) <= supply)
+    assert 0 < allowed.sum() < allowed.size
+    np.testing.assert_array_equal((low <= torque) & (torque <= high), allowed)
+    too_fast = motor.torque_limits(100.0, supply, limit)
+    assert np.isnan(too_fast.lower)
+    assert np.isnan(too_fast.upper)
+    back, forward = motor.speed_limits(torque, supply, limit)
+    for sign, speed in ((-1.0, back), (1.0, forward)):
+        i = np.array([current_by_cases(TABLE_4[joint], t, sign) for t in torque])
+        np.testing.assert_array_equal(np.isnan(speed), np.abs(i) > limit)
+        moves = ~np.isnan(speed)
+        reached = motor.voltage(i[moves], speed[moves])
+        np.testing.assert_allclose(reached, sign * supply, rtol=1e-12)
+
+
+def test_tolerance_of_friction_becomes_an_interval() -> None:
+    torque, velocity = states()
+    for joint, row in TABLE_4.items():
+        motor = actuators.actuator(joint)
+        low, high = motor.current_interval(torque, velocity)
+        nominal = motor.current(torque, velocity)
+        half_width = np.where(velocity == 0, 0.0, row[3] * row[2] / row[5])
+        np.testing.assert_allclose(high - nominal, half_width, atol=1e-14)
+        np.testing.assert_allclose(nominal - low, half_width, atol=1e-14)
+        # Any friction inside the tolerance stays inside the interval of torques.
+        band = motor.torque_interval(nominal, velocity)
+        rng = np.random.default_rng(2)
+        for factor in rng.uniform(1 - row[3], 1 + row[3], 20):
+            changed = list(row)
+            changed[2] *= factor
+            i = np.array(
+                [
+                    current_by_cases(tuple(changed), t, v)
+                    for t, v in zip(torque, velocity, strict=True)
+                ]
+            )
+            assert ((i >= low - 1e-12) & (i <= high + 1e-12)).all()
+        assert ((band.lower <= torque + 1e-12) & (torque <= band.upper + 1e-12)).all()
+
+
+def test_winding_sees_the_rate_of_current() -> None:
+    motor = actuators.actuator("axis_b")
+    assert motor.voltage(0.0, 0.0, current_rate=100.0) == pytest.approx(0.128)
+    assert motor.time_constant == pytest.approx(1280e-6 / 38.6)
+
+
+def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
+    with pytest.raises(MissingParameterError, match="screw_lead"):
+        actuators.actuator("axis_a").current(1.0)
+    # One turn of the output moves the rod by the lead: force * lead = torque * 2 pi.
+    jaw = actuators.actuator("axis_a", screw_lead=1e-3)
+    force = jaw.torque(0.05)
+    assert force * 1e-3 == pytest.approx(0.05 * 0.0271 * 348.7 * 2 * np.pi)
+    with pytest.raises(MissingParameterError, match="rotor_inertia"):
+        actuators.actuator("axis_e").current(1.0, 0.1, acceleration=1.0)
+    motor = actuators.actuator("axis_e", rotor_inertia=1e-6)
+    added = motor.current(1.0, 0.1, acceleration=2.0) - motor.current(1.0, 0.1)
+    assert added == pytest.approx(1e-6 * 1754.4 * 2.0 / 0.0134)
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        (lambda: actuators.actuator("axis_f"), UnknownNameError),
+        (lambda: actuators.actuator("axis_e", "best"), UnknownNameError),
+        (lambda: actuators.actuator("axis_e", rotor_inertia=-1.0), InputError),
+        (lambda: actuators.actuator("axis_a", screw_lead=0.0), InputError),
+        (lambda: actuators.actuator("axis_e").current([1.0, float("nan")]), InputError),
+        (lambda: actuators.actuator("axis_e").current("much"), InputError),
+        (lambda: actuators.actuator("axis_e").torque_limits(0.0, 0.0, 1.0), InputError),
+        (lambda: actuators.actuator("axis_e").torque_limits(0.0, 24.0, -1.0), InputError),
+    ],
+)
+def test_what_cannot_be_used_is_refused(call, error) -> None:
+    with pytest.raises(error):
+        call()
