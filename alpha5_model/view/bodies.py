@@ -8,15 +8,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.view.shapes import Mesh, lathe
 from alpha5_model.view.tree import origin_matrix
-
-#: Corners whose faces meet at more than this stay sharp [rad].
-CREASE = np.deg2rad(35.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +102,10 @@ def _box(size: FloatArray) -> Mesh:
 
 @cache
 def read_obj(path: str) -> Mesh:
-    """Read a triangle OBJ; its own normals, or normals that keep creases sharp.
+    """Read an OBJ of triangles with normals.
 
     Raises:
-        MissingFileError, FileFormatError: Not there, or not made of triangles.
+        MissingFileError, FileFormatError: Not there, or not made of triangles with normals.
     """
     try:
         lines = Path(path).read_text(encoding="utf-8").splitlines()
@@ -118,46 +114,14 @@ def read_obj(path: str) -> Mesh:
     vertices = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], float)
     normals = np.array([line.split()[1:4] for line in lines if line.startswith("vn ")], float)
     corners = [line.split()[1:] for line in lines if line.startswith("f ")]
-    if not corners or any(len(corner) != 3 for corner in corners):
-        raise FileFormatError(path, "expected triangles")
-    index = [[part.split("/") for part in corner] for corner in corners]
-    faces = np.array([[int(part[0]) - 1 for part in corner] for corner in index])
-    if len(normals) and all(len(part) == 3 for corner in index for part in corner):
-        which = np.array([[int(part[2]) - 1 for part in corner] for corner in index])
-        corner_normals = normals[which]
-    else:
-        corner_normals = _corner_normals(vertices, faces)
-    return _unique_corners(vertices, corner_normals, faces)
-
-
-def _corner_normals(vertices: FloatArray, faces: NDArray[np.int64]) -> FloatArray:
-    """Normal of each corner (F, 3, 3): area-weighted mean of the faces around it up to a crease."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    area = np.cross(b - a, c - a)
-    unit = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
-    corner_vertex = faces.ravel()
-    order = np.argsort(corner_vertex, kind="stable")
-    starts = np.searchsorted(corner_vertex[order], np.arange(len(vertices)))
-    counts = np.bincount(corner_vertex, minlength=len(vertices))
-    # every pair (corner, face around the corner's vertex)
-    repeat = counts[corner_vertex]
-    corner = np.repeat(np.arange(len(corner_vertex)), repeat)
-    within = np.arange(len(corner)) - np.repeat(np.cumsum(repeat) - repeat, repeat)
-    other = order[starts[corner_vertex[corner]] + within] // 3
-    smooth = (unit[corner // 3] * unit[other]).sum(axis=1) > np.cos(CREASE)
-    total = np.zeros((len(corner_vertex), 3))
-    np.add.at(total, corner[smooth], area[other[smooth]])
-    total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
-    return total.reshape(-1, 3, 3)
-
-
-def _unique_corners(
-    vertices: FloatArray, corner_normals: FloatArray, faces: NDArray[np.int64]
-) -> Mesh:
-    flat = np.column_stack([faces.ravel(), np.round(corner_normals.reshape(-1, 3), 4)])
-    _, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
+    try:
+        index = np.array([[part.split("//") for part in corner] for corner in corners], int) - 1
+    except ValueError:
+        index = np.empty(0)
+    if index.ndim != 3 or index.shape[1:] != (3, 2):
+        raise FileFormatError(path, "expected triangles with normals, f a//n b//n c//n")
+    pairs, inverse = np.unique(index.reshape(-1, 2), axis=0, return_inverse=True)
     return Mesh(
-        vertices[faces.ravel()[first]],
-        corner_normals.reshape(-1, 3)[first],
-        inverse.reshape(-1, 3).astype(np.uint32),
+        vertices[pairs[:, 0]], normals[pairs[:, 1]], inverse.reshape(-1, 3).astype(np.uint32)
     )
+

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from alpha5_model.trajectory.motion import Motion
 
 #: Length of an arrow per force [m/N].
-ARROW_SCALE = 0.02
+ARROW_SCALE = 0.015
 _YELLOW, _BLACK = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10)
 _BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
 _RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
@@ -197,7 +197,7 @@ def _collision(text: str, folder: str) -> list[Shape]:
 def _frames(tree: Sequence[TreeJoint]) -> list[Shape]:
     links = [tree[0].parent, *(joint.child for joint in tree)]
     mesh = triad(0.05, 0.0013)
-    return [Shape("frames", link, Rigid(link), mesh, on_top=True) for link in links]
+    return [Shape("frames", link, Rigid(link), mesh, on_top=1) for link in links]
 
 
 def _frame_labels(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> list[Label]:
@@ -224,9 +224,9 @@ def _centers(loads: Sequence[Load]) -> list[Shape]:
             point = load.com if kind == "com" else load.cob
             if load.weight if kind == "com" else load.buoyancy:
                 anchor = Mean(((load.link, 1.0, point),))
-                shapes.append(Shape(kind, f"load_{i}", anchor, small, on_top=True))
+                shapes.append(Shape(kind, f"load_{i}", anchor, small, on_top=2))
         if _whole(loads, kind).points:
-            shapes.append(Shape(kind, "arm", _whole(loads, kind), large, on_top=True))
+            shapes.append(Shape(kind, "arm", _whole(loads, kind), large, on_top=2))
     return shapes
 
 
@@ -245,10 +245,10 @@ def _forces(arm: Arm, loads: Sequence[Load]) -> list[Shape]:
         for kind, force, point, color in _pair(arm, load):
             anchor = Mean(((load.link, 1.0, point),))
             mesh = arrow(ARROW_SCALE * force, 0.0022)
-            shapes.append(Shape(kind, f"load_{i}", anchor, mesh, color))
+            shapes.append(Shape(kind, f"load_{i}", anchor, mesh, color, on_top=1))
     for kind, force, anchor, color in _totals(arm, loads):
-        mesh = arrow(ARROW_SCALE * force, 0.0042)
-        shapes.append(Shape(kind, "arm", anchor, mesh, color))
+        mesh = arrow(ARROW_SCALE * force, 0.004)
+        shapes.append(Shape(kind, "arm", anchor, mesh, color, on_top=1))
     return shapes
 
 

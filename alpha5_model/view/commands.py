@@ -60,6 +60,10 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
             yield set_visible(group, group in scene.show)
     yield _set_property("/Background", "top_color", [1.0, 1.0, 1.0])
     yield _set_property("/Background", "bottom_color", [0.80, 0.86, 0.90])
+    # Dark bodies need more light than meshcat's own scene gives.
+    yield _set_property("/Lights/AmbientLight/<object>", "intensity", 0.75)
+    for name in ("PointLightNegativeX", "PointLightPositiveX", "FillLight"):
+        yield _set_property(f"/Lights/{name}/<object>", "intensity", 0.5)
     for name in ("/Grid", "/Axes"):
         yield _set_property(name, "visible", False)
 
@@ -92,20 +96,18 @@ def _set_object(shape: Shape) -> Command:
     name = f"{shape.group}/{shape.name}"
     material = {
         "uuid": f"{name}:material",
-        "type": "MeshPhongMaterial",
+        "type": "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial",
         "color": 0xFFFFFF if shape.mesh.colors is not None else _hex(shape.color),
         "specular": _hex((0.55 * shape.shine,) * 3),
         "shininess": 40.0,
         # three.js: 0 front only, 2 both sides. Closed bodies need their front only.
-        "side": 2 if shape.group in ("workspace", "surface") else 0,
-        "transparent": shape.on_top or shape.opacity < 1.0,
+        "side": 2 if shape.flat else 0,
+        "transparent": shape.on_top > 0 or shape.opacity < 1.0,
         "opacity": shape.opacity,
-        "depthTest": not shape.on_top,
+        "depthTest": shape.on_top == 0,
         "depthWrite": shape.opacity == 1.0,
         "vertexColors": shape.mesh.colors is not None,
     }
-    if shape.group in ("workspace", "surface"):
-        material["type"] = "MeshBasicMaterial"
     return Command(
         {
             "type": "set_object",
@@ -119,7 +121,7 @@ def _set_object(shape: Shape) -> Command:
                     "type": "Mesh",
                     "geometry": f"{name}:geometry",
                     "material": f"{name}:material",
-                    "renderOrder": 10 if shape.on_top else 0,
+                    "renderOrder": shape.on_top,
                 },
             },
         }

@@ -92,7 +92,11 @@ const alpha5 = (() => {
     if (tcp) byId("readout").textContent = `tcp  x ${mm(tcp.x)}  y ${mm(tcp.y)}  z ${mm(tcp.z)} mm`;
     viewer.set_dirty();
   }
-  const mm = (metres) => (1e3 * metres).toFixed(1).replace("-", "\u2212");
+  function fixed(value, digits) {
+    const text = value.toFixed(digits);
+    return Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "\u2212");
+  }
+  const mm = (metres) => fixed(1e3 * metres, 1);
   function setJoint(name, value) {
     q[name] = value;
     place();
@@ -128,9 +132,10 @@ const alpha5 = (() => {
   function drawLabels() {
     const pane = byId("pane");
     const placed = [];
-    viewer.camera.updateMatrixWorld();
+    viewer.scene.updateMatrixWorld();
     for (const label of data.labels) {
-      const point = new THREE.Vector3().setFromMatrixPosition(anchor(label)).project(viewer.camera);
+      const point = new THREE.Vector3().setFromMatrixPosition(anchor(label));
+      point.applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
       const visible = shown.labels && shown[label.group] && point.z < 1;
       label.element.style.display = visible ? "" : "none";
       if (visible) placed.push({ label, x: (point.x + 1) / 2 * pane.clientWidth + 10, y: (1 - point.y) / 2 * pane.clientHeight - 9 });
@@ -169,7 +174,7 @@ const alpha5 = (() => {
       value.textContent = joint.kind === "prismatic" ? `${mm(q[joint.name])} mm` : `${(q[joint.name] * 180 / Math.PI).toFixed(1)}\u00b0`;
       const torqueNow = holding(joint);
       torque.dataset.value = torqueNow;
-      torque.textContent = joint.kind === "prismatic" ? "" : `holds ${torqueNow.toFixed(3).replace("-", "\u2212")} N\u00b7m`;
+      torque.textContent = joint.kind === "prismatic" ? "" : `holds ${fixed(torqueNow, 3)} N\u00b7m`;
     } };
   }
   for (const name in data.poses) {
@@ -233,7 +238,15 @@ const alpha5 = (() => {
   viewer.camera.fov = data.camera.fieldOfView;
   viewer.camera.position.set(...swap(data.camera.eye));
   viewer.controls.target.set(...swap(data.camera.target));
-  viewer.camera.updateProjectionMatrix();
+  // Centre the arm in what the panel leaves free.
+  const resize = viewer.set_3d_pane_size.bind(viewer);
+  viewer.set_3d_pane_size = (...size) => {
+    resize(...size);
+    const [w, h] = [window.innerWidth, window.innerHeight];
+    viewer.camera.setViewOffset(w, h, w > 760 ? -160 : 0, data.motion ? 20 : 0, w, h);
+    viewer.set_dirty();
+  };
+  viewer.set_3d_pane_size();
 
   // ---- the scene: from this file, or over the connection
   let unread = false;

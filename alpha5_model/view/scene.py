@@ -22,12 +22,12 @@ GROUPS: dict[str, str] = {
     "see-through": "See-through",
     "labels": "Labels",
     "frames": "Link frames",
-    "com": "Centres of mass",
-    "cob": "Centres of buoyancy",
+    "com": "Mass centres",
+    "cob": "Buoyancy centres",
     "weight": "Weight",
     "buoyancy": "Buoyancy",
-    "workspace": "Workspace section",
-    "surface": "Workspace surface",
+    "workspace": "Reach, section",
+    "surface": "Reach, surface",
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
 }
@@ -99,8 +99,9 @@ class Shape:
         mesh: In the anchor's frame.
         color: Red, green, blue, 0 to 1; white where the mesh has its own colours.
         opacity: 0 to 1.
-        on_top: Drawn over everything that is not, so that what lies inside a body is seen.
+        on_top: Layer drawn over the lower ones, so that what lies inside a body is seen; 0 to 2.
         shine: Strength of the highlight, 0 to 1.
+        flat: Drawn in its own colour from both sides, without light.
     """
 
     group: str
@@ -109,8 +110,9 @@ class Shape:
     mesh: Mesh
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
     opacity: float = 1.0
-    on_top: bool = False
+    on_top: int = 0
     shine: float = 0.0
+    flat: bool = False
 
 
 @dataclass(frozen=True, eq=False)
