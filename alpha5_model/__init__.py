@@ -21,17 +21,31 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from alpha5_model.kinematics import dh as dh
     from alpha5_model import actuators as actuators
+    from alpha5_model.dynamics.arm import Arm as Arm
+    from alpha5_model.dynamics.loading import load as load
+    from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
+    from alpha5_model.dynamics.water import AIR as AIR
+    from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
+    from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
+    from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
 
 #: Public name -> module that defines it; None where the name is the module itself.
 _PUBLIC: dict[str, tuple[str, str | None]] = {
+    "AIR": ("alpha5_model.dynamics.water", "AIR"),
+    "Arm": ("alpha5_model.dynamics.arm", "Arm"),
+    "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
+    "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
     "dh": ("alpha5_model.kinematics.dh", None),
     "actuators": ("alpha5_model.actuators", None),
+    "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
+    "load": ("alpha5_model.dynamics.loading", "load"),
+    "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
 }
 
 __all__ = [

@@ -11,6 +11,7 @@ one arm may be used from any number of threads. What a method returns belongs to
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -21,9 +22,11 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.statics import Statics
-from alpha5_model.dynamics.vectors import forces, ready_2, ready_3, vector
+from alpha5_model.dynamics.vectors import forces, ready, ready_2, ready_3, vector
 
-_rnea, _aba, _gravity = pin.rnea, pin.aba, pin.computeGeneralizedGravity
+# Bound once: where a whole call takes 0.6 us, looking up a module's attribute is seen.
+_rnea, _aba, _crba = pin.rnea, pin.aba, pin.crba
+_gravity, _kinetic_energy = pin.computeGeneralizedGravity, pin.computeKineticEnergy
 
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
@@ -42,7 +45,9 @@ class Arm(Statics):
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
-        out: FloatArray = pin.crba(self._model, self._own.data, self._checked_q(q))
+        if self.floating_base or not ready(q, self._q_shape):
+            q = self._checked_q(q)
+        out: FloatArray = _crba(self._model, self._own.data, q)
         return out
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
@@ -83,7 +88,8 @@ class Arm(Statics):
             tau = _rnea(self._model, own.data, q, v, a)
         else:
             tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
-        out: FloatArray = tau - _gravity(self._fluid, own.fluid_data, q)
+        tau -= _gravity(self._fluid, own.fluid_data, q)
+        out: FloatArray = tau
         return out
 
     def forward_dynamics(
@@ -126,7 +132,8 @@ class Arm(Statics):
         Returns:
             dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating base.
         """
-        q, v, a = self._checked(q=q, v=v, a=a)
+        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+            q, v, a = self._checked(q=q, v=v, a=a)
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
         water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
@@ -167,17 +174,29 @@ class Arm(Statics):
         Returns:
             pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
         """
-        q, v, a = self._checked(q=q, v=v, a=a)
-        own, zero = self._own, np.zeros(self._model.nv)
-        outside = None if fext is None else forces(fext, self._model.njoints)
-        water = _load_on_root(self._fluid, own.fluid_data, q, zero, zero, None)
-        return water - _load_on_root(self._model, own.data, q, v, a, outside)
+        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+            q, v, a = self._checked(q=q, v=v, a=a)
+        own = self._own
+        if fext is None:
+            _rnea(self._model, own.data, q, v, a)
+        else:
+            fext = forces(fext, self._model.njoints)
+            _rnea(self._model, own.data, q, v, a, fext)
+        _gravity(self._fluid, own.fluid_data, q)
+        # What the first joint carries; with a floating base that is base_link itself.
+        load = own.data.f[1] - own.fluid_data.f[1]
+        if self.floating_base:
+            return -load
+        # RNEA stops at the first joint: the last step down to the bodies of the universe is taken here.
+        load = self._link_0_load + own.data.liMi[1].act(load)
+        return -load if fext is None else fext[0] - load
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
             q, v = self._checked(q=q, v=v)
-        return float(pin.computeKineticEnergy(self._model, self._own.data, q, v))
+        energy: float = _kinetic_energy(self._model, self._own.data, q, v)
+        return energy
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -221,13 +240,13 @@ class Arm(Statics):
             )
             return -wrench[:, :6]
         # The same arm on a free-flyer that does not move: its first six torques are the mount's.
-        model, fluid = batch.free_flyer(self._model), batch.free_flyer(self._fluid)
+        model, fluid = self._on_free_flyer
         still = np.zeros((len(q), 6))
         pose = np.hstack([still, np.ones((len(q), 1))])
         wrench = batch.inverse_dynamics(
             model,
             fluid,
-            {},
+            self._own.pools,
             threads,
             np.hstack([pose, q]),
             np.hstack([still, v]),
@@ -268,6 +287,10 @@ class Arm(Statics):
         model, displacement = payload.attached(self._model, frame)
         return type(self)(model, (*self.displacements, displacement), self.fluid_density)
 
+    @cached_property
+    def _on_free_flyer(self) -> tuple[Any, Any]:
+        return batch.free_flyer(self._model), batch.free_flyer(self._fluid)
+
     def _checked(self, q: ArrayLike, **others: ArrayLike) -> tuple[FloatArray, ...]:
         return (
             self._checked_q(q),
@@ -284,15 +307,3 @@ class Arm(Statics):
             f"fluid {self.fluid_density:g} kg/m^3)"
         )
 
-
-def _load_on_root(model: Any, data: Any, q: Any, v: Any, a: Any, fext: Any) -> Any:
-    """Force that must act on base_link from outside for this motion, in base_link."""
-    pin.rnea(model, data, q, v, a, *(() if fext is None else (fext,)))
-    if model.joints[1].nq == 7:
-        return data.f[1].copy()
-    # RNEA stops at the joints of the universe, so the last step down is taken here.
-    load = model.inertias[0] * -model.gravity
-    for joint in range(1, model.njoints):
-        if model.parents[joint] == 0:
-            load += data.liMi[joint].act(data.f[joint])
-    return load if fext is None else load - fext[0]

@@ -17,6 +17,20 @@ from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError, ShapeError
 
 
+class Pools:
+    """Pinocchio's sets of pin.Data for its parallel algorithms, made when first asked for."""
+
+    def __init__(self) -> None:
+        self._pools: dict[tuple[int, int], Any] = {}
+
+    def of(self, model: Any, threads: int) -> Any:
+        """pin.ModelPool of a model that the arm keeps as long as this object lives."""
+        key = (id(model), threads)
+        if key not in self._pools:
+            self._pools[key] = pin.ModelPool(model, threads)
+        return self._pools[key]
+
+
 def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     """Check and convert states in rows; the first one has nq columns, the others nv.
 
@@ -52,7 +66,7 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
 def inverse_dynamics(
     model: Any,
     fluid: Any,
-    pools: dict[tuple[str, int], Any],
+    pools: Pools,
     threads: int | None,
     q: FloatArray,
     v: FloatArray,
@@ -61,7 +75,7 @@ def inverse_dynamics(
     """RNEA of each row with the torque of the water taken off, (N, nv)."""
     n = _threads(threads)
     tau = np.empty_like(v)
-    pin.rneaInParallel(n, _pool("arm", model, n, pools), q.T, v.T, a.T, tau.T)
+    pin.rneaInParallel(n, pools.of(model, n), q.T, v.T, a.T, tau.T)
     tau -= _buoyancy(fluid, n, pools, q)
     return tau
 
@@ -69,7 +83,7 @@ def inverse_dynamics(
 def forward_dynamics(
     model: Any,
     fluid: Any,
-    pools: dict[tuple[str, int], Any],
+    pools: Pools,
     threads: int | None,
     q: FloatArray,
     v: FloatArray,
@@ -80,7 +94,7 @@ def forward_dynamics(
     total = _buoyancy(fluid, n, pools, q)
     total += tau
     a = np.empty_like(v)
-    pin.abaInParallel(n, _pool("arm", model, n, pools), q.T, v.T, total.T, a.T)
+    pin.abaInParallel(n, pools.of(model, n), q.T, v.T, total.T, a.T)
     return a
 
 
@@ -98,19 +112,12 @@ def free_flyer(model: Any) -> Any:
 
 
 def _buoyancy(
-    fluid: Any, threads: int, pools: dict[tuple[str, int], Any], q: FloatArray
+    fluid: Any, threads: int, pools: Pools, q: FloatArray
 ) -> FloatArray:
     out = np.empty((len(q), fluid.nv))
     still = np.zeros_like(out)
-    pool = _pool("fluid", fluid, threads, pools)
-    pin.rneaInParallel(threads, pool, q.T, still.T, still.T, out.T)
+    pin.rneaInParallel(threads, pools.of(fluid, threads), q.T, still.T, still.T, out.T)
     return out
-
-
-def _pool(name: str, model: Any, threads: int, pools: dict[tuple[str, int], Any]) -> Any:
-    if (name, threads) not in pools:
-        pools[name, threads] = pin.ModelPool(model, threads)
-    return pools[name, threads]
 
 
 def _threads(threads: int | None) -> int:

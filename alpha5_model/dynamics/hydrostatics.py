@@ -87,3 +87,30 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
             point = pin.Inertia(mass, np.array(body.cob), np.zeros((3, 3)))
             fluid.appendBodyToJoint(fluid.getJointId(body.joint), point, pin.SE3.Identity())
     return fluid
+
+
+def net_weight_model(model: Any, fluid: Any) -> Any:
+    """The arm as its joints feel it at rest in the fluid: weight less buoyancy, in one body each.
+
+    A body of mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the moment of both, so
+    one pass over this model gives the hydrostatic torque, its derivative and the potential energy. The
+    model knows weight only; it has no rotational inertia. Joints that displace nothing keep their body.
+
+    Args:
+        model: pin.Model of the arm; it is not changed.
+        fluid: Its displaced-fluid model.
+
+    Returns:
+        pin.Model with the arm's joints, frames and gravity.
+    """
+    net = model.copy()
+    for joint in range(net.njoints):
+        body, water = model.inertias[joint], fluid.inertias[joint]
+        if water.mass:
+            # Neutral buoyancy leaves a pure moment: a mass too small to weigh anything carries it.
+            mass = (body.mass - water.mass) or 1e-30
+            point = pin.Inertia.Zero()
+            point.mass = mass
+            point.lever = (body.mass * body.lever - water.mass * water.lever) / mass
+            net.inertias[joint] = point
+    return net

@@ -33,11 +33,10 @@ def ready_2(x: Any, y: Any, x_shape: _Shape, y_shape: _Shape) -> bool:
     """`ready` for two vectors at once."""
     try:
         return (
-            x.dtype is _FLOAT64
-            and y.dtype is _FLOAT64
+            x.dtype is y.dtype is _FLOAT64
             and x.shape == x_shape
             and y.shape == y_shape
-            and isfinite(sum(x.tolist()) + sum(y.tolist()))
+            and isfinite(sum(x.tolist() + y.tolist()))
         )
     except (AttributeError, TypeError):
         return False
@@ -47,13 +46,10 @@ def ready_3(x: Any, y: Any, z: Any, x_shape: _Shape, yz_shape: _Shape) -> bool:
     """`ready` for three vectors at once; the second and third have the same shape."""
     try:
         return (
-            x.dtype is _FLOAT64
-            and y.dtype is _FLOAT64
-            and z.dtype is _FLOAT64
+            x.dtype is y.dtype is z.dtype is _FLOAT64
             and x.shape == x_shape
-            and y.shape == yz_shape
-            and z.shape == yz_shape
-            and isfinite(sum(x.tolist()) + sum(y.tolist()) + sum(z.tolist()))
+            and y.shape == z.shape == yz_shape
+            and isfinite(sum(x.tolist() + y.tolist() + z.tolist()))
         )
     except (AttributeError, TypeError):
         return False

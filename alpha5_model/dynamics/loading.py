@@ -1,0 +1,113 @@
+"""From the shipped URDF to an arm in the water: `load` and `robot_wrapper`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import choice
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.variants import GRIPPERS, Variant, urdf
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.hydrostatics import displacements
+from alpha5_model.dynamics.jaw_arm import JawArm
+from alpha5_model.dynamics.vectors import vector
+from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
+from alpha5_model.errors import InputError, MissingFileError
+from alpha5_model.parameters import parameters
+from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+
+
+def load(
+    fluid_density: float = SEA_WATER,
+    gripper: str = "locked",
+    floating_base: bool = False,
+    gravity: ArrayLike = GRAVITY,
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+) -> Arm:
+    """The arm in a fluid, from the shipped URDF.
+
+    Args:
+        fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the fingers follow).
+        floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
+        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is fixed, so a tilted mount
+            takes ``gravity_in_base(rotation)``.
+        corrections: Recorded corrections to the document. Other than the default ones, the URDF is generated
+            in memory.
+
+    Returns:
+        An arm, independent of every other one.
+
+    Raises:
+        InputError: A density below 0, or gravity that is not three finite numbers.
+        UnknownNameError: No such gripper or correction.
+    """
+    chosen = check_corrections(corrections)
+    choice("gripper", gripper, GRIPPERS)
+    if not isinstance(floating_base, bool | np.bool_):
+        raise InputError("floating_base", floating_base, "True or False")
+    g = vector("gravity", gravity, (3,))
+    model, tree = (m.copy() for m in _models(gripper, bool(floating_base), chosen))
+    model.gravity.linear = tree.gravity.linear = g
+    displaced = displacements(model, parameters(chosen), gripper)
+    if gripper == "jaws":
+        return JawArm(model, tree, displaced, fluid_density)
+    return Arm(model, displaced, fluid_density)
+
+
+def robot_wrapper(
+    gripper: str = "locked",
+    floating_base: bool = False,
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+) -> Any:
+    """The arm as Pinocchio's RobotWrapper with its meshes, as the loaders of example-robot-data return.
+
+    It knows no water: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
+
+    Args:
+        gripper, floating_base, corrections: As in `load`.
+
+    Returns:
+        pin.RobotWrapper.
+
+    Raises:
+        UnknownNameError: No such gripper or correction.
+    """
+    from pinocchio.robot_wrapper import RobotWrapper
+
+    chosen = check_corrections(corrections)
+    choice("gripper", gripper, GRIPPERS)
+    text, folder = _urdf(gripper, chosen)
+    model = _models(gripper, bool(floating_base), chosen)[0].copy()
+    collision, visual = (
+        pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
+        for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
+    )
+    return RobotWrapper(model, collision_model=collision, visual_model=visual)
+
+
+@cache
+def _models(gripper: str, floating_base: bool, corrections: tuple[str, ...]) -> tuple[Any, Any]:
+    """The model with mimic joints, and the tree in which the fingers are joints of their own."""
+    text, _ = _urdf(gripper, corrections)
+    root = [pin.JointModelFreeFlyer()] if floating_base else []
+    mimic, tree = (pin.buildModelFromXML(text, *root, mimic=m) for m in (True, False))
+    return mimic, tree
+
+
+def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:
+    """Text of the URDF, and the folder to which its mesh paths are relative."""
+    path = Path(JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH)
+    if corrections != DEFAULT_CORRECTIONS:
+        return urdf(Variant(gripper=gripper, corrections=corrections)), str(path.parent)
+    try:
+        return path.read_text(encoding="utf-8"), str(path.parent)
+    except FileNotFoundError:
+        raise MissingFileError(path, "the generated URDF (alpha5 generate)") from None
