@@ -21,7 +21,6 @@ References:
 
 from __future__ import annotations
 
-from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.ik_batch import solve_rows
+from alpha5_model.kinematics.ik_fast import fast_solver, pack
 from alpha5_model.kinematics.ik_one import solve_one
 
 BoolArray = NDArray[np.bool_]
@@ -38,11 +38,14 @@ BoolArray = NDArray[np.bool_]
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
 
 
-_PACK = Struct("19d")
-_ONE_FLOAT = np.dtype(np.float64)
-_ONE_BOOL = np.dtype(np.bool_)
-_TRUE, _FALSE = np.array(True), np.array(False)
-_TRUE.flags.writeable = _FALSE.flags.writeable = False
+# One target's numbers are packed once, and its arrays are read-only views of them.
+_NEW, _ARRAY, _FLOAT = tuple.__new__, np.ndarray, np.dtype(np.float64)
+_FLAGS = tuple(
+    np.array([code >> branch & 1 for branch in range(4)], np.bool_) for code in range(16)
+)
+_SINGULAR = (np.array(False), np.array(True))
+for _flags in (*_FLAGS, *_SINGULAR):
+    _flags.flags.writeable = False
 
 
 class Solutions(NamedTuple):
@@ -103,19 +106,17 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a bad row.
     """
-    # One target in the types that callers use most. Numbers that are not finite give NaN here.
+    # One target in the types that callers use most goes straight to work.
     kind = type(position)
-    if kind is np.ndarray and position.shape == (3,) and position.dtype is _ONE_FLOAT:  # type: ignore[union-attr]
+    if kind is np.ndarray and position.shape == (3,) and position.dtype is _FLOAT:  # type: ignore[union-attr]
         x, y, z = position.tolist()  # type: ignore[union-attr]
     elif (kind is list or kind is tuple) and len(position) == 3:  # type: ignore[arg-type]
         x, y, z = position  # type: ignore[misc,assignment]
+        if not type(x) is type(y) is type(z) is float:
+            return _general(position, wrist)
     else:
         return _general(position, wrist)
-    if (
-        type(wrist) is float
-        and type(x) is type(y) is type(z) is float
-        and (x + y + z + wrist) * 0.0 == 0.0
-    ):
+    if type(wrist) is float and (x + y + z + wrist) * 0.0 == 0.0:  # all finite
         return _one(x, y, z, wrist)
     return _general(position, wrist)
 
@@ -155,13 +156,21 @@ def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
 
 def _one(x: float, y: float, z: float, wrist: float) -> Solutions:
     """One finite target."""
-    q, exists, within, singular = solve_one(x, y, z, wrist)
-    buffer = _PACK.pack(*q, x, y, z)
-    flags = bytes(exists + within)
-    return Solutions(
-        np.ndarray((4, 4), _ONE_FLOAT, buffer),
-        np.ndarray(4, _ONE_BOOL, flags),
-        np.ndarray(4, _ONE_BOOL, flags, 4),
-        _TRUE if singular else _FALSE,
-        np.ndarray(3, _ONE_FLOAT, buffer, 128),
+    fast = fast_solver()(x, y, z, wrist)
+    if fast is None:
+        q, exists, within, singular = solve_one(x, y, z, wrist)
+        buffer = pack(*q, x, y, z)
+    else:
+        buffer, exists, within = fast
+        singular = False
+    # Built as the tuple it is: the keyword constructor would cost as much as the trigonometry.
+    return _NEW(
+        Solutions,
+        (
+            _ARRAY((4, 4), _FLOAT, buffer),
+            _FLAGS[exists],
+            _FLAGS[within],
+            _SINGULAR[singular],
+            _ARRAY(3, _FLOAT, buffer, 128),
+        ),
     )

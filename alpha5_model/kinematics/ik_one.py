@@ -17,6 +17,12 @@ SINGULAR_TOLERANCE = 1e-9
 #: Closer to the yaw axis than this [m], theta_0 is free and the middle of its range is returned.
 AXIS_TOLERANCE = 1e-13
 
+#: Closer than this to the yaw axis [m], to the edge of reach [m^2, in rho^2] or to a joint limit
+#: [rad], rounding decides and the faster routes hand a target to `solve_one`. Farther away, rounding
+#: moves an angle by less than NEAR_LIMIT.
+NEAR_AXIS = 1e-8
+NEAR_EDGE = 2e-9
+NEAR_LIMIT = 1e-6
 
 _TAU = 2 * math.pi
 
@@ -65,25 +71,22 @@ def constants() -> Constants:
     )
 
 
-def solve_one(
-    x: float, y: float, z: float, wrist: float
-) -> tuple[list[float], list[bool], list[bool], bool]:
+def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], int, int, bool]:
     """One target with all its edges, in plain floats.
 
     Returns:
-        q of the four branches (16 numbers), exists, within_limits, singular.
+        q of the four branches (16 numbers), ``exists`` and ``within_limits`` with branch i as
+        bit i, singular.
     """
     c = constants()
     limits = c.limits
-    nan = math.nan
-    theta_3, wrist_fits = _into_range(wrist - _TAU * math.floor((wrist - limits[3][2]) / _TAU + 0.5), limits[3], LIMIT_TOLERANCE)
+    turns = math.floor((wrist - limits[3][2]) / _TAU + 0.5)
+    theta_3, wrist_fits = _into_range(wrist - turns * _TAU, limits[3], LIMIT_TOLERANCE)
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
     singular = radius <= SINGULAR_TOLERANCE
-    lower, upper, middle = limits[1]
-    low_2, high_2, middle_2 = limits[2]
-    q = [nan] * 16
-    exists, within = [False] * 4, [False] * 4
+    q = [math.nan] * 16
+    exists = within = 0
     for pair in (0, 1):
         r = (-radius if pair else radius) - c.a_0
         rho_2 = r * r + h * h
@@ -110,15 +113,15 @@ def solve_one(
         # the two angles against each other by rounding / sin(gamma).
         slack = LIMIT_TOLERANCE + 1e-14 / max(math.sqrt(abs(above) / c.product), 1e-7)
         for branch, side in ((pair, 1.0), (pair + 2, -1.0)):
-            theta_1 = _near(phi - side * alpha, middle)
-            theta_2 = _near(side * 2.0 * half_gamma - c.gamma_offset, middle_2)
+            theta_1 = _near(phi - side * alpha, limits[1][2])
+            theta_2 = _near(side * 2.0 * half_gamma - c.gamma_offset, limits[2][2])
             snapped, fits_1 = _into_range(theta_1, limits[1], slack)
             # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
             theta_2 += c.slide * (snapped - theta_1)
             theta_2, fits_2 = _into_range(theta_2, limits[2], LIMIT_TOLERANCE)
             q[4 * branch : 4 * branch + 4] = theta_0, snapped, theta_2, theta_3
-            exists[branch] = True
-            within[branch] = fits_0 and fits_1 and fits_2 and wrist_fits
+            exists |= 1 << branch
+            within |= (fits_0 and fits_1 and fits_2 and wrist_fits) << branch
     return q, exists, within, singular
 
 
