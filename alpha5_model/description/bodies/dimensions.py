@@ -1,0 +1,185 @@
+"""The table of dimensions: one record per part, every number with its kind of source. All in mm.
+
+A `Dimension` is a float that knows where it comes from:
+
+- ``measured``: a fact about the arm, read off the bounds of the manufacturer's public CAD parts in the
+  document's frames (the parts themselves are neither used nor copied);
+- ``printed``: derived from a length of Table 1;
+- ``chosen``: drawn freely after the document's Figures 1 and 7, where necessary so that the centroid
+  comes to Table 3's centre of buoyancy.
+
+The one dimension per part that `solve` finds from Table 3's volume is not in this table: the part's
+module names it and gives its range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SOURCES = ("measured", "printed", "chosen")
+
+
+class Dimension(float):
+    """A length in mm with the kind of its source, one of `SOURCES`."""
+
+    source: str
+
+    def __new__(cls, value: float, source: str) -> Dimension:
+        number = super().__new__(cls, value)
+        number.source = source
+        return number
+
+
+def _measured(value: float) -> Dimension:
+    return Dimension(value, "measured")
+
+
+def _printed(value: float) -> Dimension:
+    return Dimension(value, "printed")
+
+
+def _chosen(value: float) -> Dimension:
+    return Dimension(value, "chosen")
+
+
+#: Every turned part has this radius.
+RADIUS = _measured(20.0)
+#: Width of the seam between two bodies that turn against each other.
+SEAM = _chosen(0.4)
+
+
+@dataclass(frozen=True)
+class BaseDimensions:
+    """Link 0 in its inertial frame: hub on z, tube along -x, mounting foot on the -y side.
+
+    Attributes:
+        rear: x of the tube's far end.
+        hub_low, hub_high: z of the hub's faces; the upper one carries link 1.
+        relief: Distance from z up to which the tube's top is cut down to the hub's, for link 1 to turn.
+        foot_face: y of the foot's mounting face.
+        foot_front, foot_slope: x where the foot's flat face ends, and where its slope meets the tube.
+        foot_half_width: Half of its width along z.
+        recess_offset: y of the connector recess's axis; towards +y, it moves the centroid to -y.
+        recess_radius: Its radius.
+        plug_radius, plug_length: Connector that stands in the recess.
+        shaft_radius, shaft_depth: Bore in the hub's upper face, under link 1.
+    """
+
+    rear: Dimension = _measured(-126.65)
+    hub_low: Dimension = _measured(-20.0)
+    hub_high: Dimension = _chosen(13.4)
+    relief: Dimension = _chosen(21.2)
+    foot_face: Dimension = _measured(-24.0)
+    foot_front: Dimension = _chosen(-80.0)
+    foot_slope: Dimension = _chosen(-58.0)
+    foot_half_width: Dimension = _chosen(18.0)
+    recess_offset: Dimension = _chosen(4.5)
+    recess_radius: Dimension = _chosen(13.0)
+    plug_radius: Dimension = _chosen(6.0)
+    plug_length: Dimension = _chosen(8.0)
+    shaft_radius: Dimension = _chosen(12.0)
+    shaft_depth: Dimension = _chosen(16.0)
+
+
+@dataclass(frozen=True)
+class ShellDimensions:
+    """Links 1 and 3, the same part: a collar and, 20 mm off, a cheek, joined by a half-shell.
+
+    In the shell's own frame: origin on the cheek's axis, z along that axis towards the cheek, x to the
+    collar's axis, y down to the collar.
+
+    Attributes:
+        axes_apart: Distance of the two axes, a_0 = a_2 of Table 1.
+        collar_face: y of the collar's face, where it turns against its neighbour.
+        floor: y of the collar's other face, inside the half-shell.
+        rim: y of the half-shell's free edge; link 2 meets it at the joint's limit of 195 deg.
+        cheek_inner, cheek_outer: z of the cheek's faces.
+        bore_shift: z of the half-shell's bore axis; thickens the wall towards the cheek.
+    """
+
+    axes_apart: Dimension = _printed(20.0)
+    collar_face: Dimension = _measured(32.4)
+    floor: Dimension = _chosen(20.6)
+    rim: Dimension = _chosen(-8.0)
+    cheek_inner: Dimension = _chosen(15.4)
+    cheek_outer: Dimension = _measured(20.0)
+    bore_shift: Dimension = _chosen(-1.5)
+
+
+@dataclass(frozen=True)
+class UpperArmDimensions:
+    """Link 2 in its own frame: origin on axis d, z along it, x along the motor tube.
+
+    That frame is inertial frame {2} turned about z by -theta_c.
+
+    Attributes:
+        reach, drop: Axis c, 145.3 and 40 of Table 1's caption; the tube runs half-way between.
+        tube_start: x of the tube's flat end; the other end mirrors it.
+        neck: y up to which the tube goes on and joins the barrel.
+        barrel_low, barrel_high: z of the barrels' faces; the cheeks of links 1 and 3 cover the upper.
+        cheek_relief: Radius around a joint axis that is left free for a cheek to turn in.
+    """
+
+    reach: Dimension = _printed(145.3)
+    drop: Dimension = _printed(40.0)
+    tube_start: Dimension = _chosen(20.0)
+    neck: Dimension = _chosen(14.0)
+    barrel_low: Dimension = _measured(-20.0)
+    barrel_high: Dimension = _chosen(15.0)
+    cheek_relief: Dimension = _chosen(20.6)
+
+
+@dataclass(frozen=True)
+class WristDimensions:
+    """Link 4 along -z of its frame: tube with rings, then the jaw collar. Distances are positive.
+
+    Attributes:
+        tube_start: Distance of the tube's first face from the elbow axis.
+        collar_height: Height of the jaw collar above its base.
+        slot_half_width, slot_depth: Slot across the collar in which the fingers turn.
+        rod_radius: Bore on the axis in the slot's floor, where the jaw rod comes out.
+        bearing_radius: Bore in the elbow's end, over link 3's collar.
+    """
+
+    tube_start: Dimension = _measured(33.0)
+    collar_height: Dimension = _measured(12.0)
+    slot_half_width: Dimension = _chosen(5.6)
+    slot_depth: Dimension = _chosen(10.6)
+    rod_radius: Dimension = _chosen(4.0)
+    bearing_radius: Dimension = _chosen(14.0)
+
+
+@dataclass(frozen=True)
+class FingerDimensions:
+    """A finger in the frame of finger_1: hinge on z, y to the tip, x to the other finger.
+
+    Attributes:
+        centre_line: (x, y) of points on the centre line, hinge to tip.
+        half_widths: Half of the width across the centre line at these points.
+        lug_radius: Radius of the eye around the hinge.
+        pin_radius: Radius of the hinge's hole.
+        hook: How far each finger's half of the tip reaches past the middle plane.
+        holes: Parameters along the centre line, 0 at the hinge and 1 at the tip, of the perforation.
+    """
+
+    centre_line: tuple[tuple[float, float], ...] = (
+        (0.0, 0.0),
+        (-2.6, 12.0),
+        (-4.2, 26.0),
+        (-3.2, 42.0),
+        (1.2, 57.0),
+        (8.0, 70.5),
+        (15.4, 82.0),
+    )
+    half_widths: tuple[float, ...] = (4.2, 4.6, 4.8, 4.7, 4.4, 4.0, 3.2)
+    lug_radius: Dimension = _chosen(4.4)
+    pin_radius: Dimension = _chosen(1.5)
+    hook: Dimension = _chosen(2.4)
+    holes: tuple[float, ...] = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85)
+
+
+BASE = BaseDimensions()
+SHELL = ShellDimensions()
+UPPER_ARM = UpperArmDimensions()
+WRIST = WristDimensions()
+FINGER = FingerDimensions()

@@ -1,0 +1,31 @@
+"""The two materials of the arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a surface looks.
+
+    Attributes:
+        name: Its name in URDF, MTL and GLB.
+        rgba: Colour, sRGB, each 0 to 1.
+        metallic, roughness: Of the metallic-roughness model of glTF 2.0, section 3.9.
+    """
+
+    name: str
+    rgba: tuple[float, float, float, float]
+    metallic: float
+    roughness: float
+
+
+ANODISED = Material("anodised", (0.13, 0.14, 0.16, 1.0), 0.55, 0.45)
+BARE_METAL = Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.9, 0.35)
+MATERIALS = (ANODISED, BARE_METAL)
+
+
+def material_of(body: str) -> Material:
+    """Hard-anodised bodies, bare-metal fingers."""
+    return BARE_METAL if body.startswith("finger") else ANODISED
