@@ -21,6 +21,8 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from alpha5_model.kinematics import dh as dh
     from alpha5_model import actuators as actuators
+    from alpha5_model import actuators as actuators
+    from alpha5_model import trajectory as trajectory
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
@@ -46,6 +48,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
     "load": ("alpha5_model.dynamics.loading", "load"),
     "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
+    "trajectory": ("alpha5_model.trajectory", None),
 }
 
 __all__ = [

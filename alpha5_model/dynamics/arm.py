@@ -306,4 +306,3 @@ class Arm(Statics):
             f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
             f"fluid {self.fluid_density:g} kg/m^3)"
         )
-

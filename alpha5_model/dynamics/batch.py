@@ -111,9 +111,7 @@ def free_flyer(model: Any) -> Any:
     return free
 
 
-def _buoyancy(
-    fluid: Any, threads: int, pools: Pools, q: FloatArray
-) -> FloatArray:
+def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArray:
     out = np.empty((len(q), fluid.nv))
     still = np.zeros_like(out)
     pin.rneaInParallel(threads, pools.of(fluid, threads), q.T, still.T, still.T, out.T)

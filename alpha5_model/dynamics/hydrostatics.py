@@ -52,9 +52,7 @@ def displacements(
     return tuple(displacement(model, b.name, b.name, b.volume, b.cob) for b in bodies)
 
 
-def displacement(
-    model: Any, body: str, frame: str, volume: float, cob: FloatArray
-) -> Displacement:
+def displacement(model: Any, body: str, frame: str, volume: float, cob: FloatArray) -> Displacement:
     """A volume whose centre is given in a frame, moved to the joint that carries the frame."""
     carrier = model.frames[model.getFrameId(frame)]
     return Displacement(

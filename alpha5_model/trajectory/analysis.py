@@ -112,7 +112,7 @@ def analyse(
     from alpha5_model.dynamics.series import frame_positions, torque_terms
 
     if arm is None:
-        from alpha5_model.dynamics.arm import load
+        from alpha5_model.dynamics.loading import load
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)
@@ -223,9 +223,7 @@ def _motor_side(
 def _least_current(
     motor: Actuator, torque: FloatArray, velocity: FloatArray, acceleration: FloatArray, rest: Any
 ) -> FloatArray:
-    moving = motor.current(
-        torque, velocity, None if motor.rotor_inertia is None else acceleration
-    )
+    moving = motor.current(torque, velocity, None if motor.rotor_inertia is None else acceleration)
     return np.where(rest, np.clip(0.0, *motor.holding_current(torque)), moving)
 
 
@@ -260,9 +258,9 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
             found.append(
                 MotionWarning(
                     "velocity",
-                    len(slope),
-                    f"{name}",
-                    f"{name}: velocities are {gain:.3g} times the slope of the positions",
+                    1,
+                    "all samples",
+                    f"{name}'s velocities are {gain:.3g} times the slope of its positions",
                 )
             )
     return tuple(found)

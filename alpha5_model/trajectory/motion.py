@@ -32,7 +32,7 @@ class MotionWarning:
     """Something odd in a motion that does not stop the computation.
 
     Attributes:
-        kind: ``"repeated_time"``, ``"gap"``, ``"jump"`` or ``"outside_limits"``.
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"`` or ``"velocity"``.
         count: How often.
         first: Where it happens first.
         text: What it is, and what is done about it.
@@ -44,7 +44,7 @@ class MotionWarning:
     text: str
 
     def __str__(self) -> str:
-        return f"{self.count} x {self.text} (first at {self.first})"
+        return f"{self.text}: {self.count} x, first: {self.first}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,8 +73,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
             "path_length_m": float(path.sum()),
         },
         "warnings": [
-            {"kind": w.kind, "count": w.count, "first": w.first, "text": w.text}
-            for w in a.warnings
+            {"kind": w.kind, "count": w.count, "first": w.first, "text": w.text} for w in a.warnings
         ],
         "ignored_columns": list(a.motion.ignored),
     }
@@ -187,7 +186,7 @@ def text(record: dict[str, Any]) -> str:
                 f"  limit: {name} is beyond the speed-torque limit in {j['beyond_drive_limits']} samples"
             )
     for w in record["warnings"]:
-        lines.append(f"  warning: {w['count']} x {w['text']} (first at {w['first']})")
+        lines.append(f"  warning: {w['text']}: {w['count']} x, first: {w['first']}")
     lines += [f"  note: {note}" for note in _notes(record, motors)]
     return "\n".join(lines)
 
