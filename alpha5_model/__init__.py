@@ -21,7 +21,6 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from alpha5_model.kinematics import dh as dh
     from alpha5_model import actuators as actuators
-    from alpha5_model import actuators as actuators
     from alpha5_model import trajectory as trajectory
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
