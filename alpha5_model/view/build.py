@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array
 from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.scene import (
@@ -29,7 +32,7 @@ from alpha5_model.view.scene import (
     Shape,
 )
 from alpha5_model.view.shapes import arrow, ball, triad
-from alpha5_model.view.tree import TreeJoint, joint_tree
+from alpha5_model.view.tree import TreeJoint, joint_motion, joint_tree
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -40,6 +43,8 @@ ARROW_SCALE = 0.015
 _YELLOW, _BLACK = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10)
 _BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
 _RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
+#: One colour for each branch of the inverse kinematics.
+_GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
 #: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
 _SIGHT = np.array([0.35, -1.0, 0.42])
 
@@ -66,13 +71,10 @@ def build_scene(
     """
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
     text = source.read_text(encoding="utf-8")
-    tree = joint_tree(text)
-    sliders = tuple(arm.joint_names)
+    tree = _as_in(arm, joint_tree(text))
+    sliders = arm.joint_names
     named = named_poses(tree, sliders)
-    if q is None:
-        rest = named["home"]
-        q = np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], rest]) if arm.floating_base else rest
-    position = float_array("q", q, (arm.model.nq,))
+    position = float_array("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
     if position.ndim != 1:
         raise ShapeError("q", position.shape, f"shape ({arm.model.nq},)")
     poses = link_poses(arm, tree, position)
@@ -82,6 +84,10 @@ def build_scene(
     shapes = [*_bodies(text, folder), *_frames(tree), *_centers(loads), *_forces(arm, loads)]
     shapes += _collision(text, folder)
     labels = [*_frame_labels(tree, sliders), *_center_labels(loads), *_force_labels(arm, loads)]
+    if target is not None:
+        ghosts, ghost_labels = _ghosts(arm, tree, shapes, position, target)
+        shapes += ghosts
+        labels += ghost_labels
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     notes = [
         f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
@@ -107,11 +113,49 @@ def build_scene(
     )
 
 
+def pose_of(arm: Arm, text: str) -> FloatArray:
+    """Joint positions (nq,) from the name of a pose or from numbers with commas or spaces."""
+    try:
+        values = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
+        tree = joint_tree(source.read_text(encoding="utf-8"))
+        named = named_poses(tree, arm.joint_names)
+        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
+    n = len(arm.joint_names)
+    if "axis_a" in arm.joint_names and len(values) == n - 1:
+        values.append(parameters().joints[4].lower)  # closed jaws
+    if len(values) != n:
+        names = ", ".join(arm.joint_names)
+        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
+    return with_base(arm, float_array("pose", values, (n,)))
+
+
+def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
+    """Joint positions (n,) as the arm's q (nq,): a floating base stands at the world's origin."""
+    return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
+
+
 def link_poses(arm: Arm, tree: Sequence[TreeJoint], q: FloatArray) -> dict[str, FloatArray]:
     """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
     links = [tree[0].parent, *(joint.child for joint in tree)]
     poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
     return {WORLD: np.eye(4), **poses}
+
+
+def _as_in(arm: Arm, tree: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
+    """The tree with the placements of the arm's own model, whose corrections may be others."""
+    zero = with_base(arm, np.zeros(len(arm.joint_names)))
+    poses = link_poses(arm, tree, zero)
+    return tuple(
+        replace(
+            joint,
+            placement=np.linalg.inv(poses[joint.parent])
+            @ poses[joint.child]
+            @ np.linalg.inv(joint_motion(joint, 0.0)),
+        )
+        for joint in tree
+    )
 
 
 def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
@@ -204,7 +248,7 @@ def _frame_labels(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> list[Lab
     labels = [
         Label("bodies", joint.name, Rigid(joint.child)) for joint in tree if joint.name in sliders
     ]
-    frames = [joint.child for joint in tree]
+    frames = [joint.child for joint in tree if joint.child != "tcp"]
     labels += [Label("frames", link, Rigid(link), (0.1, 0.3, 0.6)) for link in frames]
     return [*labels, Label("bodies", "tcp", Rigid("tcp"))]
 
@@ -288,6 +332,50 @@ def _down(arm: Arm) -> FloatArray:
     strength = np.linalg.norm(gravity)
     down: FloatArray = gravity / strength if strength else gravity
     return down
+
+
+def _ghosts(
+    arm: Arm, tree: Sequence[TreeJoint], shapes: Sequence[Shape], q: FloatArray, target: ArrayLike
+) -> tuple[list[Shape], list[Label]]:
+    """Every solution of the inverse kinematics for a target, as a ghost of the moving links."""
+    point = float_array("target", target, (3,))
+    if point.ndim != 1:
+        raise ShapeError("target", point.shape, "shape (3,)")
+    solutions = inverse_kinematics(point)
+    n = len(arm.joint_names)
+    bodies = [s for s in shapes if s.group == "bodies"]
+    moving = {joint.child for joint in tree} - {"link_0"}
+    ghosts, labels = [], []
+    base = arm.forward_kinematics(q, frame="base_link").homogeneous
+    for i, branch in enumerate(BRANCHES):
+        if not solutions.exists[i]:
+            continue
+        solution = q.copy()
+        solution[len(q) - n : len(q) - n + 4] = solutions.q[i]
+        poses = link_poses(arm, tree, solution)
+        for body in bodies:
+            link = body.anchor.link if isinstance(body.anchor, Rigid) else WORLD
+            if link in moving:
+                ghosts.append(
+                    Shape(
+                        "ghosts",
+                        f"{branch}/{body.name}",
+                        Rigid(WORLD, poses[link]),
+                        body.mesh,
+                        _GHOSTS[i],
+                        opacity=0.3,
+                    )
+                )
+        where = np.eye(4)
+        where[:3, 3] = poses["link_3"][:3, 3]
+        limits = "" if solutions.within_limits[i] else ", beyond the limits"
+        labels.append(Label("ghosts", branch.replace("_", " ") + limits, Rigid(WORLD, where), _GHOSTS[i]))
+    at = np.eye(4)
+    at[:3, 3] = base[:3, :3] @ point + base[:3, 3]
+    marker = ball(0.008, (0.85, 0.1, 0.5), _WHITE)
+    ghosts.append(Shape("ghosts", "target", Rigid(WORLD, at), marker, on_top=2))
+    labels.append(Label("ghosts", "target", Rigid(WORLD, at), (0.75, 0.05, 0.4)))
+    return ghosts, labels
 
 
 def _camera(

@@ -51,9 +51,13 @@ def link_path(link: str) -> str:
 
 
 def scene_commands(scene: Scene) -> Iterator[Command]:
-    """Commands that build a scene from nothing."""
+    """Commands that build a scene from nothing.
+
+    A mesh that several shapes share is sent with the first of them; the page remembers it.
+    """
+    sent: dict[int, str] = {}
     for shape in scene.shapes:
-        yield _set_object(shape)
+        yield _set_object(shape, sent)
     yield from pose_commands(scene, scene.poses)
     for group in GROUPS:
         if group not in ("labels", "see-through"):
@@ -91,9 +95,15 @@ def _set_property(path: str, name: str, value: Any) -> Command:
     return Command({"type": "set_property", "path": path, "property": name, "value": value})
 
 
-def _set_object(shape: Shape) -> Command:
+def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
     # Names, not random identifiers: the same scene gives the same bytes.
     name = f"{shape.group}/{shape.name}"
+    geometry = sent.get(id(shape.mesh))
+    if geometry is None:
+        geometry = sent[id(shape.mesh)] = f"{name}:geometry"
+        content = _geometry(geometry, shape.mesh)
+    else:
+        content = {"uuid": geometry, "type": "BufferGeometry"}
     material = {
         "uuid": f"{name}:material",
         "type": "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial",
@@ -114,12 +124,12 @@ def _set_object(shape: Shape) -> Command:
             "path": shape_path(shape),
             "object": {
                 "metadata": {"version": 4.5, "type": "Object"},
-                "geometries": [_geometry(f"{name}:geometry", shape.mesh)],
+                "geometries": [content],
                 "materials": [material],
                 "object": {
                     "uuid": name,
                     "type": "Mesh",
-                    "geometry": f"{name}:geometry",
+                    "geometry": geometry,
                     "material": f"{name}:material",
                     "renderOrder": shape.on_top,
                 },

@@ -251,7 +251,12 @@ const alpha5 = (() => {
   // ---- the scene: from this file, or over the connection
   let unread = false;
   const handle = viewer.handle_command.bind(viewer);
+  const geometries = {}; // a mesh that several shapes share comes with the first of them
   viewer.handle_command = (command) => {
+    for (const geometry of command.type === "set_object" ? command.object.geometries : []) {
+      if (geometry.data) geometries[geometry.uuid] = geometry.data;
+      else geometry.data = geometries[geometry.uuid];
+    }
     handle(command);
     if (command.type === "set_property" && command.property === "visible") {
       const group = split(command.path)[2];

@@ -16,8 +16,8 @@ from alpha5_model.view.scene import Camera
 #: Pixels looked at in one go.
 _BLOCK = 1 << 21
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
-_LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.62), (np.array([0.85, 0.1, 0.52]), 0.30))
-_AMBIENT = 0.62
+_LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.75), (np.array([0.85, 0.1, 0.52]), 0.40))
+_AMBIENT = 0.55
 
 
 class Canvas:
@@ -138,8 +138,8 @@ def shade(normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: floa
         light += strength * np.maximum(seen @ direction, 0.0)
         halfway = direction + np.array([0.0, 0.0, 1.0])
         facing = np.maximum(seen @ (halfway / np.linalg.norm(halfway)), 0.0)
-        highlight += strength * facing**40
-    out: FloatArray = np.clip(colors * light[:, None] + 0.4 * shine * highlight[:, None], 0.0, 1.0)
+        highlight += strength * facing**24
+    out: FloatArray = np.clip(colors * light[:, None] + 0.5 * shine * highlight[:, None], 0.0, 1.0)
     return out
 
 

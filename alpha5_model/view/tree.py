@@ -95,6 +95,19 @@ def _turn(angle: float, axis: int) -> FloatArray:
     return matrix
 
 
+def joint_motion(joint: TreeJoint, source: float) -> FloatArray:
+    """Transform (4, 4) that a joint makes when the joint that it follows is at ``source``."""
+    position = joint.multiplier * source + joint.offset
+    motion = np.eye(4)
+    if joint.kind == "prismatic":
+        motion[:3, 3] = position * joint.axis
+    elif joint.kind == "revolute":
+        x, y, z = joint.axis / np.linalg.norm(joint.axis)
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        motion[:3, :3] += np.sin(position) * cross + (1.0 - np.cos(position)) * (cross @ cross)
+    return motion
+
+
 def tree_as_json(joints: tuple[TreeJoint, ...]) -> list[dict[str, Any]]:
     """The tree for the page; matrices in column-major order, as three.js stores them."""
     return [

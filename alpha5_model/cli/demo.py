@@ -1,0 +1,7 @@
+"""``alpha5 demo``."""
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""

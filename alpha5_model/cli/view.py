@@ -1,0 +1,145 @@
+"""``alpha5 view``: the arm in a browser, on a page, in a picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("view")(view)
+
+
+def view(
+    pose: Annotated[
+        str, typer.Option(help="stow, home, reach, or joint positions with commas [rad].")
+    ] = "home",
+    target: Annotated[
+        str | None, typer.Option(help="x,y,z [m]: show every solution of its inverse kinematics.")
+    ] = None,
+    motion: Annotated[
+        Path | None, typer.Option(help="Recording (CSV) to play in real time.")
+    ] = None,
+    show: Annotated[
+        str | None,
+        typer.Option(
+            help="Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
+            "buoyancy, workspace, surface, ghosts, collision."
+        ),
+    ] = None,
+    gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "jaws",
+    fluid_density: Annotated[float, typer.Option(help="[kg/m^3]; 0 is air.")] = 1025.0,
+    html: Annotated[
+        Path | None, typer.Option(help="Write one page that works from disk, and end.")
+    ] = None,
+    image: Annotated[
+        Path | None, typer.Option(help="Draw a PNG without a screen, and end.")
+    ] = None,
+    size: Annotated[str, typer.Option(help="Pixels of the PNG.")] = "1600x1000",
+    port: Annotated[int, typer.Option(help="Of the live viewer; 0 for a free one.")] = 0,
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Serve the live viewer without opening a browser.")
+    ] = False,
+) -> int:
+    """Look at the arm: live in a browser, or as a page or a picture.
+
+    Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
+    """
+    from alpha5_model.errors import Alpha5Error
+    from alpha5_model.files import atomic_write
+
+    pixels = _size(size)
+    if html is None and image is None and not serve and not _has_display():
+        raise Alpha5Error(
+            "no display to open a browser on: give --html FILE, --image FILE.png, or --serve for a "
+            "browser elsewhere"
+        )
+    from alpha5_model.dynamics.loading import load
+    from alpha5_model.view.build import build_scene, pose_of
+
+    arm = load(gripper=gripper, fluid_density=fluid_density)
+    scene = build_scene(
+        arm,
+        pose_of(arm, pose),
+        target=None if target is None else _numbers("target", target),
+        motion=None if motion is None else _read(motion),
+        show=_groups(show, target is not None),
+    )
+    if html is not None:
+        from alpha5_model.view.page import static_page
+
+        typer.echo(f"wrote {atomic_write(html, static_page(scene))}")
+    if image is not None:
+        from alpha5_model.view.picture import picture_png
+
+        typer.echo(f"wrote {atomic_write(image, picture_png(scene, pixels))}")
+    if html is not None or image is not None:
+        return 0
+    from alpha5_model.view.visualizer import ArmVisualizer
+
+    visualizer = ArmVisualizer(arm, scene, port)
+    typer.echo(f"{visualizer.url()} (Ctrl-C ends)")
+    if not serve:
+        visualizer.open()
+    _wait()
+    visualizer.close()
+    return 0
+
+
+def _has_display() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _wait() -> None:
+    import signal
+    import threading
+
+    over = threading.Event()
+    # A service manager ends it like a user does.
+    before = {s: signal.signal(s, lambda *_: over.set()) for s in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        while not over.wait(timeout=0.5):
+            pass
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _groups(show: str | None, ghosts: bool) -> list[str] | None:
+    from alpha5_model.view.scene import DEFAULT_SHOW
+
+    if show is not None:
+        return [name.strip() for name in show.split(",") if name.strip()]
+    return [*DEFAULT_SHOW, "ghosts"] if ghosts else None
+
+
+def _numbers(name: str, text: str) -> list[float]:
+    from alpha5_model.errors import InputError
+
+    try:
+        return [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        raise InputError(name, text, "numbers with commas, such as 0.3,0.1,0.2") from None
+
+
+def _size(text: str) -> tuple[int, int]:
+    from alpha5_model.errors import InputError
+
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
+    return width, height
+
+
+def _read(path: Path):  # type: ignore[no-untyped-def]
+    from alpha5_model.trajectory import read_motion
+
+    return read_motion(path)
