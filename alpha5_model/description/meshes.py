@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from functools import cache
 
+import numpy as np
+
 from alpha5_model.description.bodies.arm import bodies
+from alpha5_model.description.bodies.glb import Node, glb
 from alpha5_model.description.bodies.materials import MATERIALS, material_of
 from alpha5_model.description.bodies.obj import MTL_NAME, mtl, obj
 from alpha5_model.description.bodies.surface import Surface, surface
+from alpha5_model.description.frames import joint_placements
+from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.jaws import split_link_4
+from alpha5_model.parameters import parameters
+
+GLB_NAME = "alpha5.glb"
 
 
 @cache
@@ -29,4 +40,43 @@ def mesh_files() -> dict[str, bytes]:
     return {
         **{f"{name}.obj": obj(name, s, material_of(name)) for name, s in surfaces().items()},
         MTL_NAME: mtl(MATERIALS),
+        GLB_NAME: glb(list(_scene()), MATERIALS),
     }
+
+
+def _scene() -> Iterator[Node]:
+    """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
+    arm = parameters()
+    # glTF has y up, the base frame has z up.
+    yield Node("base_link", quaternion=_quaternion((-math.pi / 2, 0.0, 0.0)))
+    yield _body("link_0", "base_link", (0.0, 0.0, arm.base_yaw))
+    angles = NAMED_POSES["home"]
+    for i, (joint, at) in enumerate(joint_placements(arm).items()):
+        yield Node(joint, at.parent, at.xyz, _quaternion(at.rpy))
+        yield _body(f"link_{i + 1}", joint, (0.0, 0.0, angles[i]))
+    jaws = split_link_4(arm)
+    for finger in (jaws.finger_1, jaws.finger_2):
+        hinge, origin = f"{finger.name}_joint", tuple(finger.origin.tolist())
+        yield Node(hinge, "link_4", origin, _quaternion((finger.roll, 0.0, 0.0)))
+        yield _body(finger.name, hinge, (0.0, 0.0, 0.0))
+
+
+def _body(name: str, parent: str, rpy: tuple[float, float, float]) -> Node:
+    return Node(
+        name,
+        parent,
+        quaternion=_quaternion(rpy),
+        surface=surfaces()[name],
+        material=material_of(name),
+    )
+
+
+def _quaternion(rpy: tuple[float, float, float]) -> tuple[float, float, float, float]:
+    """(x, y, z, w) of fixed-axis roll, pitch, yaw."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
+    return (
+        float(sr * cp * cy - cr * sp * sy),
+        float(cr * sp * cy + sr * cp * sy),
+        float(cr * cp * sy - sr * sp * cy),
+        float(cr * cp * cy + sr * sp * sy),
+    )

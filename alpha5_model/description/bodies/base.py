@@ -20,8 +20,8 @@ def base_blank() -> Solid:
         edges=(1.5, 0.0),
         grooves=[(-34.0, 1.6, 0.8), (-44.0, 1.6, 0.8)],
     )
-    tube -= box((-d.relief, -40.0, d.hub_high), (0.0, 40.0, 40.0))
-    bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=18), 6, 13.5, 30.0)
+    tube -= box((-d.relief, -40.0, d.hub_high - 1.0), (0.0, 40.0, 40.0))
+    bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 13.5, 30.0)
     shaft = cylinder(d.shaft_radius, d.hub_high - d.shaft_depth, d.hub_high + 1)
     return union([hub, tube, _foot()]) - bolts - shaft
 
@@ -41,7 +41,7 @@ def _foot() -> Solid:
         (-200, -40, -40), (0, 40, 40)
     )
     holes = [
-        cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=24).translate([x, 0, z])
+        cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=16).translate([x, 0, z])
         for x in (-119.0, -90.0)
         for z in (-13.0, 13.0)
     ]
@@ -54,6 +54,6 @@ def bored(blank: Solid, depth: float) -> Solid:
     at = [0, d.recess_offset, 0]
     recess = cylinder(d.recess_radius, d.rear - 1, d.rear + depth, axis="x").translate(at)
     plug = cylinder(
-        d.plug_radius, d.rear + depth - d.plug_length, d.rear + depth + 1, axis="x", edges=(0.8, 0)
+        d.plug_radius, d.rear + d.plug_start, d.rear + depth + 1, axis="x", edges=(0.8, 0)
     ).translate(at)
     return (blank - recess) + plug

@@ -30,22 +30,10 @@ class Dimension(float):
         return number
 
 
-def _measured(value: float) -> Dimension:
-    return Dimension(value, "measured")
-
-
-def _printed(value: float) -> Dimension:
-    return Dimension(value, "printed")
-
-
-def _chosen(value: float) -> Dimension:
-    return Dimension(value, "chosen")
-
-
 #: Every turned part has this radius.
-RADIUS = _measured(20.0)
+RADIUS = Dimension(20.0, "measured")
 #: Width of the seam between two bodies that turn against each other.
-SEAM = _chosen(0.4)
+SEAM = Dimension(0.4, "chosen")
 
 
 @dataclass(frozen=True)
@@ -61,24 +49,24 @@ class BaseDimensions:
         foot_half_width: Half of its width along z.
         recess_offset: y of the connector recess's axis; towards +y, it moves the centroid to -y.
         recess_radius: Its radius.
-        plug_radius, plug_length: Connector that stands in the recess.
+        plug_radius, plug_start: Connector in the recess, and how far inside the rim it ends.
         shaft_radius, shaft_depth: Bore in the hub's upper face, under link 1.
     """
 
-    rear: Dimension = _measured(-126.65)
-    hub_low: Dimension = _measured(-20.0)
-    hub_high: Dimension = _chosen(13.4)
-    relief: Dimension = _chosen(21.2)
-    foot_face: Dimension = _measured(-24.0)
-    foot_front: Dimension = _chosen(-80.0)
-    foot_slope: Dimension = _chosen(-58.0)
-    foot_half_width: Dimension = _chosen(18.0)
-    recess_offset: Dimension = _chosen(4.5)
-    recess_radius: Dimension = _chosen(13.0)
-    plug_radius: Dimension = _chosen(6.0)
-    plug_length: Dimension = _chosen(8.0)
-    shaft_radius: Dimension = _chosen(12.0)
-    shaft_depth: Dimension = _chosen(16.0)
+    rear: Dimension = Dimension(-126.65, "measured")
+    hub_low: Dimension = Dimension(-20.0, "measured")
+    hub_high: Dimension = Dimension(13.4, "chosen")
+    relief: Dimension = Dimension(21.2, "chosen")
+    foot_face: Dimension = Dimension(-24.0, "measured")
+    foot_front: Dimension = Dimension(-80.0, "chosen")
+    foot_slope: Dimension = Dimension(-58.0, "chosen")
+    foot_half_width: Dimension = Dimension(18.0, "chosen")
+    recess_offset: Dimension = Dimension(4.0, "chosen")
+    recess_radius: Dimension = Dimension(14.0, "chosen")
+    plug_radius: Dimension = Dimension(6.0, "chosen")
+    plug_start: Dimension = Dimension(7.0, "chosen")
+    shaft_radius: Dimension = Dimension(12.0, "chosen")
+    shaft_depth: Dimension = Dimension(16.0, "chosen")
 
 
 @dataclass(frozen=True)
@@ -97,13 +85,13 @@ class ShellDimensions:
         bore_shift: z of the half-shell's bore axis; thickens the wall towards the cheek.
     """
 
-    axes_apart: Dimension = _printed(20.0)
-    collar_face: Dimension = _measured(32.4)
-    floor: Dimension = _chosen(20.6)
-    rim: Dimension = _chosen(-8.0)
-    cheek_inner: Dimension = _chosen(15.4)
-    cheek_outer: Dimension = _measured(20.0)
-    bore_shift: Dimension = _chosen(-1.5)
+    axes_apart: Dimension = Dimension(20.0, "printed")
+    collar_face: Dimension = Dimension(32.4, "measured")
+    floor: Dimension = Dimension(20.6, "chosen")
+    rim: Dimension = Dimension(-2.0, "chosen")
+    cheek_inner: Dimension = Dimension(13.9, "chosen")
+    cheek_outer: Dimension = Dimension(20.0, "measured")
+    bore_shift: Dimension = Dimension(-1.0, "chosen")
 
 
 @dataclass(frozen=True)
@@ -120,13 +108,13 @@ class UpperArmDimensions:
         cheek_relief: Radius around a joint axis that is left free for a cheek to turn in.
     """
 
-    reach: Dimension = _printed(145.3)
-    drop: Dimension = _printed(40.0)
-    tube_start: Dimension = _chosen(20.0)
-    neck: Dimension = _chosen(14.0)
-    barrel_low: Dimension = _measured(-20.0)
-    barrel_high: Dimension = _chosen(15.0)
-    cheek_relief: Dimension = _chosen(20.6)
+    reach: Dimension = Dimension(145.3, "printed")
+    drop: Dimension = Dimension(40.0, "printed")
+    tube_start: Dimension = Dimension(18.5, "chosen")
+    neck: Dimension = Dimension(14.0, "chosen")
+    barrel_low: Dimension = Dimension(-20.0, "measured")
+    barrel_high: Dimension = Dimension(13.4, "chosen")
+    cheek_relief: Dimension = Dimension(20.6, "chosen")
 
 
 @dataclass(frozen=True)
@@ -137,16 +125,17 @@ class WristDimensions:
         tube_start: Distance of the tube's first face from the elbow axis.
         collar_height: Height of the jaw collar above its base.
         slot_half_width, slot_depth: Slot across the collar in which the fingers turn.
-        rod_radius: Bore on the axis in the slot's floor, where the jaw rod comes out.
+        rod_radius, rod_depth: Bore on the axis in the slot's floor, where the jaw rod comes out.
         bearing_radius: Bore in the elbow's end, over link 3's collar.
     """
 
-    tube_start: Dimension = _measured(33.0)
-    collar_height: Dimension = _measured(12.0)
-    slot_half_width: Dimension = _chosen(5.6)
-    slot_depth: Dimension = _chosen(10.6)
-    rod_radius: Dimension = _chosen(4.0)
-    bearing_radius: Dimension = _chosen(14.0)
+    tube_start: Dimension = Dimension(33.0, "measured")
+    collar_height: Dimension = Dimension(12.0, "measured")
+    slot_half_width: Dimension = Dimension(5.6, "chosen")
+    slot_depth: Dimension = Dimension(10.6, "chosen")
+    rod_radius: Dimension = Dimension(7.5, "chosen")
+    rod_depth: Dimension = Dimension(24.0, "chosen")
+    bearing_radius: Dimension = Dimension(14.0, "chosen")
 
 
 @dataclass(frozen=True)
@@ -169,12 +158,12 @@ class FingerDimensions:
         (-3.2, 42.0),
         (1.2, 57.0),
         (8.0, 70.5),
-        (15.4, 82.0),
+        (15.6, 83.2),
     )
     half_widths: tuple[float, ...] = (4.2, 4.6, 4.8, 4.7, 4.4, 4.0, 3.2)
-    lug_radius: Dimension = _chosen(4.4)
-    pin_radius: Dimension = _chosen(1.5)
-    hook: Dimension = _chosen(2.4)
+    lug_radius: Dimension = Dimension(4.4, "chosen")
+    pin_radius: Dimension = Dimension(1.5, "chosen")
+    hook: Dimension = Dimension(2.4, "chosen")
     holes: tuple[float, ...] = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85)
 
 

@@ -47,7 +47,7 @@ def finger_blank(width: float, pivot_offset: float, length: float) -> Solid:
     blade = loft(
         [outline(edge), outline(0), outline(0), outline(edge)], [-h, edge - h, h - edge, h]
     )
-    lug = cylinder(d.lug_radius, -h, h, edges=(edge, edge), segments=36)
+    lug = cylinder(d.lug_radius, -h, h, edges=(0.5, 0.5), segments=36)
     beyond = box((pivot_offset - d.hook - _GAP, -50, -50), (50, 150, _GAP)) + box(
         (pivot_offset + d.hook - _GAP, -50, -50), (50, 150, 50)
     )

@@ -23,7 +23,7 @@ def shell_blank() -> Solid:
     body = body.translate([d.axes_apart, 0, 0])
     body -= box((-40, -40, -40), (d.axes_apart + 0.6, d.floor, d.cheek_inner))
     cheek = cylinder(RADIUS, d.cheek_inner, d.cheek_outer, edges=(0, 1.2))
-    bolts = circle_of(cylinder(1.4, d.cheek_outer - 1.6, 40, segments=18), 6, 14.0)
+    bolts = circle_of(cylinder(1.4, d.cheek_outer - 1.6, 40, segments=12), 6, 14.0)
     ring = cylinder(9.5, d.cheek_outer - 0.8, 40) - cylinder(8.3, 0, 41)
     return union([body, cheek]) - bolts - ring
 

@@ -14,8 +14,8 @@ from alpha5_model.errors import MissingDependencyError
 #: A manifold3d solid: closed, outward, exact in its booleans.
 Solid = Any
 #: Corners of a full circle of 20 mm radius; the chord stays within 0.04 mm of the arc.
-SEGMENTS = 72
-_ARC_STEPS = 4
+SEGMENTS = 56
+_ROUND = 1.0  # smaller edges are broken by one chamfer, larger ones rounded in three steps
 
 _AXES = {"x": (0.0, 90.0, 0.0), "y": (-90.0, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}
 
@@ -76,7 +76,8 @@ def _corner(radius: float, height: float, edge: float, side: float) -> list[tupl
     """Points of the outline's corner, from the face outwards."""
     if edge == 0.0:
         return [(radius, height)]
-    angles = [math.pi / 2 * i / _ARC_STEPS for i in range(_ARC_STEPS + 1)]
+    steps = 3 if edge > _ROUND else 1
+    angles = [math.pi / 2 * i / steps for i in range(steps + 1)]
     return [
         (
             radius - edge + edge * math.sin(angle),

@@ -86,7 +86,10 @@ def _smooth_normals(
     corners = vertices[faces]
     sides = np.roll(corners, -1, axis=1) - corners
     cross = np.cross(sides[:, 0], -sides[:, 2])
-    flat = cross / np.linalg.norm(cross, axis=1, keepdims=True)
+    double_area = np.linalg.norm(cross, axis=1, keepdims=True)
+    if not double_area.min() > 0:
+        raise Alpha5Error("a surface has a triangle without area")
+    flat = cross / double_area
     unit = sides / np.linalg.norm(sides, axis=2, keepdims=True)
     weight = np.arccos(np.clip(-np.einsum("fcx,fcx->fc", unit, np.roll(unit, 1, axis=1)), -1, 1))
 

@@ -18,7 +18,7 @@ def upper_arm_blank() -> Solid:
         d.tube_start,
         end,
         axis="x",
-        edges=(1.5, 1.5),
+        edges=(1.2, 1.2),
         grooves=[(x, 1.6, 0.8) for x in (d.tube_start + 9, d.tube_start + 19, end - 19, end - 9)],
     ).translate([0, middle, 0])
     half = union([_barrel(), _neck()])
@@ -29,14 +29,8 @@ def upper_arm_blank() -> Solid:
 
 def _barrel() -> Solid:
     d = UPPER_ARM
-    barrel = cylinder(
-        RADIUS,
-        d.barrel_low,
-        d.barrel_high,
-        edges=(1.5, 0.6),
-        grooves=[(d.barrel_high - 4, 1.6, 0.8)],
-    )
-    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=18), 6, 14.0)
+    barrel = cylinder(RADIUS, d.barrel_low, d.barrel_high, edges=(1.5, 0.6))
+    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 14.0)
     ring = cylinder(9.5, -40, d.barrel_low + 0.8) - cylinder(8.3, -41, 0)
     return barrel - bolts - ring
 
@@ -44,7 +38,7 @@ def _barrel() -> Solid:
 def _neck() -> Solid:
     """The tube's lower part goes on past its flat end until it meets the barrel."""
     d = UPPER_ARM
-    stub = cylinder(RADIUS, 2.0, d.tube_start + 3.0, axis="x").translate([0, d.drop / 2, 0])
+    stub = cylinder(RADIUS - 0.2, 2.0, d.tube_start + 3.0, axis="x").translate([0, d.drop / 2, 0])
     return stub ^ box((0, -1, -40), (60, d.neck, 40))
 
 

@@ -19,7 +19,7 @@ def wrist_blank(collar_base: float, pivot_height: float, pivot_offset: float) ->
         grooves=[*((-z, 1.6, 0.8) for z in rings), (-collar_base + 0.6, 1.2, 1.0)],
     )
     slot = box((-40, -d.slot_half_width, -end - 1), (40, d.slot_half_width, -end + d.slot_depth))
-    rod = cylinder(d.rod_radius, -end - 1, -end + d.slot_depth + 8.0, segments=36)
+    rod = cylinder(d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36)
     pivot = -(collar_base + pivot_height)
     pins = union(
         cylinder(1.5, -40, 40, axis="y", segments=24).translate([x, 0, pivot])

@@ -1,0 +1,58 @@
+"""Semantic description: groups, named poses and the pairs of links that need no collision check."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from alpha5_model.checks import choice
+from alpha5_model.description.poses import (
+    ADJACENT_PAIRS,
+    CLOSING_PAIRS,
+    NAMED_POSES,
+    NEVER_PAIRS,
+)
+from alpha5_model.parameters import parameters
+
+_GRIPPERS = ("locked", "jaws")
+
+
+def srdf(gripper: str = "locked") -> str:
+    """Text of the SRDF that belongs to the URDF with this gripper.
+
+    Raises:
+        UnknownNameError: Another gripper than ``locked`` or ``jaws``.
+    """
+    jaws = choice("gripper", gripper, _GRIPPERS) == "jaws"
+    return "\n".join(['<?xml version="1.0"?>', '<robot name="alpha5">', *_body(jaws), "</robot>", ""])
+
+
+def _body(jaws: bool) -> Iterator[str]:
+    *arm, rod = parameters(()).joints
+    yield '  <group name="arm">'
+    yield '    <chain base_link="base_link" tip_link="tcp"/>'
+    yield "  </group>"
+    if jaws:
+        yield '  <group name="gripper">'
+        yield f'    <joint name="{rod.name}"/>'
+        yield "  </group>"
+        yield '  <end_effector name="jaws" parent_link="link_4" group="gripper" parent_group="arm"/>'
+    for pose, q in NAMED_POSES.items():
+        yield f'  <group_state name="{pose}" group="arm">'
+        for joint, position in zip(arm, q, strict=True):
+            yield f'    <joint name="{joint.name}" value="{position!r}"/>'
+        yield "  </group_state>"
+    if jaws:
+        for pose, position in (("closed", rod.lower), ("open", rod.upper)):
+            yield f'  <group_state name="{pose}" group="gripper">'
+            yield f'    <joint name="{rod.name}" value="{position!r}"/>'
+            yield "  </group_state>"
+        for finger in ("finger_1", "finger_2"):
+            yield f'  <passive_joint name="{finger}_joint"/>'
+    for reason, pairs in (
+        ("Adjacent", ADJACENT_PAIRS),
+        ("Default", CLOSING_PAIRS),
+        ("Never", NEVER_PAIRS),
+    ):
+        for one, other in pairs:
+            if jaws or not any(name.startswith("finger") for name in (one, other)):
+                yield f'  <disable_collisions link1="{one}" link2="{other}" reason="{reason}"/>'
