@@ -19,6 +19,7 @@ from alpha5_model.published import published
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from alpha5_model.consistency.document import audit as audit
     from alpha5_model.kinematics import dh as dh
     from alpha5_model import actuators as actuators
     from alpha5_model import trajectory as trajectory
@@ -42,6 +43,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
+    "audit": ("alpha5_model.consistency.document", "audit"),
     "dh": ("alpha5_model.kinematics.dh", None),
     "actuators": ("alpha5_model.actuators", None),
     "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),

@@ -52,9 +52,10 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
         InputError: Not a real number, or below ``minimum`` (at it, if ``strict``).
         NonFiniteError: NaN or infinity.
     """
-    number = float(float_array(name, value, ()).reshape(-1)[0]) if np.ndim(value) == 0 else None
-    if number is None:
+    array = float_array(name, value, ())
+    if array.ndim != 0:
         raise InputError(name, value, "one real number")
+    number = float(array)
     if minimum is not None and (number < minimum or (strict and number == minimum)):
         raise InputError(
             name, value, f"a number {'above' if strict else 'of at least'} {minimum:g}"

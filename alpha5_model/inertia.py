@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.errors import InputError
 
 
 def flip_products(inertia: ArrayLike) -> FloatArray:
@@ -102,10 +103,15 @@ def combine(
 
     Returns:
         Mass [kg], COM (3,) [m], tensor about that COM (3, 3) [kg m^2].
+
+    Raises:
+        InputError: The masses add up to zero: no COM.
     """
     m = float_array("masses", masses, ())
     c = float_array("coms", coms, (3,))
     mass = float(m.sum())
+    if mass == 0:
+        raise InputError("masses", m.tolist(), "masses that do not add up to zero")
     com = (m[:, None] * c).sum(axis=0) / mass
     return mass, com, tensor_at_origin(m, c - com, inertias).sum(axis=0)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 
 from alpha5_model.errors import PublishedDataError
 
@@ -32,6 +33,8 @@ DECIMAL_SHIFT: dict[str, int] = {
 }
 #: Units that need more than a shift of the decimal point.
 FACTOR: dict[str, float] = {"deg/s": math.pi / 180.0}
+#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN" and "١٢".
+_PRINTED = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +63,7 @@ class Quantity:
             raise PublishedDataError(
                 place, f"expected the number as printed, in quotes, got {text!r}"
             )
-        try:
-            finite = Decimal(text).is_finite()
-        except InvalidOperation:
-            finite = False
-        if not finite or text != text.strip():
+        if not _PRINTED.fullmatch(text):
             raise PublishedDataError(place, f"expected a printed decimal number, got {text!r}")
         return cls(text, unit)
 
@@ -84,7 +83,7 @@ class Quantity:
     def rounding(self) -> float:
         """Half a unit of the last printed digit, in SI units: what rounding may hide."""
         exponent = self.value.as_tuple().exponent
-        assert isinstance(exponent, int)  # finite, checked by parse
+        assert isinstance(exponent, int)  # digits, checked by parse
         half = Decimal(5).scaleb(exponent - 1)
         if self.unit in FACTOR:
             return float(half) * FACTOR[self.unit]

@@ -281,13 +281,18 @@ def _supplementary(root: _Node) -> Supplementary:
             raise PublishedDataError(
                 joint.place("device_id"), f"expected an integer, got {device_id!r}"
             )
+        lower, upper = joint.sourced("lower", unit), joint.sourced("upper", unit)
+        if lower.quantity.value >= upper.quantity.value:
+            raise PublishedDataError(
+                joint.place("upper"), f"{upper.quantity} is not above lower, {lower.quantity}"
+            )
         joint_rows.append(
             JointRow(
                 name=name,
                 dh_variable=joint.text("dh_variable"),
                 device_id=device_id,
-                lower=joint.sourced("lower", unit),
-                upper=joint.sourced("upper", unit),
+                lower=lower,
+                upper=upper,
                 velocity=joint.sourced("velocity", "mm/s" if unit == "m" else "deg/s"),
                 effort=joint.sourced("effort", "N" if unit == "m" else "Nm"),
             )

@@ -1,0 +1,1 @@
+"""Does the document agree with itself? See `alpha5_model.audit`."""

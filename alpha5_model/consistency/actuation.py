@@ -1,0 +1,143 @@
+"""Table 4 against the laws of the DC motor and against the arm's own weight.
+
+References:
+    [ReachAlpha] Manufacturer's document, Section 2.2.1, Table 4.
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 5.2.1: in SI units a
+        motor's torque constant equals its voltage constant, by conservation of energy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.consistency.row import AuditRow, judged, rounding_bound
+from alpha5_model.consistency.units import GRAVITY
+from alpha5_model.fluids import AIR, FRESH_WATER
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.published.tables import ActuatorRow, Published
+
+#: Nominal supply of the arm [V]; the document prints neither a supply nor a current limit.
+SUPPLY = 24.0
+
+
+def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
+    """The rows of Table 4."""
+    rows = printed.table_4.rows
+    peaks = peak_hydrostatic_torque(p, AIR), peak_hydrostatic_torque(p, FRESH_WATER)
+    # Actuator 4 drives the jaw rod; without the screw's lead it has no torque to compare.
+    turning = list(zip(rows[:4], p.joints, strict=False))
+    return [
+        *(_motor_constants(row) for row in rows),
+        *(_friction(row, joint.name, peaks) for row, joint in turning),
+        *(_stall(row, joint.name, joint.effort) for row, joint in turning),
+    ]
+
+
+def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
+    """Largest torque [N m] that weight and buoyancy exert about axis_d, the shoulder, within limits.
+
+    The torque is ``A cos(theta_1) + B sin(theta_1)``; the range of theta_1 spans more than half a
+    turn, so ``sqrt(A^2 + B^2)`` is reached, and only theta_2 and theta_3 are searched.
+    """
+    chain = DHChain.alpha5()
+    grid = np.meshgrid(*(np.linspace(j.lower, j.upper, 121) for j in p.joints[2:4]), indexing="ij")
+    q = np.zeros((2, grid[0].size, 4))
+    q[..., 2], q[..., 3] = grid[0].ravel(), grid[1].ravel()
+    q[1, :, 1] = np.pi / 2
+    frames = chain.frames(q)
+    points, axes = chain.joint_axes(q)
+    torque = np.zeros(q.shape[:-1])
+    for i in (2, 3, 4):
+        # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z (Section 2).
+        turn = q[..., i - 1] + chain.links[i - 1].offset
+        link = p.links[i]
+        moment = link.mass * link.com - fluid_density * link.volume * link.cob
+        weight = link.mass - fluid_density * link.volume
+        c, s = np.cos(turn), np.sin(turn)
+        turned = np.stack(
+            [c * moment[0] - s * moment[1], s * moment[0] + c * moment[1], c * 0 + moment[2]], -1
+        )
+        pose = frames[..., i - 1, :, :]
+        arm = (pose[..., :3, :3] @ turned[..., None])[..., 0]
+        arm += weight * (pose[..., :3, 3] - points[..., 1, :])
+        torque += np.einsum("...i,...i->...", axes[..., 1, :], np.cross(arm, [0, 0, -GRAVITY]))
+    return float(np.hypot(torque[0], torque[1]).max())
+
+
+def _place(row: ActuatorRow) -> str:
+    return f"Section 2.2.1, Table 4, actuator {row.actuator}"
+
+
+def _motor_constants(row: ActuatorRow) -> AuditRow:
+    inputs = [row.torque_constant, row.voltage_constant]
+
+    def ratio(x: FloatArray) -> float:
+        return float(x[0] / x[1])
+
+    k_t, k_v = (q.si for q in inputs)
+    turning = row.actuator != "4"
+    return judged(
+        f"motor_constants.actuator_{row.actuator}",
+        _place(row),
+        f"K_t {row.torque_constant}, K_v {row.voltage_constant}",
+        ratio(np.array([k_t, k_v])),
+        "=",
+        1.0,
+        float(rounding_bound(ratio, inputs)),
+        "",
+        "K_t / K_v of one motor, 1 in SI units"
+        + ("; the effect is the joint torque per ampere that the two disagree about" * turning),
+        effect=abs(k_t - k_v) * row.gear_ratio.si * row.efficiency.si if turning else None,
+        effect_unit="N m" if turning else "",
+    )
+
+
+def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float]) -> AuditRow:
+    inputs = [row.friction, row.gear_ratio]
+
+    def at_joint(x: FloatArray) -> float:
+        return float(x[0] * x[1])
+
+    value = at_joint(np.array([q.si for q in inputs]))
+    # The printed tolerance is the document's own, and wider than its rounding.
+    bound = value * row.friction_tolerance.si + float(rounding_bound(at_joint, inputs))
+    air, fresh = peaks
+    return judged(
+        f"friction.actuator_{row.actuator}",
+        f"{_place(row)}, {joint}",
+        f"F {row.friction} +-{row.friction_tolerance.text} % at the motor",
+        value,
+        "<=",
+        air,
+        bound,
+        "N m",
+        "F Gr, friction seen at the joint, against the largest torque of the arm's own weight about "
+        f"axis_d, {air:.2f} N m in air ({fresh:.2f} in fresh water)",
+        effect=max(value - air, 0.0),
+        effect_unit="N m",
+    )
+
+
+def _stall(row: ActuatorRow, joint: str, effort: float) -> AuditRow:
+    inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency]
+
+    def torque(x: FloatArray) -> float:
+        return float(x[0] * SUPPLY / x[1] * x[2] * x[3])
+
+    value = torque(np.array([q.si for q in inputs]))
+    return judged(
+        f"stall_torque.actuator_{row.actuator}",
+        f"{_place(row)}, {joint}",
+        "no current limit is printed",
+        value,
+        "<=",
+        effort,
+        float(rounding_bound(torque, inputs)),
+        "N m",
+        f"K_t U / R Gr eta at a supply of {SUPPLY:g} V against the effort that every public URDF "
+        "copies: a current limit exists and must be given by the user",
+        effect=max(value - effort, 0.0),
+        effect_unit="N m",
+    )

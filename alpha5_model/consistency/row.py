@@ -1,0 +1,123 @@
+"""A row of the audit, how it is judged, and what the rounding of printed digits allows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.published.quantity import Quantity
+
+Relation = Literal["=", "<=", ">="]
+Verdict = Literal["agrees", "differs", "impossible"]
+
+#: What double precision leaves of a formula that holds exactly, in the row's own unit.
+ARITHMETIC = 1e-9
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """One claim of the documents, measured.
+
+    Attributes:
+        claim: Identifier, ``topic.subject``.
+        place: Section, table or equation.
+        says: What the document says there, in short.
+        measured: The figure that follows from the document's other numbers, in ``unit``.
+        relation: How ``measured`` must stand to ``expected``.
+        expected: The figure that the claim asks for, in ``unit``.
+        bound: How far apart the two may be because printed digits are rounded, in ``unit``.
+        unit: Empty for a pure number.
+        verdict: ``agrees``; ``differs``: beyond the bound; ``impossible``: beyond it, and no body
+            or formula can be so.
+        finding: What was found, in one sentence.
+        effect: What the difference is worth, in ``effect_unit``; None where that has no meaning.
+        effect_unit: ``N m`` or ``mm``.
+    """
+
+    claim: str
+    place: str
+    says: str
+    measured: float
+    relation: Relation
+    expected: float
+    bound: float
+    unit: str
+    verdict: Verdict
+    finding: str
+    effect: float | None = None
+    effect_unit: str = ""
+
+    @property
+    def topic(self) -> str:
+        """The claim's first word: rows of one topic ask the same question of several links."""
+        return self.claim.partition(".")[0]
+
+
+def judged(
+    claim: str,
+    place: str,
+    says: str,
+    measured: float,
+    relation: Relation,
+    expected: float,
+    bound: float,
+    unit: str,
+    finding: str,
+    *,
+    law: bool = False,
+    effect: float | None = None,
+    effect_unit: str = "",
+) -> AuditRow:
+    """A row with its verdict.
+
+    Args:
+        law: The claim must hold in nature: if it does not, the verdict is ``impossible``.
+        others: The attributes of `AuditRow`.
+    """
+    excess = measured - expected
+    holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[relation]
+    verdict: Verdict = "agrees" if holds else "impossible" if law else "differs"
+    return AuditRow(
+        claim,
+        place,
+        says,
+        float(measured),
+        relation,
+        float(expected),
+        float(bound),
+        unit,
+        verdict,
+        finding,
+        None if effect is None else float(effect),
+        effect_unit,
+    )
+
+
+def rounding_bound(
+    function: Callable[[FloatArray], FloatArray | float], printed: Sequence[Quantity]
+) -> FloatArray:
+    """How far a result may be off because its printed inputs are rounded: worst case, first order.
+
+    Each input is moved by half a unit of its last printed digit, one at a time, and the
+    changes of the result are added up.
+
+    Args:
+        function: From the inputs in SI units, (N,), to a result of any shape.
+        printed: The N inputs.
+
+    Returns:
+        Of the result's shape, not negative.
+    """
+    centre = np.array([q.si for q in printed])
+    value = np.asarray(function(centre), dtype=np.float64)
+    total = np.zeros_like(value)
+    for k, quantity in enumerate(printed):
+        step = np.zeros_like(centre)
+        step[k] = quantity.rounding
+        up, down = (np.abs(function(centre + s * step) - value) for s in (1.0, -1.0))
+        total += np.maximum(up, down)
+    return total

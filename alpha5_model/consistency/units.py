@@ -1,0 +1,21 @@
+"""Units in which rows are shown, and what several topics share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from alpha5_model.checks import FloatArray
+
+MM = 1e-3
+LITRE = 1e-3
+TENSOR_UNIT = 1e-6  # kg mm^2
+GRAVITY = 9.81  # m/s^2
+
+
+def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
+    """Distance of a point (3,) from a box (3, 2); 0 inside."""
+    outside = np.maximum(np.maximum(bounds[:, 0] - point, point - bounds[:, 1]), 0.0)
+    return float(np.linalg.norm(outside))

@@ -1,0 +1,140 @@
+"""``import alpha5_model`` stays light, and imports run in one direction."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parent.parent / "alpha5_model"
+HEAVY = ("pinocchio", "xacro", "trimesh", "meshcat", "matplotlib", "scipy", "typer", "rich", "yaml")
+
+#: The arrows of the design. A module may import from the layers before its own and from its own name.
+LAYERS: tuple[tuple[str, ...], ...] = (
+    ("errors", "checks", "files", "paths", "fluids"),
+    ("published",),
+    ("inertia", "corrections", "parameters", "jaws"),
+    ("dh", "kinematics", "description", "actuators", "planar"),
+    ("dynamics",),
+    ("trajectory",),
+    ("consistency",),
+    ("view",),
+    ("cli",),
+)
+LEVEL = {name: level for level, layer in enumerate(LAYERS) for name in layer}
+#: Within the first and third layer, siblings build on one another.
+OPEN_LAYERS = {0, 2}
+#: What anyone may take from the package itself.
+FROM_ROOT = {"__version__"}
+
+
+def loaded_after(statement: str) -> set[str]:
+    script = f"{statement}\nimport sys; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=PACKAGE.parent,
+    )
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import alpha5_model",
+        "import alpha5_model as a5; a5.parameters(); a5.published(); a5.URDF_PATH",
+        "import alpha5_model.errors, alpha5_model.inertia, alpha5_model.corrections",
+    ],
+)
+def test_light_imports(statement: str) -> None:
+    loaded = loaded_after(statement)
+    assert "numpy" in loaded
+    assert loaded.isdisjoint(HEAVY), loaded & set(HEAVY)
+
+
+def test_the_probe_sees_heavy_imports() -> None:
+    assert "pinocchio" in loaded_after("import pinocchio")
+
+
+def imports(source: str, module: str) -> set[str]:
+    """Modules of this package that a source imports, anywhere in it, as top-level names."""
+    package = module.split(".")[:-1]
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = ".".join(package[: len(package) - node.level + 1]) if node.level else ""
+            start = ".".join(part for part in (base, node.module or "") if part)
+            names = [f"{start}.{alias.name}" for alias in node.names]
+        for name in names:
+            parts = name.split(".")
+            if parts[0] == "alpha5_model":
+                found.add(parts[1] if len(parts) > 1 else "")
+    return found - FROM_ROOT
+
+
+def violations(source: str, module: str) -> list[str]:
+    own = module.split(".")[1]
+    if own not in LEVEL:
+        return [f"{module}: say in LAYERS where {own!r} belongs"]
+    wrong = []
+    for name in imports(source, module):
+        if name == own:
+            continue
+        level = LEVEL.get(name)
+        if level is None:
+            wrong.append(
+                f"{module}: imports {name or 'the package itself'!r}, which is in no layer"
+            )
+        elif level > LEVEL[own] or (level == LEVEL[own] and level not in OPEN_LAYERS):
+            wrong.append(f"{module}: imports {name!r}, against the direction of the layers")
+    return wrong
+
+
+def modules() -> dict[str, Path]:
+    return {
+        ".".join(("alpha5_model", *path.relative_to(PACKAGE).with_suffix("").parts)): path
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if path.parent != PACKAGE or path.stem not in ("__init__", "__main__")
+    }
+
+
+def test_imports_run_in_one_direction() -> None:
+    assert len(modules()) > 15
+    wrong = [v for m, p in modules().items() for v in violations(p.read_text("utf-8"), m)]
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("alpha5_model.inertia", "from alpha5_model.kinematics import dh"),
+        ("alpha5_model.published.tables", "from ..parameters import parameters"),
+        ("alpha5_model.errors", "def f():\n    import alpha5_model.cli.main"),
+        ("alpha5_model.dynamics.arm", "import alpha5_model as a5"),
+        ("alpha5_model.description.x", "from alpha5_model.kinematics import dh"),
+        ("alpha5_model.consistency.row", "from alpha5_model import view"),
+        ("alpha5_model.novelty", "pass"),
+    ],
+)
+def test_the_guard_catches(module: str, source: str) -> None:
+    assert violations(source, module)
+
+
+def test_the_guard_lets_pass() -> None:
+    assert (
+        violations(
+            "from .row import Row\nfrom alpha5_model import __version__", "alpha5_model.cli.x"
+        )
+        == []
+    )
+    assert (
+        violations("from alpha5_model.inertia import combine", "alpha5_model.consistency.x") == []
+    )
