@@ -82,16 +82,6 @@ def _wrist(wrist: FloatArray, c: Constants) -> tuple[FloatArray, BoolArray]:
     clipped = np.clip(angle, lower, upper)
     fits = np.abs(angle - clipped) <= LIMIT_TOLERANCE
     return np.where(fits, clipped, angle), fits
-            near = _solve_block(
-                constant, scratch, target, angle, q[part], exists[part], within[part]
-            )
-            for row in near:
-                at = start + int(row)
-                solution = solve_one(
-                    *target[row].tolist(), float(angle if angle.ndim == 0 else angle[row])
-                )
-                q[at] = np.reshape(solution[0], (4, 4))
-                exists[at], within[at], singular[at] = solution[1:]
 
 
 class _Scratch:

@@ -82,10 +82,6 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
     limits = c.limits
     turns = math.floor((wrist - limits[3][2]) / _TAU + 0.5)
     theta_3, wrist_fits = _into_range(wrist - turns * _TAU, limits[3], LIMIT_TOLERANCE)
-    nan = math.nan
-    theta_3, wrist_fits = _into_range(
-        wrist - _TAU * math.floor((wrist - limits[3][2]) / _TAU + 0.5), limits[3], LIMIT_TOLERANCE
-    )
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
     singular = radius <= SINGULAR_TOLERANCE
