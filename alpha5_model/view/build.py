@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array
+from alpha5_model.description.poses import NAMED_POSES
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.parameters import parameters
-from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
+from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.scene import (
     DEFAULT_SHOW,
@@ -73,7 +72,7 @@ def build_scene(
     text = source.read_text(encoding="utf-8")
     tree = _as_in(arm, joint_tree(text))
     sliders = arm.joint_names
-    named = named_poses(tree, sliders)
+    named = named_poses(arm)
     position = float_array("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
     if position.ndim != 1:
         raise ShapeError("q", position.shape, f"shape ({arm.model.nq},)")
@@ -118,9 +117,7 @@ def pose_of(arm: Arm, text: str) -> FloatArray:
     try:
         values = [float(part) for part in text.replace(",", " ").split()]
     except ValueError:
-        source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
-        tree = joint_tree(source.read_text(encoding="utf-8"))
-        named = named_poses(tree, arm.joint_names)
+        named = named_poses(arm)
         return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
     n = len(arm.joint_names)
     if "axis_a" in arm.joint_names and len(values) == n - 1:
@@ -170,24 +167,10 @@ def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> Motio
     return MotionTrack(Path(motion.source).name, time, track)
 
 
-def named_poses(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> dict[str, FloatArray]:
-    """Poses named in the SRDF, in the order of the sliders; the jaw rod where it is closed."""
-    joints = {joint.name: joint for joint in tree}
-    poses = {}
-    for name, values in _group_states().items():
-        poses[name] = np.array([values.get(s, joints[s].lower) for s in sliders])
-    return poses
-
-
-@cache
-def _group_states() -> dict[str, dict[str, float]]:
-    root = ElementTree.parse(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf").getroot()
-    return {
-        state.attrib["name"]: {
-            joint.attrib["name"]: float(joint.attrib["value"]) for joint in state.findall("joint")
-        }
-        for state in root.findall("group_state")
-    }
+def named_poses(arm: Arm) -> dict[str, FloatArray]:
+    """Named poses as joint positions (n,) of the arm, its jaws closed."""
+    jaws = [parameters().joints[4].lower] * ("axis_a" in arm.joint_names)
+    return {name: np.array([*pose, *jaws]) for name, pose in NAMED_POSES.items()}
 
 
 def _loads(arm: Arm, tree: Sequence[TreeJoint]) -> tuple[Load, ...]:
@@ -223,7 +206,7 @@ def _bodies(text: str, folder: str) -> list[Shape]:
             Rigid(body.link),
             body.mesh,
             body.color[:3],
-            shine=1.0 if sum(body.color[:3]) > 1.5 else 0.5,
+            shine=0.5,
         )
         for i, body in enumerate(bodies)
     ]
@@ -390,7 +373,9 @@ def _camera(
         ]
     )
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.linalg.norm(points - center, axis=1).max())
-    camera = Camera(center, center)
-    distance = 1.02 * radius / np.sin(np.deg2rad(camera.field_of_view) / 2)
+    camera = Camera(center + _SIGHT, center)
+    right, up, back = ((points - center) @ camera.axes().T).T
+    # The nearest distance from which every point lies inside the frame, with a margin.
+    half = 0.86 * np.tan(np.deg2rad(camera.field_of_view) / 2)
+    distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / 1.15) / half))
     return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)

@@ -31,12 +31,7 @@ class Canvas:
     def __init__(self, camera: Camera, width: int, height: int) -> None:
         self.width, self.height = width, height
         self._camera = camera
-        back = camera.eye - camera.target
-        back /= np.linalg.norm(back)
-        right = np.cross([0.0, 0.0, 1.0], back)
-        right /= np.linalg.norm(right)
-        #: Rows: right, up and backwards, in the world.
-        self.axes = np.stack([right, np.cross(back, right), back])
+        self.axes = camera.axes()
         self._focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
         self.color = _backdrop(width, height)
         self._depth = np.full(width * height, np.inf, dtype=np.float32)

@@ -164,6 +164,13 @@ class Camera:
     target: FloatArray
     field_of_view: float = 30.0
 
+    def axes(self) -> FloatArray:
+        """Rows: right, up and backwards, in the world, (3, 3)."""
+        back = (self.eye - self.target) / np.linalg.norm(self.eye - self.target)
+        right = np.cross([0.0, 0.0, 1.0], back)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back])
+
 
 @dataclass(frozen=True, eq=False)
 class MotionTrack:

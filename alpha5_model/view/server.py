@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import tornado.httpserver
@@ -18,11 +18,12 @@ import tornado.ioloop
 import tornado.netutil
 import tornado.web
 import zmq
-from meshcat.servers.tree import walk
+from meshcat.servers.tree import find_node, walk
 from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 
 from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.view.commands import Command
 
 
 class PortInUseError(Alpha5Error, OSError):
@@ -138,6 +139,20 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self.zmq_url: str = self._bridge.zmq_url
         self.web_url: str = self._bridge.web_url
         self.connect_zmq()
+
+    def move(self, commands: Iterable[Command]) -> None:
+        """Send many transforms at once: a pose of the arm is one step, not a question and answer each."""
+        bridge, done = self._bridge, threading.Event()
+        moves = [(c.content["path"].strip("/").split("/"), c.packed()) for c in commands]
+
+        def apply() -> None:
+            for path, data in moves:
+                find_node(bridge.tree, path).transform = data
+                bridge.forward_to_websockets([b"set_transform", b"", data])
+            done.set()
+
+        bridge.ioloop.add_callback(apply)
+        done.wait(timeout=5.0)
 
     def close(self) -> None:
         """Stop the server and free its port."""

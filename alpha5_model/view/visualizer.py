@@ -47,8 +47,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if position.ndim != 1:
             raise ShapeError("q", position.shape, f"shape ({self.arm.model.nq},)")
         poses = link_poses(self.arm, self.scene.tree, position)
-        for command in pose_commands(self.scene, poses):
-            self.window.send(command)
+        self.window.move(pose_commands(self.scene, poses))
 
     def play(self, q: ArrayLike, dt: float) -> float:
         """Play joint positions in real time, dropping frames rather than falling behind.
