@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from alpha5_model.errors import Alpha5Error, UnreachableError
 
-# Two functions that share their module's name: bound now, so that a later import of the module
+# Three functions that share their module's name: bound now, so that a later import of the module
 # cannot put itself in the function's place.
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
+from alpha5_model.view import view
 
 __version__ = "0.1.0"
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
+    from alpha5_model.comparison.report import compare as compare
+    from alpha5_model.kinematics import planar as planar
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -39,16 +42,18 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "AIR": ("alpha5_model.dynamics.water", "AIR"),
     "Arm": ("alpha5_model.dynamics.arm", "Arm"),
     "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
+    "compare": ("alpha5_model.comparison.report", "compare"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
     "audit": ("alpha5_model.consistency.document", "audit"),
     "dh": ("alpha5_model.kinematics.dh", None),
-    "actuators": ("alpha5_model.actuators", None),
     "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
     "load": ("alpha5_model.dynamics.loading", "load"),
     "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
+    "planar": ("alpha5_model.kinematics.planar", None),
+    "actuators": ("alpha5_model.actuators", None),
     "trajectory": ("alpha5_model.trajectory", None),
 }
 
@@ -58,6 +63,7 @@ __all__ = [
     "__version__",
     "parameters",
     "published",
+    "view",
     *sorted(_PUBLIC),
 ]
 

@@ -79,3 +79,24 @@ def frozen(array: ArrayLike) -> FloatArray:
     copy = np.array(array, dtype=np.float64)
     copy.flags.writeable = False
     return copy
+
+
+def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
+    """Check one homogeneous transform: a rotation within 1e-9, a translation, a last row 0 0 0 1.
+
+    Returns:
+        A read-only copy, (4, 4).
+
+    Raises:
+        InputError: Anything else.
+    """
+    transform = float_array(name, value, (4, 4))
+    rotation = transform[..., :3, :3]
+    if (
+        transform.shape != (4, 4)
+        or not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0, atol=1e-9)
+        or np.linalg.det(rotation) < 0
+        or not np.array_equal(transform[3], (0, 0, 0, 1))
+    ):
+        raise InputError(name, transform.tolist(), "one rigid transform, (4, 4)")
+    return frozen(transform)

@@ -23,7 +23,9 @@ def srdf(gripper: str = "locked") -> str:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
     """
     jaws = choice("gripper", gripper, _GRIPPERS) == "jaws"
-    return "\n".join(['<?xml version="1.0"?>', '<robot name="alpha5">', *_body(jaws), "</robot>", ""])
+    return "\n".join(
+        ['<?xml version="1.0"?>', '<robot name="alpha5">', *_body(jaws), "</robot>", ""]
+    )
 
 
 def _body(jaws: bool) -> Iterator[str]:

@@ -45,21 +45,21 @@ class Arm(Statics):
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         out: FloatArray = _crba(self._model, self._own.data, q)
         return out
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v), (nv, nv), with ``dM/dt - 2 C`` skew-symmetric; C v is Coriolis and centrifugal."""
-        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
             q, v = self._checked(q=q, v=v)
         out: FloatArray = pin.computeCoriolisMatrix(self._model, self._own.data, q, v)
         return out
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
-        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
             q, v = self._checked(q=q, v=v)
         own = self._own
         out: FloatArray = pin.nonLinearEffects(self._model, own.data, q, v) - _gravity(
@@ -81,7 +81,7 @@ class Arm(Statics):
         Returns:
             tau, (nv,) [N m].
         """
-        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
             q, v, a = self._checked(q=q, v=v, a=a)
         own = self._own
         if fext is None:
@@ -106,7 +106,7 @@ class Arm(Statics):
         Returns:
             a, (nv,) [rad/s^2].
         """
-        if self.floating_base or not ready_3(q, v, tau, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_3(q, v, tau, self._nq, self._nv):
             q, v, tau = self._checked(q=q, v=v, tau=tau)
         own = self._own
         total = tau + _gravity(self._fluid, own.fluid_data, q)
@@ -132,7 +132,7 @@ class Arm(Statics):
         Returns:
             dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating base.
         """
-        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
             q, v, a = self._checked(q=q, v=v, a=a)
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
@@ -174,7 +174,7 @@ class Arm(Statics):
         Returns:
             pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
         """
-        if self.floating_base or not ready_3(q, v, a, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
             q, v, a = self._checked(q=q, v=v, a=a)
         own = self._own
         if fext is None:
@@ -193,7 +193,7 @@ class Arm(Statics):
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
-        if self.floating_base or not ready_2(q, v, self._q_shape, self._v_shape):
+        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
             q, v = self._checked(q=q, v=v)
         energy: float = _kinetic_energy(self._model, self._own.data, q, v)
         return energy
@@ -294,7 +294,7 @@ class Arm(Statics):
     def _checked(self, q: ArrayLike, **others: ArrayLike) -> tuple[FloatArray, ...]:
         return (
             self._checked_q(q),
-            *(vector(name, value, self._v_shape) for name, value in others.items()),
+            *(vector(name, value, self._nv) for name, value in others.items()),
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -9,9 +9,12 @@ rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and so for every de
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, Self
+from xml.etree import ElementTree
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
@@ -22,19 +25,62 @@ from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.water import SEA_WATER
 
 
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: ``q_joint = multiplier q_leader + offset``.
+
+    Attributes:
+        joint: Name of the joint that follows.
+        leader: Name of the joint that it follows.
+        multiplier: [rad/m].
+        offset: [rad].
+    """
+
+    joint: str
+    leader: str
+    multiplier: float
+    offset: float
+
+
+def mimics_of(urdf: str) -> tuple[Mimic, ...]:
+    """The mimic joints of a URDF text."""
+    joints = ElementTree.fromstring(urdf).iter("joint")
+    return tuple(
+        Mimic(
+            joint.attrib["name"],
+            mimic.attrib["joint"],
+            float(mimic.get("multiplier", "1")),
+            float(mimic.get("offset", "0")),
+        )
+        for joint in joints
+        if (mimic := joint.find("mimic")) is not None
+    )
+
+
+def mimicking(tree: Any, mimics: Iterable[Mimic]) -> Any:
+    """A copy of a model in which the named joints follow their leaders."""
+    model = tree.copy()
+    for m in mimics:
+        leader, joint = model.getJointId(m.leader), model.getJointId(m.joint)
+        model = pin.transformJointIntoMimic(model, leader, joint, m.multiplier, m.offset)
+    return model
+
+
 class JawArm(Arm):
     """An `Arm` whose last coordinate ``axis_a`` [m] also turns the fingers; see there."""
 
     def __init__(
         self,
-        model: Any,
         tree: Any,
+        mimics: Iterable[Mimic],
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
     ) -> None:
+        self._mimics = tuple(mimics)
+        model = mimicking(tree, self._mimics)
         super().__init__(model, displacements, fluid_density)
         self._tree = Arm(tree, self.displacements, fluid_density)
-        self._g, self._g_q, self._g_0 = _expansion(self._model, tree)
+        self._g, self._g_q, self._g_0 = _expansion(model, tree, self._mimics)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         q, v = self._checked(q=q, v=v)
@@ -93,32 +139,33 @@ class JawArm(Arm):
 
     def _holding(self, payload: Payload, frame: str) -> Self:
         self._frame(frame)
-        model, displacement = payload.attached(self._model, frame)
-        tree, _ = payload.attached(self._tree._model, frame)
-        return type(self)(model, tree, (*self.displacements, displacement), self.fluid_density)
+        tree, displacement = payload.attached(self._tree._model, frame)
+        displaced = (*self.displacements, displacement)
+        return type(self)(tree, self._mimics, displaced, self.fluid_density)
 
     def __reduce__(self) -> tuple[Any, ...]:
+        # Pinocchio 4.1 pickles mimic joints into a model that crashes; the tree is sound.
         return type(self), (
-            self._model,
             self._tree._model,
+            self._mimics,
             self.displacements,
             self.fluid_density,
         )
 
 
-def _expansion(model: Any, tree: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,).
-
-    They are read off the tree's joints by name; a joint that the model does not let move by itself follows
-    the one that it mimics.
-    """
+def _expansion(
+    model: Any, tree: Any, mimics: tuple[Mimic, ...]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,)."""
     g, g_q, g_0 = np.zeros((tree.nv, model.nv)), np.zeros((tree.nq, model.nq)), np.zeros(tree.nq)
-    for i in range(1, model.njoints):
-        joint, inner = model.joints[i], tree.joints[tree.getJointId(model.names[i])]
-        scale = 1.0
-        if i in model.mimicking_joints:
-            mimic = joint.extract()
-            scale, g_0[inner.idx_q] = mimic.scaling, mimic.offset
+    following = {mimic.joint: mimic for mimic in mimics}
+    for name in tree.names[1:]:
+        inner, scale = tree.joints[tree.getJointId(name)], 1.0
+        leader = name
+        if name in following:
+            mimic = following[name]
+            leader, scale, g_0[inner.idx_q] = mimic.leader, mimic.multiplier, mimic.offset
+        joint = model.joints[model.getJointId(leader)]
         for k in range(inner.nv):
             g[inner.idx_v + k, joint.idx_v + k] = scale
         for k in range(inner.nq):

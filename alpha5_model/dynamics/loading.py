@@ -15,8 +15,8 @@ from alpha5_model.checks import choice
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.variants import GRIPPERS, Variant, urdf
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.hydrostatics import displacements
-from alpha5_model.dynamics.jaw_arm import JawArm
+from alpha5_model.dynamics.hydrostatics import Displacement, displacements
+from alpha5_model.dynamics.jaw_arm import JawArm, Mimic, mimicking, mimics_of
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
 from alpha5_model.errors import InputError, MissingFileError
@@ -53,13 +53,13 @@ def load(
     choice("gripper", gripper, GRIPPERS)
     if not isinstance(floating_base, bool | np.bool_):
         raise InputError("floating_base", floating_base, "True or False")
-    g = vector("gravity", gravity, (3,))
-    model, tree = (m.copy() for m in _models(gripper, bool(floating_base), chosen))
-    model.gravity.linear = tree.gravity.linear = g
-    displaced = displacements(model, parameters(chosen), gripper)
-    if gripper == "jaws":
-        return JawArm(model, tree, displaced, fluid_density)
-    return Arm(model, displaced, fluid_density)
+    g = vector("gravity", gravity, 3)
+    parsed, mimics, displaced = _parsed(gripper, bool(floating_base), chosen)
+    tree = parsed.copy()
+    tree.gravity.linear = g
+    if mimics:
+        return JawArm(tree, mimics, displaced, fluid_density)
+    return Arm(tree, displaced, fluid_density)
 
 
 def robot_wrapper(
@@ -85,7 +85,7 @@ def robot_wrapper(
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
     text, folder = _urdf(gripper, chosen)
-    model = _models(gripper, bool(floating_base), chosen)[0].copy()
+    model = mimicking(*_parsed(gripper, bool(floating_base), chosen)[:2])
     collision, visual = (
         pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
         for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
@@ -94,12 +94,14 @@ def robot_wrapper(
 
 
 @cache
-def _models(gripper: str, floating_base: bool, corrections: tuple[str, ...]) -> tuple[Any, Any]:
-    """The model with mimic joints, and the tree in which the fingers are joints of their own."""
+def _parsed(
+    gripper: str, floating_base: bool, corrections: tuple[str, ...]
+) -> tuple[Any, tuple[Mimic, ...], tuple[Displacement, ...]]:
+    """The URDF's tree with every joint free to move, which joints follow which, and the volumes."""
     text, _ = _urdf(gripper, corrections)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
-    mimic, tree = (pin.buildModelFromXML(text, *root, mimic=m) for m in (True, False))
-    return mimic, tree
+    tree = pin.buildModelFromXML(text, *root)
+    return tree, mimics_of(text), displacements(tree, parameters(corrections), gripper)
 
 
 def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:

@@ -46,7 +46,7 @@ class Payload:
         cob: ArrayLike | None,
     ) -> Payload:
         """Check and convert; the arguments of `alpha5_model.dynamics.arm.Arm.with_payload`."""
-        m, centre = real("mass", mass, minimum=0.0), vector("com", com, (3,))
+        m, centre = real("mass", mass, minimum=0.0), vector("com", com, 3)
         tensor = np.zeros((3, 3))
         if inertia is not None:
             tensor = np.array(inertia, dtype=np.float64)
@@ -60,7 +60,7 @@ class Payload:
             com=centre,
             inertia=tensor,
             volume=real("volume", volume, minimum=0.0),
-            cob=centre if cob is None else vector("cob", cob, (3,)),
+            cob=centre if cob is None else vector("cob", cob, 3),
         )
 
     def attached(self, model: Any, frame: str) -> tuple[Any, Displacement]:

@@ -25,7 +25,7 @@ from alpha5_model.errors import InputError, UnknownNameError
 _gravity = pin.computeGeneralizedGravity
 _gravity_derivative = pin.computeGeneralizedGravityDerivatives
 _forward_kinematics = pin.forwardKinematics
-_update_frame_placement = pin.updateFramePlacement
+_frames_forward_kinematics = pin.framesForwardKinematics
 _jacobian = pin.computeFrameJacobian
 _potential_energy = pin.computePotentialEnergy
 _center_of_mass = pin.centerOfMass
@@ -39,6 +39,8 @@ class Workspace(threading.local):
         self.fluid_data = fluid.createData()
         self.net_data = net.createData()
         self.pools = batch.Pools()
+        # These refer to the data's own memory, so the next computation moves them.
+        self.placements = {frame.name: self.data.oMf[i] for i, frame in enumerate(model.frames)}
 
 
 class Statics:
@@ -69,7 +71,7 @@ class Statics:
         self._net = net_weight_model(model, self._fluid)
         self._own = Workspace(self._model, self._fluid, self._net)
         self._users = threading.local()
-        self._q_shape, self._v_shape = (model.nq,), (model.nv,)
+        self._nq, self._nv = model.nq, model.nv
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         # Pinocchio leaves the bodies fixed to the universe (link_0 on a fixed base) out of its sums.
         moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
@@ -112,12 +114,14 @@ class Statics:
             InputError: q has the wrong shape or is not finite, or its quaternion has no unit norm.
             UnknownNameError: No such frame.
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
-        index = self._frame(frame)
-        data = self._own.data
-        _forward_kinematics(self._model, data, q)
-        return _update_frame_placement(self._model, data, index).copy()
+        own = self._own
+        _frames_forward_kinematics(self._model, own.data, q)
+        try:
+            return own.placements[frame].copy()
+        except (KeyError, TypeError):
+            raise UnknownNameError("frame", frame, self._frames) from None
 
     def jacobian(
         self, q: ArrayLike, frame: str = "tcp", reference_frame: Any = pin.LOCAL_WORLD_ALIGNED
@@ -133,7 +137,7 @@ class Statics:
         Returns:
             (6, nv), linear rows [m/rad] above angular rows, as Pinocchio has them.
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         if type(reference_frame) is not pin.ReferenceFrame:
             raise InputError(
@@ -152,7 +156,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         out: FloatArray = _gravity(self._model, self._own.data, q)
         return out
@@ -166,7 +170,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         out: FloatArray = _gravity(self._fluid, self._own.fluid_data, q)
         return out
@@ -180,7 +184,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         out: FloatArray = _gravity(self._net, self._own.net_data, q)
         return out
@@ -194,7 +198,7 @@ class Statics:
         Returns:
             (nv, nv): row = torque, column = coordinate.
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         out: FloatArray = _gravity_derivative(self._net, self._own.net_data, q)
         return out
@@ -224,14 +228,14 @@ class Statics:
 
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
         """
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._checked_q(q)
         energy: float = _potential_energy(self._net, self._own.net_data, q)
         return energy + self._fixed_potential
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        if self.floating_base or not ready(q, self._q_shape):
+        if self.floating_base or not ready(q, self._nq):
             q = self._in_base(q)
         out: FloatArray = _center_of_mass(self._model, self._own.data, q)
         out *= self._moving_fraction
@@ -259,7 +263,7 @@ class Statics:
             raise UnknownNameError("frame", name, self._frames) from None
 
     def _checked_q(self, q: ArrayLike) -> FloatArray:
-        checked = q if ready(q, self._q_shape) else vector("q", q, self._q_shape)
+        checked = q if ready(q, self._nq) else vector("q", q, self._nq)
         assert isinstance(checked, np.ndarray)
         if self.floating_base and not pin.isNormalized(self._model, checked, 1e-6):
             norm = float(np.linalg.norm(checked[3:7]))

@@ -18,54 +18,54 @@ from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
 _FLOAT64 = np.dtype(np.float64)
-_Shape = tuple[int, ...]
 
 
-def ready(x: Any, shape: _Shape) -> bool:
-    """Whether x is a finite float64 array of this one-dimensional shape."""
+def ready(x: Any, n: int) -> bool:
+    """Whether x is a finite float64 array of shape (n,)."""
     try:
-        return x.dtype is _FLOAT64 and x.shape == shape and isfinite(sum(x.tolist()))
+        # A second axis makes the list one of lists, which sum() refuses.
+        return x.dtype is _FLOAT64 and len(x) == n and isfinite(sum(x.tolist()))
     except (AttributeError, TypeError):
         return False
 
 
-def ready_2(x: Any, y: Any, x_shape: _Shape, y_shape: _Shape) -> bool:
+def ready_2(x: Any, y: Any, n_x: int, n_y: int) -> bool:
     """`ready` for two vectors at once."""
     try:
         return (
             x.dtype is y.dtype is _FLOAT64
-            and x.shape == x_shape
-            and y.shape == y_shape
+            and len(x) == n_x
+            and len(y) == n_y
             and isfinite(sum(x.tolist() + y.tolist()))
         )
     except (AttributeError, TypeError):
         return False
 
 
-def ready_3(x: Any, y: Any, z: Any, x_shape: _Shape, yz_shape: _Shape) -> bool:
-    """`ready` for three vectors at once; the second and third have the same shape."""
+def ready_3(x: Any, y: Any, z: Any, n_x: int, n_yz: int) -> bool:
+    """`ready` for three vectors at once; the second and third are equally long."""
     try:
         return (
             x.dtype is y.dtype is z.dtype is _FLOAT64
-            and x.shape == x_shape
-            and y.shape == z.shape == yz_shape
+            and len(x) == n_x
+            and len(y) == len(z) == n_yz
             and isfinite(sum(x.tolist() + y.tolist() + z.tolist()))
         )
     except (AttributeError, TypeError):
         return False
 
 
-def vector(name: str, value: ArrayLike, shape: _Shape) -> FloatArray:
+def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
     """Check and convert one vector.
 
     Raises:
         InputError: Not real numbers.
-        ShapeError: Not of this shape.
+        ShapeError: Not of shape (n,).
         NonFiniteError: NaN or infinity.
     """
-    array = float_array(name, value, shape)
-    if array.shape != shape:
-        raise ShapeError(name, array.shape, f"shape ({shape[0]},)")
+    if np.shape(value) not in ((n,), ()):  # () is left to float_array, which tells what else it is
+        raise ShapeError(name, np.shape(value), f"shape ({n},)")
+    array = float_array(name, value, (n,))
     return array
 
 

@@ -16,6 +16,7 @@ References:
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -23,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, frozen, real
+from alpha5_model.checks import FloatArray, float_array, real, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.parameters import parameters
@@ -188,7 +189,7 @@ class DHChain:
         object.__setattr__(self, "links", links)
         object.__setattr__(self, "joint_names", names)
         for part in ("base", "tool"):
-            object.__setattr__(self, part, _rigid(part, getattr(self, part)))
+            object.__setattr__(self, part, rigid_transform(part, getattr(self, part)))
 
     @classmethod
     def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
@@ -213,6 +214,26 @@ class DHChain:
         )
         names = tuple(joint.name for joint in joints)
         return cls(links, tool=tool, name="alpha5", joint_names=names)
+
+    @classmethod
+    def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
+        """The chain from a pin.Model's root to a frame; see `dh_pinocchio.dh_from_pinocchio`."""
+        from alpha5_model.kinematics.dh_pinocchio import dh_from_pinocchio
+
+        return dh_from_pinocchio(model, frame)
+
+    @classmethod
+    def from_urdf(cls, path: str | os.PathLike[str], frame: str | None = None) -> DHChain:
+        """The chain from a URDF's root to a link; see `dh_pinocchio.dh_from_urdf`."""
+        from alpha5_model.kinematics.dh_pinocchio import dh_from_urdf
+
+        return dh_from_urdf(path, frame)
+
+    def to_urdf(self) -> str:
+        """The chain as URDF text; see `alpha5_model.description.dh_chain`."""
+        from alpha5_model.description.dh_chain import dh_chain_urdf
+
+        return dh_chain_urdf(self)
 
     @property
     def n(self) -> int:
@@ -317,18 +338,3 @@ class DHChain:
         if isinstance(frame, bool) or frame not in range(self.n + 1):
             raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
         return int(frame)
-
-
-def _rigid(name: str, value: ArrayLike) -> FloatArray:
-    """A read-only rigid transform (4, 4), or an error."""
-    t = float_array(name, value, (4, 4))
-    if t.shape != (4, 4):
-        raise InputError(name, t.shape, "one (4, 4) transform")
-    r = t[:3, :3]
-    if (
-        not np.allclose(r @ r.T, np.eye(3), rtol=0, atol=1e-9)
-        or np.linalg.det(r) < 0
-        or not np.array_equal(t[3], (0, 0, 0, 1))
-    ):
-        raise InputError(name, t.tolist(), "a rigid transform (rotation, translation, 0 0 0 1)")
-    return frozen(t)

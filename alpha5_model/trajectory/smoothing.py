@@ -211,13 +211,14 @@ def savitzky_golay(
 
 def _window(frequency: float) -> tuple[int, float]:
     """Odd window whose -3 dB frequency comes nearest, and that frequency, in cycles per sample."""
-    # [Schafer2011, eq. 12] is the first guess; the response itself decides.
-    guess = max(2, round(((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2))
-    lowest = max(2, guess - 3 - guess // 10)
-    halves = range(lowest, guess + 4 + guess // 10)
-    cutoffs = [_cutoff(2 * half + 1) for half in halves]
-    best = int(np.argmin([abs(c - frequency) for c in cutoffs]))
-    return 2 * halves[best] + 1, cutoffs[best]
+    # [Schafer2011, eq. 12] is the first guess; the response itself decides, and falls with length.
+    guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
+    low, high = max(2, int(0.8 * guess) - 1), max(3, int(1.2 * guess) + 2)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if _cutoff(2 * middle + 1) > frequency else (low, middle)
+    best = min((low, high), key=lambda half: abs(_cutoff(2 * half + 1) - frequency))
+    return 2 * best + 1, _cutoff(2 * best + 1)
 
 
 def _cutoff(window: int) -> float:

@@ -60,17 +60,17 @@ def figure(analysis: Analysis) -> Any:
         ) from None
     a = analysis
     joints = a.smooth.joints
-    page = Figure(figsize=(16, 2.35 * len(joints) + 4.2), layout="constrained")
+    page: Any = Figure(figsize=(16, 2.35 * len(joints) + 4.2), layout="constrained")
     FigureCanvasAgg(page)
     page.get_layout_engine().set(h_pad=0.06, w_pad=0.08)
     grid = page.add_gridspec(len(joints) + 1, 3, height_ratios=[1.0] * len(joints) + [1.6])
-    first = None
+    first: Any = None
+    axes: Any
     for row in range(len(joints)):
-        axes = [page.add_subplot(grid[row, column], sharex=first) for column in range(3)]
-        first = first or axes[0]
-        _position(axes[0], a, row)
-        _torque(axes[1], a, row)
-        _current(axes[2], a, row)
+        for column, draw in enumerate((_position, _torque, _current)):
+            axes = page.add_subplot(grid[row, column], sharex=first)
+            first = first or axes
+            draw(axes, a, row)
     _power(page.add_subplot(grid[-1, 0], sharex=first), a)
     _mount(page.add_subplot(grid[-1, 1], sharex=first), a)
     _path(page.add_subplot(grid[-1, 2]), a)

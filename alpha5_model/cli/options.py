@@ -1,0 +1,40 @@
+"""Options that several commands share, and how their text is read."""
+
+from __future__ import annotations
+
+from alpha5_model.errors import InputError
+
+# Units stand in round brackets: the terminal takes [m] for a style.
+FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
+
+
+def fluid_density(text: str) -> float:
+    """``sea``, ``fresh``, ``air`` or a number [kg/m^3].
+
+    Raises:
+        InputError: Anything else.
+    """
+    from alpha5_model.checks import real
+    from alpha5_model.dynamics.water import AIR, FRESH_WATER, SEA_WATER
+
+    named = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
+    if text in named:
+        return named[text]
+    try:
+        density = float(text)
+    except ValueError:
+        raise InputError("fluid", text, f"{', '.join(named)} or a density [kg/m^3]") from None
+    return real("fluid", density, minimum=0.0)
+
+
+def triple(name: str, text: str) -> tuple[float, float, float]:
+    """Three numbers in one text, separated by spaces or commas.
+
+    Raises:
+        InputError: Anything else.
+    """
+    try:
+        x, y, z = (float(part) for part in text.replace(",", " ").split())
+    except ValueError:
+        raise InputError(name, text, "three numbers, such as '0 0 -9.81'") from None
+    return x, y, z

@@ -1,0 +1,182 @@
+"""``alpha5 trajectory``: what a recorded or planned joint motion asks of the arm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+
+if TYPE_CHECKING:
+    from alpha5_model.actuators import Actuator
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.trajectory import Motion
+
+GRIPPERS = ("auto", "locked", "jaws")
+VELOCITIES = ("auto", "file", "positions")
+#: Shorter files are done before a bar of progress could be read.
+_PROGRESS_SAMPLES = 50_000
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("trajectory")(trajectory)
+
+
+def trajectory(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="CSV with a header, columns in any order: time_secs or time (s); axis_e_pos, axis_d_pos, "
+            "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel and so on "
+            "if recorded."
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Page of curves, .png, .pdf or .svg.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Summary as JSON.")] = False,
+    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
+    gravity: Annotated[
+        str, typer.Option(help="In base_link, three numbers (m/s^2); tilts the mount.")
+    ] = "0 0 -9.81",
+    gripper: Annotated[
+        str,
+        typer.Option(
+            help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
+            "locked leaves axis_a out; jaws needs it."
+        ),
+    ] = "auto",
+    smoothing: Annotated[
+        str, typer.Option(help="spline, savgol, or interpolate for planned motions without noise.")
+    ] = "spline",
+    bandwidth: Annotated[float, typer.Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
+    velocities: Annotated[
+        str,
+        typer.Option(
+            help="file, positions (their slope), or auto: those of the file if it has any."
+        ),
+    ] = "auto",
+    constants: Annotated[
+        str,
+        typer.Option(
+            help="Table 4's K_t and K_v of one motor should agree and do not (the summary shows their "
+            "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
+            "both; voltage: K_v for both."
+        ),
+    ] = "printed",
+    supply_voltage: Annotated[
+        float | None, typer.Option(help="For margins (V); not published.")
+    ] = None,
+    current_limit: Annotated[
+        float | None, typer.Option(help="Of each motor, for margins (A); not published.")
+    ] = None,
+    screw_lead: Annotated[
+        float | None,
+        typer.Option(help="Of the jaw rod, for its current (m per turn); not published."),
+    ] = None,
+) -> int:
+    """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
+
+    Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
+    """
+    from alpha5_model import trajectory as library
+    from alpha5_model.checks import choice
+    from alpha5_model.trajectory.export import FORMATS
+
+    # Whatever cannot be written or chosen is refused before the work, not after it.
+    if output is not None:
+        choice("table format", output.suffix.lower(), FORMATS)
+    if plot is not None:
+        from alpha5_model.view import trajectory_plot
+
+        choice("plot format", plot.suffix.lower(), trajectory_plot.FORMATS)
+    choice("gripper", gripper, GRIPPERS)
+    use_velocity = {"auto": None, "file": True, "positions": False}[
+        choice("velocities", velocities, VELOCITIES)
+    ]
+    with _Progress() as progress:
+        motion = library.read_motion(file, progress)
+        progress.long = len(motion.time) > _PROGRESS_SAMPLES
+        arm = _arm(motion, gripper, fluid_density(fluid), triple("gravity", gravity))
+        analysis = library.analyse(
+            motion,
+            arm,
+            method=smoothing,
+            bandwidth=bandwidth,
+            use_velocity=use_velocity,
+            constants=constants,
+            actuators=_jaw_motor(arm, constants, screw_lead),
+            supply_voltage=supply_voltage,
+            current_limit=current_limit,
+            progress=progress,
+        )
+        summary = library.summary(analysis)
+        if output is not None:
+            library.write(analysis, output, progress)
+        if plot is not None:
+            trajectory_plot.write(analysis, plot)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(summary, indent=2, allow_nan=False))
+        return 0
+    typer.echo(library.text(summary))
+    for path in (output, plot):
+        if path is not None:
+            typer.echo(f"wrote {path}")
+    return 0
+
+
+def _arm(motion: Motion, gripper: str, density: float, gravity: tuple[float, float, float]) -> Arm:
+    from alpha5_model.dynamics.loading import load
+
+    if gripper == "auto":
+        gripper = "jaws" if "axis_a" in motion.joints else "locked"
+    return load(fluid_density=density, gripper=gripper, gravity=gravity)
+
+
+def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, Actuator]:
+    from alpha5_model.actuators import actuator
+    from alpha5_model.errors import InputError
+
+    if screw_lead is None:
+        return {}
+    motor = actuator("axis_a", constants, screw_lead=screw_lead)
+    if "axis_a" not in arm.joint_names:
+        raise InputError(
+            "screw-lead", screw_lead, "no value: the jaw rod is not part of the motion"
+        )
+    return {"axis_a": motor}
+
+
+class _Progress:
+    """A bar on stderr for long files, if somebody watches."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        console = Console(stderr=True)
+        self.long = False
+        self._bar = Progress(console=console, transient=True, disable=not console.is_terminal)
+        self._tasks: dict[str, object] = {}
+
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def __call__(self, stage: str, done: float) -> None:
+        # Reading reports after each block: more than one block is a long file.
+        if not self.long and (stage != "read" or done >= 1.0):
+            return
+        if stage not in self._tasks:
+            self._bar.start()
+            self._tasks[stage] = self._bar.add_task(stage, total=1.0)
+        self._bar.update(self._tasks[stage], completed=done)  # type: ignore[arg-type]

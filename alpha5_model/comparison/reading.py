@@ -1,0 +1,284 @@
+"""Read any URDF as plain records, and say where it is broken.
+
+Own reading, not Pinocchio's: this one must survive any file, name the line of what is wrong, and keep what
+Pinocchio drops (missing inertials, collision shapes, mimic joints).
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+from xml.parsers import expat
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.errors import FileFormatError, MissingFileError
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfLink:
+    """A link.
+
+    Attributes:
+        name: Its name.
+        mass: [kg]; None without an ``<inertial>``.
+        com: In the link frame, (3,) [m].
+        inertia: At the COM, in the link's axes, (3, 3) [kg m^2].
+        volume: Of all collision primitives, summed [m^3].
+        meshes: File names of collision meshes, whose volume is not counted.
+        files: File names of all meshes.
+    """
+
+    name: str
+    mass: float | None
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    meshes: tuple[str, ...]
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfJoint:
+    """A joint: ``transform`` (4, 4) is the pose of the child in the parent at zero."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    transform: FloatArray
+    axis: FloatArray
+    lower: float | None
+    upper: float | None
+    mimic: str | None
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfRobot:
+    """A tree of links; ``joints`` from the root outwards, each after the joint before it."""
+
+    name: str
+    root: str
+    links: dict[str, UrdfLink]
+    joints: dict[str, UrdfJoint]
+
+
+def read_urdf(path: str | Path) -> UrdfRobot:
+    """Read a URDF file.
+
+    Raises:
+        MissingFileError: No such file.
+        FileFormatError: Not a URDF; the message names the line and what is wrong.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise MissingFileError(path, "a URDF file")
+    return parse_urdf(file.read_bytes(), str(path))
+
+
+def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:
+    """Read the text of a URDF; ``origin`` names it in errors."""
+    return _Reader(text, origin).robot()
+
+
+class _Reader:
+    def __init__(self, text: str | bytes, origin: str) -> None:
+        self.origin = origin
+        self.lines: dict[ET.Element, int] = {}
+        self.top = self._parse(text)
+
+    def _parse(self, text: str | bytes) -> ET.Element:
+        builder, parser = ET.TreeBuilder(), expat.ParserCreate()
+
+        def start(tag: str, attributes: dict[str, str]) -> None:
+            self.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
+
+        parser.StartElementHandler = start
+        parser.EndElementHandler = builder.end
+        try:
+            parser.Parse(text, True)
+            return builder.close()
+        except expat.ExpatError as error:
+            problem = f"not XML: {expat.errors.messages[error.code]}"
+            raise FileFormatError(self.origin, problem, f"line {error.lineno}") from None
+        except (ValueError, AssertionError, LookupError) as error:
+            raise FileFormatError(self.origin, f"not XML: {error}") from None
+
+    def fail(self, element: ET.Element, problem: str) -> FileFormatError:
+        return FileFormatError(self.origin, problem, f"line {self.lines[element]}")
+
+    def attribute(self, element: ET.Element, name: str) -> str:
+        value = element.get(name)
+        if value is None:
+            raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
+        return value
+
+    def numbers(self, element: ET.Element, name: str, count: int, text: str) -> FloatArray:
+        try:
+            values = [float(part) for part in text.split()]
+        except ValueError:
+            values = []
+        if len(values) != count or not all(math.isfinite(v) for v in values):
+            expected = "a finite number" if count == 1 else f"{count} finite numbers"
+            shown = text if len(text) < 40 else text[:37] + "..."
+            raise self.fail(element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}")
+        return np.array(values)
+
+    def number(self, element: ET.Element, name: str) -> float:
+        return float(self.numbers(element, name, 1, self.attribute(element, name))[0])
+
+    def pose(self, element: ET.Element) -> FloatArray:
+        """The <origin> of an element, (4, 4)."""
+        out = np.eye(4)
+        origin = element.find("origin")
+        if origin is not None:
+            out[:3, 3] = self.numbers(origin, "xyz", 3, origin.get("xyz", "0 0 0"))
+            roll, pitch, yaw = self.numbers(origin, "rpy", 3, origin.get("rpy", "0 0 0"))
+            out[:3, :3] = _rotation("z", yaw) @ _rotation("y", pitch) @ _rotation("x", roll)
+        return out
+
+    def robot(self) -> UrdfRobot:
+        if self.top.tag != "robot":
+            raise self.fail(self.top, f"expected <robot>, got <{self.top.tag}>")
+        links: dict[str, UrdfLink] = {}
+        for element in self.top.findall("link"):
+            link = self.link(element)
+            if link.name in links:
+                raise self.fail(element, f"link {link.name!r} is there twice")
+            links[link.name] = link
+        joints: dict[str, UrdfJoint] = {}
+        parents: set[str] = set()
+        for element in self.top.findall("joint"):
+            joint = self.joint(element)
+            if joint.name in joints:
+                raise self.fail(element, f"joint {joint.name!r} is there twice")
+            for end in (joint.parent, joint.child):
+                if end not in links:
+                    raise self.fail(element, f"joint {joint.name!r}: no link {end!r}")
+            if joint.child in parents:
+                raise self.fail(element, f"link {joint.child!r} has two parents")
+            parents.add(joint.child)
+            joints[joint.name] = joint
+        if not links:
+            raise self.fail(self.top, "there is no <link>")
+        roots = [name for name in links if name not in parents]
+        if len(roots) != 1:
+            words = f"{len(roots)} root links: {', '.join(roots[:4])}" if roots else "no root link"
+            raise self.fail(self.top, f"expected one tree of links, found {words}")
+        ordered = _outwards(roots[0], joints)
+        if len(ordered) != len(joints):
+            raise self.fail(self.top, "the joints form a loop")
+        return UrdfRobot(self.top.get("name", ""), roots[0], links, ordered)
+
+    def link(self, element: ET.Element) -> UrdfLink:
+        volume, meshes = 0.0, []
+        for collision in element.findall("collision"):
+            part, mesh = self.volume(collision)
+            volume += part
+            meshes += [mesh] if mesh else []
+        mass, com, inertia = None, np.zeros(3), np.zeros((3, 3))
+        inertial = element.find("inertial")
+        if inertial is not None:
+            mass_element, tensor = inertial.find("mass"), inertial.find("inertia")
+            if mass_element is None or tensor is None:
+                raise self.fail(inertial, "<inertial> needs <mass> and <inertia>")
+            mass = self.number(mass_element, "value")
+            pose = self.pose(inertial)
+            xx, xy, xz, yy, yz, zz = (
+                self.number(tensor, name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+            )
+            rotation, com = pose[:3, :3], pose[:3, 3]
+            inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
+        files = tuple(self.attribute(mesh, "filename") for mesh in element.iter("mesh"))
+        name = self.attribute(element, "name")
+        return UrdfLink(name, mass, com, inertia, volume, tuple(meshes), files)
+
+    def volume(self, collision: ET.Element) -> tuple[float, str | None]:
+        """Volume of a primitive, or the file name of a mesh."""
+        geometry = collision.find("geometry")
+        shape = None if geometry is None or not len(geometry) else geometry[0]
+        if shape is None:
+            raise self.fail(collision, "<collision> has no geometry")
+        if shape.tag == "box":
+            x, y, z = self.numbers(shape, "size", 3, self.attribute(shape, "size"))
+            return float(x * y * z), None
+        if shape.tag in ("cylinder", "capsule"):
+            radius, length = self.number(shape, "radius"), self.number(shape, "length")
+            ball = 4 / 3 * math.pi * radius**3 if shape.tag == "capsule" else 0.0
+            return math.pi * radius**2 * length + ball, None
+        if shape.tag == "sphere":
+            return 4 / 3 * math.pi * self.number(shape, "radius") ** 3, None
+        if shape.tag == "mesh":
+            return 0.0, self.attribute(shape, "filename")
+        raise self.fail(shape, f"unknown shape <{shape.tag}>")
+
+    def joint(self, element: ET.Element) -> UrdfJoint:
+        name, kind = self.attribute(element, "name"), self.attribute(element, "type")
+        if kind not in JOINT_TYPES:
+            raise self.fail(element, f"joint {name!r}: unknown type {kind!r}")
+        ends = []
+        for tag in ("parent", "child"):
+            end = element.find(tag)
+            if end is None:
+                raise self.fail(element, f"joint {name!r} has no <{tag}>")
+            ends.append(self.attribute(end, "link"))
+        axis = np.array([1.0, 0.0, 0.0])
+        line = element.find("axis")
+        if line is not None:
+            axis = self.numbers(line, "xyz", 3, self.attribute(line, "xyz"))
+            length = float(np.linalg.norm(axis))
+            if not 0 < length < math.inf:
+                raise self.fail(line, f"joint {name!r}: the axis has no direction")
+            axis = axis / length
+        limit, mimic = element.find("limit"), element.find("mimic")
+        bounds: list[float | None] = [None, None]
+        if limit is not None and kind != "continuous":
+            bounds = [
+                None if limit.get(end) is None else self.number(limit, end)
+                for end in ("lower", "upper")
+            ]
+        factor, shift = 1.0, 0.0
+        if mimic is not None:
+            factor = self.number(mimic, "multiplier") if "multiplier" in mimic.attrib else 1.0
+            shift = self.number(mimic, "offset") if "offset" in mimic.attrib else 0.0
+        return UrdfJoint(
+            name=name,
+            kind=kind,
+            parent=ends[0],
+            child=ends[1],
+            transform=self.pose(element),
+            axis=axis,
+            lower=bounds[0],
+            upper=bounds[1],
+            mimic=None if mimic is None else self.attribute(mimic, "joint"),
+            multiplier=factor,
+            offset=shift,
+        )
+
+
+def _outwards(root: str, joints: dict[str, UrdfJoint]) -> dict[str, UrdfJoint]:
+    children: dict[str, list[UrdfJoint]] = {}
+    for joint in joints.values():
+        children.setdefault(joint.parent, []).append(joint)
+    ordered, open_links = {}, [root]
+    while open_links:
+        for joint in children.get(open_links.pop(0), ()):
+            ordered[joint.name] = joint
+            open_links.append(joint.child)
+    return ordered
+
+
+def _rotation(axis: str, angle: float) -> FloatArray:
+    c, s = math.cos(angle), math.sin(angle)
+    if axis == "x":
+        return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    if axis == "y":
+        return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -1,0 +1,97 @@
+"""Standard DH parameters of a Pinocchio model or a URDF, by frame assignment on its joint axes."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.errors import FileFormatError, InputError, MissingFileError, UnknownNameError
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.frame_assignment import assign_frames
+
+
+def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1e-9) -> DHChain:
+    """The DH table of the serial chain from a model's root to one of its frames.
+
+    Joint variables, their zero and their sign are the model's. Joints off the chain stay at zero.
+
+    Args:
+        model: pin.Model; not changed.
+        frame: End effector; by default the last body frame of the last joint.
+        tolerance: See `assign_frames`: URDF files round their angles.
+
+    Raises:
+        UnknownNameError: No such frame.
+        InputError: A joint on the chain with other than one degree of freedom, or a helical one; or
+            no joint at all.
+    """
+    import pinocchio as pin
+
+    names = [f.name for f in model.frames]
+    if frame is None:
+        last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
+        frame = last[-1].name
+    if frame not in names:
+        raise UnknownNameError("frame", frame, names)
+    tip = model.getFrameId(frame)
+    path = [j for j in model.supports[model.frames[tip].parentJoint] if j != 0]
+    if not path:
+        raise InputError("frame", frame, "a frame that a joint moves")
+    data = model.createData()
+    q = pin.neutral(model)
+    jacobians = pin.computeJointJacobians(model, data, q)
+    pin.updateFramePlacements(model, data)
+    sigma, points, directions, limits = [], [], [], []
+    for j in path:
+        joint = model.joints[j]
+        if joint.nv != 1:
+            raise InputError(model.names[j], joint.shortname(), "a revolute or prismatic joint")
+        linear, angular = jacobians[:3, joint.idx_v], jacobians[3:, joint.idx_v]
+        slides = not angular.any()
+        # World Jacobian: linear is the velocity of the body's point at the world's origin.
+        if not slides and abs(linear @ angular) > 1e-12:
+            raise InputError(model.names[j], joint.shortname(), "a revolute or prismatic joint")
+        sigma.append(int(slides))
+        points.append(data.oMi[j].translation.copy())
+        directions.append((linear if slides else angular).copy())
+        if joint.nq == 1:
+            lower = float(model.lowerPositionLimit[joint.idx_q])
+            upper = float(model.upperPositionLimit[joint.idx_q])
+            limits.append((lower, upper) if lower < upper else (-math.inf, math.inf))
+        else:  # continuous: Pinocchio keeps cosine and sine
+            limits.append((-math.inf, math.inf))
+    return assign_frames(
+        points,
+        directions,
+        sigma,
+        data.oMf[tip].homogeneous,
+        np.zeros(len(path)),
+        limits,
+        tolerance,
+        name=model.name,
+        joint_names=tuple(model.names[j] for j in path),
+    )
+
+
+def dh_from_urdf(
+    path: str | os.PathLike[str], frame: str | None = None, tolerance: float = 1e-9
+) -> DHChain:
+    """The DH table of an arm described by a URDF file; see `dh_from_pinocchio`.
+
+    Raises:
+        MissingFileError: No such file.
+        FileFormatError: Not a URDF that Pinocchio can read.
+    """
+    import pinocchio as pin
+
+    if not Path(path).is_file():
+        raise MissingFileError(path, "a URDF file")
+    try:
+        model = pin.buildModelFromUrdf(os.fspath(path))
+    except (ValueError, RuntimeError) as error:
+        raise FileFormatError(path, " ".join(str(error).split())) from None
+    return dh_from_pinocchio(model, frame, tolerance)

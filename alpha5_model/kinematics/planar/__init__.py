@@ -1,0 +1,36 @@
+"""Planar arms: workspace, dexterous workspace, the lecture notes' theorem."""
+
+from alpha5_model.kinematics.planar.arm import PlanarArm
+from alpha5_model.kinematics.planar.curves import Arc, Curve, Segment
+from alpha5_model.kinematics.planar.dexterous import (
+    Conditions,
+    TheoremRow,
+    dexterity,
+    dexterous_area,
+    dexterous_radii,
+    lecture_theorem,
+    necessary_conditions,
+    theorem_row,
+    turns_fully,
+)
+from alpha5_model.kinematics.planar.workspace import Edge, Workspace, annulus, workspace
+
+__all__ = [
+    "Arc",
+    "Conditions",
+    "Curve",
+    "Edge",
+    "PlanarArm",
+    "Segment",
+    "TheoremRow",
+    "Workspace",
+    "annulus",
+    "dexterity",
+    "dexterous_area",
+    "dexterous_radii",
+    "lecture_theorem",
+    "necessary_conditions",
+    "theorem_row",
+    "turns_fully",
+    "workspace",
+]

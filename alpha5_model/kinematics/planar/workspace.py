@@ -1,0 +1,406 @@
+"""The workspace of a planar arm: where its tip can be, exactly.
+
+Without limits on its revolute joints the workspace is a disc, a disc with a hole, or a circle, in
+closed form. In general it is built from the tip to the base. Let W' be the workspace of the arm without
+its first joint. The first joint sweeps W', so the boundary of the result is made of
+
+- the boundary of W' with the first joint at either limit, and
+- the paths on which the first joint carries those points of that boundary where it moves along it
+  (the boundary's nearest and farthest points from the pivot), and its corners.
+
+These are the arm's critical curves: the configurations where the joints that are not at a limit cannot
+move the tip in all directions. All are arcs and segments. They are cut where they meet, and a piece
+belongs to the boundary if the workspace lies on one side of it only. A point is in the workspace if its
+path, seen from the first link, meets the boundary of W' or runs inside it.
+
+References:
+    [Lecture7.1] Describing Robot Arms, section "Workspace".
+    [Siciliano2009] Siciliano et al.: Robotics, section 2.10.1.
+    [Haug1996] Haug, Luh, Adkins, Wang: Numerical algorithms for mapping boundaries of manipulator
+        workspaces, J. Mech. Design 118(2), 1996 (boundaries as critical curves with joint limits).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.kinematics.planar.arm import PlanarArm
+from alpha5_model.kinematics.planar.curves import (
+    TURN,
+    Arc,
+    Curve,
+    Segment,
+    circle_hits,
+    line_hits,
+)
+
+#: Distances below this share of the arm's reach count as zero.
+RELATIVE_TOLERANCE = 1e-9
+#: Step to either side of a critical curve when asking which side is inside, as a share of the reach.
+RELATIVE_STEP = 1e-7
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A piece of boundary with the workspace on one side.
+
+    Attributes:
+        curve: The piece.
+        inside_left: Whether the workspace lies to the left of the curve's sense.
+    """
+
+    curve: Curve
+    inside_left: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """The points that a planar arm's tip reaches.
+
+    Attributes:
+        arm: The arm; None for the tip itself, a point.
+        edges: Boundary of the two-dimensional part.
+        thin: Curves that belong to the workspace and have nothing on either side, as the whole
+            workspace of a one-joint arm.
+        inner: Workspace of the arm without its first joint, in the frame of its first link.
+    """
+
+    arm: PlanarArm | None
+    edges: tuple[Edge, ...]
+    thin: tuple[Curve, ...]
+    inner: Workspace | None
+
+    @property
+    def curves(self) -> tuple[Curve, ...]:
+        """All boundary curves, thin ones included."""
+        return (*(edge.curve for edge in self.edges), *self.thin)
+
+    @property
+    def area(self) -> float:
+        """Area [m^2], by Green's theorem over the boundary."""
+        return sum(e.curve.area_integral() * (1 if e.inside_left else -1) for e in self.edges)
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Smallest and largest distance from the base [m]."""
+        tolerance = _tolerance(self.arm)
+        distances: list[float] = []
+        for curve in self.curves:
+            ends = curve.point(np.array(curve.interval))
+            distances += np.linalg.norm(ends, axis=-1).tolist()
+            distances += [math.hypot(*p) for p in _tangent_points(curve, True, tolerance)]
+        inside = bool(self.contains(np.zeros(2)))
+        return (0.0 if inside else min(distances)), max(distances)
+
+    @property
+    def shape(self) -> str:
+        """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or ``region``."""
+        full = [isinstance(c, Arc) and c.closed for c in self.curves]
+        if self.edges and not self.thin and all(full):
+            concentric = len({e.curve.center for e in self.edges if isinstance(e.curve, Arc)}) == 1
+            if concentric and len(full) <= 2:
+                return ("disc", "annulus")[len(full) - 1]
+        elif not self.edges and len(self.thin) == 1:
+            curve = self.thin[0]
+            if isinstance(curve, Segment):
+                return "interval"
+            return "point" if curve.radius == 0 else "circle" if curve.closed else "arc"
+        return "region"
+
+    def contains(self, points: ArrayLike) -> np.ndarray:
+        """Whether points can be reached; the boundary counts as inside.
+
+        Args:
+            points: (..., 2) [m].
+
+        Returns:
+            Booleans, (...).
+        """
+        p = float_array("points", points, (2,))
+        tolerance = _tolerance(self.arm)
+        return self._contains(p.reshape(-1, 2), tolerance).reshape(p.shape[:-1])
+
+    def _contains(self, p: FloatArray, tolerance: float) -> np.ndarray:
+        arm = self.arm
+        if arm is None:
+            return np.asarray(np.linalg.norm(p, axis=1) <= tolerance)
+        ranges = arm.length_ranges
+        if ranges is not None:
+            low, high = annulus(ranges)
+            r = np.linalg.norm(p, axis=1)
+            return np.asarray((r >= low - tolerance) & (r <= high + tolerance))
+        assert self.inner is not None
+        length, limit, angle = arm.lengths[0], arm.limits[0], arm.angles[0]
+        low, high = limit or (-math.pi, math.pi)
+        found = np.zeros(len(p), dtype=bool)
+        if arm.joints[0] == "R":
+            # In the frame of link 1 the target runs on a circle about the pivot, backwards in q.
+            radius, bearing = np.linalg.norm(p, axis=1), np.arctan2(p[:, 1], p[:, 0]) - angle
+            pivot = np.array([-length, 0.0])
+            centers = np.broadcast_to(pivot, p.shape)
+            slack = tolerance / np.maximum(radius, tolerance)
+            for curve in self.inner.curves:
+                hits = circle_hits(centers, radius, curve, tolerance) - pivot
+                q = bearing[:, None] - np.arctan2(hits[..., 1], hits[..., 0])
+                beyond = np.mod(q - low + slack[:, None], TURN) - 2 * slack[:, None]
+                found |= (beyond <= high - low).any(axis=1)
+            phi = bearing - (low + high) / 2
+            middle = pivot + radius[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+        else:
+            # It runs along a straight line, backwards along x.
+            c, s = math.cos(angle), math.sin(angle)
+            start = p @ np.array([[c, -s], [s, c]]) - (length, 0.0)
+            along = np.broadcast_to((1.0, 0.0), p.shape)
+            for curve in self.inner.curves:
+                q = start[:, None, 0] - line_hits(start, along, curve, tolerance)[..., 0]
+                found |= ((q >= low - tolerance) & (q <= high + tolerance)).any(axis=1)
+            middle = start - ((low + high) / 2, 0.0)
+        rest = np.flatnonzero(~found)
+        if rest.size:
+            found[rest] = self.inner._contains(middle[rest], tolerance)
+        return found
+
+
+def workspace(arm: PlanarArm) -> Workspace:
+    """The workspace of a planar arm, exact up to rounding.
+
+    Features closer together than 1e-7 of the reach are not told apart.
+    """
+    scale = arm.reach
+    return _build(arm, RELATIVE_TOLERANCE * scale, RELATIVE_STEP * scale)
+
+
+def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """Radii between which a chain of freely turning links reaches.
+
+    The outer radius is the sum of the lengths, the inner one the longest less all others, if that is
+    positive. With lengths that vary: the longest at its least, the others at their greatest; only
+    one link can exceed the sum of the others, so no choice of lengths does better.
+
+    Args:
+        length_ranges: (least, greatest) length of each link [m].
+
+    Returns:
+        Inner and outer radius [m].
+    """
+    ranges = list(length_ranges)
+    outer = math.fsum(high for _, high in ranges)
+    inner = max(
+        low - math.fsum(r[1] for k, r in enumerate(ranges) if k != j)
+        for j, (low, _) in enumerate(ranges)
+    )
+    return max(0.0, inner), outer
+
+
+def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
+    if arm is None:
+        return Workspace(None, (), (Arc((0.0, 0.0), 0.0),), None)
+    inner = _build(arm.part(1) if arm.n > 1 else None, tolerance, step)
+    ranges = arm.length_ranges
+    if ranges is not None:
+        return _annular(arm, inner, *annulus(ranges), tolerance)
+    limit, angle = arm.limits[0], arm.angles[0]
+    revolute = arm.joints[0] == "R"
+    if limit is not None and limit[0] == limit[1]:  # a locked joint moves nothing
+        edges = tuple(Edge(_carried(e.curve, arm, limit[0]), e.inside_left) for e in inner.edges)
+        thin = tuple(_carried(curve, arm, limit[0]) for curve in inner.thin)
+        return Workspace(arm, edges, thin, inner)
+    candidates: list[Curve] = []
+    for curve in inner.curves:
+        candidates += [_carried(curve, arm, q) for q in limit or ()]
+        zero = curve.moved(0.0, (arm.lengths[0], 0.0))
+        points = _tangent_points(zero, revolute, tolerance)
+        points += zero.point(np.array(zero.interval)).tolist()
+        for x, y in points:
+            if revolute:
+                low, high = limit or (0.0, TURN)
+                start = math.atan2(y, x) + angle + low
+                candidates.append(Arc((0.0, 0.0), math.hypot(x, y), start, high - low))
+            else:
+                assert limit is not None
+                travel = Segment((x + limit[0], y), 0.0, limit[1] - limit[0])
+                candidates.append(travel.moved(angle, (0.0, 0.0)))
+    critical = _united([c for c in candidates if c.length > tolerance], tolerance)
+    raw = Workspace(arm, (), (), inner)
+    return _classified(raw, critical, tolerance, step)
+
+
+def _annular(
+    arm: PlanarArm, inner: Workspace, low: float, high: float, tolerance: float
+) -> Workspace:
+    circles = [Arc((0.0, 0.0), r) for r in (high, low) if r > tolerance]
+    if high - low <= tolerance:
+        return Workspace(arm, (), (circles[0],), inner)
+    edges = tuple(Edge(c, inside) for c, inside in zip(circles, (True, False), strict=False))
+    return Workspace(arm, edges, (), inner)
+
+
+def _carried(curve: Curve, arm: PlanarArm, q: float) -> Curve:
+    """A curve of the arm without its first joint, seen from the base with that joint at q."""
+    revolute = arm.joints[0] == "R"
+    turn, shift = (q, 0.0) if revolute else (0.0, q)
+    return curve.moved(arm.angles[0] + turn, (arm.lengths[0] + shift, 0.0))
+
+
+def _tangent_points(curve: Curve, revolute: bool, tolerance: float) -> list[list[float]]:
+    """Where the joint at the origin (turning, or sliding along x) moves along the curve."""
+    if isinstance(curve, Arc):
+        bearing = math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
+        if revolute and math.hypot(*curve.center) <= tolerance:
+            return []
+        points = curve.point(np.array([bearing, bearing + math.pi]))
+    elif revolute:
+        normal = curve.left(0.0)
+        points = (normal @ np.asarray(curve.start) * normal)[None]
+    else:
+        return []
+    on = ~np.isnan(curve.parameter(points, tolerance))
+    return [p for p, keep in zip(points.tolist(), on, strict=True) if keep]
+
+
+def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
+    """The same point set with every circle and every line covered once."""
+    groups: dict[tuple[object, ...], list[Curve]] = defaultdict(list)
+    for curve in curves:
+        key = next((k for k in groups if _same_carrier(groups[k][0], curve, tolerance)), None)
+        groups[key or (len(groups),)].append(curve)
+    out: list[Curve] = []
+    for members in groups.values():
+        first = members[0]
+        spans = sorted(_span_on(first, member) for member in members)
+        slack = tolerance / (first.radius if isinstance(first, Arc) else 1.0)
+        merged = [list(spans[0])]
+        for low, high in spans[1:]:
+            if low <= merged[-1][1] + slack:
+                merged[-1][1] = max(merged[-1][1], high)
+            else:
+                merged.append([low, high])
+        if isinstance(first, Arc):
+            if len(merged) > 1 and merged[-1][1] >= merged[0][0] + TURN - slack:
+                merged[-1][1] = max(merged[-1][1], merged[0][1] + TURN)
+                del merged[0]
+            for low, high in merged:
+                span = TURN if high - low >= TURN - slack else high - low
+                out.append(Arc(first.center, first.radius, low, span))
+        else:
+            out += [first.piece(low, high) for low, high in merged]
+    return out
+
+
+def _same_carrier(a: Curve, b: Curve, tolerance: float) -> bool:
+    if isinstance(a, Arc) and isinstance(b, Arc):
+        return math.dist(a.center, b.center) <= tolerance and abs(a.radius - b.radius) <= tolerance
+    if isinstance(a, Segment) and isinstance(b, Segment):
+        ends = b.point(np.array(b.interval)) - np.asarray(a.start)
+        return bool((np.abs(ends @ a.left(0.0)) <= tolerance).all())
+    return False
+
+
+def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
+    """Parameter range of `member` in the parameter of a curve on the same circle or line."""
+    if isinstance(first, Arc) and isinstance(member, Arc):
+        start = member.start % TURN
+        return start, start + member.span
+    assert isinstance(first, Segment)
+    ends = member.point(np.array(member.interval)) - np.asarray(first.start)
+    along = np.array([math.cos(first.angle), math.sin(first.angle)])
+    low, high = sorted((ends @ along).tolist())
+    return low, high
+
+
+def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: float) -> Workspace:
+    """Cut the critical curves where they meet and keep what bounds the workspace."""
+    pieces: list[Curve] = []
+    origin: list[int] = []
+    for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance), strict=True)):
+        per_radian = curve.radius if isinstance(curve, Arc) else 1.0
+        for low, high in pairwise(cuts):
+            if (high - low) * per_radian > 4 * tolerance:
+                pieces.append(curve.piece(low, high))
+                origin.append(number)
+    middles = [sum(c.interval) / 2 for c in pieces]
+    at = np.array([c.point(t) for c, t in zip(pieces, middles, strict=True)])
+    normal = np.array([c.left(t) for c, t in zip(pieces, middles, strict=True)])
+    left = raw._contains(at + step * normal, tolerance)
+    right = raw._contains(at - step * normal, tolerance)
+    kinds = [(bool(a), bool(b)) for a, b in zip(left, right, strict=True)]
+    edges, thin = [], []
+    for curve, (inside_left, inside_right) in _joined(pieces, origin, kinds, critical):
+        if inside_left != inside_right:
+            edges.append(Edge(curve, inside_left))
+        elif not inside_left:
+            thin.append(curve)
+    return Workspace(raw.arm, tuple(edges), tuple(thin), raw.inner)
+
+
+def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
+    """Parameters at which each curve begins, meets another, and ends."""
+    cuts: list[list[float]] = [list(c.interval) for c in curves]
+    arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
+    lines = [(i, c) for i, c in enumerate(curves) if isinstance(c, Segment)]
+    centers = np.array([c.center for _, c in arcs])
+    radii = np.array([c.radius for _, c in arcs])
+    starts = np.array([c.start for _, c in lines])
+    along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines])
+    for j, other in enumerate(curves):
+        hits: list[tuple[int, Curve, FloatArray]] = []
+        if arcs:
+            found = circle_hits(centers, radii, other, tolerance)
+            hits += [(i, c, p) for (i, c), p in zip(arcs, found, strict=True)]
+        if lines:
+            found = line_hits(starts, along, other, tolerance)
+            hits += [(i, c, p) for (i, c), p in zip(lines, found, strict=True)]
+        for i, curve, points in hits:
+            if i != j:
+                t = curve.parameter(points, tolerance)
+                cuts[i] += t[~np.isnan(t)].tolist()
+    return [sorted(c) for c in cuts]
+
+
+def _joined(
+    pieces: list[Curve],
+    origin: list[int],
+    kinds: list[tuple[bool, bool]],
+    critical: list[Curve],
+) -> list[tuple[Curve, tuple[bool, bool]]]:
+    """Neighbouring pieces of one curve and one kind, put together again."""
+    out: list[tuple[Curve, tuple[bool, bool]]] = []
+    last: int | None = None
+    first_of: dict[int, int] = {}
+    for piece, number, kind in zip(pieces, origin, kinds, strict=True):
+        if number == last and out[-1][1] == kind:
+            out[-1] = (
+                (critical[number].piece(out[-1][0].interval[0], piece.interval[1]), kind)
+                if (isinstance(piece, Arc))
+                else (_longer(out[-1][0], piece), kind)
+            )
+        else:
+            first_of.setdefault(number, len(out))
+            out.append((piece, kind))
+        last = number
+        source = critical[number]
+        begin = first_of[number]
+        closes = source.closed and piece.interval[1] >= source.interval[1] - 1e-12
+        if closes and begin < len(out) - 1 and out[begin][1] == kind:
+            end, start = out[-1][0].interval[0], out[begin][0].interval[1]
+            out[begin] = (source.piece(end, start + TURN), kind)
+            out.pop()
+    return out
+
+
+def _longer(a: Curve, b: Curve) -> Curve:
+    assert isinstance(a, Segment)
+    assert isinstance(b, Segment)
+    return Segment(a.start, a.angle, math.dist(a.start, b.point(b.length).tolist()))
+
+
+def _tolerance(arm: PlanarArm | None) -> float:
+    return RELATIVE_TOLERANCE * (arm.reach if arm is not None else 1.0)

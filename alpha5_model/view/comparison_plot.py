@@ -1,0 +1,54 @@
+"""A picture of how far another model is off."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from alpha5_model.files import atomic_write
+
+if TYPE_CHECKING:
+    from alpha5_model.comparison.report import Comparison
+
+
+def plot_comparison(comparison: Comparison, path: Path) -> Path:
+    """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
+
+    Args:
+        comparison: What `alpha5_model.compare` returns.
+        path: Picture to write; the suffix tells the format (png, svg, pdf).
+
+    Raises:
+        OutputError: It cannot be written.
+        UnknownNameError: Not a format.
+    """
+    from matplotlib.figure import Figure
+
+    from alpha5_model.checks import choice
+
+    kind = choice("picture format", path.suffix.lstrip("."), ("png", "svg", "pdf"))
+    bodies = [body.name for body in comparison.bodies]
+    panels = (
+        ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
+        ("COM [mm]", bodies, [body.com_error * 1e3 for body in comparison.bodies]),
+        ("inertia [kg mm²]", bodies, [body.inertia_error * 1e6 for body in comparison.bodies]),
+        ("gravity torque [N m]", list(comparison.joints), list(comparison.gravity_error)),
+    )
+    figure = Figure(figsize=(11, 3.2), layout="constrained")
+    for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
+        bars = axes.barh(names, values, color="#c0504d")
+        axes.bar_label(
+            bars, fmt=lambda v: f"{v:.3g}" if abs(v) > 1e-9 else "0", padding=3, fontsize=8
+        )
+        axes.invert_yaxis()
+        axes.margins(x=0.25)
+        axes.axvline(0, color="black", linewidth=0.8)
+        axes.set_title(title, fontsize=10)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelsize=8)
+    verdict = "agrees with" if comparison.agrees else "differs from"
+    figure.suptitle(f"{comparison.name} {verdict} the tables: largest errors", fontsize=11)
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, dpi=150)
+    return atomic_write(path, buffer.getvalue())

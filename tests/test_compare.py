@@ -1,0 +1,372 @@
+"""`alpha5 compare`: each known defect of public models, injected into a copy of our own URDF."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import reference
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.comparison.mapping import map_joints, reduce_robot
+from alpha5_model.comparison.reading import parse_urdf
+from alpha5_model.comparison.report import compare, compare_robots
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError
+from alpha5_model.paths import JAWS_URDF_PATH
+
+OWN = urdf()
+Defect = Callable[[ET.Element], None]
+
+
+def inertial(root: ET.Element, link: str) -> ET.Element:
+    return root.find(f"link[@name='{link}']/inertial")
+
+
+def set_com(root: ET.Element, link: str, com) -> None:
+    inertial(root, link).find("origin").set("xyz", " ".join(repr(float(x)) for x in com))
+
+
+def set_inertia(root: ET.Element, link: str, tensor) -> None:
+    element = inertial(root, link).find("inertia")
+    for i, a in enumerate("xyz"):
+        for j in range(i, 3):
+            element.set(f"i{a}{'xyz'[j]}", repr(float(tensor[i][j])))
+
+
+def table_com(i: int) -> np.ndarray:
+    return np.array(reference.COM[i]) / 1e3
+
+
+def table_inertia(i: int) -> np.ndarray:
+    xx, yy, zz, xy, xz, yz = np.array(reference.INERTIA[i]) / 1e6
+    return np.array([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]])
+
+
+def no_inertial(root):
+    link = root.find("link[@name='link_2']")
+    link.remove(link.find("inertial"))
+
+
+def wrong_side(root):
+    set_com(root, "link_4", table_com(4) * [1, 1, -1])
+
+
+def mesh_frame(root):
+    """Table 2's numbers pasted into a link frame that stands elsewhere: on DH frame {2}."""
+    joint = root.find("joint[@name='axis_c']/origin")
+    after = root.find("joint[@name='axis_b']/origin")
+    joint.set("rpy", "3.141592653589793 0.0 0.0")  # the zero of axis_c moves by theta_c - pi/2
+    assert after is not None
+
+
+def about_the_link_frame(root):
+    p = table_com(3)
+    shift = reference.MASS[3] * (p @ p * np.eye(3) - np.outer(p, p))
+    set_inertia(root, "link_3", table_inertia(3) + shift)
+
+
+def solidworks_sign(root):
+    flipped = table_inertia(1)
+    set_inertia(root, "link_1", np.diag(np.diag(flipped)) * 2 - flipped)
+
+
+def zeroed_products(root):
+    set_inertia(root, "link_2", np.diag(np.diag(table_inertia(2))))
+
+
+def guessed_cylinder(root):
+    r, length, mass = 0.02, 0.18, reference.MASS[4]
+    across = mass * (3 * r**2 + length**2) / 12
+    set_inertia(root, "link_4", np.diag([across, across, mass * r**2 / 2]))
+
+
+def dummy_link(root):
+    link = ET.SubElement(root, "link", name="dummy")
+    body = ET.SubElement(link, "inertial")
+    ET.SubElement(body, "mass", value="0.0001")
+    ET.SubElement(body, "inertia", ixx="1e-4", iyy="1e-4", izz="1e-4", ixy="0", ixz="0", iyz="0")
+    joint = ET.SubElement(root, "joint", name="dummy_joint", type="fixed")
+    ET.SubElement(joint, "parent", link="link_4")
+    ET.SubElement(joint, "child", link="dummy")
+
+
+def too_much_water(root):
+    for element in root.iter("link"):
+        for collision in element.findall("collision"):
+            element.remove(collision)
+    box = ET.SubElement(ET.SubElement(root.find("link"), "collision"), "geometry")
+    ET.SubElement(box, "box", size="0.1 0.1 0.076")
+
+
+def greedy_mimic(root):
+    for name, lower, upper in (("rod", "0", "0.015"), ("finger", "0", "0.6")):
+        ET.SubElement(root, "link", name=name)
+        kind = "prismatic" if name == "rod" else "revolute"
+        joint = ET.SubElement(root, "joint", name=f"{name}_joint", type=kind)
+        ET.SubElement(joint, "parent", link="link_4")
+        ET.SubElement(joint, "child", link=name)
+        ET.SubElement(joint, "limit", lower=lower, upper=upper, effort="1", velocity="1")
+        if name == "finger":
+            ET.SubElement(joint, "mimic", joint="rod_joint", multiplier="51")
+
+
+def reversed_axis(root):
+    root.find("joint[@name='axis_d']/axis").set("xyz", "0 0 -1")
+
+
+def high_shoulder(root):
+    root.find("joint[@name='axis_d']/origin").set("xyz", "0.02 0.0 0.047")
+
+
+def wrong_mass(root):
+    inertial(root, "link_0").find("mass").set("value", "0.161")
+
+
+def buoyancy_for_com(root):
+    set_com(root, "link_0", [-0.053, -0.003, -0.001])
+
+
+#: defect -> where it must be found, and words of the diagnosis
+DEFECTS: dict[Defect, tuple[str, str]] = {
+    no_inertial: ("link_2", "no <inertial>"),
+    wrong_side: ("link_4", "on the wrong side of the joint"),
+    mesh_frame: ("axis_c", "zero is shifted by"),
+    about_the_link_frame: ("link_3", "about the link frame, not the COM"),
+    solidworks_sign: ("link_1", "products of inertia have the SolidWorks sign"),
+    zeroed_products: ("link_2", "the products of inertia are zeroed"),
+    guessed_cylinder: ("link_4", "a guess without products of inertia"),
+    dummy_link: ("link_4", "more than the whole arm"),
+    too_much_water: ("volume", "0.760 L"),
+    greedy_mimic: ("finger_joint", "beyond its own limit"),
+    reversed_axis: ("axis_d", "turns the other way"),
+    high_shoulder: ("axis_d", "up to 0.80 mm off"),
+    wrong_mass: ("link_0", "that of link_1"),
+    buoyancy_for_com: ("link_0", "the centre of buoyancy of Table 3"),
+}
+
+
+def inject(*defects: Defect):
+    root = ET.fromstring(OWN)
+    for defect in defects:
+        defect(root)
+    return compare_robots(parse_urdf(ET.tostring(root)), samples=20)
+
+
+def found(comparison, defect: Defect) -> bool:
+    where, words = DEFECTS[defect]
+    return any(f.where == where and words in f.text for f in comparison.findings)
+
+
+@pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.__name__)
+def test_each_defect_is_found_and_named(defect):
+    comparison = inject(defect)
+    assert found(comparison, defect), comparison.findings
+    assert comparison.agrees == (defect is too_much_water)  # the URDF itself still computes right
+
+
+def test_defects_are_found_in_pairs():
+    # wrong mass and COM of one body, or two defects of one tensor, hide each other by nature
+    clash = [{zeroed_products, no_inertial}, {guessed_cylinder, dummy_link}]
+    for pair in itertools.combinations(DEFECTS, 2):
+        if set(pair) in clash:
+            continue
+        comparison = inject(*pair)
+        for defect in pair:
+            assert found(comparison, defect), (pair, comparison.findings)
+
+
+@pytest.mark.parametrize("path", [a5.URDF_PATH, JAWS_URDF_PATH])
+def test_our_own_files_have_no_findings(path):
+    comparison = compare(path, samples=50)
+    assert comparison.findings == ()
+    assert comparison.agrees
+    assert comparison.tip_error < 1e-12
+    assert comparison.gravity_error.max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [
+        Variant(prefix="left_", parent="vehicle", xyz=(0.3, -0.1, 0.2), rpy=(0.1, -0.4, 2.0)),
+        Variant(parent="vehicle", rpy=(math.pi, 0.0, 0.0), dh_frames=True),
+    ],
+)
+def test_a_mounted_arm_differs_by_its_mount_only(variant):
+    comparison = compare_robots(parse_urdf(urdf(variant)), samples=20)
+    assert [finding.where for finding in comparison.findings] == ["base"]
+    assert comparison.agrees
+    assert comparison.tip_error < 1e-12
+    assert comparison.gravity_error.max() < 1e-12
+    assert comparison.mass_matrix_error < 1e-12
+
+
+def test_the_base_after_the_rotation_pi_is_recognised():
+    comparison = compare_robots(parse_urdf(urdf(Variant(corrections=()))), samples=5)
+    assert {finding.where for finding in comparison.findings} == {"link_0"}
+    assert sum("turned by pi about z" in finding.text for finding in comparison.findings) == 2
+
+
+def test_shifted_zeros_and_signs_are_measured():
+    root = ET.fromstring(OWN)
+    root.find("joint[@name='axis_d']/origin").set("rpy", "1.5707963267948966 1.5 0.0")
+    root.find("joint[@name='axis_c']/axis").set("xyz", "0 0 -1")
+    alignment = compare_robots(parse_urdf(ET.tostring(root)), samples=5).alignment
+    np.testing.assert_array_equal(alignment.sign, [1, 1, -1, 1])
+    np.testing.assert_allclose(alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12)
+
+
+def test_dynamic_errors_equal_pinocchio_on_the_files():
+    """Second route: Pinocchio parses both files; the seeded samples are drawn again."""
+    root = ET.fromstring(OWN)
+    wrong_side(root)
+    text = ET.tostring(root, encoding="unicode")
+    models = [pin.buildModelFromXML(source) for source in (OWN, text)]
+    data = [model.createData() for model in models]
+    gravity, matrix = np.zeros(4), 0.0
+    for q in np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (40, 4)):
+        g = [pin.computeGeneralizedGravity(m, d, q) for m, d in zip(models, data, strict=True)]
+        M = [pin.crba(m, d, q) for m, d in zip(models, data, strict=True)]
+        gravity = np.maximum(gravity, np.abs(g[0] - g[1]))
+        matrix = max(matrix, np.abs(M[0] - M[1]).max())
+    comparison = compare_robots(parse_urdf(text), samples=40)
+    np.testing.assert_allclose(comparison.gravity_error, gravity, atol=1e-12)
+    assert comparison.mass_matrix_error == pytest.approx(matrix, abs=1e-12)
+
+
+def test_bodies_equal_pinocchio_on_the_jaws():
+    text = Path(JAWS_URDF_PATH).read_text()
+    robot = parse_urdf(text)
+    arm = reduce_robot(robot, map_joints(robot))
+    full = pin.buildModelFromXML(text)
+    rest = pin.neutral(full)
+    rest[full.joints[full.getJointId("axis_a")].idx_q] = 0.0013
+    frozen = [full.getJointId(n) for n in ("axis_a", "finger_1_joint", "finger_2_joint")]
+    model = pin.buildReducedModel(full, frozen, rest)
+    for i in range(1, 5):
+        assert arm.mass[i] == pytest.approx(model.inertias[i].mass, abs=1e-15)
+        np.testing.assert_allclose(arm.com[i], model.inertias[i].lever, atol=1e-15)
+        np.testing.assert_allclose(arm.inertia[i], model.inertias[i].inertia, atol=1e-15)
+
+
+def test_joints_are_mapped_by_name_prefix_order_or_hand():
+    renamed = OWN
+    for i, axis in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
+        renamed = renamed.replace(f'"{axis}"', f'"joint{i}"')
+    robot = parse_urdf(renamed)
+    assert [j.name for j in map_joints(robot)] == ["joint0", "joint1", "joint2", "joint3"]
+    jaws = Path(JAWS_URDF_PATH).read_text().replace('"axis_d"', '"shoulder"')
+    with pytest.raises(InputError, match="a joint for each of axis_d"):
+        map_joints(parse_urdf(jaws))
+    assert map_joints(parse_urdf(jaws), {"axis_d": "shoulder"})[1].name == "shoulder"
+    with pytest.raises(UnknownNameError, match="choose from link_0_fixed"):
+        map_joints(robot, {"axis_e": "waist"})
+    with pytest.raises(InputError, match="four different joints"):
+        map_joints(parse_urdf(OWN), {"axis_e": "axis_d"})
+    with pytest.raises(InputError, match="follow each other"):
+        compare_robots(parse_urdf(OWN), {"axis_e": "axis_d", "axis_d": "axis_e"})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not XML"),
+        ("not xml", "line 1: not XML"),
+        ("<robot>\n<link name='a'>\n</robot>", "line 3: not XML: mismatched tag"),
+        ("<sdf/>", "expected <robot>, got <sdf>"),
+        ("<robot/>", "there is no <link>"),
+        ("<robot><link/></robot>", "<link> has no attribute 'name'"),
+        ("<robot><link name='a'/>\n<link name='a'/></robot>", "line 2: link 'a' is there twice"),
+        ("<robot><link name='a'/><link name='b'/></robot>", "2 root links: a, b"),
+        (OWN.replace('value="0.38"', 'value="heavy"'), "expected a finite number, got 'heavy'"),
+        (OWN.replace('value="0.38"', 'value="nan"'), "expected a finite number, got 'nan'"),
+        (OWN.replace('ixx="8.2697e-05"', 'ixx="abc"'), "<inertia ixx>: expected a finite number"),
+        (OWN.replace('<child link="link_2"/>', '<child link="limb"/>'), "no link 'limb'"),
+        (OWN.replace('<child link="link_2"/>', '<child link="link_1"/>'), "has two parents"),
+        (OWN.replace('<parent link="link_0"/>', '<parent link="tcp"/>'), "2 root links|a loop"),
+        (OWN.replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"'), "the axis has no direction"),
+        (OWN.replace('type="revolute"', 'type="hinge"'), "unknown type 'hinge'"),
+    ],
+)
+def test_broken_files_say_where(text, words, tmp_path, capsys):
+    path = tmp_path / "other.urdf"
+    path.write_text(text)
+    with pytest.raises(FileFormatError, match=words):
+        compare(path)
+    assert main(["compare", str(path)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_command_line(tmp_path, capsys):
+    assert main(["compare", a5.URDF_PATH, "--samples", "5"]) == 0
+    assert "agrees" in capsys.readouterr().out
+    path, picture = tmp_path / "other.urdf", tmp_path / "errors.png"
+    path.write_text(OWN.replace('value="0.38"', 'value="0.5"'))
+    assert main(["compare", str(path), "--json", "--plot", str(picture)]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert content["agrees"] is False
+    assert content["bodies"][2]["mass_error_kg"] == pytest.approx(0.12)
+    assert any("../meshes/link_0.obj" in f["where"] for f in content["findings"])
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.urdf"], "no such file"),
+        ([a5.URDF_PATH, "--map", "axis_e"], "axis_e=NAME"),
+        ([a5.URDF_PATH, "--map", "axis_q=axis_e"], "choose from axis_e, axis_d"),
+        ([a5.URDF_PATH, "--map", "axis_e=knee"], "unknown joint of the other model"),
+        ([a5.URDF_PATH, "--map", "axis_e=axis_b"], "four different joints"),
+        ([a5.URDF_PATH, "--map", "axis_e=tcp_fixed"], "a revolute joint"),
+        ([a5.URDF_PATH, "--plot", "errors.txt"], "choose from png, svg, pdf"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(arguments, words, capsys):
+    assert main(["compare", *arguments]) == 2
+    err = capsys.readouterr().err
+    assert words in err
+    assert len(err.splitlines()) == 1
+
+
+TOKENS = st.sampled_from(
+    ["0", "-1", "1e308", "1e-320", "nan", "inf", "", "a b", "link_0", "axis_e", "fixed", "0 0 0"]
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
+    root = ET.fromstring(OWN)
+    elements = list(root.iter())
+    parents = {child: parent for parent in elements for child in parent}
+    for _ in range(data.draw(st.integers(1, 4))):
+        element = elements[data.draw(st.integers(0, len(elements) - 1))]
+        action = data.draw(st.sampled_from(["attribute", "remove", "tag", "double"]))
+        if action == "attribute" and element.attrib:
+            element.set(data.draw(st.sampled_from(sorted(element.attrib))), data.draw(TOKENS))
+        elif action == "tag":
+            element.tag = data.draw(st.sampled_from(["link", "joint", "origin", "nonsense"]))
+        elif action == "remove" and element in parents and element in list(parents[element]):
+            parents[element].remove(element)
+        elif action == "double" and element in parents:
+            parents[element].append(element)
+    text = ET.tostring(root)
+    cut = data.draw(st.integers(0, len(text)))
+    for source in (text, text[:cut]):
+        message = ""
+        try:
+            compare_robots(parse_urdf(source), samples=2)
+        except Alpha5Error as error:
+            message = str(error)
+        assert len(message.splitlines()) <= 1
