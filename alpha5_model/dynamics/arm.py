@@ -10,8 +10,9 @@ one arm may be used from any number of threads. What a method returns belongs to
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
+from math import isfinite
 from typing import Any, Self
 
 import numpy as np
@@ -20,9 +21,11 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.statics import Statics
-from alpha5_model.dynamics.vectors import forces, ready, ready_2, ready_3, vector
+from alpha5_model.dynamics.vectors import forces, motion_check, state_check
+from alpha5_model.dynamics.water import SEA_WATER
 
 # Bound once: where a whole call takes 0.6 us, looking up a module's attribute is seen.
 _rnea, _aba, _crba = pin.rnea, pin.aba, pin.crba
@@ -43,24 +46,32 @@ class Arm(Statics):
     cannot use.
     """
 
+    def __init__(
+        self,
+        model: Any,
+        displacements: Iterable[Displacement],
+        fluid_density: float = SEA_WATER,
+    ) -> None:
+        super().__init__(model, displacements, fluid_density)
+        self._clean_qv = state_check(self._model)
+        self._clean_qva = motion_check(self._model, "a")
+        self._clean_qvtau = motion_check(self._model, "tau")
+
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         out: FloatArray = _crba(self._model, self._own.data, q)
         return out
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v), (nv, nv), with ``dM/dt - 2 C`` skew-symmetric; C v is Coriolis and centrifugal."""
-        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
-            q, v = self._checked(q=q, v=v)
+        q, v = self._clean_qv(q, v)
         out: FloatArray = pin.computeCoriolisMatrix(self._model, self._own.data, q, v)
         return out
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
-        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
-            q, v = self._checked(q=q, v=v)
+        q, v = self._clean_qv(q, v)
         own = self._own
         out: FloatArray = pin.nonLinearEffects(self._model, own.data, q, v) - _gravity(
             self._fluid, own.fluid_data, q
@@ -81,16 +92,22 @@ class Arm(Statics):
         Returns:
             tau, (nv,) [N m].
         """
-        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
-            q, v, a = self._checked(q=q, v=v, a=a)
         own = self._own
-        if fext is None:
-            tau = _rnea(self._model, own.data, q, v, a)
-        else:
-            tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
+        if fext is None and not self.floating_base:
+            # The fast path of the most used call: Pinocchio itself refuses wrong lengths and types, and NaN
+            # or infinity at any place of q, v or a comes out in tau. Whatever fails is said properly below.
+            try:
+                tau: FloatArray = _rnea(self._model, own.data, q, v, a)
+                tau -= _gravity(self._fluid, own.fluid_data, q)
+                if isfinite(sum(tau.tolist())) and q.ndim == v.ndim == a.ndim == 1:  # type: ignore[union-attr]
+                    return tau
+            except (AttributeError, TypeError, ValueError):
+                pass
+        q, v, a = self._clean_qva(q, v, a)
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
+        tau = _rnea(self._model, own.data, q, v, a, *outside)
         tau -= _gravity(self._fluid, own.fluid_data, q)
-        out: FloatArray = tau
-        return out
+        return tau
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
@@ -106,14 +123,11 @@ class Arm(Statics):
         Returns:
             a, (nv,) [rad/s^2].
         """
-        if self.floating_base or not ready_3(q, v, tau, self._nq, self._nv):
-            q, v, tau = self._checked(q=q, v=v, tau=tau)
+        q, v, tau = self._clean_qvtau(q, v, tau)
         own = self._own
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
         total = tau + _gravity(self._fluid, own.fluid_data, q)
-        if fext is None:
-            out: FloatArray = _aba(self._model, own.data, q, v, total)
-        else:
-            out = _aba(self._model, own.data, q, v, total, forces(fext, self._model.njoints))
+        out: FloatArray = _aba(self._model, own.data, q, v, total, *outside)
         return out
 
     def inverse_dynamics_derivatives(
@@ -132,8 +146,7 @@ class Arm(Statics):
         Returns:
             dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating base.
         """
-        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
-            q, v, a = self._checked(q=q, v=v, a=a)
+        q, v, a = self._clean_qva(q, v, a)
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
         water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
@@ -174,14 +187,10 @@ class Arm(Statics):
         Returns:
             pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
         """
-        if self.floating_base or not ready_3(q, v, a, self._nq, self._nv):
-            q, v, a = self._checked(q=q, v=v, a=a)
+        q, v, a = self._clean_qva(q, v, a)
         own = self._own
-        if fext is None:
-            _rnea(self._model, own.data, q, v, a)
-        else:
-            fext = forces(fext, self._model.njoints)
-            _rnea(self._model, own.data, q, v, a, fext)
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
+        _rnea(self._model, own.data, q, v, a, *outside)
         _gravity(self._fluid, own.fluid_data, q)
         # What the first joint carries; with a floating base that is base_link itself.
         load = own.data.f[1] - own.fluid_data.f[1]
@@ -189,12 +198,11 @@ class Arm(Statics):
             return -load
         # RNEA stops at the first joint: the last step down to the bodies of the universe is taken here.
         load = self._link_0_load + own.data.liMi[1].act(load)
-        return -load if fext is None else fext[0] - load
+        return outside[0][0] - load if outside else -load
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
-        if self.floating_base or not ready_2(q, v, self._nq, self._nv):
-            q, v = self._checked(q=q, v=v)
+        q, v = self._clean_qv(q, v)
         energy: float = _kinetic_energy(self._model, self._own.data, q, v)
         return energy
 
@@ -290,12 +298,6 @@ class Arm(Statics):
     @cached_property
     def _on_free_flyer(self) -> tuple[Any, Any]:
         return batch.free_flyer(self._model), batch.free_flyer(self._fluid)
-
-    def _checked(self, q: ArrayLike, **others: ArrayLike) -> tuple[FloatArray, ...]:
-        return (
-            self._checked_q(q),
-            *(vector(name, value, self._nv) for name, value in others.items()),
-        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._model, self.displacements, self.fluid_density)

@@ -14,6 +14,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.dynamics.vectors import QUATERNION_TOLERANCE
 from alpha5_model.errors import InputError, ShapeError
 
 
@@ -52,7 +53,7 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
             raise ShapeError(name, array.shape, f"{count} rows, as the others, or one")
     if model.nq > model.nv:
         quaternion = arrays["q"][:, 3:7]
-        off = np.abs(np.einsum("ij,ij->i", quaternion, quaternion) - 1.0) > 2e-6
+        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) > QUATERNION_TOLERANCE
         if off.any():
             row = int(np.argmax(off))
             norm = float(np.linalg.norm(quaternion[row]))

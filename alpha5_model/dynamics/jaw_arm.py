@@ -83,13 +83,13 @@ class JawArm(Arm):
         self._g, self._g_q, self._g_0 = _expansion(model, tree, self._mimics)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        q, v = self._checked(q=q, v=v)
+        q, v = self._clean_qv(q, v)
         return self._project(self._tree.coriolis_matrix(self._expand(q), self._g @ v))
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
     ) -> FloatArray:
-        q, v, tau = self._checked(q=q, v=v, tau=tau)
+        q, v, tau = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
         out: FloatArray = np.linalg.solve(self.mass_matrix(q), tau - bias)
         return out
@@ -106,13 +106,13 @@ class JawArm(Arm):
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        q, v, a = self._checked(q=q, v=v, a=a)
+        q, v, a = self._clean_qva(q, v, a)
         g = self._g
         dq, dv, da = self._tree.inverse_dynamics_derivatives(self._expand(q), g @ v, g @ a)
         return self._project(dq), self._project(dv), self._project(da)
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
-        q = self._checked_q(q)
+        q = self._clean_q(q)
         return self._project(self._tree.hydrostatic_torque_derivative(self._expand(q)))
 
     def base_wrench_batch(
@@ -123,11 +123,11 @@ class JawArm(Arm):
         return self._tree.base_wrench_batch(q @ self._g_q.T + self._g_0, v @ g, a @ g, threads)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
-        q, v = self._checked(q=q, v=v)
+        q, v = self._clean_qv(q, v)
         return self._tree.kinetic_energy(self._expand(q), self._g @ v)
 
     def potential_energy(self, q: ArrayLike) -> float:
-        return self._tree.potential_energy(self._expand(self._checked_q(q)))
+        return self._tree.potential_energy(self._expand(self._clean_q(q)))
 
     def _expand(self, q: FloatArray) -> FloatArray:
         out: FloatArray = self._g_q @ q + self._g_0

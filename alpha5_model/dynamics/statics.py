@@ -17,7 +17,7 @@ from alpha5_model.dynamics.hydrostatics import (
     displaced_fluid_model,
     net_weight_model,
 )
-from alpha5_model.dynamics.vectors import ready, vector
+from alpha5_model.dynamics.vectors import position_check
 from alpha5_model.dynamics.water import SEA_WATER
 from alpha5_model.errors import InputError, UnknownNameError
 
@@ -71,7 +71,7 @@ class Statics:
         self._net = net_weight_model(model, self._fluid)
         self._own = Workspace(self._model, self._fluid, self._net)
         self._users = threading.local()
-        self._nq, self._nv = model.nq, model.nv
+        self._clean_q = position_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         # Pinocchio leaves the bodies fixed to the universe (link_0 on a fixed base) out of its sums.
         moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
@@ -114,8 +114,7 @@ class Statics:
             InputError: q has the wrong shape or is not finite, or its quaternion has no unit norm.
             UnknownNameError: No such frame.
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         own = self._own
         _frames_forward_kinematics(self._model, own.data, q)
         try:
@@ -137,8 +136,7 @@ class Statics:
         Returns:
             (6, nv), linear rows [m/rad] above angular rows, as Pinocchio has them.
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         if type(reference_frame) is not pin.ReferenceFrame:
             raise InputError(
                 "reference_frame", reference_frame, "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
@@ -156,8 +154,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         out: FloatArray = _gravity(self._model, self._own.data, q)
         return out
 
@@ -170,8 +167,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         out: FloatArray = _gravity(self._fluid, self._own.fluid_data, q)
         return out
 
@@ -184,8 +180,7 @@ class Statics:
         Returns:
             (nv,) [N m, N].
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         out: FloatArray = _gravity(self._net, self._own.net_data, q)
         return out
 
@@ -198,8 +193,7 @@ class Statics:
         Returns:
             (nv, nv): row = torque, column = coordinate.
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         out: FloatArray = _gravity_derivative(self._net, self._own.net_data, q)
         return out
 
@@ -213,7 +207,7 @@ class Statics:
             pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's ``fext``. Entry 0 is what
             the fluid applies to bodies fixed to the universe, link_0 on a fixed base.
         """
-        q = self._checked_q(q)
+        q = self._clean_q(q)
         data = self._own.data
         _forward_kinematics(self._model, data, q)
         out = pin.StdVec_Force([pin.Force.Zero()] * self._model.njoints)
@@ -228,15 +222,13 @@ class Statics:
 
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
         """
-        if self.floating_base or not ready(q, self._nq):
-            q = self._checked_q(q)
+        q = self._clean_q(q)
         energy: float = _potential_energy(self._net, self._own.net_data, q)
         return energy + self._fixed_potential
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        if self.floating_base or not ready(q, self._nq):
-            q = self._in_base(q)
+        q = self._in_base(q)
         out: FloatArray = _center_of_mass(self._model, self._own.data, q)
         out *= self._moving_fraction
         out += self._fixed_fraction
@@ -262,17 +254,9 @@ class Statics:
         except (KeyError, TypeError):
             raise UnknownNameError("frame", name, self._frames) from None
 
-    def _checked_q(self, q: ArrayLike) -> FloatArray:
-        checked = q if ready(q, self._nq) else vector("q", q, self._nq)
-        assert isinstance(checked, np.ndarray)
-        if self.floating_base and not pin.isNormalized(self._model, checked, 1e-6):
-            norm = float(np.linalg.norm(checked[3:7]))
-            raise InputError("q[3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
-        return checked
-
     def _in_base(self, q: ArrayLike) -> FloatArray:
         """q with base_link at the world's origin."""
-        checked = self._checked_q(q)
+        checked: FloatArray = self._clean_q(q)
         if self.floating_base:
             checked = checked.copy()
             checked[:7] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0

@@ -7,6 +7,7 @@ slow road through `vector`, which converts it or says what is wrong.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
 from typing import Any
 
@@ -17,42 +18,72 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
+#: How far from 1 the norm of a quaternion may be before it is refused.
+QUATERNION_TOLERANCE = 1e-6
 _FLOAT64 = np.dtype(np.float64)
 
 
-def ready(x: Any, n: int) -> bool:
-    """Whether x is a finite float64 array of shape (n,)."""
-    try:
-        # A second axis makes the list one of lists, which sum() refuses.
-        return x.dtype is _FLOAT64 and len(x) == n and isfinite(sum(x.tolist()))
-    except (AttributeError, TypeError):
-        return False
+def position_check(model: Any) -> Callable[[Any], FloatArray]:
+    """A function that returns q if it can be used, converted if need be, and raises if it cannot."""
+    nq = model.nq
+
+    def slowly(q: Any) -> FloatArray:
+        checked = vector("q", q, nq)
+        if nq != model.nv and not pin.isNormalized(model, checked, QUATERNION_TOLERANCE):
+            norm = float(np.linalg.norm(checked[3:7]))
+            raise InputError("q[3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
+        return checked
+
+    def check(q: Any) -> FloatArray:
+        try:
+            # A second axis would make the list one of lists, which sum() refuses.
+            if q.dtype is _FLOAT64 and len(q) == nq and isfinite(sum(q.tolist())):
+                return q
+        except (AttributeError, TypeError):
+            pass
+        return slowly(q)
+
+    return check if nq == model.nv else slowly
 
 
-def ready_2(x: Any, y: Any, n_x: int, n_y: int) -> bool:
-    """`ready` for two vectors at once."""
-    try:
-        return (
-            x.dtype is y.dtype is _FLOAT64
-            and len(x) == n_x
-            and len(y) == n_y
-            and isfinite(sum(x.tolist() + y.tolist()))
-        )
-    except (AttributeError, TypeError):
-        return False
+def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray]]:
+    """The same for q and v."""
+    position, nq, nv = position_check(model), model.nq, model.nv
+
+    def check(q: Any, v: Any) -> tuple[FloatArray, FloatArray]:
+        try:
+            if (
+                q.dtype is v.dtype is _FLOAT64
+                and len(q) == nq == len(v)
+                and isfinite(sum(q.tolist() + v.tolist()))
+            ):
+                return q, v
+        except (AttributeError, TypeError):
+            pass
+        return position(q), vector("v", v, nv)
+
+    return check
 
 
-def ready_3(x: Any, y: Any, z: Any, n_x: int, n_yz: int) -> bool:
-    """`ready` for three vectors at once; the second and third are equally long."""
-    try:
-        return (
-            x.dtype is y.dtype is z.dtype is _FLOAT64
-            and len(x) == n_x
-            and len(y) == len(z) == n_yz
-            and isfinite(sum(x.tolist() + y.tolist() + z.tolist()))
-        )
-    except (AttributeError, TypeError):
-        return False
+def motion_check(
+    model: Any, name: str
+) -> Callable[[Any, Any, Any], tuple[FloatArray, FloatArray, FloatArray]]:
+    """The same for q, v and a third vector of the length of v."""
+    position, nq, nv = position_check(model), model.nq, model.nv
+
+    def check(q: Any, v: Any, x: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        try:
+            if (
+                q.dtype is v.dtype is x.dtype is _FLOAT64
+                and len(q) == nq == len(v) == len(x)
+                and isfinite(sum(q.tolist() + v.tolist() + x.tolist()))
+            ):
+                return q, v, x
+        except (AttributeError, TypeError):
+            pass
+        return position(q), vector("v", v, nv), vector(name, x, nv)
+
+    return check
 
 
 def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
