@@ -33,6 +33,17 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
     from alpha5_model.comparison.report import compare as compare
     from alpha5_model.kinematics import planar as planar
+    from alpha5_model.kinematics import workspace as workspace
+    from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
+    from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
+    from alpha5_model.kinematics.ik_path import inverse_kinematics_path as inverse_kinematics_path
+    from alpha5_model.kinematics.ik_pose import inverse_kinematics_pose as inverse_kinematics_pose
+    from alpha5_model.kinematics.ik_published import (
+        published_inverse_kinematics as published_inverse_kinematics,
+    )
+    from alpha5_model.kinematics.reach import distance_to_reach as distance_to_reach
+    from alpha5_model.kinematics.reach import nearest_reachable as nearest_reachable
+    from alpha5_model.kinematics.reach import reachable as reachable
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
@@ -43,6 +54,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "Arm": ("alpha5_model.dynamics.arm", "Arm"),
     "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
     "compare": ("alpha5_model.comparison.report", "compare"),
+    "BRANCHES": ("alpha5_model.kinematics.ik", "BRANCHES"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
@@ -55,6 +67,17 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "planar": ("alpha5_model.kinematics.planar", None),
     "actuators": ("alpha5_model.actuators", None),
     "trajectory": ("alpha5_model.trajectory", None),
+    "distance_to_reach": ("alpha5_model.kinematics.reach", "distance_to_reach"),
+    "inverse_kinematics": ("alpha5_model.kinematics.ik", "inverse_kinematics"),
+    "inverse_kinematics_path": ("alpha5_model.kinematics.ik_path", "inverse_kinematics_path"),
+    "inverse_kinematics_pose": ("alpha5_model.kinematics.ik_pose", "inverse_kinematics_pose"),
+    "nearest_reachable": ("alpha5_model.kinematics.reach", "nearest_reachable"),
+    "published_inverse_kinematics": (
+        "alpha5_model.kinematics.ik_published",
+        "published_inverse_kinematics",
+    ),
+    "reachable": ("alpha5_model.kinematics.reach", "reachable"),
+    "workspace": ("alpha5_model.kinematics.workspace", None),
 }
 
 __all__ = [

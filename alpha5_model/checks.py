@@ -39,10 +39,19 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
         raise ShapeError(name, array.shape, f"shape {shape}")
-    if not np.isfinite(array).all():
+    if not _all_finite(array):
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise NonFiniteError(name, float(array[index]), index)
     return array
+
+
+def _all_finite(array: FloatArray) -> bool:
+    """Without a mask as long as the array: a sum is finite only if all its terms are."""
+    if array.size > 4096:
+        with np.errstate(over="ignore", invalid="ignore"):
+            if np.isfinite(array.sum()):
+                return True
+    return bool(np.isfinite(array).all())
 
 
 def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:

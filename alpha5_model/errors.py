@@ -106,6 +106,28 @@ class UnreachableError(Alpha5Error, ValueError):
         )
 
 
+class DiscontinuousPathError(Alpha5Error, ValueError):
+    """A path of points that no continuous joint motion within the limits follows.
+
+    Attributes:
+        index: The first point without a continuation.
+        position: That point, (3,) [m].
+        step: Least joint step that would lead there [rad].
+        max_step: The step allowed [rad].
+    """
+
+    def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
+        self.index = index
+        self.position = position
+        self.step = step
+        self.max_step = max_step
+        target = ", ".join(f"{c:.6g}" for c in position)
+        super().__init__(
+            f"positions[{index}] = ({target}) m has no continuation within the joint limits: a joint "
+            f"would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
+        )
+
+
 class MissingParameterError(Alpha5Error, ValueError):
     """A quantity that the documents do not give and the caller has not given either."""
 

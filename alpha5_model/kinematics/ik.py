@@ -21,7 +21,7 @@ References:
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -107,11 +107,12 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a bad row.
     """
     # One target in the types that callers use most goes straight to work.
-    kind = type(position)
-    if kind is np.ndarray and position.shape == (3,) and position.dtype is _FLOAT:  # type: ignore[union-attr]
-        x, y, z = position.tolist()  # type: ignore[union-attr]
-    elif (kind is list or kind is tuple) and len(position) == 3:  # type: ignore[arg-type]
-        x, y, z = position  # type: ignore[misc,assignment]
+    given: Any = position
+    kind = type(given)
+    if kind is np.ndarray and given.shape == (3,) and given.dtype is _FLOAT:
+        x, y, z = given.tolist()
+    elif (kind is list or kind is tuple) and len(given) == 3:
+        x, y, z = given
         if not type(x) is type(y) is type(z) is float:
             return _general(position, wrist)
     else:

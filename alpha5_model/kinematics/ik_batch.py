@@ -47,7 +47,7 @@ def solve_rows(
     scratch = _Scratch(min(BLOCK, len(position)))
     singular[...] = False
     with np.errstate(divide="ignore", invalid="ignore"):
-        theta_3, theta_3_fits = _wrist(wrist, constant) if wrist.ndim == 0 else (wrist, None)
+        theta_3, theta_3_fits = _wrist(wrist if wrist.ndim == 0 else wrist[:1], constant)
         for start in range(0, len(position), BLOCK):
             part = slice(start, start + BLOCK)
             target = position[part]
@@ -66,8 +66,9 @@ def solve_rows(
                 within[part],
             )
             for row in near.tolist():
+                x, y, z = target[row].tolist()
                 angle = float(theta_3[row] if wrist.ndim else theta_3)
-                angles, found, fit, edge = solve_one(*target[row].tolist(), angle)
+                angles, found, fit, edge = solve_one(x, y, z, angle)
                 at = start + row
                 q[at] = np.reshape(angles, (4, 4))
                 exists[at] = [found >> branch & 1 for branch in range(4)]

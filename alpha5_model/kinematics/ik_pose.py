@@ -1,0 +1,180 @@
+"""Inverse kinematics of a whole pose: position exact, orientation as close as four joints allow.
+
+A branch fixes theta_0 to theta_2; what is left of the orientation is a turn about the wrist axis. Split
+into a turn about that axis and a swing across it (swing-twist decomposition, [Dobrowolski2015]), the
+turn is what theta_3 can do and the swing is what remains, the angle between the wrist axis and where
+the target wants it.
+
+References:
+    [Dobrowolski2015] Swing-twist decomposition in Clifford algebra, arXiv:1506.05481.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.errors import InputError
+from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.ik import BoolArray, inverse_kinematics
+from alpha5_model.kinematics.ik_choice import candidates, on_axis, pick, require_solution
+
+#: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position
+#: turns the wrist axis by some 1e-8.
+EXACT_TOLERANCE = 1e-7
+#: How far a matrix may be from a rotation.
+ROTATION_TOLERANCE = 1e-6
+#: Rotation errors that differ by less are equal, and `PoseSolutions.best` goes by joint travel [rad].
+TIE = 1e-7
+
+
+class PoseSolutions(NamedTuple):
+    """All solutions of a set of target poses. Arrays are read-only.
+
+    Attributes:
+        q: (..., 4, 4): branch axis (`BRANCHES`), joint axis [rad]; NaN where the branch does not
+            reach the position. theta_3 minimises the rotation error within its limits.
+        exists: The branch reaches the position, limits aside, (..., 4).
+        within_limits: It respects all four joint limits, (..., 4).
+        singular: As for `Solutions`, (...).
+        position: The target positions, (..., 3) [m].
+        rotation_error: Angle between the orientation reached and the target's, (..., 4) [rad].
+        exact: The branch attains the pose: ``rotation_error`` below 1e-7 rad, (..., 4).
+    """
+
+    q: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    singular: BoolArray
+    position: FloatArray
+    rotation_error: FloatArray
+    exact: BoolArray
+
+    def best(self, q_reference: ArrayLike) -> FloatArray:
+        """The solution within the limits with the least rotation error.
+
+        Of equally good ones, the nearest to ``q_reference`` in the Euclidean norm of the joint
+        differences [rad].
+
+        Args:
+            q_reference: (4,) or (..., 4) [rad].
+
+        Returns:
+            (..., 4) [rad].
+
+        Raises:
+            UnreachableError: A position that no branch reaches within the limits.
+        """
+        require_solution(self)
+        _, reference = candidates(self, q_reference)
+        error = np.where(self.within_limits, self.rotation_error, np.inf)
+        least = error <= error.min(axis=-1, keepdims=True) + TIE
+        return pick(self.q, reference, least & self.within_limits)
+
+
+def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
+    """Joint positions that reach a position exactly and an orientation as closely as possible.
+
+    On the yaw axis, theta_0 is free and turns the wrist axis towards the target's.
+
+    Args:
+        transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.
+
+    Returns:
+        Four branches per pose, each with its rotation error.
+
+    Raises:
+        InputError: Not real numbers of that shape, or not a rigid transform.
+    """
+    target = float_array("transform", getattr(transform, "homogeneous", transform), (4, 4))
+    _check_rigid(target)
+    g = arm_plane()
+    position, rotation = np.ascontiguousarray(target[..., :3, 3]), target[..., :3, :3]
+    solutions = inverse_kinematics(position, g.middle[3])
+    q = np.where(solutions.exists[..., None], solutions.q, np.asarray(g.middle))
+    chain = DHChain.alpha5()
+    axis = _wrist_axis(chain)
+
+    free = on_axis(position)
+    if free.any():
+        reached = chain.forward_kinematics(q)[..., :3, :3] @ axis
+        q[..., 0] = np.where(
+            free[..., None], _turn_to(q[..., 0], reached, rotation @ axis), q[..., 0]
+        )
+    q[..., 3] = 0.0
+    # Rotation that is left over, in the axes of the tcp: a turn about the wrist axis, and a swing.
+    rest = np.swapaxes(chain.forward_kinematics(q)[..., :3, :3], -1, -2) @ rotation[..., None, :, :]
+    swung = rest @ axis
+    along = swung @ axis
+    swing = np.arctan2(np.linalg.norm(np.cross(axis, swung), axis=-1), along)
+    antisymmetric = np.stack(
+        [
+            rest[..., 2, 1] - rest[..., 1, 2],
+            rest[..., 0, 2] - rest[..., 2, 0],
+            rest[..., 1, 0] - rest[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    turn = np.arctan2(antisymmetric @ axis, np.trace(rest, axis1=-2, axis2=-1) - along)
+    wanted = _shift(turn, g.middle[3])
+    q[..., 3] = np.clip(wanted, g.lower[3], g.upper[3])
+    # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small angles.
+    s, m = np.sin(swing / 2) ** 2, np.sin((q[..., 3] - wanted) / 2) ** 2
+    error = 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
+    missing = ~solutions.exists
+    q[missing] = np.nan
+    error = np.where(missing, np.nan, error)
+    exact = error <= EXACT_TOLERANCE
+    for array in (q, error, exact):
+        array.flags.writeable = False
+    return PoseSolutions(
+        q=q,
+        exists=solutions.exists,
+        within_limits=solutions.within_limits,
+        singular=solutions.singular,
+        position=solutions.position,
+        rotation_error=error,
+        exact=exact,
+    )
+
+
+def _wrist_axis(chain: DHChain) -> FloatArray:
+    """Axis of joint 3 in the axes of the tcp, the same in every configuration, (3,)."""
+    _, axes = chain.joint_axes(np.zeros(4))
+    return np.asarray(chain.forward_kinematics(np.zeros(4))[:3, :3].T @ axes[3])
+
+
+def _turn_to(theta_0: FloatArray, reached: FloatArray, wanted: FloatArray) -> FloatArray:
+    """theta_0 in its range that turns horizontal parts of directions onto each other."""
+    g = arm_plane()
+    off = np.arctan2(wanted[..., 1], wanted[..., 0])[..., None] - np.arctan2(
+        reached[..., 1], reached[..., 0]
+    )
+    return np.clip(_shift(theta_0 + off, g.middle[0]), g.lower[0], g.upper[0])
+
+
+def _shift(angle: FloatArray, middle: float) -> FloatArray:
+    """By full turns, into the turn around the middle of a range."""
+    turn = 2 * math.pi
+    return np.asarray(angle - turn * np.rint((angle - middle) / turn))
+
+
+def _check_rigid(target: FloatArray) -> None:
+    r = target[..., :3, :3]
+    off = np.abs(r @ np.swapaxes(r, -1, -2) - np.eye(3)).max(axis=(-1, -2))
+    rigid = (
+        (off <= ROTATION_TOLERANCE)
+        & (np.linalg.det(r) > 0)
+        & (target[..., 3, :] == (0.0, 0.0, 0.0, 1.0)).all(axis=-1)
+    )
+    if not rigid.all():
+        index = tuple(int(i) for i in np.argwhere(~rigid)[0])
+        place = f"transform[{', '.join(map(str, index))}]" if index else "transform"
+        raise InputError(
+            place, target[index].tolist(), "a rigid transform (rotation, translation, 0 0 0 1)"
+        )

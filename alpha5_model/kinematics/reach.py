@@ -1,0 +1,141 @@
+"""What the tcp can reach, exactly: inside or not, how far off, and the nearest point.
+
+Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97 degrees, so a
+wedge of azimuths is closed to the underarm pose and the opposite wedge to the overarm pose. The set is
+the union of the two poses, each turned through the azimuths that it can face. A point in the closed
+wedge of one pose may still be reached by the other, and the nearest point of a pose to a target in its
+wedge lies in the wedge's face.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
+from alpha5_model.kinematics.ik import inverse_kinematics
+
+#: Rows per block, to bound the scratch.
+_BLOCK = 8192
+_TAU = 2 * math.pi
+
+
+def reachable(positions: ArrayLike, limits: bool = True) -> NDArray[np.bool_]:
+    """Whether the tcp reaches a point: any branch of the inverse kinematics does.
+
+    The wrist angle moves no point and plays no part.
+
+    Args:
+        positions: In ``base_link``, (..., 3) [m].
+        limits: Respect the limits of theta_0, theta_1 and theta_2; without, all angles are free.
+
+    Returns:
+        (...) bool; the boundary belongs to the set.
+
+    Raises:
+        InputError: Not real numbers of that shape; `NonFiniteError` names a bad row.
+    """
+    target = float_array("positions", positions, (3,))
+    rows = target.reshape(-1, 3)
+    out = np.empty(len(rows), np.bool_)
+    wrist = arm_plane().middle[3]
+    for start in range(0, len(rows), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        solutions = inverse_kinematics(rows[part], wrist)
+        (solutions.within_limits if limits else solutions.exists).any(axis=-1, out=out[part])
+    return out.reshape(target.shape[:-1])
+
+
+def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
+    """Distance to the nearest reachable point, exactly 0 inside.
+
+    Args:
+        positions, limits: As for `reachable`.
+
+    Returns:
+        (...) [m].
+    """
+    target, nearest = _nearest(positions, limits)
+    return np.asarray(np.sqrt(np.square(target - nearest).sum(axis=-1)))
+
+
+def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
+    """The nearest reachable point; a reachable one is returned as it is.
+
+    Args:
+        positions, limits: As for `reachable`.
+
+    Returns:
+        (..., 3) [m].
+    """
+    return _nearest(positions, limits)[1]
+
+
+def _nearest(positions: ArrayLike, limits: bool) -> tuple[FloatArray, FloatArray]:
+    target = float_array("positions", positions, (3,))
+    rows = target.reshape(-1, 3)
+    out = rows.copy()
+    for start in range(0, len(rows), _BLOCK):
+        part = out[start : start + _BLOCK]
+        outside = np.flatnonzero(~reachable(part, limits))
+        if len(outside):
+            part[outside] = _project(part[outside], limits)
+    return target, out.reshape(target.shape)
+
+
+def _project(points: FloatArray, limits: bool) -> FloatArray:
+    """Nearest reachable point of points that are outside, (N, 3)."""
+    best = np.full(len(points), np.inf)
+    out = np.empty_like(points)
+    for side in SIDES[:2]:
+        azimuth = _allowed_azimuth(points, side, limits)
+        cos, sin = np.cos(azimuth), np.sin(azimuth)
+        # In the half-plane at that azimuth; what sticks out of it no motion within it removes.
+        radius = points[:, 0] * cos + points[:, 1] * sin
+        beside = points[:, 1] * cos - points[:, 0] * sin
+        foot = _project_in_plane(np.stack([radius, points[:, 2]], axis=-1), side, limits)
+        distance = (foot[:, 0] - radius) ** 2 + (foot[:, 1] - points[:, 2]) ** 2 + beside**2
+        closer = distance < best
+        best = np.where(closer, distance, best)
+        found = np.stack([foot[:, 0] * cos, foot[:, 0] * sin, foot[:, 1]], axis=-1)
+        out[closer] = found[closer]
+    return out
+
+
+def _allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
+    """The azimuth nearest to each point's own that a pose can face, (N,) [rad]."""
+    azimuth = np.arctan2(points[:, 1], points[:, 0])
+    if not limits:
+        return azimuth
+    g = arm_plane()
+    middle = g.middle[0] + g.azimuth_offset - (math.pi if side == "overarm" else 0.0)
+    half = (g.upper[0] - g.lower[0]) / 2
+    off = azimuth - middle
+    off -= _TAU * np.rint(off / _TAU)
+    return np.where(np.abs(off) <= half, azimuth, middle + np.clip(off, -half, half))
+
+
+def _project_in_plane(points: FloatArray, side: str, limits: bool) -> FloatArray:
+    """Nearest reachable (R, z) to points with R >= 0, (N, 2)."""
+    out = points.copy()
+    best = np.where(
+        in_half_plane(np.maximum(points[:, 0], 0.0), points[:, 1], side, limits), 0.0, np.inf
+    )
+    for arc in boundary(side, limits):
+        offset = points - arc.center
+        angle = np.arctan2(offset[:, 1], offset[:, 0])
+        span = arc.end - arc.start
+        along = (angle - arc.start) % _TAU
+        # Beyond the arc: its nearer end.
+        beyond_end = along - span < _TAU - along
+        along = np.where(along <= span, along, np.where(beyond_end, span, 0.0))
+        foot = arc.points(arc.start + along)
+        distance = np.square(foot - points).sum(axis=-1)
+        closer = distance < best
+        best = np.where(closer, distance, best)
+        out[closer] = foot[closer]
+    return out

@@ -1,0 +1,189 @@
+"""The workspace: as published, as it is, and how much of the published one is wrong.
+
+`boundary` gives the exact arcs, `reachable`, `distance_to_reach` and `nearest_reachable` answer for
+points, `manipulability` and `singularities` for joint positions.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
+from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
+from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable, reachable
+from alpha5_model.kinematics.singularities import (
+    Singularities,
+    manipulability,
+    singular_elbow_angles,
+    singularities,
+)
+from alpha5_model.parameters import parameters
+from alpha5_model.published import published
+
+__all__ = [
+    "SIDES",
+    "Arc",
+    "PublishedErrors",
+    "Singularities",
+    "Torus",
+    "boundary",
+    "cross_section_area",
+    "distance_to_reach",
+    "manipulability",
+    "nearest_reachable",
+    "published_errors",
+    "published_reachable",
+    "published_tori",
+    "reachable",
+    "singular_elbow_angles",
+    "singularities",
+    "volume",
+]
+
+
+class Torus(NamedTuple):
+    """One of the document's three limits, ``(R - R_c)^2 + (z - z_c)^2 <= or >= radius^2``.
+
+    Attributes:
+        name: ``"outer"``, ``"inner"`` or ``"downward"``.
+        center: (R_c, z_c) in the half-plane [m].
+        radius: [m].
+        inside: The inequality is <=.
+    """
+
+    name: str
+    center: tuple[float, float]
+    radius: float
+    inside: bool
+
+
+@dataclass(frozen=True)
+class PublishedErrors:
+    """The published region against the reachable set with the joint limits.
+
+    Areas are of the half-plane where both poses can turn to it; volumes count the closed wedges too.
+
+    Attributes:
+        published_area, reachable_area: [m^2].
+        unreachable_area: Published, and not reachable [m^2].
+        missed_area: Reachable, and not published [m^2].
+        published_volume, reachable_volume, unreachable_volume, missed_volume: The same [m^3].
+    """
+
+    published_area: float
+    reachable_area: float
+    unreachable_area: float
+    missed_area: float
+    published_volume: float
+    reachable_volume: float
+    unreachable_volume: float
+    missed_volume: float
+
+
+@cache
+def published_tori() -> tuple[Torus, Torus, Torus]:
+    """The three limits of Section 1.2 as printed: 39.94 mm where Table 1 has 40, d_3 negative."""
+    dh, printed = parameters().dh, published().workspace
+    a_0, a_1, a_2, d_0, d_3 = dh[0].a, dh[1].a, dh[2].a, dh[0].d, dh[3].d
+    return (
+        Torus("outer", (a_0, d_0), a_1 + math.sqrt(d_3**2 + a_2**2), True),
+        Torus(
+            "inner",
+            (a_0, d_0),
+            math.hypot(printed.inner_offset.si + a_2, printed.inner_length.si + d_3),
+            False,
+        ),
+        Torus("downward", (a_0, d_0 - printed.downward_drop.si), -d_3, False),
+    )
+
+
+def published_reachable(positions: ArrayLike) -> NDArray[np.bool_]:
+    """Whether a point satisfies all three inequalities of Section 1.2.
+
+    Args:
+        positions: In ``base_link``, (..., 3) [m].
+
+    Returns:
+        (...) bool.
+    """
+    target = float_array("positions", positions, (3,))
+    return _in_tori(np.hypot(target[..., 0], target[..., 1]), target[..., 2])
+
+
+def cross_section_area(side: str = "both", limits: bool = True) -> float:
+    """Area of the reachable part of a half-plane through the yaw axis, exact [m^2].
+
+    Args:
+        side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union.
+        limits: Respect the limits of theta_1 and theta_2.
+    """
+    return area(boundary(side, limits))
+
+
+def volume(limits: bool = True) -> float:
+    """Volume of the reachable set, exact [m^3].
+
+    Args:
+        limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge of azimuths
+            belongs to the overarm pose alone, and the opposite one to the underarm pose alone.
+    """
+    return _revolved({side: first_moment(boundary(side, limits)) for side in SIDES}, limits)
+
+
+@cache
+def published_errors() -> PublishedErrors:
+    """How much of the published region cannot be reached, and what it misses."""
+    tori = [
+        Arc(torus.center, torus.radius, 0.0, 2 * math.pi, 0, torus.name, "published")
+        for torus in published_tori()
+    ]
+    printed = trace(tori, _in_tori)
+    curves = [*tori, *(curve for side in SIDES[:2] for curve in side_curves(side))]
+    wrong, missed = {}, {}
+    for side in SIDES:
+
+        def is_wrong(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
+            return _in_tori(R, z) & ~in_half_plane(R, z, side)
+
+        def is_missed(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
+            return in_half_plane(R, z, side) & ~_in_tori(R, z)
+
+        wrong[side] = trace(curves, is_wrong)
+        missed[side] = trace(curves, is_missed)
+    return PublishedErrors(
+        published_area=area(printed),
+        reachable_area=cross_section_area(),
+        unreachable_area=area(wrong["both"]),
+        missed_area=area(missed["both"]),
+        published_volume=2 * math.pi * first_moment(printed),
+        reachable_volume=volume(),
+        unreachable_volume=_revolved({s: first_moment(a) for s, a in wrong.items()}, limits=True),
+        missed_volume=_revolved({s: first_moment(a) for s, a in missed.items()}, limits=True),
+    )
+
+
+def _in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    inside = np.ones(np.shape(radius), np.bool_)
+    for torus in published_tori():
+        squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2
+        inside &= squared <= torus.radius**2 if torus.inside else squared >= torus.radius**2
+    return inside
+
+
+def _revolved(moments: dict[str, float], limits: bool) -> float:
+    """Volume from the first moments of the half-planes that each azimuth sees [m^3]."""
+    if not limits:
+        return 2 * math.pi * moments["both"]
+    g = arm_plane()
+    wedge = 2 * math.pi - (g.upper[0] - g.lower[0])
+    return (2 * math.pi - 2 * wedge) * moments["both"] + wedge * (
+        moments["underarm"] + moments["overarm"]
+    )
