@@ -9,7 +9,6 @@ import typer
 
 if TYPE_CHECKING:
     from alpha5_model.checks import FloatArray
-    from alpha5_model.dynamics.arm import Arm
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)
@@ -63,7 +62,9 @@ def _describe(output: Path) -> bool:
             typer.echo(f"     {row.check}: {row.finding}")
         for row in rows:
             if row.measured is not None:
-                typer.echo(f"     {row.check}: {row.measured:.1e} {row.unit} at most")
+                typer.echo(
+                    f"     {row.check}: off by {row.measured:.1e} {row.unit}".rstrip() + " at most"
+                )
         passed = passed and not failed
     return passed
 
@@ -74,13 +75,15 @@ def _audit() -> None:
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
     typer.echo("2. The document against itself")
-    typer.echo(f"   {len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not:")
+    typer.echo(
+        f"   {len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not:"
+    )
     for topic in dict.fromkeys(row.topic for row in beyond):
         found = [row for row in beyond if row.topic == topic]
         row = found[0]
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
         figures = f"{row.measured:.3g} {row.unit}".strip()
-        typer.echo(f"     {row.place}{more}: {figures}, not {row.relation} {row.expected:.3g}")
+        typer.echo(f"     {row.place}{more}: {figures}, expected {row.relation} {row.expected:.3g}")
 
 
 def _solve() -> FloatArray:
@@ -108,12 +111,16 @@ def _compute(q: FloatArray) -> None:
     from alpha5_model.dynamics.loading import load
 
     water, air = load(), load(fluid_density=0.0)
-    typer.echo(f"4. Torque [N m] that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)")
+    typer.echo(
+        f"4. Torque [N m] that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)"
+    )
     typer.echo("   joint      weight   buoyancy   in water     in air")
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
     for i, name in enumerate(water.joint_names):
-        typer.echo("   " + name + "".join(f"{column[i] + 0.0:11.4f}" for column in columns))
+        typer.echo(
+            "   " + name + "".join(f"{round(column[i], 4) + 0.0:11.4f}" for column in columns)
+        )
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:
@@ -127,13 +134,15 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     from alpha5_model.view.tour import tour
 
     typer.echo("5. Pictures")
-    arm: Arm = load(gripper="jaws")
+    arm = load(gripper="jaws")
     poses = named_poses(arm)
     joint = arm.joint_names.index("axis_a")
     there = np.append(q, poses["home"][joint])
     opened = there.copy()
     opened[joint] = 0.008
-    motion = tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]], arm.joint_names)
+    motion = tour(
+        [poses["stow"], poses["home"], there, opened, there, poses["stow"]], arm.joint_names
+    )
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
     scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)
     page = atomic_write(output / "alpha5.html", static_page(scene))

@@ -5,9 +5,14 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+
+if TYPE_CHECKING:
+    from alpha5_model.trajectory import Motion
 
 
 def register(app: typer.Typer) -> None:
@@ -17,10 +22,10 @@ def register(app: typer.Typer) -> None:
 
 def view(
     pose: Annotated[
-        str, typer.Option(help="stow, home, reach, or joint positions with commas [rad].")
+        str, typer.Option(help="stow, home, reach, or joint positions with commas (rad).")
     ] = "home",
     target: Annotated[
-        str | None, typer.Option(help="x,y,z [m]: show every solution of its inverse kinematics.")
+        str | None, typer.Option(help="x,y,z (m): show every solution of its inverse kinematics.")
     ] = None,
     motion: Annotated[
         Path | None, typer.Option(help="Recording (CSV) to play in real time.")
@@ -33,7 +38,7 @@ def view(
         ),
     ] = None,
     gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "jaws",
-    fluid_density: Annotated[float, typer.Option(help="[kg/m^3]; 0 is air.")] = 1025.0,
+    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
     html: Annotated[
         Path | None, typer.Option(help="Write one page that works from disk, and end.")
     ] = None,
@@ -62,11 +67,11 @@ def view(
     from alpha5_model.dynamics.loading import load
     from alpha5_model.view.build import build_scene, pose_of
 
-    arm = load(gripper=gripper, fluid_density=fluid_density)
+    arm = load(gripper=gripper, fluid_density=fluid_density(fluid))
     scene = build_scene(
         arm,
         pose_of(arm, pose),
-        target=None if target is None else _numbers("target", target),
+        target=None if target is None else triple("target", target),
         motion=None if motion is None else _read(motion),
         show=_groups(show, target is not None),
     )
@@ -120,15 +125,6 @@ def _groups(show: str | None, ghosts: bool) -> list[str] | None:
     return [*DEFAULT_SHOW, "ghosts"] if ghosts else None
 
 
-def _numbers(name: str, text: str) -> list[float]:
-    from alpha5_model.errors import InputError
-
-    try:
-        return [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        raise InputError(name, text, "numbers with commas, such as 0.3,0.1,0.2") from None
-
-
 def _size(text: str) -> tuple[int, int]:
     from alpha5_model.errors import InputError
 
@@ -139,7 +135,7 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-def _read(path: Path):  # type: ignore[no-untyped-def]
+def _read(path: Path) -> Motion:
     from alpha5_model.trajectory import read_motion
 
     return read_motion(path)

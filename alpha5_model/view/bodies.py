@@ -84,7 +84,9 @@ def _capsule(radius: float, half: float) -> Mesh:
 
 
 def _box(size: FloatArray) -> Mesh:
-    vertices, normals, faces = [], [], []
+    vertices: list[FloatArray] = []
+    normals: list[FloatArray] = []
+    faces: list[list[int]] = []
     for axis in range(3):
         for side in (-0.5, 0.5):
             normal = np.zeros(3)
@@ -124,4 +126,3 @@ def read_obj(path: str) -> Mesh:
     return Mesh(
         vertices[pairs[:, 0]], normals[pairs[:, 1]], inverse.reshape(-1, 3).astype(np.uint32)
     )
-

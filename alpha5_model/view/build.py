@@ -17,6 +17,7 @@ from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
+from alpha5_model.view.reach import workspace_shapes
 from alpha5_model.view.scene import (
     DEFAULT_SHOW,
     GROUPS,
@@ -78,10 +79,12 @@ def build_scene(
         raise ShapeError("q", position.shape, f"shape ({arm.model.nq},)")
     poses = link_poses(arm, tree, position)
     loads = _loads(arm, tree)
-    shown = tuple(choice("group", g, tuple(GROUPS)) for g in (DEFAULT_SHOW if show is None else show))
+    shown = tuple(
+        choice("group", g, tuple(GROUPS)) for g in (DEFAULT_SHOW if show is None else show)
+    )
     folder = str(source.parent)
     shapes = [*_bodies(text, folder), *_frames(tree), *_centers(loads), *_forces(arm, loads)]
-    shapes += _collision(text, folder)
+    shapes += [*_collision(text, folder), *workspace_shapes()]
     labels = [*_frame_labels(tree, sliders), *_center_labels(loads), *_force_labels(arm, loads)]
     if target is not None:
         ghosts, ghost_labels = _ghosts(arm, tree, shapes, position, target)
@@ -352,7 +355,9 @@ def _ghosts(
         where = np.eye(4)
         where[:3, 3] = poses["link_3"][:3, 3]
         limits = "" if solutions.within_limits[i] else ", beyond the limits"
-        labels.append(Label("ghosts", branch.replace("_", " ") + limits, Rigid(WORLD, where), _GHOSTS[i]))
+        labels.append(
+            Label("ghosts", branch.replace("_", " ") + limits, Rigid(WORLD, where), _GHOSTS[i])
+        )
     at = np.eye(4)
     at[:3, 3] = base[:3, :3] @ point + base[:3, 3]
     marker = ball(0.008, (0.85, 0.1, 0.5), _WHITE)
@@ -361,9 +366,7 @@ def _ghosts(
     return ghosts, labels
 
 
-def _camera(
-    shapes: Sequence[Shape], poses: dict[str, FloatArray], shown: Sequence[str]
-) -> Camera:
+def _camera(shapes: Sequence[Shape], poses: dict[str, FloatArray], shown: Sequence[str]) -> Camera:
     points = np.concatenate(
         [
             s.mesh.vertices @ t[:3, :3].T + t[:3, 3]

@@ -35,7 +35,7 @@ class Command:
 
     def packed(self) -> bytes:
         """The message as the browser reads it."""
-        import umsgpack
+        import umsgpack  # type: ignore[import-untyped]
 
         return bytes(umsgpack.packb(self.content))
 

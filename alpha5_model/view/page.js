@@ -236,7 +236,9 @@ const alpha5 = (() => {
   // ---- camera: meshcat's camera sits in a frame turned so that its y axis is up
   const swap = ([x, y, z]) => [x, z, -y];
   viewer.camera.fov = data.camera.fieldOfView;
-  viewer.camera.position.set(...swap(data.camera.eye));
+  // A little further away than a picture: the arm will move.
+  const eye = vector(data.camera.eye).sub(vector(data.camera.target)).multiplyScalar(1.15).add(vector(data.camera.target));
+  viewer.camera.position.set(...swap(eye.toArray()));
   viewer.controls.target.set(...swap(data.camera.target));
   // Centre the arm in what the panel leaves free.
   const resize = viewer.set_3d_pane_size.bind(viewer);

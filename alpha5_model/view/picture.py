@@ -54,7 +54,7 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
             if shape.on_top == layer:
                 _draw(canvas, scene, shape, 1.0)
     fine = canvas.color.reshape(height, _FINER, width, _FINER, 3).mean(axis=(1, 3))
-    pixels = np.clip(fine * 255.0 + 0.5, 0, 255).astype(np.uint8)
+    pixels: NDArray[np.uint8] = np.clip(fine * 255.0 + 0.5, 0, 255).astype(np.uint8)
     if "labels" not in scene.show:
         return pixels
     labels = [label for label in scene.labels if label.group in scene.show]
@@ -82,8 +82,7 @@ def _write(
 ) -> NDArray[np.uint8]:
     from PIL import Image, ImageDraw, ImageFont
 
-    height, width = pixels.shape[:2]
-    text_height = max(11, round(height / 62))
+    text_height = max(11, round(len(pixels) / 62))
     font = ImageFont.load_default(size=text_height)
     image = Image.fromarray(pixels)
     draw = ImageDraw.Draw(image, "RGBA")

@@ -71,8 +71,6 @@ class Canvas:
         depth = self._depth if opacity == 1.0 else self._depth.copy()
         layer = self.color if opacity == 1.0 else self.color.copy()
         for pixel, distance, corner, weight in self._fragments(screen, faces, two_sided):
-            near = distance < depth[pixel]
-            pixel, distance, corner, weight = (a[near] for a in (pixel, distance, corner, weight))
             np.minimum.at(depth, pixel, distance)
             seen = depth[pixel] == distance
             mixed = np.einsum("nk,nkc->nc", weight[seen], colors[corner[seen]])

@@ -6,6 +6,7 @@ Every body is a `Mesh` with a normal at each corner, so that the page and the pi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,7 +64,7 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
     angles = np.linspace(0.0, 2 * np.pi, sides + 1)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     parts = []
-    for (r0, z0), (r1, z1) in zip(points[:-1], points[1:], strict=True):
+    for (r0, z0), (r1, z1) in pairwise(points):
         slope = np.hypot(r1 - r0, z1 - z0)
         if slope == 0.0:
             continue
@@ -138,7 +139,7 @@ def triad(length: float, radius: float) -> Mesh:
 def tube(points: FloatArray, radius: float, sides: int = 6) -> Mesh:
     """A thin tube along a polyline (N, 3) [m]: a line that keeps its width in every renderer."""
     parts = []
-    for start, end in zip(points[:-1], points[1:], strict=True):
+    for start, end in pairwise(points):
         step = end - start
         length = float(np.linalg.norm(step))
         if length > 0.0:

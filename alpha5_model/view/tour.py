@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,10 +42,10 @@ def tour(waypoints: ArrayLike, joints: Sequence[str] | None = None, pause: float
         raise InputError("waypoints", poses.shape, "at least two poses in rows")
     speed = np.array([known[name].velocity for name in names])
     pieces: list[FloatArray] = [np.repeat(poses[:1], round(pause * _RATE), axis=0)]
-    for start, end in zip(poses[:-1], poses[1:], strict=True):
+    for start, end in pairwise(poses):
         duration = float(np.max(np.pi / 2 * np.abs(end - start) / speed))
         phase = np.linspace(0.0, np.pi, max(2, round(duration * _RATE) + 2))[1:]
         pieces.append(start + (end - start) * ((1.0 - np.cos(phase)) / 2)[:, None])
         pieces.append(np.repeat(end[None], round(pause * _RATE), axis=0))
     q = np.concatenate(pieces)
-    return motion(np.arange(len(q)) / _RATE, q, joints=names)
+    return replace(motion(np.arange(len(q)) / _RATE, q, joints=names), source="a short motion")

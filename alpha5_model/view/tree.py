@@ -41,8 +41,8 @@ class TreeJoint:
 
 def joint_tree(urdf: str) -> tuple[TreeJoint, ...]:
     """Joints of a URDF text, every parent before its children."""
-    pending = [_joint(element) for element in ElementTree.fromstring(urdf).iter("joint")]
-    pending = [joint for joint in pending if joint is not None]
+    found = [_joint(element) for element in ElementTree.fromstring(urdf).iter("joint")]
+    pending = [joint for joint in found if joint is not None]
     known = {joint.parent for joint in pending} - {joint.child for joint in pending}
     ordered: list[TreeJoint] = []
     while pending:
@@ -77,7 +77,9 @@ def _joint(element: ElementTree.Element) -> TreeJoint | None:
         child=child.attrib["link"],
         placement=origin_matrix(element.find("origin")),
         kind="revolute" if kind == "continuous" else kind,
-        axis=np.array([float(v) for v in ("1 0 0" if axis is None else axis.attrib["xyz"]).split()]),
+        axis=np.array(
+            [float(v) for v in ("1 0 0" if axis is None else axis.attrib["xyz"]).split()]
+        ),
         lower=float(bounds.get("lower", 0.0)),
         upper=float(bounds.get("upper", 0.0)),
         source=follows.get("joint", name),

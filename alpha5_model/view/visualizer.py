@@ -92,4 +92,3 @@ def _due(count: int, step: float, start: float) -> Iterator[int]:
             continue
         row = due
         yield row
-
