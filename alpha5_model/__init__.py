@@ -20,10 +20,10 @@ from alpha5_model.view import view
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from alpha5_model.consistency.document import audit as audit
-    from alpha5_model.kinematics import dh as dh
     from alpha5_model import actuators as actuators
     from alpha5_model import trajectory as trajectory
+    from alpha5_model.comparison.report import compare as compare
+    from alpha5_model.consistency.document import audit as audit
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
     from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
-    from alpha5_model.comparison.report import compare as compare
+    from alpha5_model.kinematics import dh as dh
     from alpha5_model.kinematics import planar as planar
     from alpha5_model.kinematics import workspace as workspace
     from alpha5_model.kinematics.ik import BRANCHES as BRANCHES

@@ -91,7 +91,7 @@ def generate(
     if not output.suffix:
         raise OutputError(output, "give a file name, such as alpha5.urdf")
     if mesh_uri == "relative":
-        for mesh in sorted(meshes.glob("*.obj")):
+        for mesh in sorted([*meshes.glob("*.obj"), *meshes.glob("*.mtl")]):
             atomic_write(output.parent / "meshes" / mesh.name, mesh.read_bytes())
     typer.echo(f"wrote {atomic_write(output, text)}")
     return 0

@@ -13,7 +13,13 @@ from alpha5_model import __version__
 from alpha5_model.errors import Alpha5Error
 
 #: Modules of this package, each with a ``register(app)``, in the order of ``alpha5 --help``.
-COMMANDS: tuple[str, ...] = ("demo", "generate", "compare", "trajectory", "view")
+COMMANDS: tuple[str, ...] = (
+    "demo",
+    "generate",
+    "compare",
+    "trajectory",
+    "view",
+)
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
 _PARSER_ERROR: Any = typer.BadParameter.__mro__[2]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from alpha5_model.description.meshes import mesh_files
 from alpha5_model.description.parameter_file import parameter_yaml
+from alpha5_model.description.srdf import srdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.files import atomic_write
 from alpha5_model.parameters import parameters
@@ -33,6 +34,8 @@ def generated_files() -> dict[str, bytes]:
         "xacro/parameters.yaml": parameter_yaml(parameters()),
         "urdf/alpha5.urdf": urdf(Variant()),
         "urdf/alpha5_jaws.urdf": urdf(Variant(gripper="jaws")),
+        "urdf/alpha5.srdf": srdf(),
+        "urdf/alpha5_jaws.srdf": srdf("jaws"),
     }
     return {
         **{path: text.encode("utf-8") for path, text in texts.items()},

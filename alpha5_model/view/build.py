@@ -205,7 +205,7 @@ def _bodies(text: str, folder: str) -> list[Shape]:
     return [
         Shape(
             "bodies",
-            f"{body.link}/part_{i}",
+            f"{body.link}/part_{[other.link for other in bodies[:i]].count(body.link)}",
             Rigid(body.link),
             body.mesh,
             body.color[:3],

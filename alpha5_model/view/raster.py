@@ -105,7 +105,8 @@ class Canvas:
             wa = _cross(b[t, :2] - p, c[t, :2] - p) / area[t]
             wb = _cross(c[t, :2] - p, a[t, :2] - p) / area[t]
             wc = 1.0 - wa - wb
-            inside = (wa >= 0.0) & (wb >= 0.0) & (wc >= 0.0)
+            # A pixel centre on a shared edge belongs to both sides, however it is rounded.
+            inside = np.minimum(np.minimum(wa, wb), wc) >= -1e-9
             t, wa, wb, wc = t[inside], wa[inside], wb[inside], wc[inside]
             weight = np.stack([wa, wb, wc], axis=1)
             # 1/distance is linear on the screen

@@ -7,7 +7,7 @@ from alpha5_model.description.bodies.solid import Solid, box, circle_of, cylinde
 
 
 def base_blank() -> Solid:
-    """The base without its connector recess, in link_0 [mm]."""
+    """The outside of the base, in link_0 [mm]."""
     d = BASE
     hub = cylinder(
         RADIUS, d.hub_low, d.hub_high, edges=(1.5, 0.6), grooves=[(d.hub_high - 4, 1.6, 0.8)]
@@ -15,15 +15,17 @@ def base_blank() -> Solid:
     tube = cylinder(
         RADIUS,
         d.rear,
-        -2.0,
+        d.tube_front,
         axis="x",
-        edges=(1.5, 0.0),
-        grooves=[(-34.0, 1.6, 0.8), (-44.0, 1.6, 0.8)],
+        edges=(1.5, 1.5),
+        grooves=[(d.tube_front - 13.0, 1.6, 0.8), (d.tube_front - 23.0, 1.6, 0.8)],
     )
-    tube -= box((-d.relief, -40.0, d.hub_high - 1.0), (0.0, 40.0, 40.0))
+    neck = box(
+        (d.tube_front - 2.0, -d.neck_half_width, -d.neck_half_height),
+        (-8.0, d.neck_half_width, d.neck_half_height),
+    )
     bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 13.5, 30.0)
-    shaft = cylinder(d.shaft_radius, d.hub_high - d.shaft_depth, d.hub_high + 1)
-    return union([hub, tube, _foot()]) - bolts - shaft
+    return union([hub, tube, neck, _foot()]) - bolts
 
 
 def _foot() -> Solid:
@@ -32,7 +34,7 @@ def _foot() -> Solid:
     outline = [
         (d.rear, d.foot_face),
         (d.foot_front, d.foot_face),
-        (d.foot_slope, -17.0),
+        (d.foot_slope, d.foot_edge),
         (d.foot_slope, 0.0),
         (d.rear, 0.0),
     ]
@@ -49,11 +51,12 @@ def _foot() -> Solid:
 
 
 def bored(blank: Solid, depth: float) -> Solid:
-    """Bore the connector recess to a depth and stand the connector in it."""
+    """Bore the shaft's hole under link 1, and the connector recess with its connector to a depth."""
     d = BASE
     at = [0, d.recess_offset, 0]
+    shaft = cylinder(d.shaft_radius, d.hub_high - d.shaft_depth, d.hub_high + 1)
     recess = cylinder(d.recess_radius, d.rear - 1, d.rear + depth, axis="x").translate(at)
     plug = cylinder(
         d.plug_radius, d.rear + d.plug_start, d.rear + depth + 1, axis="x", edges=(0.8, 0)
     ).translate(at)
-    return (blank - recess) + plug
+    return (blank - shaft - recess) + plug

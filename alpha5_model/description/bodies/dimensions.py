@@ -16,6 +16,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from alpha5_model.errors import PublishedDataError
+from alpha5_model.published import published
+from alpha5_model.published.quantity import Quantity
+
 SOURCES = ("measured", "printed", "chosen")
 
 
@@ -30,10 +34,14 @@ class Dimension(float):
         return number
 
 
+def _printed(length: Quantity | str) -> Dimension:
+    if isinstance(length, str):
+        raise PublishedDataError("Table 1", f"expected a length, got {length!r}")
+    return Dimension(float(length.value), "printed")
+
+
 #: Every turned part has this radius.
 RADIUS = Dimension(20.0, "measured")
-#: Width of the seam between two bodies that turn against each other.
-SEAM = Dimension(0.4, "chosen")
 
 
 @dataclass(frozen=True)
@@ -43,9 +51,11 @@ class BaseDimensions:
     Attributes:
         rear: x of the tube's far end.
         hub_low, hub_high: z of the hub's faces; the upper one carries link 1.
-        relief: Distance from z up to which the tube's top is cut down to the hub's, for link 1 to turn.
+        tube_front: x of the tube's end at the hub, clear of link 1's collar, which turns above the hub.
+        neck_half_width, neck_half_height: Halves of the block between tube and hub, along y and z.
         foot_face: y of the foot's mounting face.
         foot_front, foot_slope: x where the foot's flat face ends, and where its slope meets the tube.
+        foot_edge: y where the slope ends.
         foot_half_width: Half of its width along z.
         recess_offset: y of the connector recess's axis; towards +y, it moves the centroid to -y.
         recess_radius: Its radius.
@@ -56,17 +66,20 @@ class BaseDimensions:
     rear: Dimension = Dimension(-126.65, "measured")
     hub_low: Dimension = Dimension(-20.0, "measured")
     hub_high: Dimension = Dimension(13.4, "chosen")
-    relief: Dimension = Dimension(21.2, "chosen")
+    tube_front: Dimension = Dimension(-21.2, "chosen")
+    neck_half_width: Dimension = Dimension(16.0, "chosen")
+    neck_half_height: Dimension = Dimension(12.0, "chosen")
     foot_face: Dimension = Dimension(-24.0, "measured")
     foot_front: Dimension = Dimension(-80.0, "chosen")
     foot_slope: Dimension = Dimension(-58.0, "chosen")
+    foot_edge: Dimension = Dimension(-17.0, "chosen")
     foot_half_width: Dimension = Dimension(18.0, "chosen")
     recess_offset: Dimension = Dimension(4.0, "chosen")
     recess_radius: Dimension = Dimension(14.0, "chosen")
     plug_radius: Dimension = Dimension(6.0, "chosen")
     plug_start: Dimension = Dimension(7.0, "chosen")
     shaft_radius: Dimension = Dimension(12.0, "chosen")
-    shaft_depth: Dimension = Dimension(16.0, "chosen")
+    shaft_depth: Dimension = Dimension(8.0, "chosen")
 
 
 @dataclass(frozen=True)
@@ -85,7 +98,7 @@ class ShellDimensions:
         bore_shift: z of the half-shell's bore axis; thickens the wall towards the cheek.
     """
 
-    axes_apart: Dimension = Dimension(20.0, "printed")
+    axes_apart: Dimension
     collar_face: Dimension = Dimension(32.4, "measured")
     floor: Dimension = Dimension(20.6, "chosen")
     rim: Dimension = Dimension(-2.0, "chosen")
@@ -108,8 +121,8 @@ class UpperArmDimensions:
         cheek_relief: Radius around a joint axis that is left free for a cheek to turn in.
     """
 
-    reach: Dimension = Dimension(145.3, "printed")
-    drop: Dimension = Dimension(40.0, "printed")
+    reach: Dimension
+    drop: Dimension
     tube_start: Dimension = Dimension(18.5, "chosen")
     neck: Dimension = Dimension(14.0, "chosen")
     barrel_low: Dimension = Dimension(-20.0, "measured")
@@ -123,6 +136,7 @@ class WristDimensions:
 
     Attributes:
         tube_start: Distance of the tube's first face from the elbow axis.
+        rings: Distances of the ring grooves from the elbow axis.
         collar_height: Height of the jaw collar above its base.
         slot_half_width, slot_depth: Slot across the collar in which the fingers turn.
         rod_radius, rod_depth: Bore on the axis in the slot's floor, where the jaw rod comes out.
@@ -130,6 +144,7 @@ class WristDimensions:
     """
 
     tube_start: Dimension = Dimension(33.0, "measured")
+    rings: tuple[float, ...] = (41.0, 51.0, 78.0, 88.0, 118.0, 128.0)
     collar_height: Dimension = Dimension(12.0, "measured")
     slot_half_width: Dimension = Dimension(5.6, "chosen")
     slot_depth: Dimension = Dimension(10.6, "chosen")
@@ -168,7 +183,9 @@ class FingerDimensions:
 
 
 BASE = BaseDimensions()
-SHELL = ShellDimensions()
-UPPER_ARM = UpperArmDimensions()
+SHELL = ShellDimensions(axes_apart=_printed(published().table_1.rows[0].a))
+UPPER_ARM = UpperArmDimensions(
+    reach=_printed(published().elbow.adjacent), drop=_printed(published().elbow.opposite)
+)
 WRIST = WristDimensions()
 FINGER = FingerDimensions()

@@ -8,7 +8,8 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies.dimensions import FINGER
 from alpha5_model.description.bodies.solid import Solid, box, cylinder, loft, union
 
-_STATIONS = 33
+#: Points on either side of the blade.
+STATIONS = 33
 _GAP = 0.15  # between the closed fingers, each side of the middle
 
 
@@ -22,10 +23,12 @@ def centre_line(parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
     return CubicSpline(knots, points)(parameter), np.interp(parameter, knots, FINGER.half_widths)
 
 
-def outline(inset: float) -> FloatArray:
-    """Outline of the finger's blade, counter-clockwise, (2 n, 2) [mm], drawn in by ``inset``."""
-    parameter = np.linspace(0.0, 1.0, _STATIONS)
-    points, half = centre_line(parameter)
+def ribbon(start: float = 0.0, stop: float = 1.0, inset: float = 0.0) -> FloatArray:
+    """Outline of the blade between two parameters, counter-clockwise, (2 n, 2) [mm].
+
+    From start to stop on the inner side, back on the outer side; drawn in by ``inset``.
+    """
+    points, half = centre_line(np.linspace(start, stop, STATIONS))
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     right = np.column_stack([tangent[:, 1], -tangent[:, 0]]) * (half - inset)[:, None]
@@ -44,9 +47,8 @@ def finger_blank(width: float, pivot_offset: float, length: float) -> Solid:
         length: From the hinge to the tip.
     """
     d, h, edge = FINGER, width / 2, 0.8
-    blade = loft(
-        [outline(edge), outline(0), outline(0), outline(edge)], [-h, edge - h, h - edge, h]
-    )
+    broken, full = ribbon(inset=edge), ribbon()
+    blade = loft([broken, full, full, broken], [-h, edge - h, h - edge, h])
     lug = cylinder(d.lug_radius, -h, h, edges=(0.5, 0.5), segments=36)
     beyond = box((pivot_offset - d.hook - _GAP, -50, -50), (50, 150, _GAP)) + box(
         (pivot_offset + d.hook - _GAP, -50, -50), (50, 150, 50)

@@ -89,7 +89,7 @@ def _corner(radius: float, height: float, edge: float, side: float) -> list[tupl
 
 def box(low: Sequence[float], high: Sequence[float]) -> Solid:
     """A box between two corners."""
-    size = [h - l for l, h in zip(low, high, strict=True)]
+    size = [b - a for a, b in zip(low, high, strict=True)]
     return kernel().Manifold.cube(size).translate(list(low))
 
 

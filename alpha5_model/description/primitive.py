@@ -1,0 +1,94 @@
+"""The shapes that URDF knows, and how they are placed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray
+
+Triple = tuple[float, float, float]
+_TO_X: Triple = (0.0, math.pi / 2, 0.0)
+_TO_Y: Triple = (-math.pi / 2, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """One collision shape in its link's frame.
+
+    Attributes:
+        kind: ``box``, ``cylinder`` (along its own z) or ``sphere``.
+        size: Edges x, y, z; radius and length; or radius [m].
+        xyz: Its centre [m].
+        rpy: Fixed-axis roll, pitch, yaw [rad].
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    xyz: Triple
+    rpy: Triple
+
+
+def cylinder(
+    radius: float, low: float, high: float, axis: str, at: Triple = (0.0, 0.0, 0.0)
+) -> Primitive:
+    """A cylinder between two heights along x, y or z through a point."""
+    middle = (low + high) / 2
+    step = {"x": (middle, 0.0, 0.0), "y": (0.0, middle, 0.0), "z": (0.0, 0.0, middle)}[axis]
+    turn = {"x": _TO_X, "y": _TO_Y, "z": (0.0, 0.0, 0.0)}[axis]
+    x, y, z = (float(a + s) for a, s in zip(at, step, strict=True))
+    return Primitive("cylinder", (float(radius), float(high - low)), (x, y, z), turn)
+
+
+def box(low: Triple, high: Triple) -> Primitive:
+    """A box between two corners."""
+    size = tuple(float(b - a) for a, b in zip(low, high, strict=True))
+    x, y, z = (float(a + b) / 2 for a, b in zip(low, high, strict=True))
+    return Primitive("box", size, (x, y, z), (0.0, 0.0, 0.0))
+
+
+def in_metres(shape: Primitive) -> Primitive:
+    """Millimetres to metres, to a nanometre; angles to 1e-12 rad."""
+    x, y, z = (round(c * 1e-3, 9) + 0.0 for c in shape.xyz)
+    roll, pitch, yaw = (round(a, 12) + 0.0 for a in shape.rpy)
+    size = tuple(round(s * 1e-3, 9) for s in shape.size)
+    return Primitive(shape.kind, size, (x, y, z), (roll, pitch, yaw))
+
+
+def moved(shape: Primitive, frame: FloatArray) -> Primitive:
+    """The shape in another frame; ``frame`` (4, 4) maps coordinates in its own frame to that one."""
+    placed = frame @ pose(shape.xyz, shape.rpy)
+    x, y, z = map(float, placed[:3, 3])
+    return Primitive(shape.kind, shape.size, (x, y, z), _roll_pitch_yaw(placed[:3, :3]))
+
+
+def pose(xyz: Triple, rpy: Triple) -> FloatArray:
+    """Homogeneous transform (4, 4) of URDF's origin, ``Rz(yaw) Ry(pitch) Rx(roll)``."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return matrix(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ],
+        xyz,
+    )
+
+
+def matrix(rotation: ArrayLike, xyz: Triple) -> FloatArray:
+    """Homogeneous transform (4, 4) of a rotation (3, 3) and an origin."""
+    out = np.eye(4)
+    out[:3, :3] = np.asarray(rotation)
+    out[:3, 3] = xyz
+    return out
+
+
+def _roll_pitch_yaw(r: FloatArray) -> Triple:
+    """Fixed-axis angles; where the pitch is +-pi/2, the roll is taken as zero."""
+    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
+    if math.hypot(r[0, 0], r[1, 0]) < 1e-9:
+        return (0.0, pitch, math.atan2(-r[0, 1], r[1, 1]))
+    return (math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0]))
