@@ -161,8 +161,6 @@ def _as_in(arm: Arm, tree: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
 def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
     """A motion in the order of the sliders; joints that it lacks stay where they are."""
     time = motion.time - motion.time[0]
-    if len(time) < 2:
-        raise InputError("motion", f"{len(time)} sample", "at least two samples")
     track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
     for i, name in enumerate(sliders):
         if name in motion.joints:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import socket
 import threading
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import tornado.httpserver
 import tornado.ioloop
-import tornado.netutil
 import tornado.web
 import zmq
 from meshcat.servers.tree import find_node, walk
@@ -24,6 +24,9 @@ from meshcat.visualizer import ViewerWindow
 
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.view.commands import Command
+
+
+_HOST = "127.0.0.1"
 
 
 class PortInUseError(Alpha5Error, OSError):
@@ -55,20 +58,27 @@ class _Connection(WebSocketHandler):  # type: ignore[misc]
 
 
 class _Application(tornado.web.Application):
+    """Serves on a socket that is open already, where meshcat's would open one to the network."""
+
+    def __init__(self, handlers: list[Any], opened: socket.socket) -> None:
+        super().__init__(handlers)
+        self._socket = opened
+
     def listen(self, port: int, address: str | None = None, **options: Any) -> Any:
-        [socket] = tornado.netutil.bind_sockets(port, address or "127.0.0.1")
-        self.port: int = socket.getsockname()[1]
-        self.server = tornado.httpserver.HTTPServer(self, **options)
-        self.server.add_sockets([socket])
+        self.server = tornado.httpserver.HTTPServer(self)
+        self.server.add_sockets([self._socket])
         return self.server
 
 
 class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
-    def __init__(self, port: int, live: Callable[[], str], static: Callable[[list[bytes]], str]):
-        self._live, self._static = live, static
-        super().__init__(port=port)
-        self.fileserver_port = self.app.port
-        self.web_url = f"http://127.0.0.1:{self.app.port}/static/"
+    def __init__(
+        self,
+        opened: socket.socket,
+        live: Callable[[], str],
+        static: Callable[[list[bytes]], str],
+    ) -> None:
+        self._opened, self._live, self._static = opened, live, static
+        super().__init__(host=_HOST, port=opened.getsockname()[1])
 
     def make_app(self) -> _Application:
         page = {"html": self._live}
@@ -76,14 +86,15 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
             [
                 (r"/static/?", _Page, page),
                 (r"/", _Connection, {"bridge": self}),
-            ]
+            ],
+            self._opened,
         )
 
     def setup_zmq(self, url: str) -> tuple[Any, Any, str]:
         # A port of the system's choice: meshcat would try 6000, 6001, ... aloud.
         host = url.rsplit(":", 1)[0]
-        socket, stream, _ = super().setup_zmq(f"{host}:*")
-        return socket, stream, socket.getsockopt(zmq.LAST_ENDPOINT).decode("ascii").rstrip("\0")
+        endpoint, stream, _ = super().setup_zmq(f"{host}:*")
+        return endpoint, stream, endpoint.getsockopt(zmq.LAST_ENDPOINT).decode().rstrip("\0")
 
     def handle_zmq(self, frames: list[bytes]) -> None:
         if frames[0] != b"get_scene":
@@ -111,30 +122,19 @@ class Window(ViewerWindow):  # type: ignore[misc]
     def __init__(
         self, port: int, live: Callable[[], str], static: Callable[[list[bytes]], str]
     ) -> None:
-        if not isinstance(port, int) or not 0 <= port <= 65535:
-            raise InputError("port", port, "a number from 0 to 65535")
+        opened = _open(port)
         ready = threading.Event()
-        state: dict[str, Any] = {}
 
         def serve() -> None:
             asyncio.set_event_loop(asyncio.new_event_loop())
-            try:
-                state["bridge"] = _Bridge(port, live, static)
-            except Exception as error:
-                state["error"] = error
-                return
-            finally:
-                ready.set()
-            state["bridge"].run()
+            self._bridge = _Bridge(opened, live, static)
+            ready.set()
+            self._bridge.run()
+            self._bridge.ioloop.close()
 
-        threading.Thread(target=serve, name="alpha5-viewer", daemon=True).start()
+        self._thread = threading.Thread(target=serve, name="alpha5-viewer", daemon=True)
+        self._thread.start()
         ready.wait()
-        if "error" in state:
-            error = state["error"]
-            if isinstance(error, OSError) and error.errno in (errno.EADDRINUSE, errno.EACCES):
-                raise PortInUseError(port) from None
-            raise error
-        self._bridge = state["bridge"]
         self.server_proc = None
         self.zmq_url: str = self._bridge.zmq_url
         self.web_url: str = self._bridge.web_url
@@ -157,7 +157,6 @@ class Window(ViewerWindow):  # type: ignore[misc]
     def close(self) -> None:
         """Stop the server and free its port."""
         bridge = self._bridge
-        done = threading.Event()
 
         def stop() -> None:
             for connection in list(bridge.websocket_pool):
@@ -165,8 +164,26 @@ class Window(ViewerWindow):  # type: ignore[misc]
             bridge.app.server.stop()
             bridge.zmq_stream.close()
             bridge.ioloop.stop()
-            done.set()
 
-        bridge.ioloop.add_callback(stop)
-        done.wait(timeout=5.0)
-        self.zmq_socket.close(linger=0)
+        if self._thread.is_alive():
+            bridge.ioloop.add_callback(stop)
+            self._thread.join(timeout=5.0)
+            self.zmq_socket.close(linger=0)
+
+
+def _open(port: int) -> socket.socket:
+    """A listening socket on this machine only."""
+    if not isinstance(port, int) or not 0 <= port <= 65535:
+        raise InputError("port", port, "a number from 0 to 65535")
+    opened = socket.socket()
+    try:
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        opened.bind((_HOST, port))
+        opened.listen(128)
+        opened.setblocking(False)
+    except OSError as error:
+        opened.close()
+        if error.errno == errno.EADDRINUSE:
+            raise PortInUseError(port) from None
+        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
+    return opened

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import meshcat
@@ -26,18 +27,20 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     Attributes:
         arm: What it shows.
-        scene: Everything that can be seen of it.
+        scene: Everything that can be seen of it, as it stands.
     """
 
     __slots__ = ["arm", "scene"]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
-        window = Window(
-            port, live=lambda: live_page(scene), static=lambda c: static_page(scene, commands=c)
-        )
-        super().__init__(window=window)
         self.arm = arm
         self.scene = scene
+        window = Window(
+            port,
+            live=lambda: live_page(self.scene),
+            static=lambda commands: static_page(self.scene, commands),
+        )
+        super().__init__(window=window)
         for command in scene_commands(scene):
             window.send(command)
 
@@ -47,6 +50,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if position.ndim != 1:
             raise ShapeError("q", position.shape, f"shape ({self.arm.model.nq},)")
         poses = link_poses(self.arm, self.scene.tree, position)
+        joints = position[len(position) - len(self.scene.sliders) :]
+        self.scene = replace(self.scene, q=joints, poses=poses)
         self.window.move(pose_commands(self.scene, poses))
 
     def play(self, q: ArrayLike, dt: float) -> float:
@@ -75,6 +80,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
                 known = ", ".join(g for g in GROUPS if g not in ("labels", "see-through"))
                 raise InputError("group", group, f"one of {known}")
             self.window.send(set_visible(group, visible))
+            others = tuple(name for name in self.scene.show if name != group)
+            self.scene = replace(self.scene, show=(*others, group) if visible else others)
 
     def close(self) -> None:
         """Stop the server and free its port."""
