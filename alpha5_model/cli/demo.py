@@ -129,6 +129,7 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     from alpha5_model.dynamics.loading import load
     from alpha5_model.files import atomic_write
     from alpha5_model.view.build import build_scene, named_poses
+    from alpha5_model.view.framing import framed
     from alpha5_model.view.page import static_page
     from alpha5_model.view.picture import picture_png
     from alpha5_model.view.tour import tour
@@ -145,8 +146,9 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     )
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
     scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)
+    size = (1400, 1000)
     page = atomic_write(output / "alpha5.html", static_page(scene))
-    image = atomic_write(output / "alpha5.png", picture_png(scene))
+    image = atomic_write(output / "alpha5.png", picture_png(framed(scene, size), size))
     for path in (page, image):
         typer.echo(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return [page.name, image.name]

@@ -80,9 +80,11 @@ def view(
 
         typer.echo(f"wrote {atomic_write(html, static_page(scene))}")
     if image is not None:
+        from alpha5_model.view.framing import framed
         from alpha5_model.view.picture import picture_png
 
-        typer.echo(f"wrote {atomic_write(image, picture_png(scene, pixels))}")
+        content = picture_png(framed(scene, pixels), pixels)
+        typer.echo(f"wrote {atomic_write(image, content)}")
     if html is not None or image is not None:
         return 0
     from alpha5_model.view.visualizer import ArmVisualizer

@@ -17,12 +17,12 @@ from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
+from alpha5_model.view.framing import framing
 from alpha5_model.view.reach import workspace_shapes
 from alpha5_model.view.scene import (
     DEFAULT_SHOW,
     GROUPS,
     WORLD,
-    Camera,
     Label,
     Load,
     Mean,
@@ -45,8 +45,6 @@ _BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
 _RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
 #: One colour for each branch of the inverse kinematics.
 _GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
-#: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
-_SIGHT = np.array([0.35, -1.0, 0.42])
 
 
 def build_scene(
@@ -108,7 +106,7 @@ def build_scene(
         labels=tuple(labels),
         loads=loads,
         gravity=np.array(arm.model.gravity.linear),
-        camera=_camera(shapes, poses, shown),
+        camera=framing(shapes, poses, shown),
         show=shown,
         named_poses=named,
         motion=None if motion is None else motion_track(motion, sliders, position),
@@ -233,7 +231,9 @@ def _frame_labels(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> list[Lab
         Label("bodies", joint.name, Rigid(joint.child)) for joint in tree if joint.name in sliders
     ]
     frames = [joint.child for joint in tree if joint.child != "tcp"]
-    labels += [Label("frames", link, Rigid(link), (0.1, 0.3, 0.6)) for link in frames]
+    beside = np.eye(4)
+    beside[0, 3] = 0.05  # the tip of x
+    labels += [Label("frames", link, Rigid(link, beside), (0.1, 0.3, 0.6)) for link in frames]
     return [*labels, Label("bodies", "tcp", Rigid("tcp"))]
 
 
@@ -362,21 +362,3 @@ def _ghosts(
     ghosts.append(Shape("ghosts", "target", Rigid(WORLD, at), marker, on_top=2))
     labels.append(Label("ghosts", "target", Rigid(WORLD, at), (0.75, 0.05, 0.4)))
     return ghosts, labels
-
-
-def _camera(shapes: Sequence[Shape], poses: dict[str, FloatArray], shown: Sequence[str]) -> Camera:
-    points = np.concatenate(
-        [
-            s.mesh.vertices @ t[:3, :3].T + t[:3, 3]
-            for s in shapes
-            if s.group in {"bodies", *shown}
-            for t in [s.anchor.transform(poses)]
-        ]
-    )
-    center = (points.min(axis=0) + points.max(axis=0)) / 2
-    camera = Camera(center + _SIGHT, center)
-    right, up, back = ((points - center) @ camera.axes().T).T
-    # The nearest distance from which every point lies inside the frame, with a margin.
-    half = 0.86 * np.tan(np.deg2rad(camera.field_of_view) / 2)
-    distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / 1.15) / half))
-    return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)

@@ -117,7 +117,7 @@ const alpha5 = (() => {
     viewer.scene_tree.find(split("/meshcat/alpha5/bodies")).object.traverse((object) => {
       if (!object.material) return;
       object.material.transparent = on;
-      object.material.opacity = on ? 0.32 : 1;
+      object.material.opacity = on ? data.seeThrough : 1;
       object.material.depthWrite = !on;
       object.material.needsUpdate = true;
     });

@@ -12,7 +12,7 @@ from typing import Any
 
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.view.commands import link_path, scene_commands, shape_path
-from alpha5_model.view.scene import GROUPS, Scene
+from alpha5_model.view.scene import GROUPS, SEE_THROUGH, Scene
 from alpha5_model.view.tree import tree_as_json
 
 _HERE = Path(__file__).parent
@@ -79,6 +79,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
             for load in scene.loads
         ],
         "gravity": scene.gravity.tolist(),
+        "seeThrough": SEE_THROUGH,
         "camera": {
             "eye": scene.camera.eye.tolist(),
             "target": scene.camera.target.tolist(),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from alpha5_model.errors import InputError
 from alpha5_model.view.raster import Canvas, shade
-from alpha5_model.view.scene import Label, Scene, Shape
+from alpha5_model.view.scene import SEE_THROUGH, Label, Scene, Shape
 
 #: Drawn this much finer, then averaged, so that edges are smooth.
 _FINER = 2
@@ -45,7 +45,7 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
         _draw(canvas, scene, shape, 1.0)
     if see_through:
         for shape in _far_to_near(canvas, scene, [s for s in shown if s.group == "bodies"]):
-            _draw(canvas, scene, shape, 0.32)
+            _draw(canvas, scene, shape, SEE_THROUGH)
     for shape in _far_to_near(canvas, scene, [s for s in shown if s.opacity < 1.0]):
         _draw(canvas, scene, shape, shape.opacity)
     for layer in sorted({s.on_top for s in shown} - {0}):

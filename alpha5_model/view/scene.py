@@ -33,6 +33,8 @@ GROUPS: dict[str, str] = {
 }
 #: Shown where nothing else is asked for.
 DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
+#: Opacity of bodies that are seen through.
+SEE_THROUGH = 0.4
 #: The fixed frame at the root of the scene.
 WORLD = "world"
 
