@@ -168,7 +168,7 @@ class Arm(Statics):
         """
         a = self.forward_dynamics(q, v, tau)
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a)
-        inverse = np.linalg.inv(mass)
+        inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
 
     def base_wrench(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None) -> Any:

@@ -91,8 +91,7 @@ class JawArm(Arm):
     ) -> FloatArray:
         q, v, tau = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
-        out: FloatArray = np.linalg.solve(self.mass_matrix(q), tau - bias)
-        return out
+        return np.asarray(np.linalg.solve(self.mass_matrix(q), tau - bias), dtype=np.float64)
 
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
@@ -100,8 +99,7 @@ class JawArm(Arm):
         q, v, tau = batch.rows(self._model, q=q, v=v, tau=tau)
         rest = tau - self.inverse_dynamics_batch(q, v, np.zeros((1, self._model.nv)), threads)
         mass = np.array([self.mass_matrix(row) for row in q])
-        out: FloatArray = np.linalg.solve(mass, rest[..., None])[..., 0]
-        return out
+        return np.asarray(np.linalg.solve(mass, rest[..., None])[..., 0], dtype=np.float64)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike

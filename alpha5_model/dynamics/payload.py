@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, real
+from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.dynamics.hydrostatics import Displacement, displacement
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.errors import InputError, ShapeError
@@ -49,7 +49,7 @@ class Payload:
         m, centre = real("mass", mass, minimum=0.0), vector("com", com, 3)
         tensor = np.zeros((3, 3))
         if inertia is not None:
-            tensor = np.array(inertia, dtype=np.float64)
+            tensor = float_array("inertia", inertia, (3, 3))
             if tensor.shape != (3, 3):
                 raise ShapeError("inertia", tensor.shape, "shape (3, 3)")
             wrong = inconsistencies(m, centre, tensor)

@@ -1,7 +1,7 @@
 """Many states at once, term by term: what a recorded or planned motion asks for.
 
-Rows are states. Torques are Pinocchio's parallel recursive Newton-Euler algorithm: each term is one
-call of it, or the difference of two. Arms on a fixed base only.
+Rows are states. Each term is one call of Pinocchio's parallel recursive Newton-Euler algorithm, or the
+difference of two.
 """
 
 from __future__ import annotations
@@ -56,13 +56,16 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = batch.rows(arm.model, q=q, v=v, a=a)
-    n = batch.available_threads() if threads is None else threads
-    pool, zero = pin.ModelPool(arm.model, n), np.zeros_like(v)
-    weight = _rnea(pool, n, q, zero, zero)
-    bias = _rnea(pool, n, q, v, zero)
-    total = _rnea(pool, n, q, v, a)
-    water = _rnea(pin.ModelPool(arm.fluid_model, n), n, q, zero, zero)
-    return TorqueTerms(total - bias, bias - weight, weight, -water)
+    n = threads or batch.available_threads()
+    dry, wet, still = (
+        pin.ModelPool(arm.model, n),
+        pin.ModelPool(arm.fluid_model, n),
+        np.zeros_like(v),
+    )
+    total = _rnea(dry, n, q, v, a)
+    bias = _rnea(dry, n, q, v, still)
+    weight = _rnea(dry, n, q, still, still)
+    return TorqueTerms(total - bias, bias - weight, weight, -_rnea(wet, n, q, still, still))
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:

@@ -224,7 +224,8 @@ class Statics:
         """
         q = self._clean_q(q)
         energy: float = _potential_energy(self._net, self._own.net_data, q)
-        return energy + self._fixed_potential
+        total: float = energy + self._fixed_potential
+        return total
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""

@@ -38,7 +38,8 @@ def position_check(model: Any) -> Callable[[Any], FloatArray]:
         try:
             # A second axis would make the list one of lists, which sum() refuses.
             if q.dtype is _FLOAT64 and len(q) == nq and isfinite(sum(q.tolist())):
-                return q
+                clean: FloatArray = q
+                return clean
         except (AttributeError, TypeError):
             pass
         return slowly(q)
@@ -50,6 +51,9 @@ def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray
     """The same for q and v."""
     position, nq, nv = position_check(model), model.nq, model.nv
 
+    def slowly(q: Any, v: Any) -> tuple[FloatArray, FloatArray]:
+        return position(q), vector("v", v, nv)
+
     def check(q: Any, v: Any) -> tuple[FloatArray, FloatArray]:
         try:
             if (
@@ -60,9 +64,9 @@ def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray
                 return q, v
         except (AttributeError, TypeError):
             pass
-        return position(q), vector("v", v, nv)
+        return slowly(q, v)
 
-    return check
+    return check if nq == nv else slowly
 
 
 def motion_check(
@@ -70,6 +74,9 @@ def motion_check(
 ) -> Callable[[Any, Any, Any], tuple[FloatArray, FloatArray, FloatArray]]:
     """The same for q, v and a third vector of the length of v."""
     position, nq, nv = position_check(model), model.nq, model.nv
+
+    def slowly(q: Any, v: Any, x: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return position(q), vector("v", v, nv), vector(name, x, nv)
 
     def check(q: Any, v: Any, x: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         try:
@@ -81,9 +88,9 @@ def motion_check(
                 return q, v, x
         except (AttributeError, TypeError):
             pass
-        return position(q), vector("v", v, nv), vector(name, x, nv)
+        return slowly(q, v, x)
 
-    return check
+    return check if nq == nv else slowly
 
 
 def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
@@ -94,9 +101,9 @@ def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
         ShapeError: Not of shape (n,).
         NonFiniteError: NaN or infinity.
     """
-    if np.shape(value) not in ((n,), ()):  # () is left to float_array, which tells what else it is
-        raise ShapeError(name, np.shape(value), f"shape ({n},)")
-    array = float_array(name, value, (n,))
+    array = float_array(name, value, ())
+    if array.shape != (n,):
+        raise ShapeError(name, array.shape, f"shape ({n},)")
     return array
 
 

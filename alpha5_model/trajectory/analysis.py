@@ -14,13 +14,17 @@ from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning
 from alpha5_model.trajectory.reading import Progress
-from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH, SmoothMotion, smooth
+from alpha5_model.trajectory.smoothing import (
+    DEFAULT_BANDWIDTH,
+    SmoothMotion,
+    smooth,
+)
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
-#: Slower than this share of its rated speed a joint counts as at rest: friction then holds the load.
-REST_SHARE = 0.02
+#: A joint on the average slower than this share of its rated speed says nothing about its velocities.
+_JUDGED_SHARE = 0.02
 #: Rows computed between two reports of progress.
 _CHUNK = 25_000
 
@@ -162,12 +166,6 @@ def analyse(
     )
 
 
-def at_rest(motion: SmoothMotion) -> Any:
-    """Where each joint counts as at rest, (N, n) bool: below `REST_SHARE` of its rated speed."""
-    rated = {j.name: j.velocity for j in parameters().joints}
-    return np.abs(motion.velocity) < REST_SHARE * np.array([rated[name] for name in motion.joints])
-
-
 def _for_arm(motion: Motion, arm: Arm) -> Motion:
     """The motion of the joints that the arm has; a locked gripper leaves the jaw rod out."""
     if arm.floating_base or arm.model.nv not in (4, 5):
@@ -203,18 +201,18 @@ def _motor_side(
 ) -> dict[str, Any]:
     names = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
     out = {name: np.full(torque.shape, np.nan) for name in names}
-    rest = at_rest(s)
+    velocity = s.signed_velocity
     for k, motor in enumerate(motors):
         try:
             ratio = motor.ratio
         except MissingParameterError:
             continue
-        state = torque[:, k], s.velocity[:, k], s.acceleration[:, k], rest[:, k]
+        state = torque[:, k], velocity[:, k], s.acceleration[:, k], s.direction[:, k] == 0
         nominal, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
         out["current"][:, k] = nominal
         out["current_lower"][:, k] = np.minimum(*ends)
         out["current_upper"][:, k] = np.maximum(*ends)
-        out["voltage"][:, k] = motor.voltage(nominal, s.velocity[:, k])
+        out["voltage"][:, k] = motor.voltage(nominal, velocity[:, k])
         out["electrical_power"][:, k] = out["voltage"][:, k] * nominal
         out["friction"][:, k] = motor.torque_constant * ratio * nominal - torque[:, k]
     return {name: frozen(column) for name, column in out.items()}
@@ -230,13 +228,17 @@ def _least_current(
 def _limits(
     motors: tuple[Actuator, ...], s: SmoothMotion, supply_voltage: float, current_limit: float
 ) -> Interval:
+    """What the drive can give while the joint moves, and what it can hold where it rests."""
     lower, upper = np.full((2, *s.position.shape), np.nan)
+    velocity, rest = s.signed_velocity, s.direction == 0
     for k, motor in enumerate(motors):
         try:
-            limits = motor.torque_limits(s.velocity[:, k], supply_voltage, current_limit)
+            moving = motor.torque_limits(velocity[:, k], supply_voltage, current_limit)
         except MissingParameterError:
             continue
-        lower[:, k], upper[:, k] = limits
+        most = min(current_limit, supply_voltage / motor.parameters.resistance)
+        lower[:, k] = np.where(rest[:, k], motor.holding_torque(-most).lower, moving.lower)
+        upper[:, k] = np.where(rest[:, k], motor.holding_torque(most).upper, moving.upper)
     return Interval(frozen(lower), frozen(upper))
 
 
@@ -251,7 +253,7 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     rated = {j.name: j.velocity for j in parameters().joints}
     for k, name in enumerate(motion.joints):
         power = float(np.mean(slope[:, k] ** 2))
-        if power < (REST_SHARE * rated[name]) ** 2:
+        if power < (_JUDGED_SHARE * rated[name]) ** 2:
             continue
         gain = float(np.mean(slope[:, k] * given[:, k])) / power
         if not 0.8 < gain < 1.25:

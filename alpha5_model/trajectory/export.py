@@ -81,7 +81,7 @@ def write(
         record = {"summary": summary(analysis), "columns": {k: _json(v) for k, v in table.items()}}
         return atomic_write(target, json.dumps(record, allow_nan=False) + "\n")
     rows = np.stack(list(table.values()), axis=1)
-    line = ",".join(["%.12g", *["%.9g"] * (len(table) - 1)])
+    line = ",".join(["%.16g", *["%.9g"] * (len(table) - 1)])
     parts = [",".join(table)]
     for start in range(0, len(rows), _CHUNK):
         parts += [line % tuple(row) for row in rows[start : start + _CHUNK].tolist()]

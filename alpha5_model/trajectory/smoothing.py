@@ -30,11 +30,16 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError
+from alpha5_model.parameters import parameters
 from alpha5_model.trajectory.motion import Motion
 
 METHODS = ("spline", "savgol", "interpolate")
 #: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.
 DEFAULT_BANDWIDTH = 2.0
+#: Slower than this share of its rated speed a joint counts as at rest: friction then holds the load.
+REST_SHARE = 0.002
+#: Noise in velocities hides the direction of slow motion; the way gone in this time shows it [s].
+DIRECTION_WINDOW = 0.5
 _DEGREE = 3
 
 
@@ -48,6 +53,8 @@ class SmoothMotion:
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n) [rad/s].
         acceleration: (N, n) [rad/s^2].
+        direction: Way in which the joint moves, (N, n), -1, 0 (at rest) or 1: the sign of the mean velocity
+            over `DIRECTION_WINDOW` if there is smoothing, so that noise does not turn friction round.
         method: One of `METHODS`.
         bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
         from_velocity: Velocities and accelerations come from the motion's velocities.
@@ -59,10 +66,17 @@ class SmoothMotion:
     position: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
+    direction: FloatArray
     method: str
     bandwidth: float | None
     from_velocity: bool
     deviation: FloatArray
+
+    @property
+    def signed_velocity(self) -> FloatArray:
+        """Velocities as friction sees them, (N, n): signed by `direction`, zero at rest."""
+        out: FloatArray = self.direction * np.abs(self.velocity)
+        return out
 
 
 def smooth(
@@ -97,7 +111,9 @@ def smooth(
         nyquist = 0.5 / float(np.median(np.diff(t)))
         if bandwidth >= nyquist:
             raise InputError(
-                "bandwidth", bandwidth, f"less than half the sample rate, {nyquist:.4g} Hz"
+                "bandwidth",
+                bandwidth,
+                f"less than half the sample rate, {nyquist:.4g} Hz (or method interpolate)",
             )
     signals = motion.position
     if use_velocity:
@@ -112,6 +128,7 @@ def smooth(
         value, slope, bend = _interpolate(t, signals)
     n = len(motion.joints)
     position = value[:, :n]
+    slow = slope[:, :n] if method == "interpolate" else _mean_velocity(t, motion.position)
     velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
     return SmoothMotion(
         time=t,
@@ -119,11 +136,27 @@ def smooth(
         position=frozen(position),
         velocity=frozen(velocity),
         acceleration=frozen(acceleration),
+        direction=frozen(_direction(motion.joints, slow)),
         method=method,
         bandwidth=reached,
         from_velocity=use_velocity,
         deviation=frozen(np.abs(position - motion.position).max(axis=0)),
     )
+
+
+def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
+    """Way over time in a window around each sample; never turns round where the motion does not."""
+    early = np.maximum(time - DIRECTION_WINDOW / 2, time[0])
+    late = np.minimum(time + DIRECTION_WINDOW / 2, time[-1])
+    way = _columns(late, time, position) - _columns(early, time, position)
+    out: FloatArray = way / (late - early)[:, None]
+    return out
+
+
+def _direction(joints: tuple[str, ...], slope: FloatArray) -> FloatArray:
+    rated = {joint.name: joint.velocity for joint in parameters().joints}
+    rest = np.abs(slope) < REST_SHARE * np.array([rated[name] for name in joints])
+    return np.where(rest, 0.0, np.sign(slope))
 
 
 def smoothing_spline(

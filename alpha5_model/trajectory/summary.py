@@ -9,6 +9,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import JointParameters, parameters
 from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.smoothing import REST_SHARE
 
 CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
 
@@ -27,7 +28,10 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     power = np.nansum(a.electrical_power, axis=1)
     contradiction = np.stack(
         [
-            (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * s.velocity[:, k]
+            (m.back_emf_constant - m.torque_constant)
+            * m.ratio
+            * a.current[:, k]
+            * a.smooth.signed_velocity[:, k]
             if np.isfinite(a.current[:, k]).all()
             else np.zeros(s.time.size)
             for k, m in enumerate(a.actuators)
@@ -59,6 +63,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "energy": {
             "electrical_peak_w": float(power.max()),
             "drawn_j": _integral(np.maximum(power, 0.0), s.time),
+            "drawn_interval_j": [_integral(np.maximum(p, 0.0), s.time) for p in _power_interval(a)],
             "fed_back_j": _integral(np.maximum(-power, 0.0), s.time),
             "mechanical_j": _integral(a.mechanical_power.sum(axis=1), s.time),
             "contradiction_j": _integral(contradiction, s.time),
@@ -134,6 +139,19 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     return out
 
 
+def _power_interval(a: Analysis) -> tuple[FloatArray, FloatArray]:
+    """Electrical power of all motors over the printed tolerance of friction, (N,) each [W]."""
+    ends, velocity = [], a.smooth.signed_velocity
+    for current in (a.current_lower, a.current_upper):
+        columns = [
+            motor.voltage(current[:, k], velocity[:, k]) * current[:, k]
+            for k, motor in enumerate(a.actuators)
+            if np.isfinite(current[:, k]).all()
+        ]
+        ends.append(np.stack(columns))
+    return np.minimum(*ends).sum(axis=0), np.maximum(*ends).sum(axis=0)
+
+
 def text(record: dict[str, Any]) -> str:
     """The record of `summary` as lines for a terminal."""
     model, smoothing, motors = record["model"], record["smoothing"], record["motors"]
@@ -164,14 +182,13 @@ def text(record: dict[str, Any]) -> str:
     lines += ["", "  peak torque by cause [Nm]" + "".join(f"{c:>11}" for c in CAUSES)]
     for name, j in record["joints"].items():
         causes = (j["causes_peak"][c] for c in CAUSES)
-        lines.append(
-            f"  {name:25}" + "".join("          -" if c is None else f"{c:11.4g}" for c in causes)
-        )
+        lines.append(f"  {name:25}" + "".join(_cause(c) for c in causes))
     energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
+    least, most = energy["drawn_interval_j"]
     lines += [
         "",
-        f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J, fed back "
-        f"{energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
+        f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J "
+        f"({least:.4g} .. {most:.4g}), fed back {energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
         f"  mount: force up to {mount['force_peak_n']['value']:.4g} N, moment up to "
         f"{mount['moment_peak_nm']['value']:.4g} Nm",
         f"  TCP: path {tcp['path_length_m']:.4g} m, from ("
@@ -194,6 +211,8 @@ def text(record: dict[str, Any]) -> str:
 def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
     ratios = ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items())
     notes = [
+        f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
+        "its motor needs the least current that keeps it there",
         "torque margins are to an effort of 9 Nm (jaw rod 10 N) that every public model copies; "
         "no rating is published",
         f"Table 4's K_t and K_v contradict each other (K_t/K_v: {ratios}); used here: "
@@ -212,6 +231,12 @@ def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
             "current margins need --supply-voltage and --current-limit; neither is published"
         )
     return notes
+
+
+def _cause(value: float | None) -> str:
+    if value is None:
+        return f"{'-':>11}"
+    return f"{0.0 if value < 1e-12 else value:11.4g}"  # rounding is no torque
 
 
 def _or_dash(value: float | None) -> str:

@@ -1,0 +1,74 @@
+"""Arms and random states for the tests of the dynamics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+import alpha5_model as a5
+
+TILTED = (1.7, -2.3, -9.4)
+PAYLOAD = {
+    "mass": 0.6,
+    "com": (0.01, -0.02, 0.05),
+    "inertia": ((4e-4, 1e-5, -2e-5), (1e-5, 5e-4, 3e-5), (-2e-5, 3e-5, 6e-4)),
+    "volume": 2.3e-4,
+    "cob": (-0.01, 0.015, 0.04),
+}
+#: Every kind of arm: joints, base, fluid, load, gravity.
+VARIANTS: dict[str, dict[str, Any]] = {
+    "locked": {},
+    "locked, air, tilted": {"fluid_density": a5.AIR, "gravity": TILTED},
+    "locked, payload, tilted": {"gravity": TILTED, "payload": PAYLOAD},
+    "to the letter": {"corrections": ()},
+    "floating": {"floating_base": True},
+    "floating, air, payload": {"floating_base": True, "fluid_density": 0.0, "payload": PAYLOAD},
+    "jaws": {"gripper": "jaws", "gravity": TILTED},
+    "jaws, payload": {"gripper": "jaws", "payload": {**PAYLOAD, "frame": "finger_1"}},
+    "jaws, floating, payload": {"gripper": "jaws", "floating_base": True, "payload": PAYLOAD},
+}
+
+
+def make(variant: str) -> a5.Arm:
+    choices = dict(VARIANTS[variant])
+    payload = choices.pop("payload", None)
+    arm = a5.load(**choices)
+    return arm.with_payload(**payload) if payload else arm
+
+
+def random_q(arm: a5.Arm, rng: np.random.Generator) -> np.ndarray:
+    q = rng.uniform(-np.pi, np.pi, arm.model.nq)
+    if "axis_a" in arm.joint_names:
+        q[-1] = rng.uniform(0.0013, 0.0133)
+    if arm.floating_base:
+        q[3:7] = rng.normal(size=4)
+        q[3:7] /= np.linalg.norm(q[3:7])
+    return q
+
+
+def random_v(arm: a5.Arm, rng: np.random.Generator, scale: float = 1.0) -> np.ndarray:
+    v = rng.normal(scale=scale, size=arm.model.nv)
+    if "axis_a" in arm.joint_names:
+        v[-1] *= 0.02  # metres, where the others are radians
+    return v
+
+
+def moved(arm: a5.Arm, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
+    """q moved along a tangent vector (for a floating base: in the axes of base_link)."""
+    if not arm.floating_base:
+        return q + dq
+    base = pin.XYZQUATToSE3(q[:7]) * pin.exp6(pin.Motion(dq[:6]))
+    return np.concatenate([pin.SE3ToXYZQUAT(base), q[7:] + dq[6:]])
+
+
+def central_difference(function: Any, arm: a5.Arm, q: np.ndarray, step: float) -> np.ndarray:
+    """Derivative of function(q) along each coordinate of the tangent space, as columns."""
+    columns = []
+    for i in range(arm.model.nv):
+        h = step * (0.02 if arm.model.nv - i == 1 and "axis_a" in arm.joint_names else 1.0)
+        dq = np.zeros(arm.model.nv)
+        dq[i] = h
+        columns.append((function(moved(arm, q, dq)) - function(moved(arm, q, -dq))) / (2 * h))
+    return np.stack(columns, axis=-1)

@@ -1,0 +1,127 @@
+"""A recursive Newton-Euler of our own, in NumPy, from the tables of the document as printed.
+
+It shares nothing with the package: numbers typed from Tables 1 to 3, frames from Section 2 (with {0} as Figures 1
+and 7 draw it), Newton's and Euler's equations written in the axes of the base for N states at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# Table 1: d, a in mm, alpha; Section 2's offsets of theta.
+THETA_C = np.arctan(40 / 145.3)
+A_1 = np.sqrt(40**2 + 145.3**2)
+D = np.array([46.2, 0.0, 0.0, -180.0]) / 1000
+A = np.array([20.0, A_1, 20.0, 0.0]) / 1000
+ALPHA = np.array([np.pi / 2, np.pi, -np.pi / 2, np.pi / 2])
+OFFSET = np.array([np.pi, THETA_C - np.pi / 2, THETA_C - np.pi / 2, np.pi / 2])
+
+# Table 2: kg, mm, kg mm^2 with SolidWorks' sign of products: Ixx, Iyy, Izz, Ixy, Ixz, Iyz at the COM.
+MASS = np.array([0.234, 0.161, 0.38, 0.142, 0.355])
+COM = np.array(
+    [
+        [-52.425, -7.120, -0.037],
+        [7.746, 0.112, 25.038],
+        [73.563, -0.091, -0.734],
+        [11.188, -16.660, 0.148],
+        [-0.030, -1.482, -100.881],
+    ]
+)
+COM = COM / 1000
+PRINTED = np.array(
+    [
+        [45.012, 393.932, 397.995, 2.832, -4.115, -0.010],
+        [109.469, 122.362, 43.987, 0.808, 29.828, 0.544],
+        [82.697, 847.148, 868.483, -74.836, -1.866, 0.317],
+        [63.596, 40.651, 75.158, -21.363, -0.802, 0.337],
+        [615.921, 625.307, 62.574, 0.067, -7.916, -0.428],
+    ]
+)
+# Table 3: L, mm.
+VOLUME = np.array([0.157, 0.032, 0.218, 0.032, 0.134]) / 1000
+COB = np.array([[-53, -3, -1], [2, -4, 31], [76, 0, -1], [2, -4, 29], [0, 0, -97]]) / 1000
+
+
+def tensors() -> np.ndarray:
+    """(5, 3, 3) at the COM [kg m^2], products negated."""
+    xx, yy, zz, xy, xz, yz = PRINTED.T * 1e-6
+    rows = [[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def rotation_z(angle: np.ndarray) -> np.ndarray:
+    c, s, o, e = np.cos(angle), np.sin(angle), np.zeros_like(angle), np.ones_like(angle)
+    return np.moveaxis(np.array([[c, -s, o], [s, c, o], [o, o, e]]), (0, 1), (-2, -1))
+
+
+def rotation_x(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def link_frames(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations (5, N, 3, 3) and origins (5, N, 3) of the inertial frames {0} to {4} in {0}."""
+    n = len(q)
+    rotations, origins = [np.broadcast_to(np.eye(3), (n, 3, 3))], [np.zeros((n, 3))]
+    dh_rotation, dh_origin = rotations[0], origins[0]
+    for i in range(4):
+        turned = dh_rotation @ rotation_z(q[:, i] + OFFSET[i])
+        rotations.append(turned)
+        origins.append(dh_origin)
+        dh_origin = dh_origin + turned @ np.array([A[i], 0.0, D[i]])
+        dh_rotation = turned @ rotation_x(ALPHA[i])
+    return np.array(rotations), np.array(origins)
+
+
+def newton_euler(
+    q: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
+    density: float,
+    gravity: tuple[float, float, float] | np.ndarray = (0.0, 0.0, -9.81),
+    mass: np.ndarray = MASS,
+    volume: np.ndarray = VOLUME,
+    cob: np.ndarray = COB,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Joint torques (N, 4), and force and moment at the origin that the arm exerts on its mount (N, 3)."""
+    g = np.asarray(gravity)
+    rotations, origins = link_frames(q)
+    tensor = tensors()
+    n = len(q)
+    omega, alpha, acceleration = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
+    forces, moments, arms = [], [], []
+    for i in range(5):
+        rotation = rotations[i]
+        if i > 0:
+            step = origins[i] - origins[i - 1]
+            acceleration = (
+                acceleration + np.cross(alpha, step) + np.cross(omega, np.cross(omega, step))
+            )
+            z = rotation[:, :, 2]
+            rate = z * v[:, i - 1, None]
+            alpha = alpha + z * a[:, i - 1, None] + np.cross(omega, rate)
+            omega = omega + rate
+        to_com, to_cob = rotation @ COM[i], rotation @ cob[i]
+        com_acceleration = (
+            acceleration + np.cross(alpha, to_com) + np.cross(omega, np.cross(omega, to_com))
+        )
+        world_tensor = rotation @ tensor[i] @ np.swapaxes(rotation, 1, 2)
+        spin = np.einsum("nij,nj->ni", world_tensor, omega)
+        weightless = mass[i] * (com_acceleration - g)
+        lift = -density * volume[i] * np.broadcast_to(g, (n, 3))
+        forces.append(weightless - lift)
+        moments.append(
+            np.einsum("nij,nj->ni", world_tensor, alpha)
+            + np.cross(omega, spin)
+            + np.cross(to_com, weightless)
+            - np.cross(to_cob, lift)
+        )
+        arms.append(origins[i])
+    force, moment, tau = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4))
+    for i in (4, 3, 2, 1, 0):
+        outer = arms[i + 1] - arms[i] if i < 4 else np.zeros((n, 3))
+        moment = moments[i] + moment + np.cross(outer, force)
+        force = forces[i] + force
+        if i > 0:
+            tau[:, i - 1] = np.einsum("ni,ni->n", rotations[i][:, :, 2], moment)
+    return tau, -force, -moment

@@ -1,0 +1,191 @@
+"""``alpha5 trajectory`` from the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recordings import JOINT_STATES, needs_recordings
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
+
+
+@pytest.fixture
+def motion_file(tmp_path: Path) -> Path:
+    t = np.arange(0, 6, 0.02)
+    q = np.stack([1.5 + amplitude * np.sin(t) for amplitude in (0.4, 0.3, 0.2, 0.5)], axis=1)
+    rod = 0.007 + 0.002 * np.sin(t)
+    path = tmp_path / "motion.csv"
+    header = "time," + ",".join(f"{joint}_pos" for joint in (*JOINTS, "axis_a"))
+    rows = [",".join(repr(float(x)) for x in row) for row in np.column_stack([t, q, rod])]
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def summary_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    assert main(["trajectory", *arguments, "--json"]) == 0
+    out = capsys.readouterr()
+    assert out.err == ""
+    return json.loads(out.out)
+
+
+def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    motion = a5.trajectory.read_motion(motion_file)
+    arm = a5.load(a5.FRESH_WATER, gripper="locked", gravity=(0.5, 0, -9.7))
+    expected = a5.trajectory.analyse(
+        motion,
+        arm,
+        method="savgol",
+        bandwidth=3.0,
+        constants="torque",
+        supply_voltage=18,
+        current_limit=0.5,
+    )
+    got = summary_of(
+        capsys,
+        *(str(motion_file), "--fluid", "fresh", "--gripper", "locked", "--gravity", "0.5 0 -9.7"),
+        *("--smoothing", "savgol", "--bandwidth", "3", "--constants", "torque"),
+        *("--supply-voltage", "18", "--current-limit", "0.5"),
+    )
+    assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
+
+
+def test_fluids_and_grippers(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for text, density in (("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("870.5", 870.5)):
+        got = summary_of(capsys, str(motion_file), "--fluid", text)
+        assert got["model"]["fluid_density"] == density
+        assert got["model"]["gripper"] == "jaws"
+        assert list(got["joints"]) == [*JOINTS, "axis_a"]
+    assert got["joints"]["axis_a"]["current_peak"] is None
+    got = summary_of(capsys, str(motion_file), "--screw-lead", "0.001")
+    assert got["joints"]["axis_a"]["current_peak"]["value"] != 0
+    got = summary_of(capsys, str(motion_file), "--gripper", "locked")
+    assert list(got["joints"]) == list(JOINTS)
+    assert got["ignored_columns"] == ["axis_a"]
+
+
+def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = motion_file.parent / "new"
+    for table, page, magic in (
+        ("a.csv", "a.png", b"\x89PNG"),
+        ("b.json", "b.svg", b"<?xml"),
+    ):
+        arguments = ["--output", str(folder / table), "--plot", str(folder / page)]
+        assert main(["trajectory", str(motion_file), *arguments]) == 0
+        out = capsys.readouterr().out
+        assert f"wrote {folder / table}" in out
+        assert f"wrote {folder / page}" in out
+        assert (folder / page).read_bytes().startswith(magic)
+    assert len((folder / "a.csv").read_text().splitlines()) == 301
+    assert len(json.loads((folder / "b.json").read_text())["columns"]["time_secs"]) == 300
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--fluid", "oil"], "sea, fresh, air"),
+        (["--fluid", "-3"], "at least 0"),
+        (["--gravity", "0 0"], "three numbers"),
+        (["--gripper", "open"], "auto, locked, jaws"),
+        (["--smoothing", "magic"], "spline, savgol, interpolate"),
+        (["--bandwidth", "500"], "half the sample rate"),
+        (["--velocities", "file"], "no velocities"),
+        (["--constants", "both"], "printed, torque, voltage"),
+        (["--supply-voltage", "24"], "both or neither"),
+        (["--screw-lead", "0.001", "--gripper", "locked"], "not part of the motion"),
+        (["--output", "x.xls"], ".csv, .json"),
+        (["--plot", "x.bmp"], ".png, .pdf, .svg"),
+    ],
+)
+def test_one_line_for_what_cannot_be_used(
+    arguments: list[str], message: str, motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(motion_file.parent.iterdir())
+    files = ["--output", str(motion_file.parent / "out.csv")] if "--output" not in arguments else []
+    assert main(["trajectory", str(motion_file), *files, *arguments]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert out.err.count("\n") == 1
+    assert message in out.err
+    assert sorted(motion_file.parent.iterdir()) == before
+
+
+def test_bad_file_names_line_and_column(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = motion_file.read_text().split("\n")
+    lines[40] = lines[40].replace(lines[40].split(",")[2], "??")
+    motion_file.write_text("\n".join(lines))
+    out_file = motion_file.parent / "out.csv"
+    assert main(["trajectory", str(motion_file), "--output", str(out_file)]) == 2
+    assert "line 41, column 3 (axis_d_pos)" in capsys.readouterr().err
+    assert not out_file.exists()
+
+
+def test_jaws_need_the_jaw_column(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = motion_file.read_text().replace("axis_a_pos", "something")
+    motion_file.write_text(text)
+    assert main(["trajectory", str(motion_file), "--gripper", "jaws"]) == 2
+    assert "axis_a" in capsys.readouterr().err
+    got = summary_of(capsys, str(motion_file))
+    assert got["model"]["gripper"] == "locked"
+
+
+def test_help_shows_units_and_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["trajectory", "--help"]) == 0
+    help_text = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    for words in ("Example: alpha5 trajectory", "(Hz)", "(V)", "axis_a", "jaws closed"):
+        assert words in help_text
+
+
+def test_progress_is_reported_for_long_work(motion_file: Path) -> None:
+    seen: list[tuple[str, float]] = []
+
+    def note(stage: str, done: float) -> None:
+        seen.append((stage, done))
+
+    analysis = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file, note), progress=note)
+    a5.trajectory.write(analysis, motion_file.parent / "out.csv", note)
+    assert [stage for stage, _ in seen] == ["read", "compute", "write"]
+    assert all(done == 1.0 for _, done in seen)
+
+
+def test_plot_keeps_the_extremes_of_long_curves() -> None:
+    from alpha5_model.view.trajectory_plot import _thin
+
+    time = np.arange(100_003.0)
+    values = np.random.default_rng(1).normal(size=time.size)
+    t, v = _thin(time, values)
+    assert t.size <= 4001
+    assert (np.diff(t) >= 0).all()
+    assert v.max() == values[: 100_003 // 51 * 51].max()
+    assert v.min() == values[: 100_003 // 51 * 51].min()
+    np.testing.assert_array_equal(v, values[t.astype(int)])
+
+
+def test_plot_draws_what_was_computed(motion_file: Path) -> None:
+    from alpha5_model.view.trajectory_plot import figure
+
+    analysis = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file))
+    page = figure(analysis)
+    assert len(page.axes) == 3 * 6
+    for row in range(5):
+        lines = {line.get_label(): line.get_ydata() for line in page.axes[3 * row + 1].lines}
+        np.testing.assert_array_equal(lines["torque"], analysis.torque[:, row])
+        np.testing.assert_array_equal(lines["buoyancy"], analysis.buoyancy[:, row])
+
+
+@needs_recordings
+def test_recording_from_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    for path in JOINT_STATES:
+        assert (
+            main(["trajectory", str(path), "--supply-voltage", "24", "--current-limit", "1"]) == 0
+        )
+        out = capsys.readouterr().out
+        for words in ("torque [Nm]", "current [A]", "margin", *JOINTS, "axis_a"):
+            assert words in out

@@ -1,0 +1,464 @@
+"""How an arm behaves as an object: input, ownership, threads, copies, payload, loading."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
+
+import alpha5_model as a5
+from alpha5_model.errors import (
+    InputError,
+    NonFiniteError,
+    ShapeError,
+    UnknownNameError,
+)
+
+OF_Q = (
+    "forward_kinematics",
+    "jacobian",
+    "mass_matrix",
+    "gravity_torque",
+    "buoyancy_torque",
+    "hydrostatic_torque",
+    "hydrostatic_torque_derivative",
+    "buoyancy_wrenches",
+    "potential_energy",
+    "center_of_mass",
+    "center_of_buoyancy",
+)
+OF_QV = ("coriolis_matrix", "nonlinear_effects", "kinetic_energy")
+OF_QVX = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives",
+    "base_wrench",
+    "inverse_dynamics_batch",
+    "forward_dynamics_batch",
+    "base_wrench_batch",
+)
+METHODS = {**dict.fromkeys(OF_Q, 1), **dict.fromkeys(OF_QV, 2), **dict.fromkeys(OF_QVX, 3)}
+KINDS = ("locked", "floating", "jaws")
+
+
+def numbers(result):
+    """A result as one flat array."""
+    if isinstance(result, pin.SE3):
+        return result.homogeneous.ravel()
+    if isinstance(result, pin.Force):
+        return result.vector
+    if isinstance(result, tuple):
+        return np.concatenate([r.ravel() for r in result])
+    if isinstance(result, pin.StdVec_Force):
+        return np.concatenate([f.vector for f in result])
+    return np.ravel(result)
+
+
+def inputs(arm, count, seed=0):
+    rng = np.random.default_rng(seed)
+    return [random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)][:count]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_nothing_that_is_not_finite_gets_through(kind, method, count):
+    """Every place of every argument: the fast paths rely on nothing being lost on the way."""
+    arm = make(kind)
+    clean = inputs(arm, count)
+    for which in range(count):
+        for place in range(len(clean[which])):
+            for bad in (math.nan, math.inf, -math.inf):
+                given = [x.copy() for x in clean]
+                given[which][place] = bad
+                with pytest.raises(NonFiniteError) as error:
+                    getattr(arm, method)(*given)
+                assert error.value.index[-1] == place
+                with pytest.raises(NonFiniteError):
+                    getattr(arm, method)(*[x.tolist() for x in given])
+
+
+@pytest.mark.parametrize("variant", ["locked", "locked, air, tilted", "locked, payload, tilted"])
+def test_the_fast_path_finds_each_bad_place_in_special_poses_too(variant):
+    arm = make(variant)
+    for q in (np.zeros(4), np.full(4, np.pi / 2), np.array([0.0, 1.3, 1.3, 0.0])):
+        for which in range(3):
+            for place in range(4):
+                for bad in (math.nan, math.inf):
+                    given = [q.copy(), np.zeros(4), np.zeros(4)]
+                    given[which][place] = bad
+                    with pytest.raises(NonFiniteError):
+                        arm.inverse_dynamics(*given)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_wrong_input_is_one_clear_error(kind, method, count):
+    arm = make(kind)
+    clean = inputs(arm, count)
+    for which in range(count):
+        n = len(clean[which])
+        wrong_shapes = [np.ones(n + 1), np.ones(n - 1), np.float64(1.0), np.ones((n, 2))]
+        if not method.endswith("_batch"):
+            wrong_shapes += [np.ones((n, 1)), np.ones((1, n)), np.ones((n, n)), np.ones((0, n))]
+        for bad in wrong_shapes:
+            given = list(clean)
+            given[which] = bad
+            with pytest.raises(ShapeError):
+                getattr(arm, method)(*given)
+        for bad in ("abcd", None, np.ones(n) * 1j, [[1.0], [1.0, 2.0]], np.array(["a"] * n), {}):
+            given = list(clean)
+            given[which] = bad
+            with pytest.raises(InputError):
+                getattr(arm, method)(*given)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_input_and_output_belong_to_the_caller(kind, method, count):
+    arm = make(kind)
+    given = inputs(arm, count)
+    before = [x.copy() for x in given]
+    for x in given:
+        x.flags.writeable = False
+    call = getattr(arm, method)
+    first = call(*given)
+    kept = numbers(first).copy()
+    for x, y in zip(given, before, strict=True):
+        assert np.array_equal(x, y)
+    call(*inputs(arm, count, seed=1))  # another computation does not reach into the first result
+    assert np.array_equal(numbers(first), kept)
+    if isinstance(first, np.ndarray):
+        first += 1.0
+        assert np.array_equal(numbers(call(*given)), kept)
+    # lists, strided and Fortran-ordered arrays give the same; integers and float32 what they stand for
+    assert np.array_equal(numbers(call(*[x.tolist() for x in given])), kept)
+    assert np.array_equal(numbers(call(*[np.repeat(x, 2)[::2] for x in given])), kept)
+    if kind == "locked":
+        whole = [np.ones(4, dtype=t) for t in (int, np.float32, np.int8)][:count]
+        assert np.array_equal(numbers(call(*whole)), numbers(call(*[np.ones(4)] * count)))
+
+
+def test_the_arm_does_not_follow_changes_of_the_model_it_hands_out():
+    arm = a5.load()
+    q = np.array([0.1, 0.2, 0.3, 0.4])
+    before = arm.hydrostatic_torque(q), arm.base_wrench(q, 0 * q, 0 * q).vector
+    arm.model.gravity.linear = np.zeros(3)
+    arm.model.inertias[2].mass = 7.0
+    arm.fluid_model.gravity.linear = np.zeros(3)
+    assert np.array_equal(arm.hydrostatic_torque(q), before[0])
+    assert np.array_equal(arm.base_wrench(q, 0 * q, 0 * q).vector, before[1])
+    assert np.array_equal(a5.load().hydrostatic_torque(q), before[0])
+
+
+def test_no_method_touches_the_caller_s_data():
+    arm = a5.load()
+    q, v, a = inputs(arm, 3)
+    pin.rnea(arm.model, arm.data, q, v, a)
+    tau, force = arm.data.tau.copy(), arm.data.f[1].vector.copy()
+    for method, count in METHODS.items():
+        getattr(arm, method)(*inputs(arm, count, seed=3))
+    assert np.array_equal(arm.data.tau, tau)
+    assert np.array_equal(arm.data.f[1].vector, force)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_arm_in_many_threads(kind):
+    arm = make(kind)
+    rng = np.random.default_rng(4)
+    work = [(random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)) for _ in range(200)]
+
+    def job(states):
+        q, v, a = states
+        own = id(arm.data)
+        assert own == id(arm.data)
+        many = np.tile(q, (30, 1)), np.tile(v, (30, 1)), np.tile(a, (30, 1))
+        return np.concatenate(
+            [
+                arm.inverse_dynamics(q, v, a),
+                arm.base_wrench(q, v, a).vector,
+                arm.forward_kinematics(q).translation,
+                arm.center_of_buoyancy(q),
+                arm.inverse_dynamics_batch(*many, threads=2)[-1],
+            ]
+        )
+
+    alone = [job(states) for states in work]
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(job, work))
+        data = set(pool.map(lambda _: id(arm.data), range(64)))
+    assert np.array_equal(alone, together)
+    assert id(arm.data) not in data
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_pickle(variant):
+    arm = make(variant)
+    twin = pickle.loads(pickle.dumps(arm))
+    assert type(twin) is type(arm)
+    assert repr(twin) == repr(arm)
+    for method, count in METHODS.items():
+        given = inputs(arm, count)
+        assert np.array_equal(
+            numbers(getattr(twin, method)(*given)), numbers(getattr(arm, method)(*given))
+        )
+
+
+def test_quaternion_must_have_unit_norm():
+    arm = a5.load(floating_base=True)
+    q, v, a = inputs(arm, 3)
+    q[3:7] *= 1.001
+    for call in (lambda: arm.inverse_dynamics(q, v, a), lambda: arm.mass_matrix(q)):
+        with pytest.raises(InputError, match="unit quaternion"):
+            call()
+    good, _, _ = inputs(arm, 3)
+    with pytest.raises(InputError, match=r"q\[1, 3:7\]"):
+        arm.inverse_dynamics_batch([good, q], [v, v], [a, a])
+    q[3:7] = 0.0
+    with pytest.raises(InputError, match="norm 0"):
+        arm.forward_kinematics(q)
+
+
+def test_frames_and_reference_frames():
+    arm = a5.load()
+    q = np.zeros(4)
+    with pytest.raises(UnknownNameError, match=r"unknown frame 'gripper'; choose from .*tcp"):
+        arm.forward_kinematics(q, frame="gripper")
+    for bad in ("gripper", None, 3, ["tcp"]):
+        with pytest.raises(UnknownNameError):
+            arm.jacobian(q, bad)
+        with pytest.raises(UnknownNameError):
+            arm.forward_kinematics(q, bad)
+        with pytest.raises(UnknownNameError):
+            arm.with_payload(1.0, frame=bad)
+    with pytest.raises(InputError, match="reference_frame"):
+        arm.jacobian(q, reference_frame="local")
+    assert not np.array_equal(arm.jacobian(q), arm.jacobian(q, reference_frame=pin.LOCAL))
+
+
+def test_external_forces_are_checked():
+    arm = a5.load()
+    q, v, a = inputs(arm, 3)
+    zero = [pin.Force.Zero()] * arm.model.njoints
+    assert np.array_equal(arm.inverse_dynamics(q, v, a, fext=zero), arm.inverse_dynamics(q, v, a))
+    bad = pin.Force(np.array([0, 0, math.nan, 0, 0, 0]))
+    for method in ("inverse_dynamics", "forward_dynamics", "base_wrench"):
+        call = getattr(arm, method)
+        for fext in (zero[:-1], [*zero, zero[0]], 3, "fext", [np.zeros(6)] * 5, np.zeros((5, 6))):
+            with pytest.raises(InputError, match="fext"):
+                call(q, v, a, fext=fext)
+        with pytest.raises(NonFiniteError):
+            call(q, v, a, fext=[*zero[:-1], bad])
+
+
+def test_batch_arguments():
+    arm = a5.load()
+    ones = np.ones((3, 4))
+    for threads in (0, -1, 1.5, True, "2"):
+        with pytest.raises(InputError, match="threads"):
+            arm.inverse_dynamics_batch(ones, ones, ones, threads=threads)
+    with pytest.raises(ShapeError, match="3 rows"):
+        arm.inverse_dynamics_batch(ones, ones[:2], ones)
+    with pytest.raises(ShapeError):
+        arm.inverse_dynamics_batch(ones[None], ones, ones)
+    fortran = np.asfortranarray(np.random.default_rng(0).normal(size=(3, 4)))
+    plain = np.ascontiguousarray(fortran)
+    assert np.array_equal(
+        arm.inverse_dynamics_batch(fortran, fortran, fortran),
+        arm.inverse_dynamics_batch(plain, plain, plain),
+    )
+
+
+# payload ------------------------------------------------------------------------------------------------------
+
+
+def test_payload_is_a_body_of_its_own():
+    """Second route: the payload as forces of Newton and Euler at the TCP, written out in the world's axes."""
+    arm = a5.load(gravity=(1.0, 2.0, -9.0))
+    loaded = arm.with_payload(**PAYLOAD)
+    rng = np.random.default_rng(5)
+    mass, com, tensor = PAYLOAD["mass"], np.array(PAYLOAD["com"]), np.array(PAYLOAD["inertia"])
+    cob, volume = np.array(PAYLOAD["cob"]), PAYLOAD["volume"]
+    g = arm.model.gravity.linear
+    for _ in range(50):
+        q, v, a = rng.normal(size=(3, 4))
+        model, data = arm.model, arm.data
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.updateFramePlacements(model, data)
+        tcp = model.getFrameId("tcp")
+        rotation = data.oMf[tcp].rotation
+        twist = pin.getFrameVelocity(model, data, tcp, pin.LOCAL_WORLD_ALIGNED)
+        rate = pin.getFrameClassicalAcceleration(model, data, tcp, pin.LOCAL_WORLD_ALIGNED)
+        lever, omega, alpha = rotation @ com, twist.angular, rate.angular
+        acceleration = (
+            rate.linear + np.cross(alpha, lever) + np.cross(omega, np.cross(omega, lever))
+        )
+        world = rotation @ tensor @ rotation.T
+        at_com = mass * (acceleration - g)
+        lift = -1025.0 * volume * g
+        force = at_com - lift
+        moment = (
+            np.cross(lever, at_com)
+            - np.cross(rotation @ cob, lift)
+            + world @ alpha
+            + np.cross(omega, world @ omega)
+        )
+        jacobian = pin.computeFrameJacobian(model, data, q, tcp, pin.LOCAL_WORLD_ALIGNED)
+        extra = jacobian.T @ np.concatenate([force, moment])
+        gap = loaded.inverse_dynamics(q, v, a) - arm.inverse_dynamics(q, v, a) - extra
+        assert np.abs(gap).max() < 1e-12
+        assert np.abs(extra).max() > 0.01
+
+
+def test_payload_leaves_the_arm_as_it_was_and_adds_up():
+    arm = a5.load()
+    q, v, a = inputs(arm, 3)
+    before = arm.inverse_dynamics(q, v, a)
+    once = arm.with_payload(0.2, (0.0, 0.0, 0.01), volume=1e-4)
+    twice = once.with_payload(0.2, (0.0, 0.0, 0.01), volume=1e-4)
+    whole = arm.with_payload(0.4, (0.0, 0.0, 0.01), volume=2e-4)
+    assert np.array_equal(arm.inverse_dynamics(q, v, a), before)
+    assert np.abs(twice.inverse_dynamics(q, v, a) - whole.inverse_dynamics(q, v, a)).max() < 1e-13
+    assert [f.name for f in twice.model.frames][-2:] == ["payload", "payload_2"]
+    assert (
+        np.abs(
+            twice.forward_kinematics(q, "payload_2").homogeneous
+            - arm.forward_kinematics(q).homogeneous
+        ).max()
+        < 1e-15
+    )
+    on_base = arm.with_payload(1.0, (0.1, 0.0, 0.0), volume=1e-3, frame="base_link")
+    assert np.array_equal(on_base.inverse_dynamics(q, v, a), before)
+    load = on_base.base_wrench(q, v, a) - arm.base_wrench(q, v, a)
+    assert load.linear == pytest.approx([0, 0, (1.025 - 1.0) * 9.81], abs=1e-12)
+    assert load.angular == pytest.approx([0, -0.1 * (1.025 - 1.0) * 9.81, 0], abs=1e-12)
+
+
+def test_payload_of_any_neutral_body_weighs_nothing():
+    arm = a5.load(1000.0)
+    loaded = arm.with_payload(0.5, (0.01, 0.02, 0.03), volume=0.5e-3)
+    for seed in range(20):
+        q = inputs(arm, 1, seed)[0]
+        assert np.abs(loaded.hydrostatic_torque(q) - arm.hydrostatic_torque(q)).max() < 1e-14
+        assert np.abs(loaded.mass_matrix(q) - arm.mass_matrix(q)).max() > 1e-4
+
+
+def test_impossible_payloads():
+    arm = a5.load()
+    for bad in (
+        {"mass": -1.0},
+        {"mass": math.nan},
+        {"mass": "heavy"},
+        {"mass": 1.0, "volume": -1e-3},
+        {"mass": 1.0, "com": (0.0, 0.0)},
+        {"mass": 1.0, "com": (0.0, 0.0, math.inf)},
+        {"mass": 1.0, "cob": (0.0, 0.0, 0.0, 0.0)},
+        {"mass": 1.0, "inertia": np.eye(2)},
+        {"mass": 1.0, "inertia": "eye"},
+        {"mass": 1.0, "inertia": np.diag([1.0, 1.0, 3.0])},
+        {"mass": 1.0, "inertia": -np.eye(3)},
+        {"mass": 1.0, "inertia": np.full((3, 3), math.nan)},
+        {"mass": 0.0, "inertia": np.eye(3)},
+    ):
+        with pytest.raises(InputError):
+            arm.with_payload(**bad)
+
+
+# loading ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.parametrize("floating", [False, True])
+def test_load_takes_about_a_millisecond(gripper, floating):
+    a5.load(gripper=gripper, floating_base=floating)
+    best = math.inf
+    for _ in range(20):
+        start = time.perf_counter()
+        a5.load(gripper=gripper, floating_base=floating)
+        best = min(best, time.perf_counter() - start)
+    assert best < 2e-3  # 0.3 to 0.8 ms on an idle core
+
+
+def test_load_refuses_what_it_cannot_use():
+    for bad in (-1.0, math.nan, "sea", None, [1000.0, 1025.0]):
+        with pytest.raises(InputError):
+            a5.load(bad)
+    with pytest.raises(UnknownNameError, match="locked, jaws"):
+        a5.load(gripper="claw")
+    with pytest.raises(UnknownNameError):
+        a5.load(corrections=("base",))
+    for gravity in ((0.0, -9.81), 9.81, (0.0, 0.0, math.inf), "down"):
+        with pytest.raises(InputError):
+            a5.load(gravity=gravity)
+    with pytest.raises(InputError, match="floating_base"):
+        a5.load(floating_base="yes")
+
+
+def test_loaded_arms_are_independent():
+    one, two = a5.load(), a5.load()
+    assert one.model is not two.model
+    one.model.gravity.linear = np.zeros(3)
+    assert two.model.gravity.linear[2] == -9.81
+
+
+def test_public_types_and_constants():
+    assert (a5.SEA_WATER, a5.FRESH_WATER, a5.AIR) == (1025.0, 1000.0, 0.0)
+    arm = a5.load()
+    assert isinstance(arm, a5.Arm)
+    assert isinstance(arm.model, pin.Model)
+    assert isinstance(arm.data, pin.Data)
+    assert isinstance(arm.fluid_model, pin.Model)
+    masses = [inertia.mass for inertia in arm.fluid_model.inertias]
+    assert masses == pytest.approx(1025.0 * np.array([0.157, 0.032, 0.218, 0.032, 0.134]) / 1000)
+    assert repr(arm) == "Arm(axis_e, axis_d, axis_c, axis_b; fixed base, fluid 1025 kg/m^3)"
+
+
+def test_gravity_in_base_is_a_tilted_world():
+    """A vehicle that pitches and rolls: the same as a floating base with that attitude."""
+    rng = np.random.default_rng(6)
+    free = a5.load(floating_base=True)
+    for _ in range(20):
+        pose = random_q(free, rng)
+        rotation = pin.Quaternion(pose[3:7]).toRotationMatrix()
+        fixed = a5.load(gravity=a5.gravity_in_base(rotation))
+        q, still = pose[7:], np.zeros(4)
+        assert np.abs(fixed.hydrostatic_torque(q) - free.hydrostatic_torque(pose)[6:]).max() < 1e-12
+        wrench = fixed.base_wrench(q, still, still).vector
+        assert np.abs(wrench + free.hydrostatic_torque(pose)[:6]).max() < 1e-12
+    pitched = np.array(
+        [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+    )  # +90 deg about y: nose down
+    assert a5.gravity_in_base(pitched) == pytest.approx([9.81, 0.0, 0.0])
+    assert a5.gravity_in_base(np.eye(3), gravity=(0, 0, 9.81)) == pytest.approx([0, 0, 9.81])
+    for bad in (
+        np.eye(2),
+        2 * np.eye(3),
+        np.diag([1.0, 1.0, -1.0]),
+        np.zeros((3, 3)),
+        "north",
+        [np.eye(3)],
+    ):
+        with pytest.raises(InputError):
+            a5.gravity_in_base(bad)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.parametrize("corrections", [("base_frame",), ()])
+def test_robot_wrapper(gripper, corrections):
+    robot = a5.robot_wrapper(gripper=gripper, corrections=corrections)
+    arm = a5.load(a5.AIR, gripper=gripper, corrections=corrections)
+    assert isinstance(robot, pin.RobotWrapper)
+    assert robot.model == arm.model
+    q, v, a = inputs(arm, 3)
+    assert np.array_equal(pin.rnea(robot.model, robot.data, q, v, a), arm.inverse_dynamics(q, v, a))
+    assert np.array_equal(robot.mass(q), arm.mass_matrix(q))
+    floating = a5.robot_wrapper(gripper=gripper, floating_base=True)
+    assert floating.nv == robot.nv + 6
+    with pytest.raises(UnknownNameError):
+        a5.robot_wrapper(gripper="claw")
