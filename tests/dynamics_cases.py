@@ -63,12 +63,15 @@ def moved(arm: a5.Arm, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
     return np.concatenate([pin.SE3ToXYZQUAT(base), q[7:] + dq[6:]])
 
 
-def central_difference(function: Any, arm: a5.Arm, q: np.ndarray, step: float) -> np.ndarray:
-    """Derivative of function(q) along each coordinate of the tangent space, as columns."""
+def central_difference(
+    function: Any, arm: a5.Arm, q: np.ndarray, step: float, *rest: Any
+) -> np.ndarray:
+    """Derivative of function(q, *rest) along each coordinate of the tangent space, as columns."""
     columns = []
     for i in range(arm.model.nv):
         h = step * (0.02 if arm.model.nv - i == 1 and "axis_a" in arm.joint_names else 1.0)
         dq = np.zeros(arm.model.nv)
         dq[i] = h
-        columns.append((function(moved(arm, q, dq)) - function(moved(arm, q, -dq))) / (2 * h))
+        ahead, behind = (function(moved(arm, q, s * dq), *rest) for s in (1.0, -1.0))
+        columns.append((ahead - behind) / (2 * h))
     return np.stack(columns, axis=-1)

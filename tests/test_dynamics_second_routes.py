@@ -39,7 +39,7 @@ def test_inverse_dynamics_equals_own_newton_euler(states, density, gravity):
 @pytest.mark.parametrize("variant", ["link3_cob", "mass", "sign of products"])
 def test_own_newton_euler_sees_a_wrong_model(states, variant, monkeypatch):
     q, v, a = states
-    wrong = dict(mass=MASS.copy(), cob=COB.copy())
+    wrong = {"mass": MASS.copy(), "cob": COB.copy()}
     if variant == "link3_cob":
         wrong["cob"][3] = [0.018, -0.0172, -0.004]
     elif variant == "mass":

@@ -17,6 +17,7 @@ COMMANDS: tuple[str, ...] = (
     "demo",
     "generate",
     "compare",
+    "torque",
     "trajectory",
     "view",
 )

@@ -159,8 +159,8 @@ def _finger(jaws: JawParameters) -> list[Primitive]:
         (0.4, 0.6, whole, middle),
         (0.6, 0.78, whole, middle),
         (0.78, 1.0, high, middle + hook),
-        (0.78, 0.86, low, middle - hook),
-        (0.86, 0.948, low, middle - hook),
+        (0.78, 0.87, low, middle - hook),
+        (0.87, 0.95, low, middle - hook),
     ):
         outline = np.minimum(ribbon(start, stop), [limit, length])
         ends = outline[[STATIONS - 1, STATIONS]].mean(0) - outline[[0, -1]].mean(0)

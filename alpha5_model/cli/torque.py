@@ -1,0 +1,122 @@
+"""``alpha5 torque``: what holds or moves the arm at one state, term by term."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+
+Four = tuple[float, float, float, float]
+TERMS = ("inertia", "coriolis", "weight", "buoyancy")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("torque")(torque)
+
+
+def torque(
+    q: Annotated[
+        Four, typer.Option("--q", help="Positions of axis_e, axis_d, axis_c, axis_b (rad).")
+    ],
+    v: Annotated[Four, typer.Option("--v", help="Velocities (rad/s).")] = (0.0, 0.0, 0.0, 0.0),
+    a: Annotated[Four, typer.Option("--a", help="Accelerations (rad/s2).")] = (0.0, 0.0, 0.0, 0.0),
+    degrees: Annotated[bool, typer.Option("--degrees", help="--q, --v, --a in degrees.")] = False,
+    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
+    gravity: Annotated[
+        str, typer.Option(help="In base_link, three numbers (m/s2); tilts the mount.")
+    ] = "0 0 -9.81",
+    constants: Annotated[
+        str,
+        typer.Option(
+            help="Which of Table 4's contradicting motor constants to believe: printed, torque "
+            "(K_t for both) or voltage (K_v for both)."
+        ),
+    ] = "printed",
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> int:
+    """Joint torques by cause, motor currents and the load on the mount.
+
+    Example: alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
+    """
+    import math
+
+    unit = math.pi / 180.0 if degrees else 1.0
+    position, velocity, acceleration = (tuple(unit * x for x in values) for values in (q, v, a))
+    density, g = fluid_density(fluid), triple("gravity", gravity)
+    result = _compute(position, velocity, acceleration, density, g, constants)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(result, indent=2, allow_nan=False))
+    else:
+        _show(result)
+    return 0
+
+
+def _compute(q: Any, v: Any, a: Any, density: float, gravity: Any, constants: str) -> Any:
+    """The result as it goes to JSON, SI units."""
+    from alpha5_model.actuators import actuator
+    from alpha5_model.dynamics.loading import load
+    from alpha5_model.dynamics.series import torque_terms
+    from alpha5_model.parameters import parameters
+
+    arm = load(density, gravity=gravity)
+    total = arm.inverse_dynamics(q, v, a)
+    terms = torque_terms(arm, q, v, a, threads=1)
+    joints = []
+    for i, name in enumerate(arm.joint_names):
+        motor, limits = actuator(name, constants), parameters().joints[i]
+        if v[i]:
+            current, span = motor.current(total[i], v[i]), motor.current_interval(total[i], v[i])
+        else:
+            current, span = motor.current(total[i]), motor.holding_current(total[i])
+        joints.append(
+            {
+                "joint": name,
+                "position": q[i],
+                "velocity": v[i],
+                "acceleration": a[i],
+                **{term: float(getattr(terms, term)[0, i]) for term in TERMS},
+                "torque": float(total[i]),
+                "current": float(current),
+                "current_range": [float(span.lower), float(span.upper)],
+                "within_limits": limits.lower <= q[i] <= limits.upper,
+            }
+        )
+    wrench = arm.base_wrench(q, v, a)
+    return {
+        "fluid_density": density,
+        "gravity": list(gravity),
+        "constants": constants,
+        "joints": joints,
+        "mount": {"force": wrench.linear.tolist(), "moment": wrench.angular.tolist()},
+    }
+
+
+def _show(result: Any) -> None:
+    heads = ("inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range")
+    lines = [f"{'':10}" + "".join(f"{head:>10}" for head in heads)]
+    lines.append(f"{'':10}" + "".join(f"{unit:>10}" for unit in ["N m"] * 5 + ["A"] * 2))
+    for joint in result["joints"]:
+        name = joint["joint"] + ("" if joint["within_limits"] else " *")
+        numbers = [*(joint[key] for key in (*TERMS, "torque", "current")), *joint["current_range"]]
+        # Adding zero turns the -0.0 of rounding into 0.0.
+        *cells, high = (f"{round(x, 4) + 0.0:10.4f}" for x in numbers)
+        lines.append(f"{name:10}{''.join(cells)} to {high.strip()}")
+    force, moment = (
+        "({:.4f}, {:.4f}, {:.4f})".format(*(round(x, 4) + 0.0 for x in result["mount"][key]))
+        for key in ("force", "moment")
+    )
+    lines += [
+        "",
+        f"fluid {result['fluid_density']:g} kg/m3; inertia + Coriolis + weight + buoyancy = torque",
+        "current of a moving joint: with friction and gear loss; range: friction's printed tolerance",
+        "current of a joint at rest: without losses; range: where friction keeps it still",
+        f"load on the mount at base_link: force {force} N, moment {moment} N m",
+    ]
+    if not all(joint["within_limits"] for joint in result["joints"]):
+        lines.append("* position beyond the joint's limits")
+    typer.echo("\n".join(lines))

@@ -1,0 +1,121 @@
+"""``alpha5 torque``."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from newton_euler import newton_euler
+
+from alpha5_model.cli import main
+
+Q = (3.1, 1.2, 1.8, 0.4)
+V = (0.1, 0.2, -0.3, 0.4)
+A = (-1.0, 0.5, 0.7, 2.0)
+
+
+def text(values):
+    return [repr(float(x)) for x in values]
+
+
+def run(capsys, *arguments):
+    assert main(["torque", *arguments]) == 0
+    out = capsys.readouterr()
+    assert out.err == ""
+    return out.out
+
+
+@pytest.mark.parametrize(
+    ("fluid", "density"), [("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("1340", 1340.0)]
+)
+def test_json_equals_own_newton_euler(capsys, fluid, density):
+    arguments = ["--q", *text(Q), "--v", *text(V), "--a", *text(A), "--fluid", fluid, "--json"]
+    result = json.loads(run(capsys, *arguments))
+    q, v, a = (np.array([x]) for x in (Q, V, A))
+    tau, force, moment = newton_euler(q, v, a, density)
+    still = newton_euler(q, 0 * v, 0 * a, 0.0)[0]
+    terms = {
+        "torque": tau,
+        "weight": still,
+        "buoyancy": newton_euler(q, 0 * v, 0 * a, density)[0] - still,
+        "coriolis": newton_euler(q, v, 0 * a, 0.0)[0] - still,
+        "inertia": newton_euler(q, v, a, 0.0)[0] - newton_euler(q, v, 0 * a, 0.0)[0],
+    }
+    assert [joint["joint"] for joint in result["joints"]] == [
+        "axis_e",
+        "axis_d",
+        "axis_c",
+        "axis_b",
+    ]
+    for name, expected in terms.items():
+        ours = [joint[name] for joint in result["joints"]]
+        assert np.abs(ours - expected[0]).max() < 1e-12
+    assert np.abs(result["mount"]["force"] - force[0]).max() < 1e-12
+    assert np.abs(result["mount"]["moment"] - moment[0]).max() < 1e-12
+
+
+def test_current_is_table_4(capsys):
+    """Actuator 1, driving and back-driven: i = (tau / (Gr eta^(+-1)) + F sign(v)) / K_t, F within 10 %."""
+    k_t, friction, eta, gear = 0.0134, 3.752e-3, 0.86, 1754.4
+    for speed in (0.2, -0.2):
+        arguments = ["--q", *text(Q), "--v", "0", repr(speed), "0", "0", "--json"]
+        joint = json.loads(run(capsys, *arguments))["joints"][1]
+        tau = joint["torque"]
+        loss = eta if tau * speed > 0 else 1 / eta
+
+        def current(f, tau=tau, loss=loss, speed=speed):
+            return (tau / (gear * loss) + f * np.sign(speed)) / k_t
+
+        assert joint["current"] == pytest.approx(current(friction), rel=1e-12)
+        ends = sorted((current(0.9 * friction), current(1.1 * friction)))
+        assert joint["current_range"] == pytest.approx(ends, rel=1e-12)
+
+
+def test_text_is_the_json_rounded(capsys):
+    arguments = ["--q", "3.1", "1.2", "1.8", "-0.4", "--v", *text(V)]
+    rows = run(capsys, *arguments).splitlines()
+    result = json.loads(run(capsys, *arguments, "--json"))
+    for row, joint in zip(rows[2:6], result["joints"], strict=True):
+        cells = row.replace(" *", "").replace(" to ", " ").split()
+        keys = ("inertia", "coriolis", "weight", "buoyancy", "torque", "current")
+        expected = [*(joint[key] for key in keys), *joint["current_range"]]
+        assert cells[0] == joint["joint"]
+        assert [float(cell) for cell in cells[1:]] == pytest.approx(expected, abs=5.1e-5)
+        assert "-0.0000" not in row
+    assert rows[5].startswith("axis_b *")
+    assert rows[-1] == "* position beyond the joint's limits"
+    assert [joint["within_limits"] for joint in result["joints"]] == [True, True, True, False]
+
+
+def test_degrees_and_tilt(capsys):
+    radians = json.loads(run(capsys, "--q", *text(np.deg2rad([170, 60, 100, 20])), "--json"))
+    degrees = json.loads(run(capsys, "--q", "170", "60", "100", "20", "--degrees", "--json"))
+    torque = [[joint["torque"] for joint in r["joints"]] for r in (radians, degrees)]
+    assert torque[0] == pytest.approx(torque[1], abs=1e-15)
+    tilted = json.loads(run(capsys, "--q", *text(Q), "--gravity", "-9.81 0 0", "--json"))
+    still = np.zeros((1, 4))
+    expected = newton_euler(np.array([Q]), still, still, 1025.0, (-9.81, 0.0, 0.0))[0][0]
+    assert [j["torque"] for j in tilted["joints"]] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--q", "1", "2", "nan", "0"], "q[2]"),
+        (["--q", "1", "2"], "4 arguments"),
+        ([], "--q"),
+        (["--q", "1", "2", "x", "0"], "--q"),
+        (["--q", *text(Q), "--fluid", "mercury"], "sea, fresh, air"),
+        (["--q", *text(Q), "--fluid", "-5"], "fluid"),
+        (["--q", *text(Q), "--gravity", "down"], "gravity"),
+        (["--q", *text(Q), "--constants", "best"], "printed, torque, voltage"),
+        (["--q", *text(Q), "--v", "0", "0", "0", "inf"], "v[3]"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(capsys, arguments, message):
+    assert main(["torque", *arguments]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert len(out.err.strip().splitlines()) == 1
+    assert message in out.err

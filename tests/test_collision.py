@@ -1,0 +1,366 @@
+"""Collision bodies: they enclose the drawn ones closely, and what they say about poses is true.
+
+Distances to the primitives are computed here from their definition; distances between bodies by manifold3d
+on the drawn surfaces, which the package's route through coal never sees.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from recordings import JOINT_STATES, needs_recordings
+from reference import LOWER, UPPER
+from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
+
+import alpha5_model as a5
+from alpha5_model.description.collision_shapes import collision_primitives
+from alpha5_model.description.poses import ADJACENT_PAIRS, NAMED_POSES, named_pose
+from alpha5_model.description.srdf import srdf
+from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
+from alpha5_model.errors import UnknownNameError
+from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
+
+RNG_SEED = 5
+
+
+@pytest.fixture(scope="module")
+def model():
+    return pin.buildModelFromUrdf(URDF_PATH)
+
+
+@pytest.fixture(scope="module")
+def collisions(model):
+    return CollisionModel(model)
+
+
+@pytest.fixture(scope="module")
+def meshes():
+    return {name: Mesh((MESHES / f"{name}.obj").read_text("ascii")) for name in BODIES}
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    """URDF's fixed-axis angles, one elementary rotation after the other."""
+
+    def turn(axis: int, angle: float) -> np.ndarray:
+        out, (i, j) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+        out[i, i] = out[j, j] = math.cos(angle)
+        out[j, i] = math.sin(angle)
+        out[i, j] = -math.sin(angle)
+        return out
+
+    return turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
+
+
+def signed_distance(shape, points: np.ndarray) -> np.ndarray:
+    """Distance of points (n, 3) to a primitive, negative inside [m]."""
+    local = (points - shape.xyz) @ rotation(*shape.rpy)
+    if shape.kind == "box":
+        beyond = np.abs(local) - np.array(shape.size) / 2
+    else:
+        radius, length = shape.size
+        beyond = np.column_stack(
+            [np.hypot(local[:, 0], local[:, 1]) - radius, np.abs(local[:, 2]) - length / 2]
+        )
+    outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
+    return outside + np.minimum(beyond.max(1), 0)
+
+
+def samples(corners: np.ndarray, count: int, rng) -> np.ndarray:
+    """Points on triangles (m, 3, 3), uniform by area."""
+    area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    chosen = corners[rng.choice(len(corners), count, p=area / area.sum())]
+    weights = rng.dirichlet((1, 1, 1), count)
+    return np.einsum("nc,ncx->nx", weights, chosen)
+
+
+def surface_points(shape, count: int, rng) -> np.ndarray:
+    """Points on a primitive, its edges and corners included."""
+    if shape.kind == "box":
+        unit = rng.uniform(-1, 1, (count, 3))
+        # Faces, edges and corners.
+        for pins in (1, 2, 3):
+            rows = slice((pins - 1) * count // 3, pins * count // 3)
+            for row in unit[rows]:
+                axes = rng.permutation(3)[:pins]
+                row[axes] = np.sign(row[axes])
+        local = unit * np.array(shape.size) / 2
+    else:
+        radius, length = shape.size
+        angle = rng.uniform(0, 2 * math.pi, count)
+        height, r = rng.uniform(-1, 1, count), np.full(count, radius)
+        height[::2] = np.sign(height[::2])
+        r[::4] *= np.sqrt(rng.uniform(0, 1, len(r[::4])))
+        local = np.column_stack([r * np.cos(angle), r * np.sin(angle), height * length / 2])
+    return local @ rotation(*shape.rpy).T + shape.xyz
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_primitives_enclose_the_drawn_body(meshes, name):
+    rng = np.random.default_rng(RNG_SEED)
+    points = np.vstack([meshes[name].v, samples(meshes[name].corners, 20_000, rng)])
+    shapes = collision_primitives()[name]
+    assert np.min([signed_distance(s, points) for s in shapes], axis=0).max() < 1e-6
+    # Each of them is needed: without it something sticks out.
+    for left_out in range(len(shapes)):
+        rest = [s for i, s in enumerate(shapes) if i != left_out]
+        if rest:
+            assert np.min([signed_distance(s, points) for s in rest], axis=0).max() > 1e-4
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_primitives_stay_within_three_millimetres_of_the_outside(name):
+    """The outside is the drawn body with its recesses, slots and shaft holes closed."""
+    pytest.importorskip("manifold3d")
+    import trimesh
+
+    from alpha5_model.description.bodies.arm import bodies
+    from alpha5_model.description.bodies.surface import surface
+
+    outside = surface(bodies()[name].outside)
+    mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)
+    rng = np.random.default_rng(RNG_SEED)
+    shapes = collision_primitives()[name]
+    points = np.vstack([surface_points(shape, 300, rng) for shape in shapes])
+    exposed = np.min([signed_distance(s, points) for s in shapes], axis=0) > -1e-6
+    excess = -trimesh.proximity.signed_distance(mesh, points[exposed])
+    assert exposed.sum() > 100
+    assert excess.max() < 3e-3
+
+
+@pytest.mark.parametrize(("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")])
+def test_urdf_carries_the_primitives(path, gripper):
+    root = ET.parse(path).getroot()
+    wanted = collision_primitives(gripper)
+    found = {link.get("name"): link.findall("collision") for link in root.iter("link")}
+    assert {name for name, elements in found.items() if elements} == set(wanted)
+    for name, shapes in wanted.items():
+        assert len(found[name]) == len(shapes)
+        for element, shape in zip(found[name], shapes, strict=True):
+            origin, (body,) = element.find("origin"), element.find("geometry")
+            assert body.tag == shape.kind
+            size = (
+                [float(x) for x in body.get("size").split()]
+                if body.tag == "box"
+                else [float(body.get("radius")), float(body.get("length"))]
+            )
+            assert size == list(shape.size)
+            assert [float(x) for x in origin.get("xyz").split()] == list(shape.xyz)
+            assert [float(x) for x in origin.get("rpy").split()] == list(shape.rpy)
+
+
+def test_locked_is_the_jaws_closed():
+    """The fingers' primitives at their closed poses, in link_4."""
+    rng = np.random.default_rng(RNG_SEED)
+    jaws, locked = collision_primitives("jaws"), collision_primitives("locked")
+    assert set(jaws) - set(locked) == {"finger_1", "finger_2"}
+    points = rng.uniform((-0.03, -0.02, -0.23), (0.03, 0.02, -0.03), (4000, 3))
+    distance = [signed_distance(s, points) for s in jaws["link_4"]]
+    for name in ("finger_1", "finger_2"):
+        pose = finger_pose(name)
+        local = (points - pose[:3, 3]) @ pose[:3, :3]
+        distance += [signed_distance(s, local) for s in jaws[name]]
+    direct = np.min([signed_distance(s, points) for s in locked["link_4"]], axis=0)
+    assert direct == pytest.approx(np.min(distance, axis=0), abs=1e-8)
+    with pytest.raises(UnknownNameError, match="locked, jaws"):
+        collision_primitives("open")
+
+
+@pytest.mark.parametrize(
+    ("path", "gripper", "file"),
+    [(URDF_PATH, "locked", "alpha5.srdf"), (JAWS_URDF_PATH, "jaws", "alpha5_jaws.srdf")],
+)
+def test_srdf_leaves_the_same_pairs_as_the_package(path, gripper, file):
+    """Pinocchio's own route: collision bodies of the URDF, all pairs, less those of the SRDF."""
+    srdf_path = Path(REPOSITORY_PATH) / "urdf" / file
+    assert srdf_path.read_text("utf-8") == srdf(gripper)
+    model = pin.buildModelFromUrdf(path)
+    geometry = pin.buildGeomFromUrdf(
+        model, path, pin.GeometryType.COLLISION, package_dirs=[str(Path(path).parent)]
+    )
+    geometry.addAllCollisionPairs()
+    pin.removeCollisionPairs(model, geometry, str(srdf_path))
+    assert _link_pairs(model, geometry) == _link_pairs(model, collision_geometry(model))
+    pin.loadReferenceConfigurations(model, str(srdf_path))
+    for name, q in NAMED_POSES.items():
+        assert model.referenceConfigurations[name][:4] == pytest.approx(q, abs=0)
+    named = {link.get("name") for link in ET.parse(path).getroot().iter("link")}
+    for element in ET.fromstring(srdf(gripper)).iter("disable_collisions"):
+        assert {element.get("link1"), element.get("link2")} <= named
+
+
+def _link_pairs(model, geometry) -> dict[frozenset[str], int]:
+    counts: dict[frozenset[str], int] = {}
+    for pair in geometry.collisionPairs:
+        names = frozenset(
+            model.frames[geometry.geometryObjects[i].parentFrame].name
+            for i in (pair.first, pair.second)
+        )
+        if len(names) == 2:
+            counts[names] = counts.get(names, 0) + 1
+    return counts
+
+
+def test_urdf_route_and_package_agree_on_distances(model, collisions):
+    srdf_path = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf")
+    geometry = pin.buildGeomFromUrdf(
+        model, URDF_PATH, pin.GeometryType.COLLISION, package_dirs=[str(Path(URDF_PATH).parent)]
+    )
+    geometry.addAllCollisionPairs()
+    pin.removeCollisionPairs(model, geometry, srdf_path)
+    data, scratch = model.createData(), geometry.createData()
+    rng = np.random.default_rng(RNG_SEED)
+    for q in rng.uniform(LOWER, UPPER, (20, 4)):
+        hit = pin.computeCollisions(model, data, geometry, scratch, q, True)
+        assert hit == collisions.in_collision(q)
+
+
+@pytest.mark.parametrize("name", NAMED_POSES)
+def test_named_poses_are_free_and_within_the_limits(collisions, name):
+    q = named_pose(name)
+    assert np.all(q >= LOWER)
+    assert np.all(q <= UPPER)
+    assert not collisions.in_collision(q)
+    assert collisions.colliding_links(q) == ()
+    assert collisions.clearance(q).distance > 5e-4
+
+
+def test_named_poses_look_as_described():
+    """Folded, level and stretched, from the document's kinematics alone."""
+    poses = {name: link_poses(np.array(q)) for name, q in NAMED_POSES.items()}
+    tips = {name: pose["link_4"] @ [0, 0, -0.18, 1] for name, pose in poses.items()}
+    assert tips["stow"][0] < 0.12, "folded in front of the base"
+    for name in ("home", "reach"):
+        along = -poses[name]["link_4"][:3, 2]
+        assert along == pytest.approx([1, 0, 0], abs=1e-9), "the forearm points forward, level"
+    assert tips["reach"][0] > 0.34
+    assert tips["home"][2] < 0
+    with pytest.raises(UnknownNameError, match="stow, home, reach"):
+        named_pose("park")
+
+
+def test_known_collisions_are_found(collisions):
+    """Upper arm through the base tube, folded towards -x; and pointing straight down into the hub."""
+    q = np.array([0.02, 0.02, math.pi, 1.0])
+    assert collisions.in_collision(q)
+    assert ("link_0", "link_2") in collisions.colliding_links(q)
+    found = collisions.clearance(q)
+    assert found.distance < -0.01
+    assert found.links == ("link_0", "link_2")
+
+
+@needs_recordings
+def test_the_real_arm_never_touched_itself(collisions):
+    """Every pose of the pool recordings, which rest 1 mm from contact, is free."""
+    closest = math.inf
+    for path in JOINT_STATES:
+        with path.open() as stream:
+            rows = list(csv.DictReader(stream))[::25]
+        for row in rows:
+            q = np.array([float(row[f"axis_{joint}_pos"]) for joint in "edcb"])
+            assert not collisions.in_collision(q)
+            closest = min(closest, collisions.clearance(q).distance)
+    assert 0 < closest < 2e-3
+
+
+def test_answers_bracket_the_distance_between_the_drawn_bodies(collisions, meshes):
+    """Primitives enclose: never free where the bodies meet, never farther apart than they are."""
+    kernel = pytest.importorskip("manifold3d")
+    solids = {
+        name: kernel.Manifold(kernel.Mesh64(mesh.v * 1e3, mesh.f.astype(np.uint64)))
+        for name, mesh in meshes.items()
+    }
+    adjacent = {frozenset(pair) for pair in ADJACENT_PAIRS}
+    rng = np.random.default_rng(RNG_SEED)
+    # Half at random, half folded onto the base, where it matters.
+    random = rng.uniform(LOWER, UPPER, (10, 4))
+    folded = rng.uniform((0.02, 0.02, 0.02, 0), (0.6, 0.7, 1.5, 6.2), (10, 4))
+    hits = 0
+    for q in np.vstack([random, folded, [*NAMED_POSES.values()]]):
+        poses = link_poses(q)
+        for name in ("finger_1", "finger_2"):
+            poses[name] = poses["link_4"] @ finger_pose(name)
+        there = {name: placed(solids[name], poses[name]) for name in BODIES}
+        gap, overlap = 30.0, 0.0
+        for one, other in itertools.combinations(BODIES, 2):
+            if frozenset((one, other)) in adjacent or {one, other} == {"finger_1", "finger_2"}:
+                continue
+            if {one, other} == {"link_3", "finger_1"} or {one, other} == {"link_3", "finger_2"}:
+                continue
+            overlap += (there[one] ^ there[other]).volume()
+            gap = min(gap, there[one].min_gap(there[other], 30.0))
+        distance = collisions.clearance(q).distance * 1e3
+        hit = collisions.in_collision(q)
+        assert hit == (distance <= 0)
+        if overlap > 0:
+            hits += 1
+            assert hit
+        else:
+            assert min(distance, 30.0) <= gap + 1e-3
+            assert min(distance, 30.0) >= gap - 6.0
+    assert 2 <= hits <= 15, "the sample must hold both kinds"
+
+
+def test_clearance_names_points_that_far_apart_on_these_links(collisions):
+    shapes = collision_primitives("locked")
+    for q in (*map(np.array, NAMED_POSES.values()), np.array([2.0, 1.0, 0.3, 0.0])):
+        found = collisions.clearance(q)
+        one, other = found.points
+        assert np.linalg.norm(one - other) == pytest.approx(found.distance, abs=1e-7)
+        for link, point in zip(found.links, found.points, strict=True):
+            pose = link_poses(q)[link]
+            local = ((point - pose[:3, 3]) @ pose[:3, :3])[None]
+            assert abs(min(signed_distance(s, local)[0] for s in shapes[link])) < 1e-5
+        assert not found.points.flags.writeable
+
+
+def test_links_1_and_3_cannot_meet(model):
+    """They are excluded as `Never`: whatever axes d and c do, they are far apart."""
+    geometry = collision_geometry(model)
+    objects = geometry.geometryObjects
+    geometry.removeAllCollisionPairs()
+    of = {
+        name: [i for i, o in enumerate(objects) if model.frames[o.parentFrame].name == name]
+        for name in LINKS
+    }
+    for a, b in itertools.product(of["link_1"], of["link_3"]):
+        geometry.addCollisionPair(pin.CollisionPair(a, b))
+    data, scratch = model.createData(), geometry.createData()
+    for d, c in itertools.product(np.linspace(LOWER[1], UPPER[1], 9), repeat=2):
+        q = np.array([0.0, d, c, 0.0])
+        index = pin.computeDistances(model, data, geometry, scratch, q)
+        assert scratch.distanceResults[index].min_distance > 0.04
+
+
+def test_open_jaws_reach_farther():
+    """The fingers follow the rod: folded against the upper arm, wide jaws come closer to it."""
+    arm = a5.load(gripper="jaws")
+    collisions = CollisionModel(arm.model)
+    q = np.array([math.pi, 0.5, 0.05, math.pi / 2, 0.0013])
+    shut = collisions.data
+    assert len(shut.oMg) == len(collisions.geometry.geometryObjects)
+    at = {}
+    for rod in (0.0013, 0.0133):
+        q[4] = rod
+        collisions.in_collision(q)
+        names = [o.name for o in collisions.geometry.geometryObjects]
+        tip = names.index("finger_1_5")
+        at[rod] = collisions.data.oMg[tip].translation.copy()
+    assert np.linalg.norm(at[0.0133] - at[0.0013]) > 0.03
+
+
+def test_floating_base_gives_the_same_answers(collisions):
+    arm = a5.load(floating_base=True)
+    floating = CollisionModel(arm.model)
+    pose = pin.SE3ToXYZQUAT(pin.SE3(rotation(0.3, -0.4, 2.0), np.array([1.0, 2.0, -3.0])))
+    for q in map(np.array, NAMED_POSES.values()):
+        there = floating.clearance(np.concatenate([pose, q]))
+        assert there.distance == pytest.approx(collisions.clearance(q).distance, abs=1e-6)

@@ -1,0 +1,520 @@
+"""The drawn bodies: closed, the printed volumes and centroids, joints that fit, files that load.
+
+The committed OBJ files are read by a parser of this file and measured by the divergence theorem; Table 3 is
+typed again from the document.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import dh_frames, rotation_x, rotation_z
+
+from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
+from alpha5_model.paths import REPOSITORY_PATH
+
+MESHES = Path(REPOSITORY_PATH) / "meshes"
+LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
+BODIES = (*LINKS, "finger_1", "finger_2")
+#: Table 3: volume [L], centre of buoyancy [mm].
+TABLE_3 = {
+    "link_0": (0.157, (-53, -3, -1)),
+    "link_1": (0.032, (2, -4, 31)),
+    "link_2": (0.218, (76, 0, -1)),
+    "link_3": (0.032, (2, -4, 29)),
+    "link_4": (0.134, (0, 0, -97)),
+}
+FINGER_VOLUME = 0.0061
+#: Measured outer bounds [mm]; None where none is known. Fingers: length 85, from the pivot.
+BOUNDS = {
+    "link_0": ((-126.65, 20), (-24, 20), (-20, 20)),
+    "link_1": ((-20, 40), (-20, 20), (14, 67)),
+    "link_2": ((-20, 170.7), None, (-20, 20)),
+    "link_3": ((-20, 40), (-33, 20), (-20, 20)),
+    "link_4": ((-20, 20), (-20, 20), (-144.75, -33)),
+    "finger_1": (None, (-5.25, 85), (-5.25, 5.25)),
+    "finger_2": (None, (-85, 5.25), (-5.25, 5.25)),
+}
+#: Pivots of the fingers in link_4 [m].
+PIVOT_X, PIVOT_Z = 0.0155, -(0.13275 + 0.0069)
+
+
+class Mesh:
+    """An OBJ file: vertices (n, 3) [m], faces (m, 3), one normal for each corner (m, 3, 3)."""
+
+    def __init__(self, text: str) -> None:
+        rows = [line.split() for line in text.splitlines() if line and line[0] in "vf"]
+        self.v = np.array([row[1:] for row in rows if row[0] == "v"], float)
+        normals = np.array([row[1:] for row in rows if row[0] == "vn"], float)
+        corners = [[c.split("//") for c in row[1:]] for row in rows if row[0] == "f"]
+        index = np.array(corners, int) - 1
+        self.f, self.normals = index[..., 0], normals[index[..., 1]]
+
+    @property
+    def corners(self) -> np.ndarray:
+        return self.v[self.f]
+
+    def volume_and_centroid(self) -> tuple[float, np.ndarray]:
+        """Sum over the tetrahedra from the origin to each triangle, in mm and litres."""
+        c = self.corners * 1e3
+        six = np.einsum("fi,fi->f", c[:, 0], np.cross(c[:, 1], c[:, 2]))
+        return six.sum() / 6e6, np.einsum("f,fi->i", six, c.sum(1)) / (4 * six.sum())
+
+
+def open_edges(faces: np.ndarray) -> int:
+    """Directed edges that do not have exactly one partner in the other direction."""
+    edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    count: dict[tuple[int, int], int] = {}
+    for a, b in edges.tolist():
+        count[a, b] = count.get((a, b), 0) + 1
+    return sum(n != 1 or count.get((b, a), 0) != 1 for (a, b), n in count.items())
+
+
+def pieces(faces: np.ndarray, n: int) -> int:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    ones = np.ones(len(faces))
+    links = [coo_array((ones, (faces[:, i], faces[:, i - 1])), shape=(n, n)) for i in range(3)]
+    return connected_components(sum(links), directed=False)[0]
+
+
+@pytest.fixture(scope="module")
+def meshes() -> dict[str, Mesh]:
+    return {name: Mesh((MESHES / f"{name}.obj").read_text("ascii")) for name in BODIES}
+
+
+def finger_pose(name: str, angle: float = 0.0) -> np.ndarray:
+    """Frame of a finger in link_4 [m]."""
+    side = -1 if name == "finger_1" else 1
+    pose = rotation_x(side * math.pi / 2) @ rotation_z(angle)
+    pose[:3, 3] = (side * PIVOT_X, 0.0, PIVOT_Z)
+    return pose
+
+
+def link_poses(q: np.ndarray) -> dict[str, np.ndarray]:
+    """Inertial frames in the base frame [m]: {i + 1} is DH frame {i} turned by the joint."""
+    dh = dh_frames(np.asarray(q, float))
+    offsets = [math.pi, *([math.atan(40 / 145.3) - math.pi / 2] * 2), math.pi / 2]
+    poses = {"link_0": np.eye(4)}
+    for i in range(4):
+        poses[f"link_{i + 1}"] = dh[i] @ rotation_z(q[i] + offsets[i])
+    return poses
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_closed_outward_and_not_degenerate(meshes, name):
+    mesh = meshes[name]
+    assert open_edges(mesh.f) == 0
+    assert len(np.unique(mesh.v, axis=0)) == len(mesh.v)
+    assert len(np.unique(mesh.f)) == len(mesh.v)
+    assert pieces(mesh.f, len(mesh.v)) == 1
+    assert mesh.volume_and_centroid()[0] > 0
+    c = mesh.corners
+    sides = np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2)
+    doubled = np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1)
+    assert (doubled / sides.max(1)).min() > 1e-6, "a triangle less than 1 micrometre high"
+    assert len(mesh.f) <= 6000
+
+
+def test_the_closedness_check_sees_a_hole_and_a_flip(meshes):
+    faces = meshes["link_1"].f
+    assert open_edges(faces[1:]) == 3
+    flipped = faces.copy()
+    flipped[0] = flipped[0][::-1]
+    assert open_edges(flipped) > 0
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_normals_are_smooth_and_outward(meshes, name):
+    mesh = meshes[name]
+    c = mesh.corners
+    flat = np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0])
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert np.linalg.norm(mesh.normals, axis=2) == pytest.approx(1.0, abs=2e-4)
+    along = np.einsum("fx,fcx->fc", flat, mesh.normals)
+    assert along.min() > math.cos(math.radians(60))
+    # Smooth where the body is round: neighbours share normals that are neither one's own.
+    assert (along < 0.9999).mean() > 0.15
+
+
+def test_normals_on_the_wrist_tube_are_radial(meshes):
+    mesh = meshes["link_4"]
+    at = mesh.corners.reshape(-1, 3)
+    normals = mesh.normals.reshape(-1, 3)
+    plain = (np.hypot(at[:, 0], at[:, 1]) > 0.01999) & (np.abs(normals[:, 2]) < 0.1)
+    plain &= at[:, 2] > -0.130
+    assert plain.sum() > 500
+    radial = at[plain, :2] / np.hypot(at[plain, 0], at[plain, 1])[:, None]
+    assert np.einsum("ij,ij->i", radial, normals[plain, :2]).min() > 0.99
+
+
+def total_link_4(meshes) -> tuple[float, np.ndarray]:
+    """Volume [L] and centroid [mm] of wrist and closed fingers."""
+    volume, centroid = meshes["link_4"].volume_and_centroid()
+    moment = volume * centroid
+    for name in ("finger_1", "finger_2"):
+        v, c = meshes[name].volume_and_centroid()
+        pose = finger_pose(name)
+        volume, moment = volume + v, moment + v * (pose[:3, :3] @ c + pose[:3, 3] * 1e3)
+    return volume, moment / volume
+
+
+def measured(meshes, name: str) -> tuple[float, np.ndarray]:
+    return total_link_4(meshes) if name == "link_4" else meshes[name].volume_and_centroid()
+
+
+@pytest.mark.parametrize("name", LINKS)
+def test_volume_is_the_printed_one(meshes, name):
+    volume, _ = measured(meshes, name)
+    assert volume == pytest.approx(TABLE_3[name][0], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["finger_1", "finger_2"])
+def test_finger_volume_is_the_measured_one(meshes, name):
+    assert meshes[name].volume_and_centroid()[0] == pytest.approx(FINGER_VOLUME, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["link_0", "link_1", "link_2", "link_4"])
+def test_centroid_is_within_a_millimetre_of_the_printed_centre_of_buoyancy(meshes, name):
+    _, centroid = measured(meshes, name)
+    assert np.linalg.norm(centroid - TABLE_3[name][1]) < 1.0
+
+
+def test_link_3_printed_centre_of_buoyancy_is_outside_the_body(meshes):
+    """It cannot be a centroid; the recorded correction is close to the body's own."""
+    from alpha5_model import parameters
+
+    printed = np.array(TABLE_3["link_3"][1])
+    _, centroid = meshes["link_3"].volume_and_centroid()
+    assert printed[2] > meshes["link_3"].v[:, 2].max() * 1e3 + 8
+    assert np.linalg.norm(centroid - printed) > 35
+    corrected = parameters(("base_frame", "link3_cob")).links[3].cob * 1e3
+    assert np.linalg.norm(centroid - corrected) < 2.5
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, name):
+    low, high = meshes[name].v.min(0) * 1e3, meshes[name].v.max(0) * 1e3
+    for axis, bounds in enumerate(BOUNDS[name]):
+        if bounds is not None:
+            assert (low[axis], high[axis]) == pytest.approx(bounds, abs=2.0)
+
+
+def test_measured_dimensions_agree_with_the_recorded_bounds():
+    from alpha5_model import parameters
+    from alpha5_model.description.bodies.dimensions import BASE, RADIUS, SHELL, SOURCES, WRIST
+
+    bounds = [link.bounds * 1e3 for link in parameters().links]
+    assert pytest.approx(bounds[0][0, 0]) == BASE.rear
+    assert pytest.approx(bounds[0][1, 0]) == BASE.foot_face
+    assert pytest.approx(bounds[0][2, 0]) == BASE.hub_low
+    assert pytest.approx(-bounds[3][1, 0], abs=2.0) == SHELL.collar_face
+    assert pytest.approx(-bounds[4][2, 1]) == WRIST.tube_start
+    assert pytest.approx(bounds[1][1, 1]) == RADIUS
+    for record in (BASE, SHELL, WRIST):
+        for value in vars(record).values():
+            assert isinstance(value, tuple) or value.source in SOURCES
+
+
+def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
+    """Between axes on its frame's x axis, only a slanted tube gives Table 2's -74.836 kg mm^2."""
+    mesh = meshes["link_2"]
+    volume, centroid = mesh.volume_and_centroid()
+    c = mesh.corners * 1e3 - centroid
+    # Integral of x y over a tetrahedron with one corner at the centroid [mm^5].
+    det = np.einsum("fi,fi->f", c[:, 0], np.cross(c[:, 1], c[:, 2]))
+    x, y = c[..., 0], c[..., 1]
+    integral = (det * (x.sum(1) * y.sum(1) + (x * y).sum(1))).sum() / 120
+    product = 0.38 * integral / (volume * 1e6)
+    assert -100 < product < -40, "a straight tube would give 0, one slanted the other way +"
+
+
+def test_all_files_together_are_small():
+    assert sum(path.stat().st_size for path in MESHES.iterdir()) < 3e6
+
+
+# How the bodies sit together. Solids of manifold3d are the second route: exact intersections.
+
+
+@pytest.fixture(scope="module")
+def solids(meshes):
+    kernel = pytest.importorskip("manifold3d")
+    made = {
+        name: kernel.Manifold(kernel.Mesh64(mesh.v * 1e3, mesh.f.astype(np.uint64)))
+        for name, mesh in meshes.items()
+    }
+    assert all(solid.status() == kernel.Error.NoError for solid in made.values())
+    return made
+
+
+def placed(solid, pose: np.ndarray):
+    in_mm = pose[:3].copy()
+    in_mm[:, 3] *= 1e3
+    return solid.transform(in_mm)
+
+
+NEIGHBOURS = list(itertools.pairwise(LINKS))
+#: Each named pose, the limits, and what lies between.
+JOINT_POSES = [
+    *NAMED_POSES.values(),
+    *(
+        (a, b, b, a)
+        for a, b in zip(np.linspace(0.02, 6.1, 9), np.linspace(0.02, 3.4, 9), strict=True)
+    ),
+]
+
+
+@pytest.mark.parametrize("pair", NEIGHBOURS, ids="-".join)
+def test_neighbours_touch_at_no_joint_position_and_leave_no_gap(solids, pair):
+    for q in JOINT_POSES:
+        poses = link_poses(q)
+        one, other = (placed(solids[name], poses[name]) for name in pair)
+        assert (one ^ other).volume() == 0.0, q
+        assert one.min_gap(other, 5.0) < 1.0, "nothing floats"
+
+
+def test_the_intersection_check_sees_an_overlap(solids):
+    poses = link_poses(np.array([0.5, 1.0, 1.0, 1.0]))
+    poses["link_2"][:3, 3] += 0.003 * poses["link_2"][:3, 2]
+    one, other = (placed(solids[name], poses[name]) for name in ("link_1", "link_2"))
+    assert (one ^ other).volume() > 100
+
+
+def test_fingers_open_without_touching_collar_or_each_other(solids, meshes):
+    wrist, tips = solids["link_4"], []
+    tip = meshes["finger_1"].v[meshes["finger_1"].v[:, 1].argmax()]
+    for angle in np.linspace(0.0, 51 * 0.012, 5):
+        one, two = (
+            placed(solids[name], finger_pose(name, angle)) for name in ("finger_1", "finger_2")
+        )
+        assert (one ^ two).volume() == 0.0
+        assert (one.min_gap(two, 5.0) < 0.5) == (angle == 0.0), (
+            "they meet when closed, and only then"
+        )
+        for finger in (one, two):
+            assert (finger ^ wrist).volume() == 0.0
+            assert finger.min_gap(wrist, 2.0) < 1.0
+        tips.append(-(finger_pose("finger_1", angle) @ [*tip, 1.0])[0] * 1e3)
+    assert np.all(np.diff(tips) > 0), "a positive angle opens"
+    assert tips[-1] > 40, "wide open, half of the distance between the tips [mm]"
+
+
+def test_base_lies_on_the_negative_x_side(meshes):
+    x = meshes["link_0"].v[:, 0] * 1e3
+    assert x.min() < -120
+    assert x.max() < 21
+
+
+# The files.
+
+
+def test_committed_files_are_a_fresh_generation_and_the_same_every_time():
+    pytest.importorskip("manifold3d")
+    program = (
+        "import hashlib, json\n"
+        "from alpha5_model.description.meshes import mesh_files\n"
+        "print(json.dumps({n: hashlib.sha256(c).hexdigest() for n, c in mesh_files().items()}))"
+    )
+    runs = [
+        json.loads(
+            subprocess.run(
+                [sys.executable, "-c", program],
+                check=True,
+                capture_output=True,
+                text=True,
+                env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+            ).stdout
+        )
+        for seed in ("1", "2")
+    ]
+    assert runs[0] == runs[1]
+    committed = {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in MESHES.iterdir()}
+    assert runs[0] == committed
+
+
+def test_materials(meshes):
+    mtl = (MESHES / "alpha5.mtl").read_text("ascii")
+    assert {line.split()[1] for line in mtl.splitlines() if line.startswith("newmtl")} == {
+        "anodised",
+        "bare_metal",
+    }
+    for name in BODIES:
+        wanted = "bare_metal" if name.startswith("finger") else "anodised"
+        text = (MESHES / f"{name}.obj").read_text("ascii")
+        assert [line for line in text.splitlines() if line.startswith("usemtl")] == [
+            f"usemtl {wanted}"
+        ]
+        assert "mtllib alpha5.mtl" in text
+
+
+def test_glb_shows_the_home_pose_with_y_up(meshes):
+    data = (MESHES / "alpha5.glb").read_bytes()
+    magic, version, length = struct.unpack_from("<4sII", data)
+    assert (magic, version, length) == (b"glTF", 2, len(data))
+    size, kind = struct.unpack_from("<I4s", data, 12)
+    assert kind == b"JSON"
+    scene = json.loads(data[20 : 20 + size])
+    binary = data[20 + size + 8 :]
+    assert scene["buffers"][0]["byteLength"] <= len(binary)
+
+    poses = link_poses(np.array(NAMED_POSES["home"]))
+    for name in ("finger_1", "finger_2"):
+        poses[name] = poses["link_4"] @ finger_pose(name)
+    parent = {c: i for i, node in enumerate(scene["nodes"]) for c in node.get("children", [])}
+    seen = set()
+    for i, node in enumerate(scene["nodes"]):
+        if "mesh" not in node:
+            continue
+        pose, at = np.eye(4), i
+        while True:
+            pose = _node_matrix(scene["nodes"][at]) @ pose
+            if at not in parent:
+                break
+            at = parent[at]
+        primitive = scene["meshes"][node["mesh"]]["primitives"][0]
+        points = _accessor(scene, binary, primitive["attributes"]["POSITION"])
+        world = points @ pose[:3, :3].T + pose[:3, 3]
+        z_up = np.column_stack([world[:, 0], -world[:, 2], world[:, 1]])
+        back = (z_up - poses[node["name"]][:3, 3]) @ poses[node["name"]][:3, :3]
+        wanted = meshes[node["name"]].v
+        assert back.min(0) == pytest.approx(wanted.min(0), abs=1e-6)
+        assert back.max(0) == pytest.approx(wanted.max(0), abs=1e-6)
+        assert back[::7] == pytest.approx(_nearest(wanted, back[::7]), abs=1e-6)
+        triangles = _accessor(scene, binary, primitive["indices"]).reshape(-1, 3)
+        assert len(triangles) == len(meshes[node["name"]].f)
+        normals = _accessor(scene, binary, primitive["attributes"]["NORMAL"])
+        assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-5)
+        seen.add(node["name"])
+    assert seen == set(BODIES)
+
+
+def _node_matrix(node: dict) -> np.ndarray:
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    out = np.eye(4)
+    out[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    out[:3, 3] = node.get("translation", (0, 0, 0))
+    return out
+
+
+def _accessor(scene: dict, binary: bytes, index: int) -> np.ndarray:
+    accessor = scene["accessors"][index]
+    view = scene["bufferViews"][accessor["bufferView"]]
+    width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+    kind = {5126: "<f4", 5123: "<u2", 5125: "<u4"}[accessor["componentType"]]
+    flat = np.frombuffer(binary, kind, accessor["count"] * width, view["byteOffset"])
+    return flat.reshape(-1, width) if width > 1 else flat
+
+
+def _nearest(candidates: np.ndarray, points: np.ndarray) -> np.ndarray:
+    from scipy.spatial import cKDTree
+
+    return candidates[cKDTree(candidates).query(points)[1]]
+
+
+# What reads them.
+
+
+@pytest.mark.parametrize("urdf", ["alpha5.urdf", "alpha5_jaws.urdf"])
+def test_pinocchio_loads_every_visual(urdf):
+    import pinocchio as pin
+
+    path = Path(REPOSITORY_PATH) / "urdf" / urdf
+    model = pin.buildModelFromUrdf(str(path))
+    visual = pin.buildGeomFromUrdf(
+        model, str(path), pin.GeometryType.VISUAL, package_dirs=[str(path.parent)]
+    )
+    assert len(visual.geometryObjects) == len(BODIES)
+    for item in visual.geometryObjects:
+        assert Path(item.meshPath).name in {f"{name}.obj" for name in BODIES}
+        assert item.geometry.num_tris > 1000
+
+
+def test_trimesh_agrees_on_volume_and_closedness(meshes):
+    import trimesh
+
+    for name in BODIES:
+        loaded = trimesh.load_mesh(MESHES / f"{name}.obj", merge_norm=True)
+        assert loaded.is_watertight
+        assert loaded.is_winding_consistent
+        volume, centroid = meshes[name].volume_and_centroid()
+        assert loaded.volume * 1e3 == pytest.approx(volume, rel=1e-9)
+        assert loaded.center_mass * 1e3 == pytest.approx(centroid, abs=1e-6)
+
+
+def test_yourdfpy_shows_the_home_pose(meshes):
+    import yourdfpy
+
+    robot = yourdfpy.URDF.load(str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf"))
+    q = np.array(NAMED_POSES["home"])
+    robot.update_cfg(dict(zip(("axis_e", "axis_d", "axis_c", "axis_b"), q, strict=True)))
+    poses = link_poses(q)
+    for name in ("finger_1", "finger_2"):
+        poses[name] = poses["link_4"] @ finger_pose(name)
+    corners = np.vstack(
+        [meshes[name].v @ poses[name][:3, :3].T + poses[name][:3, 3] for name in BODIES]
+    )
+    assert robot.scene.bounds[0] == pytest.approx(corners.min(0), abs=1e-6)
+    assert robot.scene.bounds[1] == pytest.approx(corners.max(0), abs=1e-6)
+
+
+def test_mujoco_loads_the_meshes_and_measures_the_same_volume(meshes):
+    mujoco = pytest.importorskip("mujoco")
+    assets = "".join(f'<mesh name="{n}" file="{MESHES / n}.obj" inertia="exact"/>' for n in BODIES)
+    geoms = "".join(f'<geom type="mesh" mesh="{n}" density="1000"/>' for n in BODIES)
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><asset>{assets}</asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>"
+    )
+    wanted = sum(meshes[name].volume_and_centroid()[0] for name in BODIES)
+    assert model.body_mass[1] == pytest.approx(wanted, rel=1e-6)
+
+
+# What goes wrong.
+
+
+def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
+    from alpha5_model.description.bodies import solid
+
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    with pytest.raises(MissingDependencyError, match="manifold3d"):
+        solid.kernel()
+
+
+def test_a_volume_out_of_reach_is_refused():
+    pytest.importorskip("manifold3d")
+    from alpha5_model.description.bodies.solid import cylinder
+    from alpha5_model.description.bodies.solve import solve_volume
+
+    found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
+    # A regular 56-gon inscribed in the circle.
+    assert height == pytest.approx(5000.0 / (28 * 100.0 * math.sin(2 * math.pi / 56)), rel=1e-9)
+    assert found.volume() == pytest.approx(5000.0, rel=1e-9)
+    with pytest.raises(InputError, match="volume"):
+        solve_volume(lambda h: cylinder(10.0, 0.0, h), 5e9, 1.0, 100.0)
+
+
+def test_a_surface_that_rounding_would_fold_is_refused():
+    pytest.importorskip("manifold3d")
+    from alpha5_model.description.bodies.surface import _check_closed
+
+    closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    _check_closed(closed)
+    with pytest.raises(Alpha5Error, match="closed"):
+        _check_closed(closed[1:])
+    with pytest.raises(Alpha5Error, match="closed"):
+        _check_closed(np.vstack([closed, closed[:1]]))
