@@ -50,23 +50,17 @@ if TYPE_CHECKING:
 
 #: Public name -> module that defines it; None where the name is the module itself.
 _PUBLIC: dict[str, tuple[str, str | None]] = {
+    "BRANCHES": ("alpha5_model.kinematics.ik", "BRANCHES"),
     "AIR": ("alpha5_model.dynamics.water", "AIR"),
     "Arm": ("alpha5_model.dynamics.arm", "Arm"),
     "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
     "compare": ("alpha5_model.comparison.report", "compare"),
-    "BRANCHES": ("alpha5_model.kinematics.ik", "BRANCHES"),
     "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
     "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
     "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
     "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
     "audit": ("alpha5_model.consistency.document", "audit"),
     "dh": ("alpha5_model.kinematics.dh", None),
-    "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
-    "load": ("alpha5_model.dynamics.loading", "load"),
-    "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
-    "planar": ("alpha5_model.kinematics.planar", None),
-    "actuators": ("alpha5_model.actuators", None),
-    "trajectory": ("alpha5_model.trajectory", None),
     "distance_to_reach": ("alpha5_model.kinematics.reach", "distance_to_reach"),
     "inverse_kinematics": ("alpha5_model.kinematics.ik", "inverse_kinematics"),
     "inverse_kinematics_path": ("alpha5_model.kinematics.ik_path", "inverse_kinematics_path"),
@@ -78,6 +72,12 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     ),
     "reachable": ("alpha5_model.kinematics.reach", "reachable"),
     "workspace": ("alpha5_model.kinematics.workspace", None),
+    "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
+    "load": ("alpha5_model.dynamics.loading", "load"),
+    "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
+    "planar": ("alpha5_model.kinematics.planar", None),
+    "actuators": ("alpha5_model.actuators", None),
+    "trajectory": ("alpha5_model.trajectory", None),
 }
 
 __all__ = [

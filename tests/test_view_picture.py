@@ -119,7 +119,7 @@ def test_light_falls_from_above_and_the_front() -> None:
     front, top, below = shade(normals, grey, FRONT.axes(), shine=0.0)[:, 0]
     assert front > below
     assert top > below
-    assert below == pytest.approx(0.5 * 0.55)
+    assert below == pytest.approx(0.5 * 0.68)
 
 
 SIZE = (480, 300)

@@ -19,6 +19,8 @@ COMMANDS: tuple[str, ...] = (
     "compare",
     "torque",
     "trajectory",
+    "ik",
+    "workspace",
     "view",
 )
 

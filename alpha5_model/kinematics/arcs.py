@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray
 
@@ -37,7 +37,7 @@ class Arc(NamedTuple):
     cause: str
     side: str
 
-    def points(self, angle: FloatArray) -> FloatArray:
+    def points(self, angle: ArrayLike) -> FloatArray:
         """(R, z) at angles, (..., 2) [m]."""
         return np.stack(
             [

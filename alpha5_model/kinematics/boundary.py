@@ -57,8 +57,8 @@ def in_half_plane(
     """Which points of a half-plane can be reached, theta_0 aside.
 
     Args:
-        radius: Distance from the yaw axis, (N,) [m].
-        z: Height, (N,) [m].
+        radius: Distance from the yaw axis, (...) [m].
+        z: Height, (...) [m].
         side, limits: As for `boundary`.
     """
     g = arm_plane()

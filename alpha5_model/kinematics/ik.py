@@ -94,7 +94,7 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     """Every joint position that puts the tcp at a point.
 
     On the yaw axis theta_0 is free: the middle of its range is returned and ``singular`` is set. A
-    batch of N targets needs its output, 141 bytes per target, and a fixed scratch.
+    batch of N targets needs its output, 137 bytes per target, and a fixed scratch.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].

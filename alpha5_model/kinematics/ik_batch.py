@@ -52,6 +52,7 @@ def solve_rows(
             part = slice(start, start + BLOCK)
             target = position[part]
             if len(target) != scratch.rows:
+                del scratch  # never two at a time
                 scratch = _Scratch(len(target))
             if wrist.ndim:
                 theta_3, theta_3_fits = _wrist(wrist[part], constant)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, choice, float_array
 from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
@@ -37,12 +37,16 @@ __all__ = [
     "boundary",
     "cross_section_area",
     "distance_to_reach",
+    "in_half_plane",
+    "in_tori",
     "manipulability",
     "nearest_reachable",
+    "published_but_unreachable",
     "published_errors",
     "published_reachable",
     "published_tori",
     "reachable",
+    "reachable_but_unpublished",
     "singular_elbow_angles",
     "singularities",
     "volume",
@@ -115,7 +119,7 @@ def published_reachable(positions: ArrayLike) -> NDArray[np.bool_]:
         (...) bool.
     """
     target = float_array("positions", positions, (3,))
-    return _in_tori(np.hypot(target[..., 0], target[..., 1]), target[..., 2])
+    return in_tori(np.hypot(target[..., 0], target[..., 1]), target[..., 2])
 
 
 def cross_section_area(side: str = "both", limits: bool = True) -> float:
@@ -141,23 +145,9 @@ def volume(limits: bool = True) -> float:
 @cache
 def published_errors() -> PublishedErrors:
     """How much of the published region cannot be reached, and what it misses."""
-    tori = [
-        Arc(torus.center, torus.radius, 0.0, 2 * math.pi, 0, torus.name, "published")
-        for torus in published_tori()
-    ]
-    printed = trace(tori, _in_tori)
-    curves = [*tori, *(curve for side in SIDES[:2] for curve in side_curves(side))]
-    wrong, missed = {}, {}
-    for side in SIDES:
-
-        def is_wrong(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
-            return _in_tori(R, z) & ~in_half_plane(R, z, side)
-
-        def is_missed(R: FloatArray, z: FloatArray, side: str = side) -> NDArray[np.bool_]:
-            return in_half_plane(R, z, side) & ~_in_tori(R, z)
-
-        wrong[side] = trace(curves, is_wrong)
-        missed[side] = trace(curves, is_missed)
+    printed = trace(_printed_curves(), in_tori)
+    wrong = {side: published_but_unreachable(side) for side in SIDES}
+    missed = {side: reachable_but_unpublished(side) for side in SIDES}
     return PublishedErrors(
         published_area=area(printed),
         reachable_area=cross_section_area(),
@@ -170,7 +160,41 @@ def published_errors() -> PublishedErrors:
     )
 
 
-def _in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+@cache
+def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what the document claims and no joint position within the limits reaches.
+
+    Args:
+        side: As for `boundary`.
+    """
+    choice("side", side, SIDES)
+    return trace(_all_curves(), lambda R, z: in_tori(R, z) & ~in_half_plane(R, z, side))
+
+
+@cache
+def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
+    """Boundary of what can be reached and the document leaves out.
+
+    Args:
+        side: As for `boundary`.
+    """
+    choice("side", side, SIDES)
+    return trace(_all_curves(), lambda R, z: in_half_plane(R, z, side) & ~in_tori(R, z))
+
+
+def _printed_curves() -> list[Arc]:
+    return [
+        Arc(torus.center, torus.radius, 0.0, 2 * math.pi, 0, torus.name, "published")
+        for torus in published_tori()
+    ]
+
+
+def _all_curves() -> list[Arc]:
+    return [*_printed_curves(), *(curve for side in SIDES[:2] for curve in side_curves(side))]
+
+
+def in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    """Which points of a half-plane (R, z) [m] satisfy the three inequalities of Section 1.2."""
     inside = np.ones(np.shape(radius), np.bool_)
     for torus in published_tori():
         squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2

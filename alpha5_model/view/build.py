@@ -205,7 +205,7 @@ def _bodies(text: str, folder: str) -> list[Shape]:
             Rigid(body.link),
             body.mesh,
             body.color[:3],
-            shine=0.5,
+            shine=0.9 if max(body.color[:3]) < 0.4 else 0.4,  # dark bodies live by their highlights
         )
         for i, body in enumerate(bodies)
     ]

@@ -16,8 +16,8 @@ from alpha5_model.view.scene import Camera
 #: Pixels looked at in one go.
 _BLOCK = 1 << 21
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
-_LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.75), (np.array([0.85, 0.1, 0.52]), 0.40))
-_AMBIENT = 0.55
+_LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.80), (np.array([0.85, 0.1, 0.52]), 0.45))
+_AMBIENT = 0.68
 
 
 class Canvas:

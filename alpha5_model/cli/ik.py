@@ -1,0 +1,92 @@
+"""``alpha5 ik``: every joint position that puts the tcp at a point."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from alpha5_model.kinematics.ik import Solutions
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    # Numbers such as -0.1 are not options.
+    app.command("ik", context_settings={"ignore_unknown_options": True})(ik)
+
+
+def ik(
+    x: Annotated[float, typer.Argument(help="tcp in base_link (m).")],
+    y: Annotated[float, typer.Argument(help="(m)")],
+    z: Annotated[float, typer.Argument(help="(m)")],
+    wrist: Annotated[float, typer.Option(help="Wrist angle theta_3 (rad).")] = 0.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
+) -> int:
+    """All inverse kinematics solutions of a tcp position.
+
+    Exit status: 0 solved, 2 out of reach within the joint limits.
+
+    Example: alpha5 ik 0.25 -0.1 0.05 --wrist 1.57
+    """
+    from alpha5_model.kinematics.arm_plane import arm_plane
+    from alpha5_model.kinematics.ik import inverse_kinematics
+
+    solutions = inverse_kinematics([x, y, z], wrist)
+    best = solutions.best(arm_plane().middle)
+    if as_json:
+        typer.echo(json.dumps(_as_dict(solutions, best.tolist()), indent=2))
+    else:
+        _print(solutions, best.tolist())
+    return 0
+
+
+def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
+    from alpha5_model.kinematics.ik import BRANCHES
+
+    return {
+        "position": solutions.position.tolist(),
+        "singular": bool(solutions.singular),
+        "best": best,
+        "branches": [
+            {
+                "name": name,
+                "exists": bool(solutions.exists[i]),
+                "within_limits": bool(solutions.within_limits[i]),
+                "q": solutions.q[i].tolist() if solutions.exists[i] else None,
+            }
+            for i, name in enumerate(BRANCHES)
+        ],
+    }
+
+
+def _print(solutions: Solutions, best: list[float]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from alpha5_model.kinematics.ik import BRANCHES
+    from alpha5_model.parameters import parameters
+
+    table = Table(box=box.SIMPLE_HEAD, title="joint positions (rad)", title_justify="left")
+    table.add_column("branch", no_wrap=True)
+    for joint in parameters().joints[:4]:
+        table.add_column(joint.name, justify="right")
+    table.add_column("in limits")
+    for i, name in enumerate(BRANCHES):
+        if not solutions.exists[i]:
+            table.add_row(name, *["-"] * 4, "out of reach")
+            continue
+        angles = solutions.q[i].tolist()
+        table.add_row(
+            name,
+            *(f"{angle:.6f}" for angle in angles),
+            "yes" if solutions.within_limits[i] else "no",
+        )
+    console = Console()
+    console.print(table)
+    angles = " ".join(f"{angle:.9g}" for angle in best)
+    console.print(f"nearest to the middle of the ranges: {angles}", highlight=False, soft_wrap=True)
+    if solutions.singular:
+        console.print("The target is singular: on the yaw axis, or the arm is stretched or folded.")

@@ -1,0 +1,211 @@
+"""A picture of the workspace: the exact reachable set beside the published one, in the half-plane."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray, choice
+from alpha5_model.errors import MissingDependencyError
+from alpha5_model.files import atomic_write
+from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.arcs import Arc
+from alpha5_model.kinematics.arm_plane import arm_plane
+
+FORMATS = (".png", ".pdf", ".svg")
+#: Okabe and Ito's colours, told apart by colour-blind readers as well.
+_COLOR = {"underarm": "#0072B2", "overarm": "#E69F00", "wrong": "#D55E00", "missed": "#009E73"}
+_FILL, _INK = "#E8EEF3", "#222222"
+#: Ends of arcs that are closer than this meet [m].
+_MEET = 1e-9
+
+
+def write(path: str | os.PathLike[str]) -> Path:
+    """Draw the picture and write it; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises:
+        UnknownNameError: Another suffix.
+        MissingDependencyError: matplotlib is not installed.
+        OutputError: The file cannot be written.
+    """
+    target = Path(path)
+    kind = choice("plot format", target.suffix.lower(), FORMATS)
+    picture = io.BytesIO()
+    figure().savefig(picture, format=kind[1:], dpi=150)
+    return atomic_write(target, picture.getvalue())
+
+
+def figure() -> Any:
+    """The picture as a matplotlib Figure that no window or global state knows of.
+
+    Left, the boundary of the reachable set by the joint that stops it. Right, the published region
+    over it. Lengths in mm.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise MissingDependencyError(
+            "matplotlib", "the plot", "pip install 'alpha5-model[plot]'"
+        ) from None
+    page = Figure(figsize=(9.4, 9.0), layout="constrained")
+    FigureCanvasAgg(page)
+    exact, published = page.subplots(1, 2, sharey=True)
+    _draw_exact(exact)
+    _draw_published(published)
+    for axes in (exact, published):
+        axes.set_aspect("equal")
+        axes.set_xlim(0.0, 370.0)
+        axes.set_ylim(-310.0, 400.0)
+        axes.set_xlabel("distance from the yaw axis R (mm)")
+        axes.grid(color="0.9", linewidth=0.5)
+        axes.set_axisbelow(True)
+        for spine in ("top", "right"):
+            axes.spines[spine].set_visible(False)
+    exact.set_ylabel("height above the base z (mm)")
+    return page
+
+
+def _draw_exact(axes: Any) -> None:
+    from matplotlib.lines import Line2D
+
+    _fill(axes, workspace.boundary("both"), _FILL)
+    for side in workspace.SIDES[:2]:
+        for arc in workspace.boundary(side):
+            style = "-" if arc.cause == "stretched" else "--" if "theta_1" in arc.cause else ":"
+            axes.plot(*_points(arc).T * 1e3, style, color=_COLOR[side], linewidth=1.8)
+    plane = arm_plane()
+    axes.plot([plane.a_0 * 1e3], [plane.d_0 * 1e3], "+", color=_INK)
+    axes.annotate(
+        "shoulder",
+        (plane.a_0 * 1e3, plane.d_0 * 1e3),
+        (-8, -14),
+        textcoords="offset points",
+        fontsize=8,
+    )
+    _legend(
+        axes,
+        [
+            Line2D([], [], color=_COLOR["underarm"], label="underarm: the arm faces the point"),
+            Line2D([], [], color=_COLOR["overarm"], label="overarm: the arm turns its back to it"),
+            Line2D([], [], color=_INK, linestyle="-", label="arm stretched"),
+            Line2D([], [], color=_INK, linestyle="--", label="theta_1 (axis_d) at a limit"),
+            Line2D([], [], color=_INK, linestyle=":", label="theta_2 (axis_c) at a limit"),
+        ],
+    )
+    axes.set_title(
+        "Reachable within the joint limits\n"
+        f"{workspace.cross_section_area() * 1e4:.0f} cm² of the half-plane, "
+        f"{workspace.volume() * 1e3:.1f} L in all",
+        fontsize=10,
+    )
+
+
+def _draw_published(axes: Any) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    _fill(axes, workspace.boundary("both"), _FILL)
+    _fill(axes, workspace.published_but_unreachable(), _COLOR["wrong"], 0.55)
+    _fill(axes, workspace.reachable_but_unpublished(), _COLOR["missed"], 0.55)
+    for torus in workspace.published_tori():
+        circle = Arc(torus.center, torus.radius, -np.pi, np.pi, 0, torus.name, "published")
+        points = _points(circle) * 1e3
+        points[points[:, 0] < 0] = np.nan
+        axes.plot(*points.T, color=_INK, linewidth=1.0)
+    errors = workspace.published_errors()
+    wrong = errors.unreachable_area / errors.published_area
+    missed = errors.missed_area / errors.reachable_area
+    _legend(
+        axes,
+        [
+            Line2D([], [], color=_INK, linewidth=1.0, label="the three published tori"),
+            Patch(color=_FILL, label="published, and reachable"),
+            Patch(
+                color=_COLOR["wrong"], alpha=0.55, label=f"published, not reachable: {wrong:.1%}"
+            ),
+            Patch(
+                color=_COLOR["missed"], alpha=0.55, label=f"reachable, not published: {missed:.1%}"
+            ),
+        ],
+    )
+    axes.set_title(
+        "The document's workspace (Section 1.2)\n"
+        f"{errors.unreachable_volume / errors.published_volume:.1%} of its volume cannot be reached, "
+        f"it misses {errors.missed_volume / errors.reachable_volume:.1%}",
+        fontsize=10,
+    )
+
+
+def loops(arcs: Iterable[Arc], step: float = 0.01) -> list[FloatArray]:
+    """Closed outlines of the region that arcs bound, joined along the yaw axis where it is open.
+
+    Args:
+        arcs: A whole boundary, as `workspace.boundary` gives it.
+        step: Angle between two points of an arc, at most [rad].
+
+    Returns:
+        Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
+    """
+    # Every arc with the region on its left; along the axis the outline then runs downwards.
+    pieces = [_points(arc, step)[:: arc.filled] for arc in arcs]
+    out = []
+    while pieces:
+        chain = [pieces.pop(0)]
+        while True:
+            end = chain[-1][-1]
+            if math.dist(end, chain[0][0]) < _MEET:
+                break
+            gaps = [_gap(end, piece[0]) for piece in pieces]
+            nearest = min(range(len(gaps)), key=gaps.__getitem__, default=None)
+            if nearest is None or _gap(end, chain[0][0]) < gaps[nearest]:
+                break  # closed along the axis
+            chain.append(pieces.pop(nearest))
+        out.append(np.concatenate(chain))
+    return out
+
+
+def _gap(end: FloatArray, start: FloatArray) -> float:
+    """How far the outline goes without an arc: not at all, or down the axis; infinite if neither."""
+    if math.dist(end, start) < _MEET:
+        return 0.0
+    on_axis = abs(end[0]) < _MEET and abs(start[0]) < _MEET and start[1] < end[1]
+    return float(end[1] - start[1]) if on_axis else math.inf
+
+
+def _points(arc: Arc, step: float = 0.01) -> FloatArray:
+    count = max(2, math.ceil((arc.end - arc.start) / step) + 1)
+    return arc.points(np.linspace(arc.start, arc.end, count))
+
+
+def _fill(axes: Any, arcs: Iterable[Arc], color: str, alpha: float = 1.0) -> None:
+    """Fill what arcs bound; holes run the other way round and stay open."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    outlines = [Outline(np.vstack([loop, loop[:1]]) * 1e3, closed=True) for loop in loops(arcs)]
+    axes.add_patch(
+        PathPatch(
+            Outline.make_compound_path(*outlines),
+            facecolor=color,
+            alpha=alpha,
+            linewidth=0,
+            zorder=0.5,
+        )
+    )
+
+
+def _legend(axes: Any, handles: list[Any]) -> None:
+    axes.legend(
+        handles=handles,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.08),
+        fontsize=8.5,
+        frameon=False,
+    )

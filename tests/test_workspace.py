@@ -1,0 +1,355 @@
+"""The workspace: boundary, distance, area and volume against sampling and numerical minimisation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from fk import FOLDED, LOWER, STRETCHED, UPPER, WEDGE, fk, sample, tip
+from scipy.optimize import minimize
+
+import alpha5_model as a5
+from alpha5_model.errors import UnknownNameError
+
+space = a5.workspace
+#: Box around everything that can be reached [m].
+BOX = np.array([[-0.36, 0.36], [-0.36, 0.36], [-0.30, 0.39]])
+
+
+def starts() -> tuple[np.ndarray, list[np.ndarray]]:
+    """A grid of configurations to start minimisations from, and its rows by pose and elbow."""
+    axes = [np.linspace(a, b, n) for a, b, n in zip(LOWER, UPPER, (37, 41, 41, 1), strict=False)]
+    q = np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=-1)
+    facing = tip(q) @ [1.0, 0.0, 0.0] * np.cos(q[:, 0]) + tip(q) @ [0.0, 1.0, 0.0] * np.sin(q[:, 0])
+    kinds = [
+        np.flatnonzero(((facing < 0) == front) & ((q[:, 2] < STRETCHED) == bent))
+        for front in (True, False)
+        for bent in (True, False)
+    ]
+    return q[:, :3], kinds
+
+
+GRID_Q, GRID_KINDS = starts()
+GRID_P = tip(np.pad(GRID_Q, ((0, 0), (0, 1))))
+L_1, L_2 = math.hypot(0.040, 0.1453), math.hypot(0.020, 0.180)
+
+
+def squared(q: np.ndarray, target: list[float]) -> tuple[float, np.ndarray]:
+    """Squared distance of the tcp to a target and its gradient, in plain floats for speed."""
+    t_0, t_1, t_2 = q.tolist()
+    phi = t_1 + math.atan2(0.040, 0.1453) - math.pi / 2
+    psi = phi + STRETCHED - t_2
+    c_0, s_0 = -math.cos(t_0), -math.sin(t_0)
+    r = 0.020 + L_1 * math.cos(phi) + L_2 * math.cos(psi)
+    dx, dy = r * c_0 - target[0], r * s_0 - target[1]
+    dz = 0.0462 + L_1 * math.sin(phi) + L_2 * math.sin(psi) - target[2]
+    along, across = dx * c_0 + dy * s_0, dy * c_0 - dx * s_0
+    second = L_2 * (dz * math.cos(psi) - along * math.sin(psi))
+    first = L_1 * (dz * math.cos(phi) - along * math.sin(phi)) + second
+    return dx * dx + dy * dy + dz * dz, 2 * np.array([r * across, first, -second])
+
+
+def numerical_distance(target: np.ndarray) -> float:
+    """Least distance over the box of joint ranges, by bounded minimisation from many starts."""
+    gap = ((GRID_P - target) ** 2).sum(axis=-1)
+    bounds, goal, best = list(zip(LOWER[:3], UPPER[:3], strict=True)), target.tolist(), math.inf
+
+    def scaled(q: np.ndarray) -> tuple[float, np.ndarray]:
+        value, slope = squared(q, goal)
+        return 1e4 * value, 1e4 * slope
+
+    for kind in GRID_KINDS:
+        chosen: list[np.ndarray] = []
+        for i in kind[np.argsort(gap[kind])[:60]]:
+            if all(np.abs(GRID_Q[i] - c).max() > 0.3 for c in chosen):
+                chosen.append(GRID_Q[i])
+        for start in chosen[:3]:
+            options = {"ftol": 1e-18, "gtol": 1e-13, "maxiter": 300}
+            found = minimize(
+                scaled, start, jac=True, bounds=bounds, method="L-BFGS-B", options=options
+            )
+            best = min(best, math.sqrt(found.fun) / 100)
+    return best
+
+
+def test_the_minimised_function_is_the_retyped_table() -> None:
+    for q in sample(20, seed=49):
+        value, slope = squared(q[:3], [0.1, 0.2, 0.3])
+        assert value == pytest.approx(((tip(q) - [0.1, 0.2, 0.3]) ** 2).sum(), abs=1e-15)
+        for j in range(3):
+            step = 1e-6 * np.eye(3)[j]
+            change = (
+                squared(q[:3] + step, [0.1, 0.2, 0.3])[0]
+                - squared(q[:3] - step, [0.1, 0.2, 0.3])[0]
+            )
+            assert change / 2e-6 == pytest.approx(slope[j], abs=1e-9)
+
+
+def test_distance_is_the_least_over_all_joint_positions() -> None:
+    rng = np.random.default_rng(50)
+    target = rng.uniform(BOX[:, 0] - 0.1, BOX[:, 1] + 0.1, (400, 3))
+    target = target[~a5.reachable(target)][:24]
+    distance = a5.distance_to_reach(target)
+    numerical = np.array([numerical_distance(t) for t in target])
+    np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-7)
+
+
+def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
+    rng = np.random.default_rng(51)
+    azimuth = np.concatenate(
+        [rng.uniform(-0.1402, 0.0174, 40), math.pi + rng.uniform(-0.1402, 0.0174, 40)]
+    )
+    radius, z = rng.uniform(0.0, 0.36, 80) ** 1.5 * 1.6, rng.uniform(-0.3, 0.4, 80)
+    target = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
+    target = target[~a5.reachable(target)][::4][:20]
+    numerical = np.array([numerical_distance(t) for t in target])
+    np.testing.assert_allclose(a5.distance_to_reach(target), numerical, rtol=0, atol=1e-7)
+
+
+def test_a_wedge_is_not_the_solid_of_revolution() -> None:
+    """Points that can be reached at other azimuths and not there: the distance is to the wedge's face."""
+    side = 0.19, -0.03  # beneath the shoulder, only the overarm pose gets there
+    turned = [side[0] * math.cos(1.0), side[0] * math.sin(1.0), side[1] + 0.06]
+    closed = [side[0] * math.cos(-0.06), side[0] * math.sin(-0.06), side[1] + 0.06]
+    mirrored = [-closed[0], -closed[1], closed[2]]
+    assert a5.reachable(turned) == a5.reachable(mirrored)
+    if a5.reachable(turned) and not a5.reachable(closed):
+        assert numerical_distance(np.array(closed)) == pytest.approx(
+            float(a5.distance_to_reach(closed)), abs=1e-7
+        )
+    over = [0.05 * math.cos(-0.06), 0.05 * math.sin(-0.06), 0.0]
+    assert not a5.reachable(over)
+    assert a5.reachable([0.05 * math.cos(1.0), 0.05 * math.sin(1.0), 0.0])
+    assert numerical_distance(np.array(over)) == pytest.approx(
+        float(a5.distance_to_reach(over)), abs=1e-7
+    )
+
+
+def test_nearest_point_is_reachable_and_at_the_distance() -> None:
+    rng = np.random.default_rng(52)
+    target = rng.uniform(-0.6, 0.6, (20_000, 3))
+    nearest, distance = a5.nearest_reachable(target), a5.distance_to_reach(target)
+    assert a5.reachable(nearest).all()
+    np.testing.assert_allclose(np.linalg.norm(target - nearest, axis=-1), distance, atol=1e-15)
+    inside = a5.reachable(target)
+    assert np.array_equal(distance == 0.0, inside)
+    assert np.array_equal(nearest[inside], target[inside])
+    # Nothing that the arm does reach is nearer.
+    cloud = tip(sample(200_000, seed=53))
+    for i in np.flatnonzero(~inside)[:100]:
+        assert np.linalg.norm(cloud - target[i], axis=-1).min() >= distance[i] - 1e-12
+
+
+@pytest.mark.parametrize("side", ["underarm", "overarm", "both"])
+def test_both_sides_of_every_arc(side: str) -> None:
+    """1e-6 m inside is reached and 1e-6 m outside is not, by a minimiser that knows joint limits only."""
+    azimuth = 1.0
+    pairs = []
+    for arc in space.boundary(side):
+        for share in (0.1, 0.5, 0.9):
+            at = arc.start + share * (arc.end - arc.start)
+            for step, filled in ((-1e-6, 1), (1e-6, -1)):
+                R = arc.center[0] + (arc.radius + step) * math.cos(at)
+                z = arc.center[1] + (arc.radius + step) * math.sin(at)
+                point = np.array([R * math.cos(azimuth), R * math.sin(azimuth), z])
+                pairs.append((point, arc.filled == filled, (R, z)))
+    for point, inside, (R, z) in pairs:
+        assert bool(space.in_half_plane(np.array(R), np.array(z), side)) == inside
+        if side == "both":
+            assert bool(a5.reachable(point)) == inside
+            gap = numerical_distance(point)
+            assert (gap < 1e-8) if inside else (gap == pytest.approx(1e-6, abs=1e-8))
+
+
+def test_the_boundary_is_closed_and_every_kind_of_limit_is_in_it() -> None:
+    for side in space.SIDES:
+        ends = []
+        for arc in space.boundary(side):
+            ends += arc.points([arc.start, arc.end]).tolist()
+        for r, z in ends:
+            if abs(r) > 1e-9:
+                twins = sum(math.hypot(r - x, z - y) < 1e-9 for x, y in ends)
+                assert twins == 2, (side, r, z)
+    causes = {arc.cause for side in space.SIDES for arc in space.boundary(side)}
+    assert causes == {
+        "stretched",
+        "theta_1 at its lower limit",
+        "theta_1 at its upper limit",
+        "theta_2 at its lower limit",
+        "theta_2 at its upper limit",
+    }
+
+
+def test_reachable_agrees_with_forward_kinematics() -> None:
+    assert a5.reachable(tip(sample(50_000, seed=54))).all()
+    # Without limits every angle counts, and the set is a full solid of revolution.
+    free = np.random.default_rng(55).uniform(-math.pi, math.pi, (50_000, 4))
+    assert a5.reachable(tip(free), limits=False).all()
+    assert a5.reachable(tip(free)).mean() < 0.8
+
+
+def test_distance_without_limits_is_to_two_tori() -> None:
+    rng = np.random.default_rng(56)
+    p = rng.uniform(-0.6, 0.6, (5000, 3))
+    R = np.hypot(p[:, 0], p[:, 1])
+    l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
+    gaps = []
+    for center in (0.02, -0.02):
+        rho = np.hypot(R - center, p[:, 2] - 0.0462)
+        outside, within = rho - (l_1 + l_2), abs(l_1 - l_2) - rho
+        gaps.append(np.maximum(np.maximum(outside, within), 0.0))
+    np.testing.assert_allclose(a5.distance_to_reach(p, limits=False), np.minimum(*gaps), atol=1e-14)
+
+
+@pytest.mark.parametrize("limits", [True, False])
+def test_area_and_volume_by_monte_carlo(limits: bool) -> None:
+    rng = np.random.default_rng(57)
+    n = 300_000
+    R, z = rng.uniform(0.0, 0.36, n), rng.uniform(-0.30, 0.39, n)
+    box = 0.36 * 0.69
+    for side in space.SIDES:
+        share = space.in_half_plane(R, z, side, limits).mean()
+        sigma = box * math.sqrt(share * (1 - share) / n)
+        assert abs(space.cross_section_area(side, limits) - share * box) < 4 * sigma
+    p = rng.uniform(BOX[:, 0], BOX[:, 1], (n, 3))
+    size = float(np.prod(BOX[:, 1] - BOX[:, 0]))
+    share = a5.reachable(p, limits).mean()
+    assert abs(space.volume(limits) - share * size) < 4 * size * math.sqrt(share * (1 - share) / n)
+
+
+def test_volume_without_limits_by_pappus() -> None:
+    """Outside the spindle, a torus: what the two mirrored discs sweep, integrated numerically."""
+    l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
+    outer, inner = l_1 + l_2, abs(l_1 - l_2)
+    z = outer * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 200_001))
+    half = np.sqrt(np.maximum(outer**2 - z**2, 0.0))
+    far, dimple = 0.02 + half, np.maximum(0.02 - half, 0.0)  # above and below, around the axis
+    hole = np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02  # where both discs' holes meet
+    area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2 - dimple**2)
+    assert space.volume(limits=False) == pytest.approx(np.trapezoid(area, z), rel=1e-6)
+
+
+def test_volume_lost_to_the_wedges() -> None:
+    """Were theta_0 free, the two wedges would be as full as the rest."""
+    from alpha5_model.kinematics.arcs import first_moment
+
+    moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}
+    lost = WEDGE * (2 * moment["both"] - moment["underarm"] - moment["overarm"])
+    assert space.volume() == pytest.approx(2 * math.pi * moment["both"] - lost, rel=1e-12)
+    assert lost > 1e-4
+
+
+def test_published_tori_as_printed() -> None:
+    outer, inner, downward = space.published_tori()
+    assert outer.radius == pytest.approx(
+        math.hypot(0.04, 0.1453) + math.hypot(0.18, 0.02), abs=1e-15
+    )
+    assert inner.radius == pytest.approx(math.hypot(0.03994 + 0.02, 0.1453 - 0.18), abs=1e-15)
+    assert downward.radius == pytest.approx(0.18, abs=1e-15)
+    assert downward.center == pytest.approx((0.02, 0.0462 - 0.1453), abs=1e-15)
+    p = np.random.default_rng(58).uniform(-0.4, 0.4, (20_000, 3))
+    s = (np.hypot(p[:, 0], p[:, 1]) - 0.02) ** 2
+    d = p[:, 2] - 0.0462
+    printed = (
+        (s + d**2 <= (math.hypot(0.04, 0.1453) + math.hypot(0.18, 0.02)) ** 2)
+        & (s + d**2 >= 0.05994**2 + (0.1453 - 0.18) ** 2)
+        & (s + (d + 0.1453) ** 2 >= 0.18**2)
+    )
+    assert np.array_equal(space.published_reachable(p), printed)
+
+
+def test_errors_of_the_published_region_by_monte_carlo() -> None:
+    e = space.published_errors()
+    rng = np.random.default_rng(59)
+    n = 400_000
+    p = rng.uniform(BOX[:, 0], BOX[:, 1], (n, 3))
+    size = float(np.prod(BOX[:, 1] - BOX[:, 0]))
+    said, is_so = space.published_reachable(p), a5.reachable(p)
+    for exact, mask in (
+        (e.published_volume, said),
+        (e.reachable_volume, is_so),
+        (e.unreachable_volume, said & ~is_so),
+        (e.missed_volume, is_so & ~said),
+    ):
+        share = mask.mean()
+        assert abs(exact - share * size) < 4 * size * math.sqrt(share * (1 - share) / n)
+    assert e.published_area - e.unreachable_area == pytest.approx(
+        e.reachable_area - e.missed_area, abs=1e-12
+    )
+    assert e.published_volume - e.unreachable_volume == pytest.approx(
+        e.reachable_volume - e.missed_volume, abs=1e-12
+    )
+    assert 0.05 < e.unreachable_area / e.published_area < 0.15
+
+
+def test_manipulability_is_the_determinant_of_the_jacobian() -> None:
+    q = sample(2000, seed=60)
+    jacobian = a5.dh.DHChain.alpha5().jacobian(q)[:, :3, :]
+    yoshikawa = np.sqrt(np.maximum(np.linalg.det(jacobian @ np.swapaxes(jacobian, 1, 2)), 0.0))
+    np.testing.assert_allclose(space.manipulability(q), yoshikawa, rtol=0, atol=1e-10)
+    assert space.manipulability(q[0]).shape == ()
+
+
+def test_singular_sets() -> None:
+    q = sample(3000, seed=61)
+    s = space.singularities(q)
+    np.testing.assert_allclose(s.stretched, q[:, 2] - STRETCHED, atol=1e-12)
+    np.testing.assert_allclose(np.cos(s.folded), np.cos(q[:, 2] - FOLDED), atol=1e-12)
+    p = tip(q)
+    np.testing.assert_allclose(np.abs(s.yaw_axis), np.hypot(p[:, 0], p[:, 1]), atol=1e-15)
+    facing = np.cos(np.arctan2(p[:, 1], p[:, 0]) - q[:, 0] - math.pi)
+    assert np.array_equal(np.sign(s.yaw_axis), np.sign(facing))
+    angles = space.singular_elbow_angles()
+    assert angles["stretched"] == pytest.approx(STRETCHED, abs=1e-15)
+    assert angles["folded"] == pytest.approx(FOLDED, abs=1e-15)
+    for name, value in angles.items():
+        on = q.copy()
+        on[:, 2] = value
+        assert space.singularities(on).near().all(), name
+        assert space.manipulability(on).max() < 1e-16
+        assert (
+            np.linalg.matrix_rank(a5.dh.DHChain.alpha5().jacobian(on)[:, :3], tol=1e-9).max() <= 2
+        )
+    assert not s.near().all()
+
+
+def test_yaw_axis_singularity() -> None:
+    best = a5.inverse_kinematics([0.0, 0.0, 0.3]).best([3.0, 1.0, 1.0, 0.0])
+    assert space.singularities(best).near()
+    assert space.manipulability(best) < 1e-16
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (4,), (2, 3)])
+def test_shapes(shape: tuple[int, ...]) -> None:
+    p = np.full((*shape, 3), 0.5)
+    assert a5.reachable(p).shape == shape
+    assert a5.distance_to_reach(p).shape == shape
+    assert a5.nearest_reachable(p).shape == (*shape, 3)
+    assert space.published_reachable(p).shape == shape
+
+
+@pytest.mark.parametrize(
+    "bad", [[0.1, 0.2], "abc", [np.nan, 0, 0], [[0, 0, 0], [0, np.inf, 0]], [1j, 0, 0]]
+)
+def test_bad_input(bad: object) -> None:
+    for function in (
+        a5.reachable,
+        a5.distance_to_reach,
+        a5.nearest_reachable,
+        space.published_reachable,
+    ):
+        with pytest.raises(a5.Alpha5Error):
+            function(bad)  # type: ignore[operator]
+
+
+def test_unknown_side() -> None:
+    with pytest.raises(UnknownNameError, match="underarm, overarm, both"):
+        space.boundary("left")
+
+
+def test_retyped_kinematics_is_rigid() -> None:
+    r = fk(sample(10, seed=62))[:, :3, :3]
+    np.testing.assert_allclose(
+        r @ np.swapaxes(r, 1, 2), np.broadcast_to(np.eye(3), (10, 3, 3)), atol=1e-14
+    )
