@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.comparison.mapping import map_joints, reduce_robot
-from alpha5_model.comparison.reading import parse_urdf
 from alpha5_model.comparison.report import compare, compare_robots
+from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError
 from alpha5_model.paths import JAWS_URDF_PATH

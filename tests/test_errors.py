@@ -19,6 +19,7 @@ def instances() -> list[errors.Alpha5Error]:
         errors.PublishedDataError("table_2.rows[0].mass", "missing"),
         errors.JointLimitError("axis_d", 4.0, 3.4),
         errors.UnreachableError((1.0, 0.0, 0.0), 0.25, (0.75, 0.0, 0.0)),
+        errors.DiscontinuousPathError(3, (1.0, 0.0, 0.0), 3.1, 0.5),
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),

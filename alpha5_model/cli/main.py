@@ -16,6 +16,7 @@ from alpha5_model.errors import Alpha5Error
 COMMANDS: tuple[str, ...] = (
     "demo",
     "generate",
+    "check",
     "compare",
     "torque",
     "trajectory",

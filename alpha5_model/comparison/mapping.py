@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.inertia import combine, rotate_tensor
 

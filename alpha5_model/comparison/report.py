@@ -21,7 +21,7 @@ from alpha5_model.comparison.alignment import (
 )
 from alpha5_model.comparison.diagnosis import explain_com, explain_inertia, explain_mass
 from alpha5_model.comparison.mapping import AXES, FourJointArm, map_joints, reduce_robot
-from alpha5_model.comparison.reading import UrdfRobot, parse_urdf, read_urdf
+from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf, read_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.inertia import inconsistencies
 from alpha5_model.parameters import Alpha5Parameters, parameters

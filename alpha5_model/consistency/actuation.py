@@ -8,6 +8,8 @@ References:
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from alpha5_model.checks import FloatArray
@@ -16,10 +18,8 @@ from alpha5_model.consistency.units import GRAVITY
 from alpha5_model.fluids import AIR, FRESH_WATER
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import ActuatorRow, Published
-
-#: Nominal supply of the arm [V]; the document prints neither a supply nor a current limit.
-SUPPLY = 24.0
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
@@ -28,10 +28,11 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     peaks = peak_hydrostatic_torque(p, AIR), peak_hydrostatic_torque(p, FRESH_WATER)
     # Actuator 4 drives the jaw rod; without the screw's lead it has no torque to compare.
     turning = list(zip(rows[:4], p.joints, strict=False))
+    supply = _least_supply(printed)
     return [
         *(_motor_constants(row) for row in rows),
         *(_friction(row, joint.name, peaks) for row, joint in turning),
-        *(_stall(row, joint.name, joint.effort) for row, joint in turning),
+        *(_stall(row, joint.name, joint.effort, supply) for row, joint in turning),
     ]
 
 
@@ -120,13 +121,25 @@ def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float]) -> Audit
     )
 
 
-def _stall(row: ActuatorRow, joint: str, effort: float) -> AuditRow:
-    inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency]
+def _least_supply(printed: Published) -> list[Quantity]:
+    """K_v, Gr and rated speed of the joint whose rated speed needs the highest voltage, K_v Gr w.
+
+    Neither a supply nor a current limit is printed; a supply below this would not reach that speed.
+    """
+    rows = zip(printed.table_4.rows[:4], printed.supplementary.joints, strict=False)
+    inputs = [[row.voltage_constant, row.gear_ratio, j.velocity.quantity] for row, j in rows]
+    return max(inputs, key=lambda needed: math.prod(q.si for q in needed))
+
+
+def _stall(row: ActuatorRow, joint: str, effort: float, supply: list[Quantity]) -> AuditRow:
+    inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency, *supply]
 
     def torque(x: FloatArray) -> float:
-        return float(x[0] * SUPPLY / x[1] * x[2] * x[3])
+        k_t, resistance, ratio, efficiency, *voltage = x
+        return float(k_t / resistance * ratio * efficiency * np.prod(voltage))
 
     value = torque(np.array([q.si for q in inputs]))
+    volts = math.prod(q.si for q in supply)
     return judged(
         f"stall_torque.actuator_{row.actuator}",
         f"{_place(row)}, {joint}",
@@ -136,8 +149,9 @@ def _stall(row: ActuatorRow, joint: str, effort: float) -> AuditRow:
         effort,
         float(rounding_bound(torque, inputs)),
         "N m",
-        f"K_t U / R Gr eta at a supply of {SUPPLY:g} V against the effort that every public URDF "
-        "copies: a current limit exists and must be given by the user",
+        f"K_t U / R Gr eta at {volts:.1f} V, the least supply that turns every joint at its rated speed, "
+        "against the effort that every public URDF copies: a current limit exists and must be given by "
+        "the user",
         effect=max(value - effort, 0.0),
         effect_unit="N m",
     )

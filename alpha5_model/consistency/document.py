@@ -1,10 +1,17 @@
-"""The audit: every claim of the document that its own numbers can be held against."""
+"""The audit: every claim of the documents that their own numbers can be held against."""
 
 from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import actuation, buoyancy, geometry, inertial
+from alpha5_model.consistency import (
+    actuation,
+    buoyancy,
+    geometry,
+    inertial,
+    lecture,
+    workspace,
+)
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -12,9 +19,9 @@ from alpha5_model.published import published
 
 @cache
 def audit() -> tuple[AuditRow, ...]:
-    """Every consistency check of the manufacturer's document, measured against its bound.
+    """Every consistency check of the documents, measured against its bound.
 
-    One row per claim: the document's words in short, the figure that follows from its other numbers,
+    One row per claim of the manufacturer's document (and of the lecture on planar arms): its words in short, the figure that follows from its other numbers,
     what the rounding of printed digits allows, a verdict, and what the difference is worth. The rows
     say how the document stands, not this package: a row that differs is a finding.
 
@@ -22,8 +29,6 @@ def audit() -> tuple[AuditRow, ...]:
         Frozen rows, in the order of the topics; computed once.
     """
     printed, p = published(), parameters()
-    return tuple(
-        row
-        for topic in (geometry, inertial, buoyancy, actuation)
-        for row in topic.audit(printed, p)
-    )
+    topics = (geometry, workspace, inertial, buoyancy, actuation)
+    rows = [row for topic in topics for row in topic.audit(printed, p)]
+    return (*rows, *lecture.audit())

@@ -282,13 +282,19 @@ def _com_inside(row: InertialRow, bounds: FloatArray) -> AuditRow:
     )
 
 
+def _spread(mass: float, at_com: FloatArray) -> FloatArray:
+    """Standard deviation of the mass along each axis [m]; 0 where the tensor is impossible."""
+    out: FloatArray = np.sqrt(np.maximum(np.diag(second_moments(at_com)) / mass, 0.0))
+    return out
+
+
 def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     """Along each axis the standard deviation of the mass is at most sqrt((max-c)(c-min))."""
     inputs = _inputs(row)
 
     def excess(x: FloatArray) -> FloatArray:
         mass, com, at_com, _ = _read(x)
-        spread = np.sqrt(np.diag(second_moments(at_com)) / mass)
+        spread = _spread(mass, at_com)
         low, high = np.maximum(com - bounds[:, 0], 0.0), np.maximum(bounds[:, 1] - com, 0.0)
         out: FloatArray = spread - np.sqrt(low * high)
         return out
@@ -296,7 +302,7 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     value, bound = excess(_si(inputs)), rounding_bound(excess, inputs)
     k = int(np.argmax(value - bound))
     mass, _, at_com, _ = _read(_si(inputs))
-    spread = float(np.sqrt(np.diag(second_moments(at_com))[k] / mass))
+    spread = float(_spread(mass, at_com)[k])
     fits = value[k] <= bound[k]
     return judged(
         f"mass_spread.link_{row.link}",

@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from alpha5_model.dynamics.water import GRAVITY as DOWN
+
 if TYPE_CHECKING:
     from alpha5_model.checks import FloatArray
 
 MM = 1e-3
 LITRE = 1e-3
 TENSOR_UNIT = 1e-6  # kg mm^2
-GRAVITY = 9.81  # m/s^2
+GRAVITY = abs(DOWN[2])  # m/s^2
 
 
 def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:

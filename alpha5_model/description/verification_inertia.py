@@ -2,71 +2,85 @@
 
 from __future__ import annotations
 
+import math
+from functools import cache
+
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.urdf_text import InertialText, UrdfText, pose
-from alpha5_model.inertia import inconsistencies, pseudo_inertia, rotate_tensor
+from alpha5_model.description.urdf_reading import UrdfJoint
+from alpha5_model.description.verification_frames import Subject
+from alpha5_model.inertia import inconsistencies, pseudo_inertia
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published import published
 
 _JAWS = ("link_4", "jaw_rod", "finger_1", "finger_2")
 
 
-def inertial_differences(text: UrdfText, jaws: bool) -> list[str]:
+@cache
+def _table_2() -> tuple[tuple[float, list[float], FloatArray, FloatArray], ...]:
+    """Mass, COM, I_COM in URDF sign and I_Link as printed, in SI.
+
+    From the printed digits and not from the SI record that the generator uses: SolidWorks prints
+    ``+(integral of x y dm)`` off the diagonal, the format wants the negative.
+    """
+    rows = []
+    for row in published().table_2.rows:
+        at_com, at_link = (
+            np.array([[x.si for x in line] for line in tensor])
+            for tensor in (row.inertia_com, row.inertia_link)
+        )
+        rows.append((row.mass.si, [c.si for c in row.com], _opposite_products(at_com), at_link))
+    return tuple(rows)
+
+
+def _opposite_products(tensor: FloatArray) -> FloatArray:
+    return np.array([[x if i == j else -x for j, x in enumerate(r)] for i, r in enumerate(tensor)])
+
+
+def inertial_differences(text: Subject, jaws: bool) -> list[str]:
     """Masses, COMs and tensors that are not Table 2's, to the last bit.
 
-    Read from the printed digits and not from the SI record that the generator uses: SolidWorks prints
-    ``+(integral of x y dm)``, the format wants the negative. With jaws, link 4 is in four parts and
-    `closed_jaws` compares their sum.
+    With jaws, link 4 is in four parts and `closed_jaws` compares their sum.
     """
     found = []
-    for row in published().table_2.rows[: 4 if jaws else 5]:
-        name = f"{text.prefix}link_{row.link}"
+    for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if jaws else 5]):
+        name = f"{text.prefix}link_{i}"
         given = text.links.get(name)
-        if given is None:
+        if given is None or given.mass is None:
             found.append(f"{name}: no inertial")
             continue
-        com = [c.si for c in row.com]
-        tensor = [
-            [x.si if i == j else -x.si for j, x in enumerate(line)]
-            for i, line in enumerate(row.inertia_com)
-        ]
-        if given.rpy.any():
-            found.append(f"{name}: inertial origin is turned by {given.rpy.tolist()} rad")
-        if given.mass != row.mass.si:
-            found.append(f"{name}: mass {given.mass!r} kg, expected {row.mass.si!r}")
-        if given.xyz.tolist() != com:
-            away = float(np.linalg.norm(given.xyz - com)) * 1e3
-            found.append(f"{name}: COM {given.xyz.tolist()} m, {away:.3g} mm from Table 2's")
-        if given.inertia.tolist() != tensor:
-            found.append(
-                f"{name}: {_tensor_words(given.inertia, row.inertia_link, np.array(tensor))}"
-            )
+        if given.mass != mass:
+            found.append(f"{name}: mass {given.mass!r} kg, expected {mass!r}")
+        if given.com.tolist() != com:
+            away = float(np.linalg.norm(given.com - com)) * 1e3
+            found.append(f"{name}: COM {given.com.tolist()} m, {away:.3g} mm from Table 2's")
+        if given.inertia.tolist() != tensor.tolist():
+            away = float(np.abs(given.inertia - tensor).max()) * 1e6
+            words = _usual_mistake(given.inertia, tensor, at_link)
+            found.append(f"{name}: inertia is {away:.3g} kg mm^2 from Table 2's I_COM{words}")
     return found
 
 
-def _tensor_words(given: FloatArray, at_link: object, expected: FloatArray) -> str:
-    """What is wrong with a tensor, with the two usual mistakes by name."""
-    mirrored = np.where(np.eye(3, dtype=bool), expected, -expected)
-    origin = np.array([[x.si for x in line] for line in at_link])  # type: ignore[attr-defined]
-    away = float(np.abs(given - expected).max()) * 1e6
-    words = f"inertia is {away:.3g} kg mm^2 from Table 2's I_COM"
-    if np.allclose(given, mirrored, rtol=1e-3, atol=1e-12):
-        words += " (products of inertia with SolidWorks' sign)"
-    elif np.allclose(np.abs(given), np.abs(origin), rtol=1e-3, atol=1e-12):
-        words += " (it is I_Link)"
-    return words
+def _usual_mistake(given: FloatArray, tensor: FloatArray, at_link: FloatArray) -> str:
+    """The two mistakes that public models make, by name."""
+
+    def alike(a: FloatArray, b: FloatArray) -> bool:
+        return np.allclose(a, b, rtol=1e-3, atol=1e-12)
+
+    if alike(given, _opposite_products(tensor)):
+        return " (products of inertia with SolidWorks' sign)"
+    return " (it is I_Link)" if alike(np.abs(given), np.abs(at_link)) else ""
 
 
-def stray_masses(text: UrdfText, jaws: bool) -> list[str]:
+def stray_masses(text: Subject, jaws: bool) -> list[str]:
     """Links beside the arm's that weigh something, and massless frames that do not say so."""
     heavy = {text.prefix + f"link_{i}" for i in range(5)}
     heavy |= {text.prefix + name for name in _JAWS} if jaws else set()
     found = []
     for name in _below(text, text.prefix + "base_link") - heavy:
         given = text.links.get(name)
-        if given is None:
+        if given is None or given.mass is None:
             # PyBullet gives a link without an inertial element a mass of 1 kg.
             found.append(f"{name}: no inertial element")
         elif given.mass or given.inertia.any():
@@ -74,7 +88,7 @@ def stray_masses(text: UrdfText, jaws: bool) -> list[str]:
     return sorted(found)
 
 
-def _below(text: UrdfText, root: str) -> set[str]:
+def _below(text: Subject, root: str) -> set[str]:
     """The link and everything that it carries: what it is mounted on is not the arm's."""
     names, fresh = set(), {root}
     while fresh:
@@ -83,54 +97,42 @@ def _below(text: UrdfText, root: str) -> set[str]:
     return names
 
 
-def impossible_links(text: UrdfText) -> list[str]:
-    """Links that cannot be bodies [see `alpha5_model.inertia.inconsistencies`]."""
+def impossible_links(text: Subject) -> list[str]:
+    """Links that cannot be bodies; see `alpha5_model.inertia.inconsistencies`."""
     found = []
     for name, given in text.links.items():
-        if given is not None and (given.mass or given.inertia.any()):
-            problems = inconsistencies(given.mass, given.xyz, given.inertia)
+        if given.mass is not None and (given.mass or given.inertia.any()):
+            problems = inconsistencies(given.mass, given.com, given.inertia)
             found += [f"{name}: {problem}" for problem in problems]
     return found
 
 
-def link_4_is_split(text: UrdfText) -> bool:
+def link_4_is_split(text: Subject) -> bool:
     """Whether wrist, rod and both fingers are there, with the joints that carry them."""
-    bodies = all(text.links.get(text.prefix + name) is not None for name in _JAWS)
-    joints = {
-        joint.child for joint in text.joints.values() if joint.parent == text.prefix + "link_4"
-    }
-    return bodies and joints >= {text.prefix + name for name in _JAWS[1:]}
+    names = {text.prefix + name for name in _JAWS}
+    bodies = {name for name, link in text.links.items() if link.mass is not None}
+    wrist = text.prefix + "link_4"
+    carried = {joint.child for joint in text.joints.values() if joint.parent == wrist}
+    return names <= bodies and names - {wrist} <= carried
 
 
-def closed_jaws(text: UrdfText) -> float:
+def closed_jaws(text: Subject) -> float:
     """Largest relative error of the assembly's pseudo-inertia about the origin of link 4.
 
     The 4x4 pseudo-inertia holds mass, first and second moments, and adds up over the bodies, so the
     sum needs no parallel-axis theorem. Each entry is compared with the size of its block.
     """
-    link = published().table_2.rows[4]
-    tensor = np.array(
-        [
-            [x.si if i == j else -x.si for j, x in enumerate(line)]
-            for i, line in enumerate(link.inertia_com)
-        ]
-    )
-    printed = pseudo_inertia(link.mass.si, [c.si for c in link.com], tensor)
+    mass, com, tensor, _ = _table_2()[4]
+    printed = pseudo_inertia(mass, com, tensor)
     total = np.zeros((4, 4))
     for name in _JAWS:
         body = text.links[text.prefix + name]
-        assert body is not None  # link_4_is_split
         placed = np.eye(4)
-        if name != "link_4":
-            joint = next(j for j in text.joints.values() if j.child == text.prefix + name)
-            closed = _position_when_closed(text, joint.name)
-            motion = np.eye(4)
-            if joint.kind == "prismatic":
-                motion[:3, 3] = closed * joint.axis
-            else:
-                motion[:3, :3] = _rotation(joint.axis, closed)
-            placed = joint.origin @ motion
-        total += placed @ _pseudo(body) @ placed.T
+        for joint in text.joints.values():
+            if name != "link_4" and joint.child == text.prefix + name:
+                placed = joint.transform @ _motion(joint, _position_when_closed(text, joint))
+        own = pseudo_inertia(body.mass or 0.0, body.com, body.inertia)
+        total += placed @ own @ placed.T
     scale = np.empty((4, 4))
     scale[:3, :3] = np.abs(printed[:3, :3]).max()
     scale[:3, 3] = scale[3, :3] = np.abs(printed[:3, 3]).max()
@@ -138,55 +140,44 @@ def closed_jaws(text: UrdfText) -> float:
     return float((np.abs(total - printed) / scale).max())
 
 
-def _pseudo(body: InertialText) -> FloatArray:
-    rotation = pose(np.zeros(3), body.rpy)[:3, :3]
-    return pseudo_inertia(body.mass, body.xyz, rotate_tensor(rotation, body.inertia))
-
-
-def _rotation(axis: FloatArray, angle: float) -> FloatArray:
-    """Rodrigues' formula, (3, 3)."""
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    out: FloatArray = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
+def _motion(joint: UrdfJoint, position: float) -> FloatArray:
+    """Transform of a joint at a position, by Rodrigues' formula if it turns, (4, 4)."""
+    out = np.eye(4)
+    if joint.kind == "prismatic":
+        out[:3, 3] = position * joint.axis
+    else:
+        x, y, z = joint.axis
+        k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        out[:3, :3] += np.sin(position) * k + (1 - np.cos(position)) * (k @ k)
     return out
 
 
-def _position_when_closed(text: UrdfText, joint: str) -> float:
+def _position_when_closed(text: Subject, joint: UrdfJoint) -> float:
     """Position of a jaw joint with the rod at its lower limit."""
-    given = text.joints[joint]
-    if given.mimic is None:
-        return given.limits.get("lower", 0.0)
-    leader, multiplier, offset = given.mimic
-    follows = text.joints.get(leader)
-    return multiplier * (follows.limits.get("lower", 0.0) if follows else 0.0) + offset
+    leader = joint if joint.mimic is None else text.joints.get(joint.mimic)
+    lower = 0.0 if leader is None or leader.lower is None else leader.lower
+    return lower if joint.mimic is None else joint.multiplier * lower + joint.offset
 
 
-def jaw_limit_differences(text: UrdfText, p: Alpha5Parameters) -> list[str]:
+def jaw_limit_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
     """Fingers whose range or speed is not what the rod's range and speed make of them."""
     rod = text.joints.get(text.prefix + "axis_a")
-    if rod is None or not {"lower", "upper", "velocity"} <= rod.limits.keys():
+    if rod is None or rod.lower is None or rod.upper is None or rod.velocity is None:
         return ["axis_a: no limits"]
     found = []
     for number in (1, 2):
         child = f"{text.prefix}finger_{number}"
         finger = next((j for j in text.joints.values() if j.child == child), None)
-        if finger is None or finger.mimic is None or finger.mimic[0] != rod.name:
+        if finger is None or finger.mimic != rod.name:
             found.append(f"{child}: no joint that follows {rod.name}")
             continue
-        _, multiplier, offset = finger.mimic
-        if abs(multiplier) != p.jaws.finger_turn:
-            found.append(
-                f"{finger.name}: {multiplier:g} rad/m, expected {p.jaws.finger_turn:g} rad/m"
-            )
-        ends = sorted(multiplier * rod.limits[side] + offset for side in ("lower", "upper"))
-        made = {
-            "lower": ends[0],
-            "upper": ends[1],
-            "velocity": abs(multiplier) * rod.limits["velocity"],
-        }
+        turn = finger.multiplier
+        if abs(turn) != p.jaws.finger_turn:
+            found.append(f"{finger.name}: {turn:g} rad/m, expected {p.jaws.finger_turn:g} rad/m")
+        ends = sorted(turn * end + finger.offset for end in (rod.lower, rod.upper))
+        made = {"lower": ends[0], "upper": ends[1], "velocity": abs(turn) * rod.velocity}
         for key, value in made.items():
-            if abs(finger.limits.get(key, np.nan) - value) > 1e-12 or key not in finger.limits:
-                found.append(
-                    f"{finger.name}: {key} {finger.limits.get(key)}, the rod makes it {value:.12g}"
-                )
+            given = getattr(finger, key)
+            if given is None or not math.isclose(given, value, rel_tol=0, abs_tol=1e-12):
+                found.append(f"{finger.name}: {key} {given}, the rod makes it {value:.12g}")
     return found

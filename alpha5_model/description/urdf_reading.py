@@ -45,7 +45,17 @@ class UrdfLink:
 
 @dataclass(frozen=True, eq=False)
 class UrdfJoint:
-    """A joint: ``transform`` (4, 4) is the pose of the child in the parent at zero."""
+    """A joint.
+
+    Attributes:
+        name, kind, parent, child: As written; kind is the attribute ``type``.
+        transform: Pose of the child in the parent at position zero, (4, 4).
+        axis: Unit vector in the child's frame, (3,).
+        lower, upper: Limits [rad or m]; None where there is none.
+        velocity, effort: Limits [rad/s, N m] or [m/s, N]; None where there is none.
+        mimic: Joint that it follows by ``multiplier * position + offset``; None if none.
+        multiplier, offset: 1 and 0 if it follows none.
+    """
 
     name: str
     kind: str
@@ -55,6 +65,8 @@ class UrdfJoint:
     axis: FloatArray
     lower: float | None
     upper: float | None
+    velocity: float | None
+    effort: float | None
     mimic: str | None
     multiplier: float
     offset: float
@@ -206,18 +218,26 @@ class _Reader:
         shape = None if geometry is None or not len(geometry) else geometry[0]
         if shape is None:
             raise self.fail(collision, "<collision> has no geometry")
-        if shape.tag == "box":
-            x, y, z = self.numbers(shape, "size", 3, self.attribute(shape, "size"))
-            return float(x * y * z), None
-        if shape.tag in ("cylinder", "capsule"):
-            radius, length = self.number(shape, "radius"), self.number(shape, "length")
-            ball = 4 / 3 * math.pi * radius**3 if shape.tag == "capsule" else 0.0
-            return math.pi * radius**2 * length + ball, None
-        if shape.tag == "sphere":
-            return 4 / 3 * math.pi * self.number(shape, "radius") ** 3, None
+        if shape.tag in ("box", "cylinder", "capsule", "sphere"):
+            volume = self.primitive(shape)
+            if not math.isfinite(volume):
+                raise self.fail(shape, f"<{shape.tag}> has no finite volume")
+            return volume, None
         if shape.tag == "mesh":
             return 0.0, self.attribute(shape, "filename")
         raise self.fail(shape, f"unknown shape <{shape.tag}>")
+
+    def primitive(self, shape: ET.Element) -> float:
+        """Volume of a box, sphere, cylinder or capsule; infinite if it overflows."""
+        if shape.tag == "box":
+            x, y, z = self.numbers(shape, "size", 3, self.attribute(shape, "size")).tolist()
+            return float(x * y * z)
+        r = self.number(shape, "radius")
+        ball = 4 / 3 * math.pi * (r * r * r)
+        if shape.tag == "sphere":
+            return ball
+        tube = math.pi * (r * r) * self.number(shape, "length")
+        return tube + ball if shape.tag == "capsule" else tube
 
     def joint(self, element: ET.Element) -> UrdfJoint:
         name, kind = self.attribute(element, "name"), self.attribute(element, "type")
@@ -238,12 +258,12 @@ class _Reader:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")
             axis = axis / length
         limit, mimic = element.find("limit"), element.find("mimic")
-        bounds: list[float | None] = [None, None]
-        if limit is not None and kind != "continuous":
-            bounds = [
-                None if limit.get(end) is None else self.number(limit, end)
-                for end in ("lower", "upper")
-            ]
+        limits: dict[str, float] = {}
+        if limit is not None:
+            ends_of_range = () if kind == "continuous" else ("lower", "upper")
+            for key in (*ends_of_range, "velocity", "effort"):
+                if key in limit.attrib:
+                    limits[key] = self.number(limit, key)
         factor, shift = 1.0, 0.0
         if mimic is not None:
             factor = self.number(mimic, "multiplier") if "multiplier" in mimic.attrib else 1.0
@@ -255,8 +275,10 @@ class _Reader:
             child=ends[1],
             transform=self.pose(element),
             axis=axis,
-            lower=bounds[0],
-            upper=bounds[1],
+            lower=limits.get("lower"),
+            upper=limits.get("upper"),
+            velocity=limits.get("velocity"),
+            effort=limits.get("effort"),
             mimic=None if mimic is None else self.attribute(mimic, "joint"),
             multiplier=factor,
             offset=shift,

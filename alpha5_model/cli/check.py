@@ -1,0 +1,228 @@
+"""``alpha5 check``: the document against itself, and the generated files against the document."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.padding import Padding
+
+    from alpha5_model.consistency.row import AuditRow
+    from alpha5_model.description.verification import FileCheck
+
+RowT = TypeVar("RowT")
+KeyT = TypeVar("KeyT")
+
+_COLOUR = {
+    "agrees": "green",
+    "differs": "yellow",
+    "impossible": "red",
+    "passed": "green",
+    "failed": "bold red",
+    "not run": "yellow",
+}
+_RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("check")(check)
+
+
+def check(
+    urdf: Annotated[
+        Path | None, typer.Option(help="Check this file and nothing else.", metavar="FILE")
+    ] = None,
+    corrections: Annotated[
+        str | None,
+        typer.Option(help="With --urdf: corrections it was made with, with commas; '' for none."),
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Show every row that agrees, too.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for scripts.")] = False,
+) -> int:
+    """Check the manufacturer's document against itself and the generated files against it.
+
+    Where the document differs from itself that is a finding: the exit status is 1 only if a
+    generated file (or the one given) fails.
+
+    Example: alpha5 check --urdf my_arm.urdf
+    """
+    from alpha5_model.corrections import DEFAULT_CORRECTIONS
+    from alpha5_model.description.verification import verify_generated, verify_urdf
+    from alpha5_model.errors import InputError
+
+    if urdf is None:
+        if corrections is not None:
+            raise InputError("corrections", corrections, "a file to check, --urdf FILE")
+    elif corrections is None:
+        names = DEFAULT_CORRECTIONS
+    else:
+        names = tuple(name.strip() for name in corrections.split(",") if name.strip())
+    document: Sequence[AuditRow] = ()
+    with _progress("checking"):
+        if urdf is None:
+            from alpha5_model.consistency.document import audit
+
+            document, files = audit(), verify_generated()
+        else:
+            files = verify_urdf(urdf, names)
+    failed = any(row.verdict == "failed" for row in files)
+    if as_json:
+        _print_json(document, files, failed)
+    else:
+        from rich.console import Console
+
+        console = Console(highlight=False)
+        if document:
+            _print_document(console, document, every)
+        _print_files(console, files)
+        console.print(_summary(document, files))
+    return 1 if failed else 0
+
+
+def _progress(words: str) -> AbstractContextManager[object]:
+    """A spinner on a terminal's stderr; nothing where nobody looks."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    return console.status(words) if console.is_terminal else nullcontext()
+
+
+def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:
+    import json
+    from dataclasses import asdict
+
+    content = {
+        "document": [asdict(row) for row in document],
+        "files": [asdict(row) for row in files],
+        "passed": not failed,
+    }
+    typer.echo(json.dumps(content, indent=2, allow_nan=False))
+
+
+def _print_document(console: Console, rows: Sequence[AuditRow], every: bool) -> None:
+    from rich.padding import Padding
+
+    console.rule("[bold]The documents against themselves", align="left", style="dim")
+    console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
+    for topic, of_topic in _grouped(rows, lambda row: row.topic):
+        place = _common([row.place for row in of_topic])
+        console.print(f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{_plain(place)}[/]")
+        quiet = [row for row in of_topic if row.verdict == "agrees" and not every]
+        loud = [row for row in of_topic if row not in quiet]
+        lines = [
+            (_coloured(figures[0]), _subjects(same), *figures[1:])
+            for figures, same in _grouped(loud, _figures)
+        ]
+        if lines:
+            console.print(_grid(lines))
+        if quiet:
+            console.print(f"  {_coloured('agrees')}     {_subjects(quiet)}")
+        for finding, same in _grouped(loud, lambda row: row.finding):
+            subject = f"{_subjects(same)}: " if len(loud) > len(same) else ""
+            says = "; ".join(dict.fromkeys(row.says for row in same))
+            note = (
+                f"[dim]{_plain(subject)}[/][italic]{_plain(says)}[/][dim] - {_plain(finding)}.[/]"
+            )
+            console.print(Padding(note, (0, 0, 0, 4)))
+    console.print()
+
+
+def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
+    from rich.padding import Padding
+    from rich.table import Table
+
+    console.rule("[bold]The files against the documents", align="left", style="dim")
+    for file, of_file in _grouped(rows, lambda row: row.file):
+        console.print(f"\n[bold]{_plain(file)}[/]")
+        table = Table.grid(padding=(0, 2))
+        for width in (9, 17, 7, None):
+            table.add_column(width=width)
+        for row in of_file:
+            deviation = "" if row.measured is None else f"{row.measured:.1e}"
+            table.add_row(_coloured(row.verdict), row.check, deviation, _plain(row.finding))
+        console.print(Padding(table, (0, 0, 0, 2)))
+    console.print()
+
+
+def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
+    """Lines of verdict, subject, measured, must be, effect in columns that fit 80 characters."""
+    from rich.padding import Padding
+    from rich.table import Table
+
+    table = Table.grid(padding=(0, 1))
+    table.add_column(width=10)
+    table.add_column(width=17)
+    table.add_column(width=14, justify="right")
+    table.add_column(width=22)
+    table.add_column(width=11, justify="right")
+    for line in lines:
+        table.add_row(*line, style=style)
+    return Padding(table, (0, 0, 0, 2))
+
+
+def _figures(row: AuditRow) -> tuple[str, str, str, str]:
+    """Verdict, measured, must be, effect as text: rows that read the same share a line."""
+    effect = "" if not row.effect else f"{row.effect:.3g} {row.effect_unit}"
+    measured = f"{row.measured:.4g} {row.unit}".rstrip()
+    must_be = f"{_RELATION[row.relation]}{row.expected:.4g} ± {row.bound:.2g}"
+    return row.verdict, measured, must_be, effect
+
+
+def _subjects(rows: Sequence[AuditRow]) -> str:
+    """``link 0, 1, 4`` for claims that end in link_0, link_1 and link_4."""
+    words = [row.claim.partition(".")[2].replace("_", " ") for row in rows]
+    stems = {word.rpartition(" ")[0] for word in words}
+    if len(words) > 1 and len(stems) == 1 and words[0][-1].isdigit():
+        return f"{stems.pop()} {', '.join(word.rpartition(' ')[2] for word in words)}"
+    return ", ".join(words)
+
+
+def _common(places: Sequence[str]) -> str:
+    """What the places begin with in common, comma by comma."""
+    parts = [place.split(", ") for place in places]
+    shared = []
+    for level in zip(*parts, strict=False):
+        if len(set(level)) > 1:
+            break
+        shared.append(level[0])
+    return ", ".join(shared)
+
+
+def _grouped(
+    rows: Iterable[RowT], key: Callable[[RowT], KeyT]
+) -> Iterable[tuple[KeyT, list[RowT]]]:
+    groups: dict[KeyT, list[RowT]] = {}
+    for row in rows:
+        groups.setdefault(key(row), []).append(row)
+    return groups.items()
+
+
+def _coloured(verdict: str) -> str:
+    return f"[{_COLOUR[verdict]}]{verdict}[/]"
+
+
+def _plain(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
+    from collections import Counter
+
+    parts = []
+    if document:
+        counts = Counter(str(row.verdict) for row in document)
+        words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
+        parts.append("documents " + ", ".join(f"{counts[key]} {word}" for word, key in words))
+    verdicts = Counter(str(row.verdict) for row in files)
+    shown = ("passed", "failed", "not run") if verdicts["not run"] else ("passed", "failed")
+    parts.append("files " + ", ".join(f"{verdicts[word]} {word}" for word in shown))
+    return "; ".join(parts).capitalize()

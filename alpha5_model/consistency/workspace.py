@@ -1,0 +1,211 @@
+"""The tori of Section 1.2 against Table 1 and against what the arm reaches.
+
+References:
+    [ReachAlpha] Manufacturer's document, Section 1.2, Figure 2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
+from alpha5_model.consistency.units import MM
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.reach import reachable
+from alpha5_model.kinematics.workspace import published_errors
+from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.published.quantity import Quantity
+from alpha5_model.published.tables import Published
+
+#: Points along the radius of the grid on which the rounding of the tori is counted.
+GRID = 401
+
+
+def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
+    """The rows of the workspace."""
+    return [_inner_offset(printed), *_tori(printed, p), *_shares(printed, p)]
+
+
+def _inner_offset(printed: Published) -> AuditRow:
+    ours, theirs = printed.elbow.opposite, printed.workspace.inner_offset
+    return judged(
+        "workspace.inner_offset",
+        "Section 1.2, inner torus, against Table 1",
+        f"{theirs.text} where Table 1 has {ours.text}",
+        float(theirs.value),
+        "=",
+        float(ours.value),
+        (theirs.rounding + ours.rounding) / MM,
+        "mm",
+        f"{theirs.text} rounds to {ours.text}: the torus has the finer number, Table 1 the rounded one",
+        effect=abs(theirs.si - ours.si) / MM,
+        effect_unit="mm",
+    )
+
+
+def _shoulder_distance(q: FloatArray) -> FloatArray:
+    """From the shoulder, DH frame {1}, to the tcp, for joint positions (..., 4) [m]."""
+    frames = DHChain.alpha5().frames(q)
+    out: FloatArray = np.linalg.norm(frames[..., -1, :3, 3] - frames[..., 1, :3, 3], axis=-1)
+    return out
+
+
+def _tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
+    numbers = printed.workspace
+    a_1, a_2, d_3 = p.dh[1].a, p.dh[2].a, p.dh[3].d
+    a_2_printed, d_3_printed = _length(printed, 2, "a"), _length(printed, 3, "d")
+    outer = a_1 + float(np.hypot(d_3, a_2))
+    # Longest where the elbow is stretched: search theta_2 twice, the second time around the first.
+    low, high = p.joints[2].lower, p.joints[2].upper
+    for _ in range(4):
+        q = np.zeros((2001, 4))
+        q[:, 2] = np.linspace(low, high, len(q))
+        best = int(np.argmax(reach := _shoulder_distance(q)))
+        low, high = q[max(best - 1, 0), 2], q[min(best + 1, len(q) - 1), 2]
+    inner = [numbers.inner_offset, numbers.inner_length, a_2_printed, d_3_printed]
+
+    def inner_radius(x: FloatArray) -> float:
+        return float(np.hypot(x[0] + x[2], x[1] + x[3]))
+
+    def inner_shift(x: FloatArray) -> float:
+        """The printed radius less that with the caption's lengths; a_2 and d_3 are common."""
+        return inner_radius(x[:4]) - inner_radius(np.array([x[4], x[5], x[2], x[3]]))
+
+    folded = float(_shoulder_distance(np.zeros(4)))
+    caption = [printed.elbow.opposite, printed.elbow.adjacent]
+    elbow = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
+    offset = float(np.hypot(*elbow[:2])) - p.dh[0].a
+    lower_link = [a_2_printed, d_3_printed]
+    return [
+        judged(
+            "workspace.outer_torus",
+            "Section 1.2, outer torus",
+            "radius a_1 + sqrt(d_3^2 + a_2^2)",
+            reach[best] / MM,
+            "=",
+            outer / MM,
+            ARITHMETIC,
+            "mm",
+            "longest distance from shoulder to tcp within the limits of theta_2, by forward kinematics",
+        ),
+        judged(
+            "workspace.inner_torus",
+            "Section 1.2, inner torus",
+            f"radius sqrt(({numbers.inner_offset.text} + a_2)^2 + ({numbers.inner_length.text} + d_3)^2)",
+            inner_radius(np.array([q.si for q in inner])) / MM,
+            "=",
+            folded / MM,
+            float(rounding_bound(inner_shift, [*inner, *caption])) / MM,
+            "mm",
+            "against the distance from shoulder to tcp at theta_2 = 0; it holds for the underarm pose only",
+            effect=abs(inner_radius(np.array([q.si for q in inner])) - folded) / MM,
+            effect_unit="mm",
+        ),
+        judged(
+            "workspace.downward_centre",
+            "Section 1.2, downward torus",
+            f"centre {numbers.downward_drop.text} below the shoulder",
+            offset / MM,
+            "=",
+            0.0,
+            _length(printed, 0, "a").rounding / MM + printed.elbow.opposite.rounding / MM,
+            "mm",
+            "horizontal distance of the elbow from the shoulder at theta_1 = 0, which the formula drops",
+            effect=offset / MM,
+            effect_unit="mm",
+        ),
+        judged(
+            "workspace.downward_radius",
+            "Section 1.2, downward torus",
+            "radius -d_3",
+            float(np.hypot(a_2, d_3)) / MM,
+            "=",
+            -d_3 / MM,
+            float(rounding_bound(lambda x: np.hypot(*x) - abs(x[1]), lower_link)) / MM,
+            "mm",
+            "distance from elbow to tcp, sqrt(a_2^2 + d_3^2): the formula drops a_2",
+            effect=(float(np.hypot(a_2, d_3)) + d_3) / MM,
+            effect_unit="mm",
+        ),
+    ]
+
+
+def _length(printed: Published, row: int, column: str) -> Quantity:
+    value = getattr(printed.table_1.rows[row], column)
+    assert isinstance(value, Quantity)  # a_1 is the only symbol in the columns d and a
+    return value
+
+
+def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
+    """Areas of the half-plane R >= 0: between the printed tori, and reached within the limits.
+
+    The areas are exact; how much of them the rounding of the printed lengths may move is counted on
+    a grid, on which only the tori move.
+    """
+    opposite, adjacent = printed.elbow.opposite, printed.elbow.adjacent
+    numbers = printed.workspace
+    inputs = [
+        *(
+            _length(printed, row, column)
+            for row, column in ((0, "a"), (0, "d"), (2, "a"), (3, "d"))
+        ),
+        *(opposite, adjacent, numbers.inner_offset, numbers.inner_length, numbers.downward_drop),
+    ]
+    size = p.dh[0].a + p.dh[1].a + float(np.hypot(p.dh[2].a, p.dh[3].d))
+    radius, height = np.meshgrid(
+        np.linspace(0.0, size, GRID), p.dh[0].d + np.linspace(-size, size, 2 * GRID - 1)
+    )
+    # Azimuth pi/2 lies within the limits of theta_0 whichever way the arm faces.
+    points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
+    reached = reachable(points)
+
+    def published(x: FloatArray) -> NDArray[np.bool_]:
+        a_0, d_0, a_2, d_3, opp, adj, offset, length, drop = x
+        square = (radius - a_0) ** 2 + (height - d_0) ** 2
+        inside: NDArray[np.bool_] = (
+            (square <= (np.hypot(opp, adj) + np.hypot(d_3, a_2)) ** 2)
+            & (square >= (offset + a_2) ** 2 + (length + d_3) ** 2)
+            & ((radius - a_0) ** 2 + (height - d_0 + drop) ** 2 >= d_3**2)
+        )
+        return inside
+
+    def beyond_reach(x: FloatArray) -> float:
+        region = published(x)
+        return float((region & ~reached).sum() / region.sum())
+
+    def left_out(x: FloatArray) -> float:
+        return float((reached & ~published(x)).sum() / reached.sum())
+
+    exact = published_errors()
+    return [
+        judged(
+            f"workspace.{name}",
+            "Section 1.2, Figure 2",
+            says,
+            100 * measured,
+            "=",
+            0.0,
+            100 * float(rounding_bound(share, inputs)),
+            "%",
+            finding,
+        )
+        for name, says, measured, share, finding in (
+            (
+                "beyond_reach",
+                "all points between the tori are reached",
+                exact.unreachable_area / exact.published_area,
+                beyond_reach,
+                "share of the published region, by area in the half-plane, that no joint position within "
+                "the limits reaches: the tori ignore joint limits",
+            ),
+            (
+                "left_out",
+                "no point outside the tori is reached",
+                exact.missed_area / exact.reachable_area,
+                left_out,
+                "share of what can be reached, by area in the half-plane, that lies outside the tori",
+            ),
+        )
+    ]

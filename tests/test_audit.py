@@ -1,0 +1,527 @@
+"""The audit's figures by a second route: mm and kg by hand, corner enumeration, brute force."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+
+import alpha5_model as a5
+from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, workspace
+from alpha5_model.consistency.row import AuditRow, judged, rounding_bound
+from alpha5_model.parameters import convert
+from alpha5_model.published.quantity import Quantity
+from alpha5_model.published.tables import parse
+
+DATA = Path(a5.__file__).parent / "published"
+DOCUMENT = (DATA / "reach_alpha_mk2_v7.toml").read_text("utf-8")
+SUPPLEMENTARY = (DATA / "supplementary.toml").read_text("utf-8")
+
+#: I_Link of Table 2 (xx, yy, zz, xy, xz, yz) and Table 3, typed from the document. mm, kg, L.
+INERTIA_LINK = [
+    (56.495, 1043.265, 1059.604, 91.063, -3.655, 0.059),
+    (209.962, 232.445, 53.581, 0.976, 60.874, 1.089),
+    (82.905, 2903.184, 2924.317, -77.380, -22.366, 0.342),
+    (102.986, 58.418, 132.308, -47.813, -0.566, -0.014),
+    (4233.813, 4242.419, 63.355, 0.083, -6.827, 52.693),
+]
+MASS_ROUNDING = [0.0005, 0.0005, 0.005, 0.0005, 0.0005]
+VOLUME = [0.157, 0.032, 0.218, 0.032, 0.134]
+LENGTHS = (20.0, 46.2, 145.3, 40.0, 20.0, 180.0)  # a_0, d_0, the elbow's two, a_2, -d_3
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, AuditRow]:
+    return {row.claim: row for row in a5.audit()}
+
+
+def audit_of(document: str) -> dict[str, AuditRow]:
+    """The audit of another document."""
+    printed = parse(document, SUPPLEMENTARY)
+    p = convert(printed, ("base_frame",))
+    topics = (geometry, inertial, buoyancy, actuation)
+    return {row.claim: row for topic in topics for row in topic.audit(printed, p)}
+
+
+# --- the record -------------------------------------------------------------------------------
+
+
+def test_rows_are_frozen_unique_and_computed_once() -> None:
+    audit = a5.audit()
+    assert audit is a5.audit()
+    assert isinstance(audit, tuple)
+    assert len({row.claim for row in audit}) == len(audit) > 60
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        audit[0].verdict = "agrees"  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("row", a5.audit(), ids=lambda row: row.claim)
+def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
+    assert all(map(math.isfinite, (row.measured, row.expected, row.bound)))
+    assert row.bound >= 0
+    excess = row.measured - row.expected
+    distance = {"=": abs(excess), "<=": excess, ">=": -excess}[row.relation]
+    assert (row.verdict == "agrees") == (distance <= row.bound)
+    assert row.place.startswith(("Section", "Tables", "Lecture 7.1"))
+    assert 0 < len(row.says) < 90
+    assert row.finding
+    assert (row.effect is None) == (row.effect_unit == "")
+    assert row.effect_unit in ("", "N m", "mm")
+
+
+def test_judging() -> None:
+    def verdict(measured: float, relation: str, law: bool = False) -> str:
+        return judged("a.b", "p", "s", measured, relation, 1.0, 0.1, "", "f", law=law).verdict  # type: ignore[arg-type]
+
+    assert [verdict(x, "=") for x in (0.85, 0.95, 1.05, 1.15)] == [
+        "differs",
+        "agrees",
+        "agrees",
+        "differs",
+    ]
+    assert [verdict(x, "<=") for x in (-9, 1.05, 1.15)] == ["agrees", "agrees", "differs"]
+    assert [verdict(x, ">=") for x in (9, 0.95, 0.85)] == ["agrees", "agrees", "differs"]
+    assert verdict(1.15, "=", law=True) == "impossible"
+
+
+def test_the_audit_needs_numpy_only() -> None:
+    script = (
+        "import alpha5_model as a5, sys; a5.audit(); "
+        "print(any(m in sys.modules for m in ('pinocchio', 'scipy', 'matplotlib', 'xacro', 'rich')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=DATA.parent.parent,
+    )
+    assert done.stdout.strip() == "False"
+
+
+# --- Table 2 ----------------------------------------------------------------------------------
+
+
+def steiner(mass: float, p: tuple[float, float, float]) -> np.ndarray:
+    """xx, yy, zz, xy, xz, yz of the parallel-axis term, products positive as SolidWorks prints."""
+    x, y, z = p
+    return mass * np.array([y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
+
+
+@pytest.mark.parametrize("i", range(5))
+def test_parallel_axis_and_its_bound(rows: dict[str, AuditRow], i: int) -> None:
+    com, mass = reference.COM[i], reference.MASS[i]
+    residual = np.array(INERTIA_LINK[i]) - reference.INERTIA[i] - steiner(mass, com)
+    # The exact worst case: every corner of the rounding box, the tensors' own digits on top.
+    corners = [
+        steiner(
+            mass + s * MASS_ROUNDING[i],
+            tuple(c + t * 5e-4 for c, t in zip(com, signs, strict=True)),
+        )
+        for s, *signs in itertools.product((-1, 1), repeat=4)
+    ]
+    bound = np.abs(np.array(corners) - steiner(mass, com)).max(axis=0) + 2 * 5e-4
+    row = rows[f"parallel_axis.link_{i}"]
+    k = int(np.abs(residual).argmax())
+    assert row.measured == pytest.approx(abs(residual[k]), abs=1e-9)
+    assert row.bound == pytest.approx(bound[k], rel=2e-3)
+    assert (row.verdict == "differs") == bool((np.abs(residual) > bound).any())
+    beyond = int((np.abs(residual) > bound).sum())
+    assert row.finding.startswith(f"{beyond} of 6 entries")
+
+
+def test_parallel_axis_verdicts(rows: dict[str, AuditRow]) -> None:
+    verdicts = [rows[f"parallel_axis.link_{i}"].verdict for i in range(5)]
+    assert verdicts == ["differs", "differs", "agrees", "agrees", "agrees"]
+    measured = [rows[f"parallel_axis.link_{i}"].measured for i in range(5)]
+    np.testing.assert_allclose(measured, [6.63, 0.51, 0.545, 0.037, 4.29], rtol=0.01)
+
+
+@pytest.mark.parametrize("i", range(5))
+def test_the_sign_of_the_products_is_settled(rows: dict[str, AuditRow], i: int) -> None:
+    term = steiner(reference.MASS[i], reference.COM[i]) * [1, 1, 1, -1, -1, -1]
+    residual = np.array(INERTIA_LINK[i]) - reference.INERTIA[i] - term
+    row = rows[f"product_sign.link_{i}"]
+    assert row.measured == pytest.approx(np.abs(residual).max(), abs=1e-9)
+    assert 41 < row.measured < 176
+    assert row.verdict == "agrees"
+    off = max(map(abs, reference.INERTIA[i][3:]))
+    assert row.effect == pytest.approx(2 * off * 1e-6 * math.radians(50) ** 2)
+
+
+@pytest.mark.parametrize("i", range(5))
+def test_implied_mass(rows: dict[str, AuditRow], i: int) -> None:
+    """Least squares over all nine entries: the products count twice."""
+    weight = np.sqrt([1, 1, 1, 2, 2, 2])
+    term = steiner(1.0, reference.COM[i]) * weight
+    difference = (np.array(INERTIA_LINK[i]) - reference.INERTIA[i]) * weight
+    mass = float(np.linalg.lstsq(term[:, None], difference, rcond=None)[0][0])
+    row = rows[f"implied_mass.link_{i}"]
+    assert row.measured == pytest.approx(mass, abs=1e-12)
+    assert row.expected == reference.MASS[i]
+    assert row.bound > MASS_ROUNDING[i]
+    lever = math.dist((0, 0, 0), reference.COM[i]) / 1000
+    assert row.effect == pytest.approx(abs(mass - reference.MASS[i]) * 9.81 * lever, rel=1e-9)
+
+
+def test_implied_masses_of_links_0_and_1(rows: dict[str, AuditRow]) -> None:
+    assert rows["implied_mass.link_0"].measured == pytest.approx(0.2363, abs=5e-5)
+    assert rows["implied_mass.link_1"].measured == pytest.approx(0.1603, abs=5e-5)
+    verdicts = [rows[f"implied_mass.link_{i}"].verdict for i in range(5)]
+    assert verdicts == ["differs", "differs", "agrees", "agrees", "agrees"]
+    total = rows["total.mass"]
+    assert total.expected == 1.272
+    assert total.measured == pytest.approx(
+        sum(rows[f"implied_mass.link_{i}"].measured for i in range(5))
+    )
+
+
+def test_equations_as_printed_and_as_they_must_be(rows: dict[str, AuditRow]) -> None:
+    m, (x, y, z) = reference.MASS[4], reference.COM[4]
+    difference = np.array(INERTIA_LINK[4]) - reference.INERTIA[4]
+    nothing = np.abs(difference).max()  # (P.P) - (P.P) leaves no term
+    twice = np.abs(difference + steiner(m, (x, y, z))).max()  # + m SKEW(P)^2 is minus the term
+    assert rows["equation_1.printed"].measured == pytest.approx(nothing, abs=1e-9)
+    assert rows["equation_2.printed"].measured == pytest.approx(twice, abs=1e-9)
+    for n in (1, 2):
+        assert rows[f"equation_{n}.printed"].verdict == "impossible"
+        assert rows[f"equation_{n}.corrected"].verdict == "agrees"
+        assert rows[f"equation_{n}.corrected"].measured == pytest.approx(
+            rows["parallel_axis.link_4"].measured
+        )
+
+
+@pytest.mark.parametrize("i", range(5))
+def test_every_tensor_is_one_of_a_body(rows: dict[str, AuditRow], i: int) -> None:
+    for name, entries in (
+        ("com", np.array(reference.INERTIA[i])),
+        ("link", INERTIA_LINK[i] - steiner(reference.MASS[i], reference.COM[i])),
+    ):
+        xx, yy, zz, xy, xz, yz = entries
+        a, b, c = np.sort(np.linalg.eigvalsh([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]))
+        row = rows[f"possible_{name}.link_{i}"]
+        # tr/2 - c: half of what the triangle inequality leaves over
+        assert row.measured == pytest.approx((a + b - c) / 2, abs=1e-9)
+        assert row.verdict == "agrees"
+
+
+def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:
+    spread = math.sqrt((109.469 + 122.362 - 43.987) / 2 / 0.161)
+    room = math.sqrt((67 - 25.038) * (25.038 - 14))
+    row = rows["mass_spread.link_1"]
+    assert (row.measured, row.expected) == (pytest.approx(spread), pytest.approx(room))
+    assert row.verdict == "differs"
+    assert all(rows[f"mass_spread.link_{i}"].verdict == "agrees" for i in (0, 2, 3, 4))
+    assert all(rows[f"com_inside.link_{i}"].verdict == "agrees" for i in range(5))
+
+
+# --- Table 3 ----------------------------------------------------------------------------------
+
+
+def test_link_3s_cob_is_outside(rows: dict[str, AuditRow]) -> None:
+    row = rows["cob_inside.link_3"]
+    assert (row.measured, row.bound, row.verdict) == (
+        pytest.approx(9.0),
+        pytest.approx(0.5),
+        "impossible",
+    )
+    assert "(18.0, -17.2, -4.0) mm, inside" in row.finding
+    moved = math.dist((2, -4, 29), (18, -17.2, -4)) / 1000
+    assert row.effect == pytest.approx(moved * 1025 * 0.032e-3 * 9.81)
+    assert all(rows[f"cob_inside.link_{i}"].verdict == "agrees" for i in (0, 1, 2, 4))
+
+
+def test_densities(rows: dict[str, AuditRow]) -> None:
+    for i in range(5):
+        row = rows[f"density.link_{i}"]
+        assert row.measured == pytest.approx(reference.MASS[i] / VOLUME[i])
+        assert row.verdict == ("differs" if i in (1, 3) else "agrees")
+    assert rows["density.link_1"].measured == pytest.approx(5.03, abs=0.01)
+    worst = 0.1615 / 0.0315 - 0.161 / 0.032
+    assert rows["density.link_1"].bound == pytest.approx(worst, rel=0.03)
+
+
+def test_totals(rows: dict[str, AuditRow]) -> None:
+    assert rows["total.volume"].measured == pytest.approx(0.573)
+    assert rows["total.volume"].bound == pytest.approx(0.0025)
+    assert rows["total.wet_weight"].measured == pytest.approx((1.272 - 1.025 * 0.573) * 9.81)
+    assert {rows[f"total.{n}"].verdict for n in ("mass", "volume", "wet_weight")} == {"agrees"}
+
+
+# --- Table 4 ----------------------------------------------------------------------------------
+
+
+def test_motor_constants(rows: dict[str, AuditRow]) -> None:
+    for i in range(5):
+        row = rows[f"motor_constants.actuator_{i}"]
+        low, high = (0.0134, 0.0116) if i < 3 else (0.0271, 0.0545)
+        assert row.measured == pytest.approx(low / high)
+        corners = [(low + s * 5e-5) / (high + t * 5e-5) for s in (-1, 1) for t in (-1, 1)]
+        assert row.bound == pytest.approx(max(abs(c - low / high) for c in corners), rel=0.01)
+        assert row.verdict == "differs"
+    assert rows["motor_constants.actuator_0"].effect == pytest.approx(0.0018 * 1754.4 * 0.86)
+
+
+@pytest.mark.parametrize(("density", "expected"), [(0.0, 1.39), (1000.0, 0.86)])
+def test_peak_torque_by_pinocchio(density: float, expected: float) -> None:
+    """Weight less buoyancy as one body per link, thousands of positions, axis_d."""
+    pin = pytest.importorskip("pinocchio")
+    model = pin.buildModelFromUrdf(a5.URDF_PATH)
+    p = a5.parameters()
+    for link, index in zip(p.links[1:], range(1, 5), strict=True):
+        wet = link.mass - density * link.volume
+        centre = (link.mass * link.com - density * link.volume * link.cob) / wet
+        model.inertias[index] = pin.Inertia(wet, centre, np.eye(3))
+    data = model.createData()
+    peak = actuation.peak_hydrostatic_torque(p, density)
+    assert peak == pytest.approx(expected, abs=0.01)
+    q = np.random.default_rng(2).uniform(reference.LOWER, reference.UPPER, (8000, 4))
+    best = max(
+        (abs(pin.computeGeneralizedGravity(model, data, row)[1]), k) for k, row in enumerate(q)
+    )
+    assert best[0] <= peak * (1 + 1e-3)
+    near = q[best[1]] + np.random.default_rng(3).normal(size=(4000, 4)) * 0.05
+    near = np.clip(near, reference.LOWER, reference.UPPER)
+    top = max(abs(pin.computeGeneralizedGravity(model, data, row)[1]) for row in near)
+    assert top == pytest.approx(peak, rel=2e-3)
+
+
+def test_friction_and_stall_torque(rows: dict[str, AuditRow]) -> None:
+    friction = rows["friction.actuator_1"]
+    assert friction.measured == pytest.approx(3.752e-3 * 1754.4)
+    assert friction.measured == pytest.approx(6.6, abs=0.05)
+    assert friction.verdict == "differs"
+    assert friction.bound > 0.1 * friction.measured
+    stall = rows["stall_torque.actuator_0"]
+    supply = max(0.0116 * 1754.4 * math.radians(30), 0.0545 * 340.4 * math.radians(50))
+    assert stall.measured == pytest.approx(0.0134 * supply / 3.22 * 1754.4 * 0.86)
+    assert f"{supply:.1f} V" in stall.finding
+    assert stall.measured > 100
+    assert stall.verdict == "differs"
+
+
+# --- Sections 1 and 2 -------------------------------------------------------------------------
+
+
+def test_base_frame(rows: dict[str, AuditRow]) -> None:
+    row = rows["base_frame.link_0"]
+    assert row.measured == pytest.approx(52.425 - 20)
+    assert row.verdict == "differs"
+    moment = 0.234 * 9.81 * 2 * math.hypot(52.425, 7.120) / 1000
+    assert row.effect == pytest.approx(moment)
+
+
+def test_inner_offset(rows: dict[str, AuditRow]) -> None:
+    row = rows["workspace.inner_offset"]
+    assert (row.measured, row.expected) == (39.94, 40)
+    assert row.bound == pytest.approx(0.005 + 0.5)
+    assert row.verdict == "agrees"  # 39.94 rounds to 40
+    assert row.effect == pytest.approx(0.06)
+
+
+def test_tori(rows: dict[str, AuditRow]) -> None:
+    a_0, _, length, offset, a_2, d_3 = LENGTHS
+    tcp = reference.dh_frames(np.zeros(4))
+    folded = np.linalg.norm(tcp[5][:3, 3] - tcp[1][:3, 3]) * 1000
+    inner = rows["workspace.inner_torus"]
+    assert inner.measured == pytest.approx(math.hypot(39.94 + a_2, length - d_3))
+    assert inner.expected == pytest.approx(folded)
+    outer = rows["workspace.outer_torus"]
+    assert outer.expected == pytest.approx(math.hypot(offset, length) + math.hypot(d_3, a_2))
+    assert outer.verdict == "agrees"
+    elbow = tcp[2][:3, 3] * 1000
+    assert rows["workspace.downward_centre"].measured == pytest.approx(math.hypot(*elbow[:2]) - a_0)
+    assert rows["workspace.downward_centre"].measured == pytest.approx(40)
+    assert rows["workspace.downward_radius"].measured == pytest.approx(math.hypot(20, 180))
+    assert {rows[f"workspace.downward_{n}"].verdict for n in ("centre", "radius")} == {"differs"}
+
+
+def plane(theta_1: np.ndarray, theta_2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """tcp in the arm's plane [mm], two links drawn by hand from Figure 4."""
+    a_0, d_0, length, offset, a_2, d_3 = LENGTHS
+    up = theta_1 - np.pi / 2 + reference.THETA_C  # direction of the first link
+    fold = theta_2 + reference.THETA_C + math.atan(a_2 / d_3)  # angle between the links
+    down = up + np.pi - fold
+    l_1, l_2 = math.hypot(offset, length), math.hypot(a_2, d_3)
+    return (
+        a_0 + l_1 * np.cos(up) + l_2 * np.cos(down),
+        d_0 + l_1 * np.sin(up) + l_2 * np.sin(down),
+    )
+
+
+def test_the_tests_own_plane() -> None:
+    for q in reference.configurations(60, seed=1):
+        x, y, z = reference.dh_frames(q)[5][:3, 3] * 1000
+        r, height = plane(q[1], q[2])
+        assert (math.hypot(x, y), z) == (pytest.approx(abs(r)), pytest.approx(height))
+
+
+def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
+    """Millions of joint positions paint a grid of 1 mm cells; no inverse kinematics in here."""
+    t_1, t_2 = (np.linspace(reference.LOWER[i], reference.UPPER[i], 2400) for i in (1, 2))
+    r, z = plane(t_1[:, None], t_2[None, :])
+    edges = np.arange(0.0, 361.0), np.arange(-300.0, 401.0)
+    painted = np.histogram2d(np.abs(r).ravel(), z.ravel(), bins=edges)[0] > 0
+    radius, height = np.meshgrid(*(e[:-1] + 0.5 for e in edges), indexing="ij")
+    a_0, d_0, length, offset, a_2, d_3 = LENGTHS
+    square = (radius - a_0) ** 2 + (height - d_0) ** 2
+    region = (
+        (square <= (math.hypot(offset, length) + math.hypot(d_3, a_2)) ** 2)
+        & (square >= (39.94 + a_2) ** 2 + (145.3 - d_3) ** 2)
+        & ((radius - a_0) ** 2 + (height - d_0 + 145.3) ** 2 >= d_3**2)
+    )
+    beyond = 100 * (region & ~painted).sum() / region.sum()
+    outside = 100 * (painted & ~region).sum() / painted.sum()
+    assert rows["workspace.beyond_reach"].measured == pytest.approx(beyond, abs=0.8)
+    assert rows["workspace.left_out"].measured == pytest.approx(outside, abs=0.8)
+    for name in ("beyond_reach", "left_out"):
+        assert rows[f"workspace.{name}"].verdict == "differs"
+        assert rows[f"workspace.{name}"].bound < 1.5
+
+
+def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:
+    for name in ("underarm", "overarm"):
+        assert rows[f"inverse_kinematics.{name}"].verdict == "agrees"
+        assert rows[f"inverse_kinematics.{name}"].measured < 1e-9
+    # The formulas take the elbow with 0 < gamma < pi, gamma = theta_2 plus two constant angles.
+    _, _, length, offset, a_2, d_3 = LENGTHS
+    gamma = math.asin(2 * a_2 / math.hypot(offset, length)) + math.asin(a_2 / math.hypot(a_2, d_3))
+    low, high = reference.LOWER[2], reference.UPPER[2]
+    share = 100 * (min(high, math.pi - gamma) - low) / (high - low)
+    row = rows["inverse_kinematics.branches"]
+    assert row.measured == pytest.approx(share, abs=2.0)
+    assert row.verdict == "differs"
+    assert row.finding.endswith("the four solutions recover 100 %")
+
+
+# --- the lecture ------------------------------------------------------------------------------
+
+
+def test_the_theorem_by_turning_the_hand(rows: dict[str, AuditRow]) -> None:
+    """The hand turns fully if its wrist stays within the reach of links 1 and 2, all the way round."""
+    turns = promised = broken = missed = 0
+    angle = np.linspace(0, 2 * np.pi, 721)
+    for l_1, l_2, l_3, l_4 in itertools.product(range(1, 7), repeat=4):
+        wrist = np.hypot(l_4 + l_3 * np.cos(angle), l_3 * np.sin(angle))
+        exact = wrist.max() <= l_1 + l_2 + 1e-9 and wrist.min() >= abs(l_1 - l_2) - 1e-9
+        half = (l_1 + l_2 + l_3 + l_4) / 2
+        theorem = all(a + b >= half for a, b in itertools.combinations((l_1, l_2, l_4), 2))
+        turns, promised = turns + exact, promised + theorem
+        broken, missed = broken + (theorem and not exact), missed + (exact and not theorem)
+        assert not (exact and not theorem) or l_4 <= min(l_1, l_2, l_3)
+    assert rows["lecture.sufficient"].measured == 100 * broken / promised == 0
+    assert rows["lecture.sufficient"].verdict == "agrees"
+    assert rows["lecture.necessary"].measured == pytest.approx(100 * missed / turns)
+    assert rows["lecture.necessary"].verdict == "differs"
+
+
+# --- other documents: every verdict can turn --------------------------------------------------
+
+#: What is changed -> (old, new, claim, verdict then)
+TURNED = {
+    "a digit of I_Link": ('"102.986"', '"103.986"', "parallel_axis.link_3", "differs"),
+    "a mass": ('mass = "0.355"', 'mass = "0.365"', "implied_mass.link_4", "differs"),
+    "the equation's test body": (
+        'mass = "0.355"',
+        'mass = "0.365"',
+        "equation_1.corrected",
+        "impossible",
+    ),
+    "a tensor that no body has": ('"393.932"', '"300.932"', "possible_com.link_0", "impossible"),
+    "a COM outside": ('"73.563"', '"173.563"', "com_inside.link_2", "differs"),
+    "link 3's COB mended": (
+        '["2", "-4", "29"]',
+        '["18", "-17", "-4"]',
+        "cob_inside.link_3",
+        "agrees",
+    ),
+    "another COB outside": (
+        '["0", "0", "-97"]',
+        '["0", "0", "97"]',
+        "cob_inside.link_4",
+        "impossible",
+    ),
+    "a light link 1": ('mass = "0.161"', 'mass = "0.081"', "density.link_1", "agrees"),
+    "an arm that floats": ('volume = "0.157"', 'volume = "1.157"', "total.wet_weight", "differs"),
+    "a volume beyond the bodies": (
+        'volume = "0.157"',
+        'volume = "1.157"',
+        "total.volume",
+        "impossible",
+    ),
+    "a finer elbow": (
+        'inner_offset = "39.94"',
+        'inner_offset = "38.94"',
+        "workspace.inner_offset",
+        "differs",
+    ),
+    "another inner length": (
+        'inner_length = "145.3"',
+        'inner_length = "155.3"',
+        "workspace.inner_torus",
+        "differs",
+    ),
+    "a base body on the other side": ('"-52.425"', '"-2.425"', "base_frame.link_0", "agrees"),
+}
+
+
+@pytest.mark.parametrize("change", TURNED)
+def test_a_verdict_turns_with_the_document(rows: dict[str, AuditRow], change: str) -> None:
+    old, new, claim, verdict = TURNED[change]
+    assert DOCUMENT.count(old) == 1
+    document = DOCUMENT.replace(old, new)
+    if claim.startswith("workspace"):
+        printed = parse(document, SUPPLEMENTARY)
+        turned = {row.claim: row for row in workspace.audit(printed, a5.parameters())}
+    else:
+        turned = audit_of(document)
+    assert rows[claim].verdict != verdict
+    assert turned[claim].verdict == verdict
+
+
+def test_the_other_sign_would_be_found(rows: dict[str, AuditRow]) -> None:
+    """A document that printed URDF products everywhere would contradict its own I_Link."""
+    document = DOCUMENT
+    for a, b in (
+        ("0.808", "-0.808"),
+        ("29.828", "-29.828"),
+        ("0.976", "-0.976"),
+        ("60.874", "-60.874"),
+    ):
+        document = document.replace(f'"{a}"', f'"{b}"')
+    turned = audit_of(document)
+    assert turned["parallel_axis.link_1"].measured > 60
+    assert turned["product_sign.link_1"].measured < rows["product_sign.link_1"].measured / 10
+
+
+def test_motors_that_obey_physics_agree() -> None:
+    turned = audit_of(DOCUMENT.replace('"0.0116"', '"0.0134"'))
+    assert turned["motor_constants.actuator_0"].verdict == "agrees"
+    assert turned["motor_constants.actuator_3"].verdict == "differs"
+
+
+# --- the bound --------------------------------------------------------------------------------
+
+
+def test_the_bound_is_the_worst_case_of_the_digits() -> None:
+    printed = [Quantity("3.00", "mm"), Quantity("-4.0", "mm"), Quantity("12", "")]
+
+    def function(x: np.ndarray) -> np.ndarray:
+        return np.array([x[0] * x[1], x[2] ** 2, np.hypot(x[0], x[1])])
+
+    bound = rounding_bound(function, printed)
+    assert bound[0] == pytest.approx(4e-3 * 5e-6 + 3e-3 * 5e-5)
+    assert bound[1] == pytest.approx(12.5**2 - 12**2)
+    rng = np.random.default_rng(0)
+    centre = np.array([q.si for q in printed])
+    steps = rng.uniform(-1, 1, (2000, 3)) * [q.rounding for q in printed]
+    moved = np.array([function(centre + s) - function(centre) for s in steps])
+    assert (np.abs(moved).max(axis=0) <= bound * 1.01).all()
+    assert (np.abs(moved).max(axis=0) >= bound * 0.85).all()
