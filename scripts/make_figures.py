@@ -115,7 +115,9 @@ def torque_figure() -> bytes | None:
             ("inertia", PINK),
             ("coriolis", TEAL),
         ):
-            axes.plot(a.smooth.time, getattr(a, term)[:, k], color=colour, linewidth=1.2, label=term)
+            axes.plot(
+                a.smooth.time, getattr(a, term)[:, k], color=colour, linewidth=1.2, label=term
+            )
         axes.plot(a.smooth.time, a.torque[:, k], color=BLACK, linewidth=1.6, label="torque")
         axes.set_ylabel(f"{name} [N m]")
         axes.margins(x=0.01)

@@ -27,7 +27,9 @@ _MISSING = [
     )
     if not there
 ]
-needs_browser = pytest.mark.skipif(bool(_MISSING), reason=f"there is no {' and no '.join(_MISSING)}")
+needs_browser = pytest.mark.skipif(
+    bool(_MISSING), reason=f"there is no {' and no '.join(_MISSING)}"
+)
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = (1200, 760)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -303,28 +302,6 @@ def test_import_stays_light() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=root
     )
     assert {"pinocchio", "scipy", "matplotlib", "typer"}.isdisjoint(done.stdout.split())
-
-
-def test_a_hundred_thousand_samples_stay_interactive(tmp_path: Path) -> None:
-    rng = np.random.default_rng(12)
-    t = np.cumsum(rng.uniform(0.005, 0.035, 100_000))
-    q = 1.7 + np.sin(0.2 * t)[:, None] * np.array([1.0, 0.8, 0.9, 1.2])
-    noisy = q + rng.normal(scale=1e-4, size=q.shape)
-    v = 0.2 * np.cos(0.2 * t)[:, None] * np.array([1.0, 0.8, 0.9, 1.2])
-    header = "time_secs,axis_e_pos,axis_d_pos,axis_c_pos,axis_b_pos,axis_e_vel,axis_d_vel,axis_c_vel,axis_b_vel"
-    path = tmp_path / "long.csv"
-    rows = np.column_stack([t, noisy, v]).tolist()
-    path.write_text("\n".join([header, *(",".join(map(repr, row)) for row in rows)]))
-    a5.trajectory.analyse(planned(51))  # start-up
-    # Processor time of one thread: what a user waits on a free machine, whatever else runs here.
-    best = np.inf
-    for _ in range(2):
-        start = time.process_time()
-        motion = a5.trajectory.read_motion(path)
-        text = a5.trajectory.text(a5.trajectory.summary(a5.trajectory.analyse(motion, threads=1)))
-        best = min(best, time.process_time() - start)
-    assert "100000 samples" in text
-    assert best < 3.0
 
 
 @needs_recordings

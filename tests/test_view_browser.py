@@ -96,7 +96,13 @@ def shown_pose(page: Tab, link: str) -> np.ndarray:
 
 def test_the_demo_says_what_it_made(demo: tuple[Path, str]) -> None:
     folder, said = demo
-    for name in ("alpha5.urdf", "alpha5_jaws.urdf", "alpha5.html", "alpha5.png", "meshes/link_4.obj"):
+    for name in (
+        "alpha5.urdf",
+        "alpha5_jaws.urdf",
+        "alpha5.html",
+        "alpha5.png",
+        "meshes/link_4.obj",
+    ):
         assert (folder / name).stat().st_size > 1000, name
         assert name.split("/")[0] in said
     assert "FAILED" not in said
@@ -116,16 +122,12 @@ def test_the_demo_says_what_it_made(demo: tuple[Path, str]) -> None:
     assert said.strip().splitlines()[-1].startswith("Open ")
 
 
-def test_no_complaint_and_no_request_leaves_the_machine(
-    page: Tab, demo: tuple[Path, str]
-) -> None:
+def test_no_complaint_and_no_request_leaves_the_machine(page: Tab, demo: tuple[Path, str]) -> None:
     assert page.complaints == []
     assert page.requests == [(demo[0] / "alpha5.html").as_uri()]
 
 
-def test_the_page_could_not_ask_for_more_if_it_tried(
-    chromium: Any, demo: tuple[Path, str]
-) -> None:
+def test_the_page_could_not_ask_for_more_if_it_tried(chromium: Any, demo: tuple[Path, str]) -> None:
     """Negative control: a request made on purpose is refused and seen."""
     tab = new_tab(chromium)
     tab.open((demo[0] / "alpha5.html").as_uri())

@@ -54,7 +54,7 @@ def test_it_serves_its_page_on_this_machine_only(visualizer: ArmVisualizer) -> N
     assert "<title>Reach Alpha 5</title>" in text
     port = int(url.split(":")[2].split("/")[0])
     for other in ("127.0.0.2", "::1"):  # a server on all interfaces would answer here too
-        with pytest.raises(OSError, match="refused|not supported|Cannot assign"):
+        with pytest.raises(OSError, match=r"refused|not supported|Cannot assign"):
             socket.create_connection((other, port), timeout=2).close()
 
 

@@ -37,7 +37,9 @@ def data_of(html: str) -> dict:
 
 
 def test_nothing_is_loaded_from_elsewhere(html: str) -> None:
-    assert not re.findall(r"<(?:script|img|iframe|link|source)[^>]*\b(?:src|href)=\"(?!data:)", html)
+    assert not re.findall(
+        r"<(?:script|img|iframe|link|source)[^>]*\b(?:src|href)=\"(?!data:)", html
+    )
     assert "@import" not in html.split("<script>")[0]
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
     assert policy.startswith("default-src 'none'")

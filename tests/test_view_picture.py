@@ -185,7 +185,17 @@ def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
 
     scene = build_scene(arm, POSE, target=[0.06, 0.05, 0.36], show=["bodies"])
     plain = picture(replace(scene, show=("bodies",)), SIZE).astype(int)
-    for group in ("see-through", "frames", "com", "cob", "workspace", "surface", "ghosts", "collision", "labels"):
+    for group in (
+        "see-through",
+        "frames",
+        "com",
+        "cob",
+        "workspace",
+        "surface",
+        "ghosts",
+        "collision",
+        "labels",
+    ):
         shown = picture(replace(scene, show=("bodies", group)), SIZE).astype(int)
         assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
 

@@ -130,10 +130,14 @@ def test_arrows_are_to_scale_and_start_where_the_force_acts(locked: Scene) -> No
     frames = inertial_frames(locked.q)
     for i in range(5):
         tail, tip = arrow_of("weight", f"load_{i}")
-        np.testing.assert_allclose(tail, (frames[i] @ [*(np.array(COM[i]) / 1e3), 1])[:3], atol=1e-9)
+        np.testing.assert_allclose(
+            tail, (frames[i] @ [*(np.array(COM[i]) / 1e3), 1])[:3], atol=1e-9
+        )
         np.testing.assert_allclose(tip, [0, 0, -ARROW_SCALE * MASS[i] * 9.81], atol=1e-12)
         tail, tip = arrow_of("buoyancy", f"load_{i}")
-        np.testing.assert_allclose(tail, (frames[i] @ [*(np.array(COB[i]) / 1e3), 1])[:3], atol=1e-9)
+        np.testing.assert_allclose(
+            tail, (frames[i] @ [*(np.array(COB[i]) / 1e3), 1])[:3], atol=1e-9
+        )
         lift = 1025 * VOLUME[i] * 1e-3 * 9.81
         np.testing.assert_allclose(tip, [0, 0, ARROW_SCALE * lift], atol=1e-12)
     assert np.allclose(arrow_of("weight", "arm")[1], [0, 0, -ARROW_SCALE * sum(MASS) * 9.81])

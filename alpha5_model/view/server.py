@@ -25,7 +25,6 @@ from meshcat.visualizer import ViewerWindow
 from alpha5_model.errors import Alpha5Error, InputError
 from alpha5_model.view.commands import Command
 
-
 _HOST = "127.0.0.1"
 
 
