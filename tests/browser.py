@@ -32,7 +32,7 @@ needs_browser = pytest.mark.skipif(
 )
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-SIZE = (1200, 760)
+SIZE = (1000, 640)
 
 
 @dataclass

@@ -194,7 +194,7 @@ def test_a_slider_moves_the_links_beyond_it_and_no_others(
 
 def test_random_sliders_agree_with_pinocchio(page: Tab, arm: a5.Arm) -> None:
     rng = np.random.default_rng(11)
-    for joints in rng.uniform(LOWER, UPPER, (6, 4)):
+    for joints in rng.uniform(LOWER, UPPER, (4, 4)):
         q = np.append(joints, rng.uniform(0.0013, 0.0133))
         for name, value in zip(JOINTS, q, strict=True):
             slide(page, name, value)
@@ -359,16 +359,16 @@ def test_live_viewer(chromium: Any) -> None:
         visualizer.close()
 
 
-@pytest.mark.parametrize("angle", [0.02, math.pi, 6.1])
-def test_the_sliders_read_any_angle_off_the_scene(chromium: Any, angle: float) -> None:
+def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
     visualizer = a5.view(a5.load())
     tab = new_tab(chromium)
     try:
         tab.open(visualizer.url())
-        visualizer.display([angle, 0.02, 3.4, angle])
-        tab.page.wait_for_function(
-            f"() => Math.abs(alpha5.q.axis_b - {angle}) + Math.abs(alpha5.q.axis_e - {angle}) < 1e-7"
-        )
+        for angle in (0.02, math.pi, 6.1):
+            visualizer.display([angle, 0.02, 3.4, angle])
+            tab.page.wait_for_function(
+                f"() => Math.abs(alpha5.q.axis_b - {angle}) + Math.abs(alpha5.q.axis_e - {angle}) < 1e-7"
+            )
     finally:
         tab.page.close()
         visualizer.close()

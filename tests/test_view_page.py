@@ -146,8 +146,9 @@ def test_unwritable_files_end_in_one_line(
     blocker = tmp_path / "file"
     blocker.write_text("x")
     for option in ("--html", "--image"):
-        assert "cannot write" in refused([option, str(blocker / "arm")], capsys)
-        assert "it is a folder" in refused([option, str(tmp_path)], capsys)
+        small = ["--gripper", "locked", "--size", "160x100", option]
+        assert "cannot write" in refused([*small, str(blocker / "arm")], capsys)
+        assert "it is a folder" in refused([*small, str(tmp_path)], capsys)
 
 
 def test_no_display_ends_in_one_line(
