@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from recordings import JOINT_STATES
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
@@ -214,3 +217,23 @@ def test_png(arm: a5.Arm) -> None:
 def test_sizes_that_make_no_picture(arm: a5.Arm, size: tuple[int, int]) -> None:
     with pytest.raises(InputError, match="pixels"):
         picture_png(build_scene(arm), size)
+
+
+def test_the_readmes_figures_are_of_the_present_arm() -> None:
+    root = Path(__file__).resolve().parent.parent
+    spec = importlib.util.spec_from_file_location("make_figures", root / "scripts/make_figures.py")
+    figures = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(figures)
+    committed = np.asarray(Image.open(root / "scripts/figures/arm.png").convert("RGB")).astype(int)
+    fresh = np.asarray(Image.open(io.BytesIO(figures.arm_picture())).convert("RGB")).astype(int)
+    assert fresh.shape == committed.shape
+    # text may be set a little differently elsewhere; bodies and markers may not
+    assert (np.abs(fresh - committed).max(axis=2) > 24).mean() < 0.003
+    for name, content in (
+        ("workspace.png", figures.workspace_figure()),
+        ("torque.png", figures.torque_figure() if JOINT_STATES else None),
+    ):
+        assert (root / "scripts/figures" / name).read_bytes().startswith(b"\x89PNG")
+        if content is not None:
+            image = np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
+            assert image.std() > 10
