@@ -55,14 +55,13 @@ def view(
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
-    from alpha5_model.errors import Alpha5Error
+    from alpha5_model.errors import NoDisplayError
     from alpha5_model.files import atomic_write
 
     pixels = _size(size)
     if html is None and image is None and not serve and not _has_display():
-        raise Alpha5Error(
-            "no display to open a browser on: give --html FILE, --image FILE.png, or --serve for a "
-            "browser elsewhere"
+        raise NoDisplayError(
+            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         )
     from alpha5_model.dynamics.loading import load
     from alpha5_model.view.build import build_scene, pose_of

@@ -40,7 +40,8 @@ def view(
         A `meshcat.Visualizer`.
 
     Raises:
-        Alpha5Error: Arguments that do not fit the arm, or a port that is taken.
+        InputError, UnknownNameError: Arguments that do not fit the arm.
+        PortInUseError: The port is taken.
     """
     from alpha5_model.view.build import build_scene
     from alpha5_model.view.visualizer import ArmVisualizer

@@ -65,7 +65,8 @@ def build_scene(
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on.
 
     Raises:
-        Alpha5Error: Joint positions, target, motion or groups that do not fit the arm.
+        InputError: Joint positions or a target that do not fit (`ShapeError`, `NonFiniteError`).
+        UnknownNameError: A group that there is not.
     """
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
     text = source.read_text(encoding="utf-8")

@@ -4,7 +4,13 @@ const alpha5 = (() => {
   const data = JSON.parse(document.getElementById("alpha5-data").textContent);
   const THREE = MeshCat.THREE;
   const byId = (id) => document.getElementById(id);
-  const viewer = new MeshCat.Viewer(byId("pane"));
+  let viewer;
+  try {
+    viewer = new MeshCat.Viewer(byId("pane"));
+  } catch (error) {
+    document.querySelector("#panel h1").textContent = "This page needs WebGL, which this browser does not offer.";
+    throw error;
+  }
   const split = (path) => path.split("/").filter((part) => part);
   const matrix = (elements) => new THREE.Matrix4().fromArray(elements);
   const vector = (elements) => new THREE.Vector3().fromArray(elements);

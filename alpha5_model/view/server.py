@@ -22,18 +22,10 @@ from meshcat.servers.tree import find_node, walk
 from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 
-from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.errors import InputError, PortInUseError
 from alpha5_model.view.commands import Command
 
 _HOST = "127.0.0.1"
-
-
-class PortInUseError(Alpha5Error, OSError):
-    """The port of the viewer is taken. ``port`` is the one asked for."""
-
-    def __init__(self, port: int) -> None:
-        self.port = port
-        super().__init__(f"port {port} is in use: choose another, or 0 for a free one")
 
 
 class _Page(tornado.web.RequestHandler):
