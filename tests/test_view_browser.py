@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import SIZE, Tab, browser, needs_browser, new_tab
+from demo_run import demo_run
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.cli import main
 from alpha5_model.description.poses import NAMED_POSES
 from alpha5_model.view.build import pose_of
 
@@ -31,16 +31,9 @@ def chromium() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def demo() -> tuple[Path, str]:
     """The demo's folder, and what it said."""
-    import contextlib
-    import io
-
-    folder = tmp_path_factory.mktemp("demo")
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
-        assert main(["demo", "--output", str(folder)]) == 0
-    return folder, said.getvalue()
+    return demo_run()
 
 
 @pytest.fixture(scope="module")
@@ -92,34 +85,6 @@ def shown_pose(page: Tab, link: str) -> np.ndarray:
         link,
     )
     return np.reshape(elements, (4, 4)).T
-
-
-def test_the_demo_says_what_it_made(demo: tuple[Path, str]) -> None:
-    folder, said = demo
-    for name in (
-        "alpha5.urdf",
-        "alpha5_jaws.urdf",
-        "alpha5.html",
-        "alpha5.png",
-        "meshes/link_4.obj",
-    ):
-        assert (folder / name).stat().st_size > 1000, name
-        assert name.split("/")[0] in said
-    assert "FAILED" not in said
-    for branch in a5.BRANCHES:
-        (line,) = [line for line in said.splitlines() if line.strip().startswith(branch + " ")]
-        # the angles it prints bring the tcp to the target that it prints
-        target = re.search(r"tcp at \((.*?)\) mm", said)[1]
-        q = [float(x) for x in line.split()[1:5]]
-        reached = a5.load().forward_kinematics(q).translation
-        np.testing.assert_allclose(reached, np.array(target.split(","), float) / 1e3, atol=1e-4)
-    table = {row[0]: [float(x) for x in row[1:]] for row in map(str.split, said.splitlines())
-             if row and row[0] in JOINTS}  # fmt: skip
-    weight, lift, water, air = np.array([table[name] for name in JOINTS[:4]]).T
-    np.testing.assert_allclose(weight - lift, water, atol=1.1e-4)
-    np.testing.assert_allclose(weight, air, atol=1e-9)
-    assert np.abs(water).max() > 0.1
-    assert said.strip().splitlines()[-1].startswith("Open ")
 
 
 def test_no_complaint_and_no_request_leaves_the_machine(page: Tab, demo: tuple[Path, str]) -> None:
