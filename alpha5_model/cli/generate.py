@@ -23,8 +23,8 @@ def generate(
     gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "locked",
     prefix: Annotated[str, typer.Option(help="Before every link and joint name.")] = "",
     parent: Annotated[str, typer.Option(help="Link to mount on; made if given.")] = "",
-    xyz: Annotated[str, typer.Option(help="Mount in the parent, three numbers [m].")] = "0 0 0",
-    rpy: Annotated[str, typer.Option(help="Its roll, pitch, yaw [rad].")] = "0 0 0",
+    xyz: Annotated[str, typer.Option(help="Mount in the parent, three numbers (m).")] = "0 0 0",
+    rpy: Annotated[str, typer.Option(help="Its roll, pitch, yaw (rad).")] = "0 0 0",
     mesh_uri: Annotated[
         str,
         typer.Option(help="relative (copies the meshes beside the file), package or file."),
