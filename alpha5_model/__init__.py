@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from alpha5_model import trajectory as trajectory
     from alpha5_model.comparison.report import compare as compare
     from alpha5_model.consistency.document import audit as audit
+    from alpha5_model.description.poses import named_pose as named_pose
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
@@ -73,6 +74,7 @@ _PUBLIC: dict[str, tuple[str, str | None]] = {
     "reachable": ("alpha5_model.kinematics.reach", "reachable"),
     "workspace": ("alpha5_model.kinematics.workspace", None),
     "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
+    "named_pose": ("alpha5_model.description.poses", "named_pose"),
     "load": ("alpha5_model.dynamics.loading", "load"),
     "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
     "planar": ("alpha5_model.kinematics.planar", None),

@@ -9,7 +9,9 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import pickle
 import xml.etree.ElementTree as ET
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +26,7 @@ from alpha5_model.description.collision_shapes import collision_primitives
 from alpha5_model.description.poses import ADJACENT_PAIRS, NAMED_POSES, named_pose
 from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
-from alpha5_model.errors import UnknownNameError
+from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
 from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
 
 RNG_SEED = 5
@@ -210,17 +212,25 @@ def _link_pairs(model, geometry) -> dict[frozenset[str], int]:
 
 
 def test_urdf_route_and_package_agree_on_distances(model, collisions):
-    srdf_path = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf")
+    """Pinocchio on the URDF and the SRDF files, from a fresh start each time."""
     geometry = pin.buildGeomFromUrdf(
         model, URDF_PATH, pin.GeometryType.COLLISION, package_dirs=[str(Path(URDF_PATH).parent)]
     )
     geometry.addAllCollisionPairs()
-    pin.removeCollisionPairs(model, geometry, srdf_path)
-    data, scratch = model.createData(), geometry.createData()
+    pin.removeCollisionPairs(model, geometry, str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf"))
+    data = model.createData()
     rng = np.random.default_rng(RNG_SEED)
-    for q in rng.uniform(LOWER, UPPER, (20, 4)):
+    folded = rng.uniform((0.02, 0.02, 0.02, 0), (0.6, 0.7, 1.5, 6.2), (20, 4))
+    hits = 0
+    for q in np.vstack([rng.uniform(LOWER, UPPER, (20, 4)), folded]):
+        scratch = geometry.createData()
+        index = pin.computeDistances(model, data, geometry, scratch, q)
+        distance = collisions.clearance(q).distance
+        assert distance == pytest.approx(scratch.distanceResults[index].min_distance, abs=2e-6)
         hit = pin.computeCollisions(model, data, geometry, scratch, q, True)
-        assert hit == collisions.in_collision(q)
+        assert hit == collisions.in_collision(q) == (collisions.colliding_links(q) != ())
+        hits += hit
+    assert 5 < hits < 35, "the sample must hold both kinds"
 
 
 @pytest.mark.parametrize("name", NAMED_POSES)
@@ -340,6 +350,37 @@ def test_links_1_and_3_cannot_meet(model):
         assert scratch.distanceResults[index].min_distance > 0.04
 
 
+@pytest.mark.parametrize("arguments", [{}, {"gripper": "jaws"}, {"floating_base": True}])
+def test_the_arm_itself_answers(arguments, collisions):
+    arm = a5.load(**arguments)
+    for pose in [*NAMED_POSES.values(), (0.02, 0.02, math.pi, 1.0)]:
+        q = np.array(pose)
+        there = q
+        if "gripper" in arguments:
+            there = np.append(q, 0.0013)
+        if "floating_base" in arguments:
+            there = np.concatenate([[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0], q])
+        assert arm.in_collision(there) == collisions.in_collision(q)
+        wanted = collisions.clearance(q).distance
+        assert arm.collision_distance(there) == pytest.approx(wanted, abs=2e-6)
+    with pytest.raises(ShapeError):
+        arm.in_collision([0.0, 1.0])
+    with pytest.raises(NonFiniteError):
+        arm.collision_distance(np.full(arm.model.nq, np.nan))
+
+
+def test_threads_and_copies_have_memory_of_their_own(collisions):
+    arm = a5.load()
+    q = [np.array(pose) for pose in (*NAMED_POSES.values(), (0.02, 0.02, math.pi, 1.0))] * 25
+    alone = [arm.collision_distance(x) for x in q]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(arm.collision_distance, q)) == pytest.approx(alone, abs=2e-6)
+    assert pickle.loads(pickle.dumps(arm)).collision_distance(q[0]) == pytest.approx(
+        alone[0], abs=2e-6
+    )
+    assert arm.with_payload(1.0).collision_distance(q[0]) == pytest.approx(alone[0], abs=2e-6)
+
+
 def test_open_jaws_reach_farther():
     """The fingers follow the rod: folded against the upper arm, wide jaws come closer to it."""
     arm = a5.load(gripper="jaws")
@@ -363,4 +404,4 @@ def test_floating_base_gives_the_same_answers(collisions):
     pose = pin.SE3ToXYZQUAT(pin.SE3(rotation(0.3, -0.4, 2.0), np.array([1.0, 2.0, -3.0])))
     for q in map(np.array, NAMED_POSES.values()):
         there = floating.clearance(np.concatenate([pose, q]))
-        assert there.distance == pytest.approx(collisions.clearance(q).distance, abs=1e-6)
+        assert there.distance == pytest.approx(collisions.clearance(q).distance, abs=2e-6)

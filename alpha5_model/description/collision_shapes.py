@@ -16,17 +16,19 @@ from alpha5_model.description.bodies.dimensions import (
     UPPER_ARM,
     WRIST,
 )
+from alpha5_model.description.bodies.shell import frame_in_link_1, frame_in_link_3
 from alpha5_model.description.primitive import (
     Primitive,
     box,
     cylinder,
     in_metres,
-    matrix,
     moved,
     pose,
+    rounded,
 )
 from alpha5_model.parameters import JawParameters, parameters
 
+_MM_PER_M = 1e3
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
 _MARGIN = 0.1
 
@@ -56,16 +58,14 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
             closed_pose = pose((x, 0.0, height), (roll, 0.0, 0.0))
             closed += [moved(shape, closed_pose) for shape in shapes.pop(name)]
         shapes["link_4"] = tuple(closed)
-    return shapes
+    return {link: tuple(map(rounded, items)) for link, items in shapes.items()}
 
 
 @cache
 def _with_jaws() -> dict[str, tuple[Primitive, ...]]:
     arm = parameters(())
-    shoulder = matrix(
-        [[-1, 0, 0], [0, 0, -1], [0, -1, 0]], (SHELL.axes_apart, 0, arm.dh[0].d * 1e3)
-    )
-    elbow = matrix([[1, 0, 0], [0, -1, 0], [0, 0, -1]], (0, 0, 0))
+    shoulder = frame_in_link_1(arm.dh[0].d * _MM_PER_M)
+    elbow = frame_in_link_3()
     slant = pose((0.0, 0.0, 0.0), (0.0, 0.0, -arm.theta_c))
     turned = pose((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
     in_mm = {
@@ -141,15 +141,15 @@ def _upper_arm() -> list[Primitive]:
 
 
 def _wrist(jaws: JawParameters) -> list[Primitive]:
-    end = jaws.collar_base * 1e3 + WRIST.collar_height
+    end = jaws.collar_base * _MM_PER_M + WRIST.collar_height
     return [cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
 
 
 def _finger(jaws: JawParameters) -> list[Primitive]:
     from alpha5_model.description.bodies.finger import STATIONS, ribbon
 
-    thick, middle = jaws.finger_width * 1e3 / 2, jaws.pivot_offset * 1e3
-    hook, length = FINGER.hook, jaws.finger_length * 1e3
+    thick, middle = jaws.finger_width * _MM_PER_M / 2, jaws.pivot_offset * _MM_PER_M
+    hook, length = FINGER.hook, jaws.finger_length * _MM_PER_M
     whole, low, high = (-thick, thick), (-thick, 0.2), (0.0, thick)
     shapes = [cylinder(FINGER.lug_radius, -thick, thick, "z")]
     # Near the tip, the half below the middle stops short of the plane where the fingers meet.

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 
@@ -51,16 +50,22 @@ def box(low: Triple, high: Triple) -> Primitive:
 
 
 def in_metres(shape: Primitive) -> Primitive:
-    """Millimetres to metres, to a nanometre; angles to 1e-12 rad."""
-    x, y, z = (round(c * 1e-3, 9) + 0.0 for c in shape.xyz)
+    """Millimetres to metres."""
+    x, y, z = (c * 1e-3 for c in shape.xyz)
+    return Primitive(shape.kind, tuple(s * 1e-3 for s in shape.size), (x, y, z), shape.rpy)
+
+
+def rounded(shape: Primitive) -> Primitive:
+    """To a nanometre and 1e-12 rad, so that the text of a URDF does not show the last bits of a sine."""
+    x, y, z = (round(c, 9) + 0.0 for c in shape.xyz)
     roll, pitch, yaw = (round(a, 12) + 0.0 for a in shape.rpy)
-    size = tuple(round(s * 1e-3, 9) for s in shape.size)
+    size = tuple(round(s, 9) for s in shape.size)
     return Primitive(shape.kind, size, (x, y, z), (roll, pitch, yaw))
 
 
 def moved(shape: Primitive, frame: FloatArray) -> Primitive:
-    """The shape in another frame; ``frame`` (4, 4) maps coordinates in its own frame to that one."""
-    placed = frame @ pose(shape.xyz, shape.rpy)
+    """The shape in another frame; ``frame``, (3, 4) or (4, 4), maps its coordinates to that one."""
+    placed = frame[:3] @ pose(shape.xyz, shape.rpy)
     x, y, z = map(float, placed[:3, 3])
     return Primitive(shape.kind, shape.size, (x, y, z), _roll_pitch_yaw(placed[:3, :3]))
 
@@ -68,22 +73,15 @@ def moved(shape: Primitive, frame: FloatArray) -> Primitive:
 def pose(xyz: Triple, rpy: Triple) -> FloatArray:
     """Homogeneous transform (4, 4) of URDF's origin, ``Rz(yaw) Ry(pitch) Rx(roll)``."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    return matrix(
+    x, y, z = xyz
+    return np.array(
         [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ],
-        xyz,
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, x],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, y],
+            [-sp, cp * sr, cp * cr, z],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
     )
-
-
-def matrix(rotation: ArrayLike, xyz: Triple) -> FloatArray:
-    """Homogeneous transform (4, 4) of a rotation (3, 3) and an origin."""
-    out = np.eye(4)
-    out[:3, :3] = np.asarray(rotation)
-    out[:3, 3] = xyz
-    return out
 
 
 def _roll_pitch_yaw(r: FloatArray) -> Triple:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, real
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
     displaced_fluid_model,
@@ -41,6 +43,12 @@ class Workspace(threading.local):
         self.pools = batch.Pools()
         # These refer to the data's own memory, so the next computation moves them.
         self.placements = {frame.name: self.data.oMf[i] for i, frame in enumerate(model.frames)}
+        self._model = model
+
+    @cached_property
+    def collisions(self) -> CollisionModel:
+        """The collision bodies, made when first asked for."""
+        return CollisionModel(self._model)
 
 
 class Statics:
@@ -248,6 +256,21 @@ class Statics:
             placement = data.oMi[self._model.getJointId(body.joint)]
             moment += body.volume * placement.act(np.array(body.cob))
         return moment / self._volume
+
+    def in_collision(self, q: ArrayLike) -> bool:
+        """Whether the arm touches itself at q, (nq,).
+
+        The bodies are primitives that enclose the drawn ones within 3 mm; links that turn against each
+        other at a joint are not compared, and a payload has no body.
+        """
+        return self._own.collisions.in_collision(self._clean_q(q))
+
+    def collision_distance(self, q: ArrayLike) -> float:
+        """Smallest distance between two links that `in_collision` compares [m]; negative inside.
+
+        `alpha5_model.dynamics.collision.CollisionModel` also says where.
+        """
+        return self._own.collisions.clearance(self._clean_q(q)).distance
 
     def _frame(self, name: str) -> int:
         try:

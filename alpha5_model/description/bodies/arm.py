@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
+from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies import base, finger, shell, upper_arm, wrist
 from alpha5_model.description.bodies.solid import Solid
 from alpha5_model.description.bodies.solve import solve_volume
@@ -54,71 +55,62 @@ def _solved(
     blank: Solid,
     volume: float,
     limits: tuple[float, float],
-    place: Callable[[Solid], Solid] = lambda solid: solid,
-    outside: Solid | None = None,
+    in_link: Callable[[Solid], Solid] = lambda solid: solid,
 ) -> Body:
-    """Cut a blank until its volume [m^3] is the wanted one, and place it in its link."""
+    """Cut a blank until its volume [m^3] is the wanted one, and place both in the link."""
     solid, value = solve_volume(lambda x: cut(blank, x), volume * _MM3_PER_M3, *limits)
-    return Body(
-        name, place(solid), place(blank if outside is None else outside), free_dimension, value
-    )
+    return Body(name, in_link(solid), in_link(blank), free_dimension, value)
 
 
 def _base() -> Body:
-    volume = parameters(()).links[0].volume
-    return _solved(
-        "link_0", "depth of the connector recess", base.bored, base.base_blank(), volume, (10, 90)
-    )
+    volume, what = parameters(()).links[0].volume, "depth of the connector recess"
+    return _solved("link_0", what, base.bored, base.base_blank(), volume, (10.0, 90.0))
 
 
 def _shells() -> tuple[Body, Body]:
     arm, blank, what = parameters(()), shell.shell_blank(), "bore radius of the half-shell"
-    limits = (5.0, 18.0)
+
+    def one(i: int, frame: FloatArray) -> Body:
+        def in_link(solid: Solid) -> Solid:
+            return solid.transform(frame)
+
+        volume = arm.links[i].volume
+        return _solved(f"link_{i}", what, shell.bored, blank, volume, (5.0, 18.0), in_link)
+
     return (
-        _solved(
-            *("link_1", what, shell.bored, blank, arm.links[1].volume, limits),
-            place=lambda solid: shell.in_link_1(solid, arm.dh[0].d * _MM_PER_M),
-        ),
-        _solved(
-            *("link_3", what, shell.bored, blank, arm.links[3].volume, limits),
-            place=shell.in_link_3,
-        ),
+        one(1, shell.frame_in_link_1(arm.dh[0].d * _MM_PER_M)),
+        one(3, shell.frame_in_link_3()),
     )
 
 
 def _upper_arm() -> Body:
-    arm, blank = parameters(()), upper_arm.upper_arm_blank()
-    return _solved(
-        *("link_2", "radius of the shaft holes", upper_arm.bored, blank),
-        *(arm.links[2].volume, (0.5, 14.0)),
-        place=lambda solid: upper_arm.in_link_2(solid, arm.theta_c),
-    )
+    arm, what = parameters(()), "radius of the shaft holes"
+    blank, volume = upper_arm.upper_arm_blank(), arm.links[2].volume
+
+    def in_link(solid: Solid) -> Solid:
+        return upper_arm.in_link_2(solid, arm.theta_c)
+
+    return _solved("link_2", what, upper_arm.bored, blank, volume, (0.5, 14.0), in_link)
 
 
 def _wrist() -> Body:
-    arm = parameters(())
+    arm, what = parameters(()), "depth of the bearing seat"
     jaws = arm.jaws
-    lengths = [x * _MM_PER_M for x in (jaws.collar_base, jaws.pivot_height, jaws.pivot_offset)]
-    outside = wrist.wrist_blank(lengths[0])
-    return _solved(
-        *("link_4", "depth of the bearing seat", wrist.bored, wrist.slotted(outside, *lengths)),
-        *(arm.links[4].volume - 2 * jaws.finger_volume, (0.5, 60.0)),
-        outside=outside,
+    base_height, *pivot = (
+        length * _MM_PER_M for length in (jaws.collar_base, jaws.pivot_height, jaws.pivot_offset)
     )
+    outside = wrist.wrist_blank(base_height)
+    blank = wrist.slotted(outside, base_height, *pivot)
+    # Table 3's link 4 has the jaws in it.
+    volume = arm.links[4].volume - 2 * jaws.finger_volume
+    body = _solved("link_4", what, wrist.bored, blank, volume, (0.5, 60.0))
+    return replace(body, outside=outside)
 
 
 def _fingers() -> tuple[Body, Body]:
-    jaws = parameters(()).jaws
-    lengths = [x * _MM_PER_M for x in (jaws.finger_width, jaws.pivot_offset, jaws.finger_length)]
-    one = _solved(
-        *("finger_1", "radius of the perforation", finger.perforated),
-        *(finger.finger_blank(*lengths), jaws.finger_volume, (0.5, 3.6)),
-    )
-    other = Body(
-        "finger_2",
-        finger.as_finger_2(one.solid),
-        finger.as_finger_2(one.outside),
-        one.free_dimension,
-        one.value,
-    )
-    return one, other
+    jaws, what = parameters(()).jaws, "radius of the perforation"
+    lengths = (jaws.finger_width, jaws.pivot_offset, jaws.finger_length)
+    blank = finger.finger_blank(*(length * _MM_PER_M for length in lengths))
+    one = _solved("finger_1", what, finger.perforated, blank, jaws.finger_volume, (0.5, 3.6))
+    solid, outside = finger.as_finger_2(one.solid), finger.as_finger_2(one.outside)
+    return one, replace(one, name="finger_2", solid=solid, outside=outside)

@@ -21,8 +21,8 @@ class Material:
     roughness: float
 
 
-ANODISED = Material("anodised", (0.13, 0.14, 0.16, 1.0), 0.55, 0.45)
-BARE_METAL = Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.9, 0.35)
+ANODISED = Material("anodised", (0.17, 0.18, 0.2, 1.0), 0.3, 0.45)
+BARE_METAL = Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.6, 0.35)
 MATERIALS = (ANODISED, BARE_METAL)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies.dimensions import RADIUS, SHELL
 from alpha5_model.description.bodies.solid import Solid, box, circle_of, cylinder, union
 
@@ -31,8 +34,7 @@ def shell_blank() -> Solid:
 def _teeth() -> Solid:
     """Notches around the collar's edge, axis on y through the origin."""
     notch = box((-2.0, -1.0, 0.0), (2.0, 1.0, 5.0)).translate([RADIUS + 1.2, 0, 0])
-    ring = circle_of(notch.translate([-0.0, 0, 0]), 24, 0.0)
-    return ring.rotate([-90, 0, 0]).translate([0, SHELL.collar_face - 5.0, 0])
+    return circle_of(notch, 24, 0.0).rotate([-90, 0, 0]).translate([0, SHELL.collar_face - 5.0, 0])
 
 
 def bored(blank: Solid, radius: float) -> Solid:
@@ -43,13 +45,11 @@ def bored(blank: Solid, radius: float) -> Solid:
     return blank - bore.translate([d.axes_apart, 0, d.bore_shift])
 
 
-#: Rotation columns and origin of the shell's frame in link_1 and in link_3 [mm].
-def in_link_1(solid: Solid, shoulder: float) -> Solid:
-    """From the shell's frame to link_1, whose axis d lies ``shoulder`` [mm] above its origin."""
-    d = SHELL
-    return solid.transform([[-1, 0, 0, d.axes_apart], [0, 0, -1, 0], [0, -1, 0, shoulder]])
+def frame_in_link_1(shoulder: float) -> FloatArray:
+    """The shell's frame in link_1, (3, 4) [mm]; its axis d lies ``shoulder`` above link_1's origin."""
+    return np.array([[-1, 0, 0, SHELL.axes_apart], [0, 0, -1, 0], [0, -1, 0, shoulder]], float)
 
 
-def in_link_3(solid: Solid) -> Solid:
-    """From the shell's frame to link_3."""
-    return solid.transform([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0]])
+def frame_in_link_3() -> FloatArray:
+    """The shell's frame in link_3, (3, 4) [mm]."""
+    return np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0]], float)
