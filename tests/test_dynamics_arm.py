@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import pickle
+import subprocess
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -40,6 +42,7 @@ OF_QVX = (
     "inverse_dynamics_derivatives",
     "forward_dynamics_derivatives",
     "base_wrench",
+    "base_wrench_derivatives",
     "inverse_dynamics_batch",
     "forward_dynamics_batch",
     "base_wrench_batch",
@@ -405,6 +408,14 @@ def test_loaded_arms_are_independent():
     assert one.model is not two.model
     one.model.gravity.linear = np.zeros(3)
     assert two.model.gravity.linear[2] == -9.81
+
+
+def test_constants_do_not_load_pinocchio():
+    code = (
+        "import sys, alpha5_model as a5; a5.gravity_in_base([[1, 0, 0], [0, 1, 0], [0, 0, 1]]);"
+        "sys.exit('pinocchio' in sys.modules or a5.SEA_WATER != 1025.0)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_public_types_and_constants():

@@ -117,6 +117,20 @@ def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
     assert fine < 1e-6
 
 
+def test_power_of_the_torques_is_the_rate_of_energy(arm, rng):
+    """d(kinetic + potential)/dt = tau . v along any motion, on a moving base too."""
+    for _ in range(20):
+        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        h = 1e-5
+        ahead, behind = (
+            arm.kinetic_energy(x, v + s * h * a) + arm.potential_energy(x)
+            for s in (1.0, -1.0)
+            for x in [moved(arm, q, s * h * v)]
+        )
+        power = arm.inverse_dynamics(q, v, a) @ v
+        assert (ahead - behind) / (2 * h) == pytest.approx(power, rel=1e-7, abs=1e-7)
+
+
 def test_inverse_dynamics_derivatives(arm, rng):
     for _ in range(3):
         q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
@@ -155,6 +169,22 @@ def test_forward_dynamics_derivatives(arm, rng):
             close(dv[:, i], rate, 1e-6)
             one = arm.forward_dynamics(q, v, tau + column) - arm.forward_dynamics(q, v, tau)
             close(dtau[:, i], one, 1e-9)
+
+
+def vector_of_base_wrench(q, v, a, arm):
+    return arm.base_wrench(q, v, a).vector
+
+
+def test_base_wrench_derivatives(arm, rng):
+    for _ in range(3):
+        q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
+        dq, dv, da = arm.base_wrench_derivatives(q, v, a)
+        close(dq, central_difference(vector_of_base_wrench, arm, q, 1e-5, v, a, arm), 1e-6)
+        for i, column in enumerate(np.eye(arm.model.nv)):
+            ahead, behind = (arm.base_wrench(q, v + s * column, a) for s in (1.0, -1.0))
+            close(dv[:, i], (ahead - behind).vector / 2, 1e-10)
+            ahead, behind = (arm.base_wrench(q, v, a + s * column) for s in (1.0, -1.0))
+            close(da[:, i], (ahead - behind).vector / 2, 1e-10)
 
 
 def test_derivatives_without_the_water_would_be_wrong(rng):

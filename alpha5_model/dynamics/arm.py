@@ -200,6 +200,33 @@ class Arm(Statics):
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
+    def base_wrench_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Analytic derivatives of `base_wrench`.
+
+        Args:
+            q: (nq,).
+            v: (nv,).
+            a: (nv,).
+
+        Returns:
+            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between arm and
+            vehicle, linearised.
+        """
+        q, v, a = self._clean_qva(q, v, a)
+        if self.floating_base:
+            dq, dv, da = self.inverse_dynamics_derivatives(q, v, a)
+            return -dq[:6], -dv[:6], -da[:6]
+        model, fluid = self._on_free_flyer
+        still = np.zeros(6)
+        pose = np.concatenate([still, [1.0], q])
+        v, a = np.concatenate([still, v]), np.concatenate([still, a])
+        data = model.createData()  # held by name: what comes next are views of its memory
+        dq, dv, da = pin.computeRNEADerivatives(model, data, pose, v, a)
+        dq = dq - pin.computeGeneralizedGravityDerivatives(fluid, fluid.createData(), pose)
+        return -dq[:6, 6:], -dv[:6, 6:], -da[:6, 6:]
+
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         q, v = self._clean_qv(q, v)
@@ -247,7 +274,6 @@ class Arm(Statics):
                 self._model, self._fluid, self._own.pools, threads, q, v, a
             )
             return -wrench[:, :6]
-        # The same arm on a free-flyer that does not move: its first six torques are the mount's.
         model, fluid = self._on_free_flyer
         still = np.zeros((len(q), 6))
         pose = np.hstack([still, np.ones((len(q), 1))])
@@ -297,6 +323,7 @@ class Arm(Statics):
 
     @cached_property
     def _on_free_flyer(self) -> tuple[Any, Any]:
+        """The same arm and fluid on a free-flyer that stays where it is: its six torques are the mount's."""
         return batch.free_flyer(self._model), batch.free_flyer(self._fluid)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -74,7 +74,7 @@ def inverse_dynamics(
     a: FloatArray,
 ) -> FloatArray:
     """RNEA of each row with the torque of the water taken off, (N, nv)."""
-    n = _threads(threads)
+    n = thread_count(threads)
     tau = np.empty_like(v)
     pin.rneaInParallel(n, pools.of(model, n), q.T, v.T, a.T, tau.T)
     tau -= _buoyancy(fluid, n, pools, q)
@@ -91,7 +91,7 @@ def forward_dynamics(
     tau: FloatArray,
 ) -> FloatArray:
     """ABA of each row with the torque of the water added, (N, nv)."""
-    n = _threads(threads)
+    n = thread_count(threads)
     total = _buoyancy(fluid, n, pools, q)
     total += tau
     a = np.empty_like(v)
@@ -119,7 +119,8 @@ def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArr
     return out
 
 
-def _threads(threads: int | None) -> int:
+def thread_count(threads: int | None) -> int:
+    """Check a number of threads; None stands for `available_threads`."""
     if threads is None:
         return available_threads()
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:

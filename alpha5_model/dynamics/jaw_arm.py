@@ -120,6 +120,14 @@ class JawArm(Arm):
         g = self._g.T
         return self._tree.base_wrench_batch(q @ self._g_q.T + self._g_0, v @ g, a @ g, threads)
 
+    def base_wrench_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        q, v, a = self._clean_qva(q, v, a)
+        g = self._g
+        dq, dv, da = self._tree.base_wrench_derivatives(self._expand(q), g @ v, g @ a)
+        return dq @ g, dv @ g, da @ g
+
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         q, v = self._clean_qv(q, v)
         return self._tree.kinetic_energy(self._expand(q), self._g @ v)

@@ -55,13 +55,9 @@ def torque_terms(
     """
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
-    q, v, a = batch.rows(arm.model, q=q, v=v, a=a)
-    n = threads or batch.available_threads()
-    dry, wet, still = (
-        pin.ModelPool(arm.model, n),
-        pin.ModelPool(arm.fluid_model, n),
-        np.zeros_like(v),
-    )
+    q, v, a = batch.rows(arm._model, q=q, v=v, a=a)
+    n, pools, still = batch.thread_count(threads), arm._own.pools, np.zeros_like(v)
+    dry, wet = pools.of(arm._model, n), pools.of(arm._fluid, n)
     total = _rnea(dry, n, q, v, a)
     bias = _rnea(dry, n, q, v, still)
     weight = _rnea(dry, n, q, still, still)

@@ -56,7 +56,8 @@ class Statics:
 
     Attributes:
         model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
-            nothing done to this one changes what the arm's methods return.
+            nothing done to this one changes what the arm's methods return. With jaws it has mimic joints, to
+            which not every algorithm of Pinocchio is fit: see `alpha5_model.dynamics.jaw_arm`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of buoyancy.
         displacements: The displaced volumes.
         fluid_density: [kg/m^3].

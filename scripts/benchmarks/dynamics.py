@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.timing import Row, measure
 
 import alpha5_model as a5
+from benchmarks.timing import Row, measure
 
 OWN = "alpha5_model"
 PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}
@@ -140,6 +140,7 @@ def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
 def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
     """The URDF with a weightless body at each centre of buoyancy, which gravcomp lifts by rho V g."""
     import mujoco
+
     from alpha5_model.description.variants import Variant, urdf
 
     switch = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
