@@ -42,7 +42,7 @@ def show(rows: Sequence[Row], missing: Sequence[str]) -> None:
             row.candidate,
             _duration(row.seconds),
             f"{ratio(row, rows):.3g}",
-            "" if row.target is None else f">= {row.target:g}",
+            "" if row.target is None else f">= {row.target:.3g}",
             "" if row.success is None else f"{row.success:.2%}",
         )
         work = row.work

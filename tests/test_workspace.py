@@ -227,7 +227,9 @@ def test_volume_without_limits_by_pappus() -> None:
     far, dimple = 0.02 + half, np.maximum(0.02 - half, 0.0)  # above and below, around the axis
     hole = np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02  # where both discs' holes meet
     area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2 - dimple**2)
-    assert space.volume(limits=False) == pytest.approx(np.trapezoid(area, z), rel=1e-6)
+    assert space.volume(limits=False) == pytest.approx(
+        ((area[1:] + area[:-1]) / 2 * np.diff(z)).sum(), rel=1e-6
+    )
 
 
 def test_volume_lost_to_the_wedges() -> None:

@@ -29,23 +29,14 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.ik_batch import solve_rows
-from alpha5_model.kinematics.ik_fast import fast_solver, pack
-from alpha5_model.kinematics.ik_one import solve_one
+from alpha5_model.kinematics.ik_fast import careful_answer, fast_solver
 
 BoolArray = NDArray[np.bool_]
 
 #: The plane faces the target (underarm) or turns its back (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
 
-
-# One target's numbers are packed once, and its arrays are read-only views of them.
-_NEW, _ARRAY, _FLOAT = tuple.__new__, np.ndarray, np.dtype(np.float64)
-_FLAGS = tuple(
-    np.array([code >> branch & 1 for branch in range(4)], np.bool_) for code in range(16)
-)
-_SINGULAR = (np.array(False), np.array(True))
-for _flags in (*_FLAGS, *_SINGULAR):
-    _flags.flags.writeable = False
+_NEW, _FLOAT = tuple.__new__, np.dtype(np.float64)
 
 
 class Solutions(NamedTuple):
@@ -157,21 +148,8 @@ def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
 
 def _one(x: float, y: float, z: float, wrist: float) -> Solutions:
     """One finite target."""
-    fast = fast_solver()(x, y, z, wrist)
-    if fast is None:
-        q, exists, within, singular = solve_one(x, y, z, wrist)
-        buffer = pack(*q, x, y, z)
-    else:
-        buffer, exists, within = fast
-        singular = False
+    answer = fast_solver()(x, y, z, wrist)
+    if answer is None:
+        answer = careful_answer(x, y, z, wrist)
     # Built as the tuple it is: the keyword constructor would cost as much as the trigonometry.
-    return _NEW(
-        Solutions,
-        (
-            _ARRAY((4, 4), _FLOAT, buffer),
-            _FLAGS[exists],
-            _FLAGS[within],
-            _SINGULAR[singular],
-            _ARRAY(3, _FLOAT, buffer, 128),
-        ),
-    )
+    return _NEW(Solutions, answer)

@@ -46,7 +46,7 @@ def solve_rows(
     constant = constants()
     scratch = _Scratch(min(BLOCK, len(position)))
     singular[...] = False
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         theta_3, theta_3_fits = _wrist(wrist if wrist.ndim == 0 else wrist[:1], constant)
         for start in range(0, len(position), BLOCK):
             part = slice(start, start + BLOCK)
@@ -141,13 +141,13 @@ def _solve_block(
     below += pair_work[0]
     np.subtract(c.longest_2, below, out=above)
     below -= c.shortest_2
-    np.greater_equal(above, 0.0, out=s.found)
-    s.found &= np.greater_equal(below, 0.0, out=pair_test)
-    for gap in (above, below):
-        np.abs(gap, out=pair_work)
-        np.less(pair_work, NEAR_EDGE, out=pair_test)
-        near |= pair_test[0]
-        near |= pair_test[1]
+    # above + below = 4 l_1 l_2 > 0: the product is positive within reach and small at its edges.
+    np.multiply(above, below, out=pair_work)
+    np.greater(pair_work, 0.0, out=s.found)
+    np.abs(pair_work, out=pair_work)
+    np.less(pair_work, NEAR_EDGE * 4 * c.product, out=pair_test)
+    near |= pair_test[0]
+    near |= pair_test[1]
 
     # Where a target is out of reach, the root is NaN and so is what follows.
     tangent, half_gamma, alpha = s.work[:2], s.theta_2[:2], s.work[2:]
@@ -174,7 +174,8 @@ def _solve_block(
 
     _fit(s.theta_0, c.limits[0], pair_work, s.fits[:2], s.wide[:2], near)
     s.fits[:2] &= s.found
-    s.fits[:2] &= wrist_fits
+    if not wrist_fits.all():
+        s.fits[:2] &= wrist_fits
     s.fits[2:] = s.fits[:2]
     for theta, limits in ((s.theta_1, c.limits[1]), (s.theta_2, c.limits[2])):
         s.fits &= _fit(theta, limits, s.work, s.test, s.wide, near)

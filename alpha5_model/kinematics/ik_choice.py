@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
@@ -20,7 +20,7 @@ class HasBranches(Protocol):
     @property
     def q(self) -> FloatArray: ...
     @property
-    def within_limits(self) -> np.typing.NDArray[np.bool_]: ...
+    def within_limits(self) -> NDArray[np.bool_]: ...
     @property
     def position(self) -> FloatArray: ...
 
@@ -52,18 +52,16 @@ def candidates(solutions: HasBranches, q_reference: ArrayLike) -> tuple[FloatArr
     return q, reference
 
 
-def pick(q: FloatArray, reference: FloatArray, allowed: np.typing.NDArray[np.bool_]) -> FloatArray:
+def pick(q: FloatArray, reference: FloatArray, allowed: NDArray[np.bool_]) -> FloatArray:
     """The allowed solution nearest to the reference, (..., 4)."""
     travel = np.square(q - reference[..., None, :]).sum(axis=-1)
     index = np.where(allowed, travel, np.inf).argmin(axis=-1)
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
 
 
-def on_axis(position: FloatArray) -> np.typing.NDArray[np.bool_]:
+def on_axis(position: FloatArray) -> NDArray[np.bool_]:
     """Targets on the yaw axis, where theta_0 is free, (...)."""
-    out: np.typing.NDArray[np.bool_] = (
-        np.hypot(position[..., 0], position[..., 1]) <= AXIS_TOLERANCE
-    )
+    out: NDArray[np.bool_] = np.hypot(position[..., 0], position[..., 1]) <= AXIS_TOLERANCE
     return out
 
 

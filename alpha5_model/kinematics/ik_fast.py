@@ -12,12 +12,25 @@ from functools import cache
 from math import atan, atan2, nan, pi, sqrt
 from struct import Struct
 
-from alpha5_model.kinematics.ik_one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants
+import numpy as np
+from numpy.typing import NDArray
 
-#: q of the four branches (16 numbers) and the target (3) as bytes; ``exists`` and
-#: ``within_limits`` with branch i as bit i.
-Answer = tuple[bytes, int, int]
-pack = Struct("19d").pack
+from alpha5_model.checks import FloatArray
+from alpha5_model.kinematics.ik_one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants, solve_one
+
+BoolArray = NDArray[np.bool_]
+#: q (4, 4), exists (4,), within_limits (4,), singular (), position (3,), all read-only.
+Answer = tuple[FloatArray, BoolArray, BoolArray, BoolArray, FloatArray]
+
+# One target's numbers are packed once, and its arrays are read-only views of them.
+_pack, _array, _float = Struct("19d").pack, np.ndarray, np.dtype(np.float64)
+#: The flags of four branches, branch i as bit i.
+_FLAGS = tuple(
+    np.array([code >> branch & 1 for branch in range(4)], np.bool_) for code in range(16)
+)
+_SINGULAR = (np.array(False), np.array(True))
+for _flags in (*_FLAGS, *_SINGULAR):
+    _flags.flags.writeable = False
 
 _NOWHERE = (nan, nan, nan, nan, nan, 0, 0)
 
@@ -48,6 +61,7 @@ def fast_solver() -> Callable[[float, float, float, float], Answer | None]:
     flipped_offset = tau - gamma_offset
     half_pi = pi / 2
     near_axis, near_edge = NEAR_AXIS, NEAR_EDGE
+    regular = _SINGULAR[False]
 
     def facing(
         r: float, h: float, h_2: float, theta_0: float
@@ -116,12 +130,31 @@ def fast_solver() -> Callable[[float, float, float, float], Answer | None]:
         u_3 = wrist if exists else nan
         o_3 = wrist if exists_o else nan
         # fmt: off
-        numbers = pack(
+        numbers = _pack(
             u_0, u_1, u_2, u_3, o_0, o_1, o_2, o_3,
             u_0, u_1f, u_2f, u_3, o_0, o_1f, o_2f, o_3,
             x, y, z,
         )
         # fmt: on
-        return numbers, exists + 2 * exists_o, within + 2 * within_o
+        return (
+            _array((4, 4), _float, numbers),
+            _FLAGS[exists + 2 * exists_o],
+            _FLAGS[within + 2 * within_o],
+            regular,
+            _array(3, _float, numbers, 128),
+        )
 
     return solve
+
+
+def careful_answer(x: float, y: float, z: float, wrist: float) -> Answer:
+    """The same from `solve_one`, wherever the target is."""
+    q, exists, within, singular = solve_one(x, y, z, wrist)
+    numbers = _pack(*q, x, y, z)
+    return (
+        _array((4, 4), _float, numbers),
+        _FLAGS[exists],
+        _FLAGS[within],
+        _SINGULAR[singular],
+        _array(3, _float, numbers, 128),
+    )

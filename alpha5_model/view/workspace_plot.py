@@ -85,9 +85,9 @@ def _draw_exact(axes: Any) -> None:
     axes.annotate(
         "shoulder",
         (plane.a_0 * 1e3, plane.d_0 * 1e3),
-        (-8, -14),
+        (-14, 6),
         textcoords="offset points",
-        fontsize=8,
+        fontsize=7,
     )
     _legend(
         axes,
