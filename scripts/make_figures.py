@@ -15,12 +15,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import alpha5_model as a5
 from alpha5_model.files import atomic_write
-from alpha5_model.kinematics.boundary import boundary, in_half_plane
 from alpha5_model.trajectory import analyse, read_motion
+from alpha5_model.view import workspace_plot
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.framing import framed
 from alpha5_model.view.picture import picture_png
@@ -28,8 +26,7 @@ from alpha5_model.view.picture import picture_png
 ROOT = Path(__file__).resolve().parent.parent
 BESIDE = ROOT.parent / "shared" / "data"
 #: Okabe and Ito's colours.
-TEAL, RED, BLUE, ORANGE, PINK = "#009E73", "#D55E00", "#0072B2", "#E69F00", "#CC79A7"
-SKY, BLACK = "#56B4E9", "#222222"
+TEAL, ORANGE, PINK, SKY, BLACK = "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#222222"
 
 
 def main(folder: Path) -> None:
@@ -54,47 +51,8 @@ def arm_picture() -> bytes:
 
 
 def workspace_figure() -> bytes:
-    """Half-plane through the yaw axis: what is published and what can be reached."""
-    figure, (axes,) = _figure(1, (7.4, 7.2))
-    radius, z = np.meshgrid(np.arange(0.0, 0.40, 5e-4), np.arange(-0.34, 0.40, 5e-4))
-    exact = in_half_plane(radius.ravel(), z.ravel()).reshape(radius.shape)
-    points = np.stack([radius, np.zeros_like(radius), z], axis=-1)
-    printed = a5.workspace.published_reachable(points)
-    code = exact.astype(int) + 2 * printed
-    extent = (0, 400, -340, 400)
-    for value, colour, label in (
-        (3, "#BFE3D6", "published and reachable"),
-        (2, "#F2B48C", "published, cannot be reached"),
-        (1, "#A8D4F0", "reachable, not published"),
-    ):
-        axes.contourf(
-            1e3 * radius, 1e3 * z, code == value, levels=[0.5, 1.5], colors=[colour], extent=extent
-        )
-        axes.plot([], [], "s", color=colour, markersize=11, label=label)
-    for i, arc in enumerate(boundary("both")):
-        curve = 1e3 * arc.points(np.linspace(arc.start, arc.end, 80))
-        axes.plot(*curve.T, color=TEAL, linewidth=1.8, label="" if i else "exact boundary")
-    for i, torus in enumerate(a5.workspace.published_tori()):
-        angle = np.linspace(0, 2 * np.pi, 400)
-        x = 1e3 * (torus.center[0] + torus.radius * np.cos(angle))
-        y = 1e3 * (torus.center[1] + torus.radius * np.sin(angle))
-        x[x < 0] = np.nan
-        axes.plot(x, y, "--", color=RED, linewidth=1.2, label="" if i else "published tori")
-    errors = a5.workspace.published_errors()
-    axes.set_title(
-        f"Of the published region {errors.unreachable_area / errors.published_area:.1%} cannot be "
-        f"reached;\nof what can be reached {errors.missed_area / errors.reachable_area:.1%} is not "
-        "published",
-        loc="left",
-        fontsize=11,
-    )
-    axes.set_xlabel("distance from the yaw axis [mm]")
-    axes.set_ylabel("height above base_link [mm]")
-    axes.set_aspect("equal")
-    axes.set_xlim(0, 390)
-    axes.set_ylim(-330, 400)
-    axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=10, frameon=False)
-    return _png(figure)
+    """Half-plane through the yaw axis: what can be reached, and what is published."""
+    return _png(workspace_plot.figure())
 
 
 def torque_figure() -> bytes | None:

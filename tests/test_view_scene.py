@@ -23,8 +23,10 @@ from alpha5_model.errors import (
     UnknownNameError,
 )
 from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
+from alpha5_model.view.arm_poses import pose_of
 from alpha5_model.view.bodies import read_obj, urdf_bodies
-from alpha5_model.view.build import ARROW_SCALE, build_scene, pose_of
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.markers import ARROW_SCALE
 from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
 from alpha5_model.view.shapes import arrow, ball, triad, tube
 from alpha5_model.view.tour import tour
@@ -147,7 +149,27 @@ def test_air_lifts_nothing() -> None:
     scene = build_scene(a5.load(fluid_density=0.0))
     assert not [s for s in scene.shapes if s.group == "buoyancy"]
     assert [s for s in scene.shapes if s.group == "weight"]
+    assert [s for s in scene.shapes if s.group == "cob"], (
+        "the displaced volume has its centre still"
+    )
     assert "air" in scene.notes[0]
+
+
+def test_without_gravity_there_are_centres_and_no_forces() -> None:
+    arm = a5.load(gravity=(0, 0, 0))
+    scene = build_scene(arm, [1, 2, 3, 4])
+    assert not [s for s in scene.shapes if s.group in ("weight", "buoyancy")]
+    (marker,) = [s for s in scene.shapes if (s.group, s.name) == ("com", "arm")]
+    place = marker.anchor.transform(scene.poses)[:3, 3]
+    np.testing.assert_allclose(place, arm.center_of_mass([1, 2, 3, 4]), atol=1e-12)
+
+
+def test_forces_follow_a_tilted_mount() -> None:
+    gravity = np.array([3.0, -4.0, -8.0])
+    scene = build_scene(a5.load(gravity=gravity))
+    (shape,) = [s for s in scene.shapes if (s.group, s.name) == ("weight", "arm")]
+    tip = shape.mesh.vertices[np.argmax(shape.mesh.vertices @ gravity)]
+    np.testing.assert_allclose(tip, ARROW_SCALE * sum(MASS) * gravity, atol=1e-9)
 
 
 def test_every_group_has_something_and_names_are_unique() -> None:

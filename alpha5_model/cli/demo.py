@@ -128,7 +128,8 @@ def _show(output: Path, q: FloatArray) -> list[str]:
 
     from alpha5_model.dynamics.loading import load
     from alpha5_model.files import atomic_write
-    from alpha5_model.view.build import build_scene, named_poses
+    from alpha5_model.view.arm_poses import named_poses
+    from alpha5_model.view.build import build_scene
     from alpha5_model.view.framing import framed
     from alpha5_model.view.page import static_page
     from alpha5_model.view.picture import picture_png

@@ -64,7 +64,8 @@ def view(
             "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         )
     from alpha5_model.dynamics.loading import load
-    from alpha5_model.view.build import build_scene, pose_of
+    from alpha5_model.view.arm_poses import pose_of
+    from alpha5_model.view.build import build_scene
 
     arm = load(gripper=gripper, fluid_density=fluid_density(fluid))
     scene = build_scene(
@@ -72,7 +73,7 @@ def view(
         pose_of(arm, pose),
         target=None if target is None else triple("target", target),
         motion=None if motion is None else _read(motion),
-        show=_groups(show, target is not None),
+        show=None if show is None else [name.strip() for name in show.split(",") if name.strip()],
     )
     if html is not None:
         from alpha5_model.view.page import static_page
@@ -116,14 +117,6 @@ def _wait() -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _groups(show: str | None, ghosts: bool) -> list[str] | None:
-    from alpha5_model.view.scene import DEFAULT_SHOW
-
-    if show is not None:
-        return [name.strip() for name in show.split(",") if name.strip()]
-    return [*DEFAULT_SHOW, "ghosts"] if ghosts else None
 
 
 def _size(text: str) -> tuple[int, int]:

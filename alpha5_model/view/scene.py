@@ -140,17 +140,21 @@ class Load:
 
     Attributes:
         link: Link in whose frame the points are.
-        weight: Force [N] along gravity.
-        com: Where it acts, (3,) [m].
-        buoyancy: Force [N] against gravity.
-        cob: Where it acts, (3,) [m].
+        mass: [kg].
+        com: Centre of mass, (3,) [m].
+        volume: Displaced [m^3].
+        cob: Centre of buoyancy, (3,) [m].
+        weight: Force along gravity, at the centre of mass [N].
+        buoyancy: Force against gravity, at the centre of buoyancy [N].
     """
 
     link: str
-    weight: float
+    mass: float
     com: FloatArray
-    buoyancy: float
+    volume: float
     cob: FloatArray
+    weight: float
+    buoyancy: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import float_array, real
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.view.build import link_poses
+from alpha5_model.view.arm_poses import link_poses
 from alpha5_model.view.commands import pose_commands, scene_commands, set_visible
 from alpha5_model.view.page import live_page, static_page
 from alpha5_model.view.scene import GROUPS, Scene
