@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test lint format benchmark clean
+.PHONY: demo test lint format benchmark conformance clean
 
 demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
 	$(BIN)/alpha5 demo
@@ -26,6 +26,9 @@ format: $(VENV)/.test
 benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
 	$(BIN)/python scripts/benchmark.py
 
+conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the README
+	$(BIN)/python scripts/conformance.py --readme README.md
+
 clean:
 	rm -rf $(VENV) build dist demo
 
@@ -33,7 +36,7 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable '.[plot,mesh]'
 	touch $@
 
 $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
@@ -42,4 +45,8 @@ $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'
+	touch $@
+
+$(VENV)/.conformance: pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[conformance]'
 	touch $@

@@ -72,6 +72,17 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
     return number
 
 
+def count(name: str, value: Any) -> int:
+    """Check a whole number of at least 1.
+
+    Raises:
+        InputError: Anything else, True and 1.0 included.
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(name, value, "a whole number of at least 1")
+    return value
+
+
 def choice(kind: str, name: Any, choices: Sequence[str]) -> str:
     """Check a name against the ones that exist.
 

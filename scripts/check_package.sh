@@ -27,6 +27,8 @@ PYTHON
 "$work/venv/bin/alpha5" generate --gripper jaws --output arm.urdf
 grep -q '<mimic joint="axis_a"' arm.urdf
 test -s meshes/link_0.obj
+for format in mjcf sdf; do "$work/venv/bin/alpha5" generate --format $format --output $format; done
+test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
 "$work/venv/bin/alpha5" check >check.txt || { cat check.txt; exit 1; }
 "$work/venv/bin/alpha5" ik 0.3 0.1 0.1
 "$work/venv/bin/python" -m alpha5_model --version

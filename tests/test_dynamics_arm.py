@@ -6,7 +6,6 @@ import math
 import pickle
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -374,18 +373,6 @@ def test_impossible_payloads():
 
 
 # loading ------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("gripper", ["locked", "jaws"])
-@pytest.mark.parametrize("floating", [False, True])
-def test_load_takes_about_a_millisecond(gripper, floating):
-    a5.load(gripper=gripper, floating_base=floating)
-    best = math.inf
-    for _ in range(20):
-        start = time.perf_counter()
-        a5.load(gripper=gripper, floating_base=floating)
-        best = min(best, time.perf_counter() - start)
-    assert best < 2e-3  # 0.3 to 0.8 ms on an idle core
 
 
 def test_load_refuses_what_it_cannot_use():

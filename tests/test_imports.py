@@ -19,7 +19,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("inertia", "corrections", "parameters", "jaws"),
     ("kinematics", "actuators"),
     ("description",),
-    ("dynamics", "comparison"),
+    ("dynamics", "comparison", "loaders"),
     ("trajectory",),
     ("consistency",),
     ("view",),
@@ -52,6 +52,7 @@ def loaded_after(statement: str) -> set[str]:
         "import alpha5_model",
         "import alpha5_model as a5; a5.parameters(); a5.published(); a5.URDF_PATH",
         "import alpha5_model.errors, alpha5_model.inertia, alpha5_model.corrections",
+        "import alpha5_model as a5; a5.dh.DHChain.alpha5().home; a5.planar.PlanarArm((5, 4)).workspace()",
     ],
 )
 def test_light_imports(statement: str) -> None:

@@ -7,7 +7,27 @@ from typing import Annotated
 
 import typer
 
+from alpha5_model.cli.options import FLUID_HELP, fluid_density
+
 MESH_URIS = ("relative", "package", "file")
+FORMATS = ("urdf", "mjcf", "sdf")
+#: Options that not every format has.
+_URDF_ONLY = (
+    "prefix",
+    "parent",
+    "xyz",
+    "rpy",
+    "mesh_uri",
+    "dh_frames",
+    "ros2_control",
+    "ros2_control_plugin",
+)
+_NOT_IN_ALL = {
+    "fluid": ("mjcf", "sdf"),
+    "collision": ("urdf", "mjcf"),
+    "actuators": ("mjcf",),
+    "drag": ("mjcf",),
+}
 
 
 def register(app: typer.Typer) -> None:
@@ -16,10 +36,17 @@ def register(app: typer.Typer) -> None:
 
 
 def generate(
+    context: typer.Context,
     output: Annotated[
         Path | None,
-        typer.Option(help="File to write; meshes go beside it. Standard output if not given."),
+        typer.Option(
+            help="File to write, meshes go beside it; for mjcf and sdf a folder. "
+            "Standard output if not given."
+        ),
     ] = None,
+    description_format: Annotated[
+        str, typer.Option("--format", help="urdf, mjcf (MuJoCo) or sdf (Gazebo).")
+    ] = "urdf",
     gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "locked",
     prefix: Annotated[str, typer.Option(help="Before every link and joint name.")] = "",
     parent: Annotated[str, typer.Option(help="Link to mount on; made if given.")] = "",
@@ -41,6 +68,11 @@ def generate(
         str | None,
         typer.Option(help="Recorded corrections, with commas; '' is the document to the letter."),
     ] = None,
+    fluid: Annotated[str, typer.Option(help=f"mjcf, sdf: {FLUID_HELP}")] = "sea",
+    actuators: Annotated[str, typer.Option(help="mjcf: position, velocity or motor.")] = "position",
+    drag: Annotated[
+        bool, typer.Option("--drag", help="mjcf: MuJoCo's own drag, not from the document.")
+    ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Compare the committed files; status 1 if stale.")
     ] = False,
@@ -48,9 +80,11 @@ def generate(
         bool, typer.Option("--update", help="Write the committed files of this checkout anew.")
     ] = False,
 ) -> int:
-    """Write the URDF of any variant of the arm.
+    """Write the description of any variant of the arm.
 
-    Example: alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
+    Examples:
+    alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
+    alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     """
     if check:
         return _check()
@@ -63,6 +97,24 @@ def generate(
     from alpha5_model.files import atomic_write
     from alpha5_model.paths import REPOSITORY_PATH
 
+    chosen_corrections = (
+        DEFAULT_CORRECTIONS
+        if corrections is None
+        else tuple(name.strip() for name in corrections.split(",") if name.strip())
+    )
+    _refuse_options_of_other_formats(context, choice("format", description_format, FORMATS))
+    if description_format == "mjcf":
+        from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
+
+        options = MjcfOptions(
+            gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections
+        )
+        return _write_folder(mjcf_files(options), output, "alpha5.xml")
+    if description_format == "sdf":
+        from alpha5_model.description.sdf import SdfOptions, sdf_files
+
+        world = SdfOptions(gripper, fluid_density(fluid), chosen_corrections)
+        return _write_folder(sdf_files(world), output, "model.sdf")
     meshes = Path(REPOSITORY_PATH) / "meshes"
     prefixes = {
         "relative": "meshes/",
@@ -80,9 +132,7 @@ def generate(
         dh_frames=dh_frames,
         ros2_control=ros2_control,
         ros2_control_plugin=ros2_control_plugin,
-        corrections=DEFAULT_CORRECTIONS
-        if corrections is None
-        else [name.strip() for name in corrections.split(",") if name.strip()],
+        corrections=chosen_corrections,
     )
     text = urdf(variant)
     if output is None:
@@ -94,6 +144,33 @@ def generate(
         for mesh in sorted([*meshes.glob("*.obj"), *meshes.glob("*.mtl")]):
             atomic_write(output.parent / "meshes" / mesh.name, mesh.read_bytes())
     typer.echo(f"wrote {atomic_write(output, text)}")
+    return 0
+
+
+def _refuse_options_of_other_formats(context: typer.Context, description_format: str) -> None:
+    from alpha5_model.errors import InputError
+
+    homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
+    for name, formats in homes.items():
+        source = context.get_parameter_source(name)
+        given = source is not None and source.name == "COMMANDLINE"
+        if given and description_format not in formats:
+            option = "--" + name.replace("_", "-")
+            raise InputError(option, description_format, f"--format {' or '.join(formats)} with it")
+
+
+def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
+    from alpha5_model.errors import OutputError
+    from alpha5_model.files import atomic_write
+
+    if output is None:
+        typer.echo(files[main_file].decode(), nl=False)
+        return 0
+    if output.is_file():
+        raise OutputError(output, "it is a file; this format needs a folder")
+    for name, content in files.items():
+        atomic_write(output / name, content)
+    typer.echo(f"wrote {output / main_file} and {len(files) - 1} files beside it")
     return 0
 
 

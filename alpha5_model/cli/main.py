@@ -22,6 +22,8 @@ COMMANDS: tuple[str, ...] = (
     "trajectory",
     "ik",
     "workspace",
+    "dh",
+    "planar",
     "view",
 )
 

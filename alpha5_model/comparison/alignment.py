@@ -112,6 +112,8 @@ def _frame(points: FloatArray, directions: FloatArray, head: float) -> FloatArra
     """Frame on the first two axes: z along the first, x along the common normal to the second."""
     z = head * directions[0]
     x = _offset(points, directions, 0)
+    if np.linalg.norm(np.cross(x, z)) < 1e-9:  # both axes are one line: any normal will do
+        x = np.eye(3)[np.abs(z).argmin()]
     x = x - (x @ z) * z
     x = x / np.linalg.norm(x)
     out = np.eye(4)

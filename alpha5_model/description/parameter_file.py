@@ -35,9 +35,16 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
     """
     import yaml
 
+    content = parameter_tree(parameters)
+    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
+    return _HEAD.format(document=content["provenance"]["document"]) + text
+
+
+def parameter_tree(parameters: Alpha5Parameters) -> dict[str, Any]:
+    """The content of that file: what every description format is written from."""
     source = published().table_2.source
     document = f"{source.publisher}, {source.document}, version {source.version}, {source.date}"
-    content = {
+    return {
         "provenance": {
             "document": document,
             "package": f"alpha5_model {__version__}",
@@ -53,8 +60,6 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         },
         "jaws": _jaws(parameters),
     }
-    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
-    return _HEAD.format(document=document) + text
 
 
 def _body(body: LinkParameters | JawBody, gripper: str) -> dict[str, Any]:

@@ -17,6 +17,9 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import FileFormatError, MissingFileError
 
+#: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
+ABSURD, TINY = 1e12, 1e-100
+
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 
@@ -137,7 +140,7 @@ class _Reader:
             values = [float(part) for part in text.split()]
         except ValueError:
             values = []
-        if len(values) != count or not all(math.isfinite(v) for v in values):
+        if len(values) != count or not all(v == 0 or TINY < abs(v) < ABSURD for v in values):
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
             raise self.fail(element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}")

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.hydrostatics import Displacement
+from alpha5_model.dynamics.mount import Mount
 from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.statics import Statics
 from alpha5_model.dynamics.vectors import forces, motion_check, state_check
@@ -218,14 +219,7 @@ class Arm(Statics):
         if self.floating_base:
             dq, dv, da = self.inverse_dynamics_derivatives(q, v, a)
             return -dq[:6], -dv[:6], -da[:6]
-        model, fluid = self._on_free_flyer
-        still = np.zeros(6)
-        pose = np.concatenate([still, [1.0], q])
-        v, a = np.concatenate([still, v]), np.concatenate([still, a])
-        data = model.createData()  # held by name: what comes next are views of its memory
-        dq, dv, da = pin.computeRNEADerivatives(model, data, pose, v, a)
-        dq = dq - pin.computeGeneralizedGravityDerivatives(fluid, fluid.createData(), pose)
-        return -dq[:6, 6:], -dv[:6, 6:], -da[:6, 6:]
+        return self._mount.derivatives(q, v, a)
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
@@ -270,23 +264,8 @@ class Arm(Statics):
         """
         q, v, a = batch.rows(self._model, q=q, v=v, a=a)
         if self.floating_base:
-            wrench = batch.inverse_dynamics(
-                self._model, self._fluid, self._own.pools, threads, q, v, a
-            )
-            return -wrench[:, :6]
-        model, fluid = self._on_free_flyer
-        still = np.zeros((len(q), 6))
-        pose = np.hstack([still, np.ones((len(q), 1))])
-        wrench = batch.inverse_dynamics(
-            model,
-            fluid,
-            self._own.pools,
-            threads,
-            np.hstack([pose, q]),
-            np.hstack([still, v]),
-            np.hstack([still, a]),
-        )
-        return -wrench[:, :6]
+            return -self.inverse_dynamics_batch(q, v, a, threads)[:, :6]
+        return self._mount.wrenches(self._own.pools, threads, q, v, a)
 
     def with_payload(
         self,
@@ -322,9 +301,8 @@ class Arm(Statics):
         return type(self)(model, (*self.displacements, displacement), self.fluid_density)
 
     @cached_property
-    def _on_free_flyer(self) -> tuple[Any, Any]:
-        """The same arm and fluid on a free-flyer that stays where it is: its six torques are the mount's."""
-        return batch.free_flyer(self._model), batch.free_flyer(self._fluid)
+    def _mount(self) -> Mount:
+        return Mount(self._model, self._fluid)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._model, self.displacements, self.fluid_density)

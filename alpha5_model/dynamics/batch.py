@@ -99,19 +99,6 @@ def forward_dynamics(
     return a
 
 
-def free_flyer(model: Any) -> Any:
-    """The same arm with its fixed base on a free-flyer joint; frames are left out."""
-    free = pin.Model()
-    free.gravity = model.gravity
-    root = free.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
-    free.appendBodyToJoint(root, model.inertias[0], pin.SE3.Identity())
-    for i in range(1, model.njoints):
-        parent = model.parents[i] + 1
-        joint = free.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
-        free.appendBodyToJoint(joint, model.inertias[i], pin.SE3.Identity())
-    return free
-
-
 def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArray:
     out = np.empty((len(q), fluid.nv))
     still = np.zeros_like(out)

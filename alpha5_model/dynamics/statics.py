@@ -22,6 +22,7 @@ from alpha5_model.dynamics.hydrostatics import (
 from alpha5_model.dynamics.vectors import position_check
 from alpha5_model.dynamics.water import SEA_WATER
 from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.kinematics import approach
 
 # Bound once: where a whole call takes 0.3 us, looking up a module's attribute is seen.
 _gravity = pin.computeGeneralizedGravity
@@ -153,6 +154,14 @@ class Statics:
         index = self._frame(frame)
         out: FloatArray = _jacobian(self._model, self._own.data, q, index, reference_frame)
         return out
+
+    def approach_directions(self, position: ArrayLike) -> approach.ApproachDirections:
+        """From which directions the arm reaches points; see `kinematics.approach`.
+
+        Args:
+            position: tcp in ``base_link``, (..., 3) [m].
+        """
+        return approach.approach_directions(position)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the weight, g(q) on the left side of the equation of motion.

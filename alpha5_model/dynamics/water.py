@@ -7,11 +7,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError
+from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
 
-#: Densities [kg/m^3]: sea water of 35 g/kg near the surface, fresh water, and no fluid at all.
-SEA_WATER = 1025.0
-FRESH_WATER = 1000.0
-AIR = 0.0
+__all__ = ["AIR", "FRESH_WATER", "GRAVITY", "SEA_WATER", "gravity_in_base"]
+
 #: Gravity with z up [m/s^2].
 GRAVITY = (0.0, 0.0, -9.81)
 

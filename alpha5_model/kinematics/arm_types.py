@@ -12,13 +12,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.dh import DHChain
 
-#: Singular values below this share of the largest count as zero.
+#: Singular values below this count as zero; lengths are divided by the arm's size first.
 RANK_TOLERANCE = 1e-8
 #: Angles below this count as zero when axes are compared [rad].
 ANGLE_TOLERANCE = 1e-9
@@ -144,8 +144,10 @@ def task_capability(
     rng = np.random.default_rng(seed)
     q = sample_configurations(chain, samples, rng)
     jacobian = chain.jacobian(q) / _row_scale(chain)
-    dimension = int(_rank(jacobian).max())
-    position, orientation = (int(_rank(jacobian[:, r]).max()) for r in (slice(3), slice(3, 6)))
+    dimension = int(matrix_rank(jacobian).max())
+    position, orientation = (
+        int(matrix_rank(jacobian[:, r]).max()) for r in (slice(3), slice(3, 6))
+    )
     insertion = _insertion_dimension(chain, axis, up, q, rng)
     if dimension == GENERAL:
         general = "the Jacobian has rank 6, so the poses fill an open set of SE(3)"
@@ -212,7 +214,7 @@ def _insertion_dimension(
         jacobian = chain.jacobian(start) / _row_scale(chain)
         _, s, vt = np.linalg.svd(across @ jacobian[3:])
         tangents = vt[int((s > 1e-6).sum()) :]
-        rank = int(_rank(jacobian @ tangents.T)) if len(tangents) else 0
+        rank = int(matrix_rank(jacobian @ tangents.T)) if len(tangents) else 0
         if rank <= best:
             continue
         # Is every tangent a true motion? After a step of size h the way back is of order h^2.
@@ -253,8 +255,8 @@ def _row_scale(chain: DHChain) -> FloatArray:
     return np.array([chain_size(chain)] * 3 + [1.0] * 3)[:, None]
 
 
-def _rank(matrix: FloatArray) -> FloatArray:
-    """Numerical rank of (..., m, n), relative to 1: rows are scaled to that order."""
+def matrix_rank(matrix: FloatArray) -> NDArray[np.int64]:
+    """Numerical rank of (..., m, n) whose entries are of order 1."""
     s = np.linalg.svd(matrix, compute_uv=False)
     return np.asarray((s > RANK_TOLERANCE).sum(axis=-1))
 

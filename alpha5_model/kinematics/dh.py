@@ -4,7 +4,8 @@
 Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic, ``sigma = 1``) the axis
 ``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a constant transform on either side,
 which is where the rows of a table that no joint moves go: `DHChain.alpha5` holds the fixed last row of
-the arm's Table 1 as its ``tool``.
+the arm's Table 1 as its ``tool``. The matrix of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2 without
+the minus sign that the product of the four factors gives it; the product counts.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg parameters".
@@ -15,7 +16,6 @@ References:
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -24,133 +24,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, real, rigid_transform
+from alpha5_model.checks import FloatArray, float_array, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.kinematics.dh_link import DHLink, dh_transform
 from alpha5_model.parameters import parameters
+
+__all__ = ["DHChain", "DHLink", "Frame", "dh_transform"]
 
 #: A frame of a chain: the number j of {j}, or the tool.
 Frame = int | Literal["tool"]
-
-
-def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike) -> FloatArray:
-    """The relative pose A_j, ``Rz(theta) Tz(d) Tx(a) Rx(alpha)`` [Lecture7.1], [Corke2011, 7.2].
-
-    Args:
-        theta: Angle about z_{j-1} from x_{j-1} to x_j, (...) [rad].
-        d: Distance along z_{j-1}, (...) [m].
-        a: Distance along x_j, (...) [m].
-        alpha: Angle about x_j from z_{j-1} to z_j, (...) [rad].
-
-    Returns:
-        (..., 4, 4) over the broadcast shape of the arguments.
-
-    Raises:
-        InputError: Not finite real numbers, or shapes that do not broadcast.
-    """
-    values = [
-        float_array(name, value, ())
-        for name, value in (("theta", theta), ("d", d), ("a", a), ("alpha", alpha))
-    ]
-    try:
-        shape = np.broadcast_shapes(*(value.shape for value in values))
-    except ValueError:
-        shapes = tuple(value.shape for value in values)
-        raise InputError("theta, d, a, alpha", shapes, "shapes that broadcast together") from None
-    return _transform(shape, *values)
-
-
-def _transform(
-    shape: tuple[int, ...], theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike
-) -> FloatArray:
-    ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
-    out = np.zeros((*shape, 4, 4))
-    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2], out[..., 0, 3] = ct, -st * ca, st * sa, a * ct
-    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2], out[..., 1, 3] = st, ct * ca, -ct * sa, a * st
-    out[..., 2, 1], out[..., 2, 2], out[..., 2, 3] = sa, ca, d
-    out[..., 3, 3] = 1.0
-    return out
-
-
-@dataclass(frozen=True)
-class DHLink:
-    """A row of a standard DH table: a link and the joint that moves it.
-
-    The place of the joint's own variable (theta if revolute, d if prismatic) holds its value at the
-    drawn configuration, `home`; `transform` takes the variable from its argument, as Corke's
-    ``Link.A(q)`` does.
-
-    Attributes:
-        theta: Angle about z_{j-1} [rad].
-        d: Distance along z_{j-1} [m].
-        a: Distance along x_j [m].
-        alpha: Angle about x_j [rad].
-        sigma: 0 revolute, 1 prismatic.
-        offset: Added to the joint variable, ``theta = q + offset`` or ``d = q + offset`` [rad or m].
-        lower, upper: Limits of the joint variable [rad or m]; infinite where there is none.
-
-    Raises:
-        InputError: A sigma that is neither 0 nor 1, limits the wrong way round.
-        NonFiniteError: A parameter that is not finite.
-    """
-
-    theta: float
-    d: float
-    a: float
-    alpha: float
-    sigma: int = 0
-    offset: float = 0.0
-    lower: float = -math.inf
-    upper: float = math.inf
-
-    def __post_init__(self) -> None:
-        for name in ("theta", "d", "a", "alpha", "offset"):
-            object.__setattr__(self, name, real(name, getattr(self, name)))
-        if isinstance(self.sigma, bool) or self.sigma not in (0, 1):
-            raise InputError("sigma", self.sigma, "0 (revolute) or 1 (prismatic)")
-        object.__setattr__(self, "sigma", int(self.sigma))
-        for name in ("lower", "upper"):
-            value = getattr(self, name)
-            if value not in (-math.inf, math.inf):
-                value = real(name, value)
-            object.__setattr__(self, name, float(value))
-        if not self.lower <= self.upper or self.lower == math.inf or self.upper == -math.inf:
-            raise InputError("lower, upper", (self.lower, self.upper), "lower <= upper")
-
-    @classmethod
-    def from_vector(cls, vector: ArrayLike) -> DHLink:
-        """A link from ``[theta, d, a, alpha, sigma]``, the order of the notes' and Corke's ``Link``.
-
-        Args:
-            vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,) with the offset.
-        """
-        row = float_array("vector", vector, (np.shape(vector)[0] if np.ndim(vector) == 1 else 5,))
-        if row.size not in (4, 5, 6):
-            raise InputError("vector", vector, "[theta, d, a, alpha, sigma]")
-        return cls(*row.tolist())
-
-    @property
-    def revolute(self) -> bool:
-        """Whether the joint turns; otherwise it slides."""
-        return self.sigma == 0
-
-    @property
-    def home(self) -> float:
-        """Joint variable at the drawn configuration: theta of a revolute, d of a prismatic joint."""
-        return self.theta if self.revolute else self.d
-
-    def transform(self, q: ArrayLike) -> FloatArray:
-        """A_j at a joint position.
-
-        Args:
-            q: Joint variable, (...) [rad or m].
-
-        Returns:
-            transform_j_to_j-1, (..., 4, 4).
-        """
-        variable = float_array("q", q, ()) + self.offset
-        theta, d = (variable, self.d) if self.revolute else (self.theta, variable)
-        return _transform(variable.shape, theta, d, self.a, self.alpha)
 
 
 @dataclass(frozen=True, eq=False)

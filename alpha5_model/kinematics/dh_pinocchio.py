@@ -43,7 +43,7 @@ def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1
         raise InputError("frame", frame, "a frame that a joint moves")
     data = model.createData()
     q = pin.neutral(model)
-    jacobians = pin.computeJointJacobians(model, data, q)
+    jacobians = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     pin.updateFramePlacements(model, data)
     sigma, points, directions, limits = [], [], [], []
     for j in path:

@@ -2,14 +2,15 @@
 
 from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.curves import Arc, Curve, Segment
+from alpha5_model.kinematics.planar.dexterity import DexterityMap, dexterity, dexterity_map
 from alpha5_model.kinematics.planar.dexterous import (
     Conditions,
     TheoremRow,
-    dexterity,
     dexterous_area,
     dexterous_radii,
     lecture_theorem,
     necessary_conditions,
+    theorem_radii,
     theorem_row,
     turns_fully,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "Arc",
     "Conditions",
     "Curve",
+    "DexterityMap",
     "Edge",
     "PlanarArm",
     "Segment",
@@ -26,10 +28,12 @@ __all__ = [
     "Workspace",
     "annulus",
     "dexterity",
+    "dexterity_map",
     "dexterous_area",
     "dexterous_radii",
     "lecture_theorem",
     "necessary_conditions",
+    "theorem_radii",
     "theorem_row",
     "turns_fully",
     "workspace",

@@ -23,16 +23,15 @@ References:
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.kinematics.planar.arm import PlanarArm
+from alpha5_model.kinematics.planar.arrangement import cut, joined, united
 from alpha5_model.kinematics.planar.curves import (
     TURN,
     Arc,
@@ -228,7 +227,7 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
                 assert limit is not None
                 travel = Segment((x + limit[0], y), 0.0, limit[1] - limit[0])
                 candidates.append(travel.moved(angle, (0.0, 0.0)))
-    critical = _united([c for c in candidates if c.length > tolerance], tolerance)
+    critical = united([c for c in candidates if c.length > tolerance], tolerance)
     raw = Workspace(arm, (), (), inner)
     return _classified(raw, critical, tolerance, step)
 
@@ -266,66 +265,9 @@ def _tangent_points(curve: Curve, revolute: bool, tolerance: float) -> list[list
     return [p for p, keep in zip(points.tolist(), on, strict=True) if keep]
 
 
-def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
-    """The same point set with every circle and every line covered once."""
-    groups: dict[tuple[object, ...], list[Curve]] = defaultdict(list)
-    for curve in curves:
-        key = next((k for k in groups if _same_carrier(groups[k][0], curve, tolerance)), None)
-        groups[key or (len(groups),)].append(curve)
-    out: list[Curve] = []
-    for members in groups.values():
-        first = members[0]
-        spans = sorted(_span_on(first, member) for member in members)
-        slack = tolerance / (first.radius if isinstance(first, Arc) else 1.0)
-        merged = [list(spans[0])]
-        for low, high in spans[1:]:
-            if low <= merged[-1][1] + slack:
-                merged[-1][1] = max(merged[-1][1], high)
-            else:
-                merged.append([low, high])
-        if isinstance(first, Arc):
-            if len(merged) > 1 and merged[-1][1] >= merged[0][0] + TURN - slack:
-                merged[-1][1] = max(merged[-1][1], merged[0][1] + TURN)
-                del merged[0]
-            for low, high in merged:
-                span = TURN if high - low >= TURN - slack else high - low
-                out.append(Arc(first.center, first.radius, low, span))
-        else:
-            out += [first.piece(low, high) for low, high in merged]
-    return out
-
-
-def _same_carrier(a: Curve, b: Curve, tolerance: float) -> bool:
-    if isinstance(a, Arc) and isinstance(b, Arc):
-        return math.dist(a.center, b.center) <= tolerance and abs(a.radius - b.radius) <= tolerance
-    if isinstance(a, Segment) and isinstance(b, Segment):
-        ends = b.point(np.array(b.interval)) - np.asarray(a.start)
-        return bool((np.abs(ends @ a.left(0.0)) <= tolerance).all())
-    return False
-
-
-def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
-    """Parameter range of `member` in the parameter of a curve on the same circle or line."""
-    if isinstance(first, Arc) and isinstance(member, Arc):
-        start = member.start % TURN
-        return start, start + member.span
-    assert isinstance(first, Segment)
-    ends = member.point(np.array(member.interval)) - np.asarray(first.start)
-    along = np.array([math.cos(first.angle), math.sin(first.angle)])
-    low, high = sorted((ends @ along).tolist())
-    return low, high
-
-
 def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: float) -> Workspace:
     """Cut the critical curves where they meet and keep what bounds the workspace."""
-    pieces: list[Curve] = []
-    origin: list[int] = []
-    for number, (curve, cuts) in enumerate(zip(critical, _cuts(critical, tolerance), strict=True)):
-        per_radian = curve.radius if isinstance(curve, Arc) else 1.0
-        for low, high in pairwise(cuts):
-            if (high - low) * per_radian > 4 * tolerance:
-                pieces.append(curve.piece(low, high))
-                origin.append(number)
+    pieces, origin = cut(critical, tolerance, step)
     middles = [sum(c.interval) / 2 for c in pieces]
     at = np.array([c.point(t) for c, t in zip(pieces, middles, strict=True)])
     normal = np.array([c.left(t) for c, t in zip(pieces, middles, strict=True)])
@@ -333,73 +275,12 @@ def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: f
     right = raw._contains(at - step * normal, tolerance)
     kinds = [(bool(a), bool(b)) for a, b in zip(left, right, strict=True)]
     edges, thin = [], []
-    for curve, (inside_left, inside_right) in _joined(pieces, origin, kinds, critical):
+    for curve, (inside_left, inside_right) in joined(pieces, origin, kinds, critical):
         if inside_left != inside_right:
             edges.append(Edge(curve, inside_left))
         elif not inside_left:
             thin.append(curve)
     return Workspace(raw.arm, tuple(edges), tuple(thin), raw.inner)
-
-
-def _cuts(curves: list[Curve], tolerance: float) -> list[list[float]]:
-    """Parameters at which each curve begins, meets another, and ends."""
-    cuts: list[list[float]] = [list(c.interval) for c in curves]
-    arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
-    lines = [(i, c) for i, c in enumerate(curves) if isinstance(c, Segment)]
-    centers = np.array([c.center for _, c in arcs])
-    radii = np.array([c.radius for _, c in arcs])
-    starts = np.array([c.start for _, c in lines])
-    along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines])
-    for j, other in enumerate(curves):
-        hits: list[tuple[int, Curve, FloatArray]] = []
-        if arcs:
-            found = circle_hits(centers, radii, other, tolerance)
-            hits += [(i, c, p) for (i, c), p in zip(arcs, found, strict=True)]
-        if lines:
-            found = line_hits(starts, along, other, tolerance)
-            hits += [(i, c, p) for (i, c), p in zip(lines, found, strict=True)]
-        for i, curve, points in hits:
-            if i != j:
-                t = curve.parameter(points, tolerance)
-                cuts[i] += t[~np.isnan(t)].tolist()
-    return [sorted(c) for c in cuts]
-
-
-def _joined(
-    pieces: list[Curve],
-    origin: list[int],
-    kinds: list[tuple[bool, bool]],
-    critical: list[Curve],
-) -> list[tuple[Curve, tuple[bool, bool]]]:
-    """Neighbouring pieces of one curve and one kind, put together again."""
-    out: list[tuple[Curve, tuple[bool, bool]]] = []
-    last: int | None = None
-    first_of: dict[int, int] = {}
-    for piece, number, kind in zip(pieces, origin, kinds, strict=True):
-        if number == last and out[-1][1] == kind:
-            out[-1] = (
-                (critical[number].piece(out[-1][0].interval[0], piece.interval[1]), kind)
-                if (isinstance(piece, Arc))
-                else (_longer(out[-1][0], piece), kind)
-            )
-        else:
-            first_of.setdefault(number, len(out))
-            out.append((piece, kind))
-        last = number
-        source = critical[number]
-        begin = first_of[number]
-        closes = source.closed and piece.interval[1] >= source.interval[1] - 1e-12
-        if closes and begin < len(out) - 1 and out[begin][1] == kind:
-            end, start = out[-1][0].interval[0], out[begin][0].interval[1]
-            out[begin] = (source.piece(end, start + TURN), kind)
-            out.pop()
-    return out
-
-
-def _longer(a: Curve, b: Curve) -> Curve:
-    assert isinstance(a, Segment)
-    assert isinstance(b, Segment)
-    return Segment(a.start, a.angle, math.dist(a.start, b.point(b.length).tolist()))
 
 
 def _tolerance(arm: PlanarArm | None) -> float:

@@ -1,0 +1,230 @@
+"""Gazebo: a model and a world in SDF 1.9, with the buoyancy of Table 3.
+
+Gazebo's buoyancy system takes the sum of a link's collision volumes as its displaced volume and the
+volume-weighted mean of the collisions' pose origins as its centre of buoyancy (gz-sim,
+``systems::Buoyancy``). One box per link, of exactly the printed volume and placed at the printed centre,
+therefore gives Table 3. A box is also the shape for which the system's graded density works.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from alpha5_model.checks import choice, real
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.frames import Placement, tcp_placement
+from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.number_text import numbers_text
+from alpha5_model.description.parameter_file import parameter_tree
+from alpha5_model.description.tree import Body, Joint, Mesh, arm_bodies
+from alpha5_model.description.variants import GRIPPERS
+from alpha5_model.fluids import SEA_WATER
+from alpha5_model.parameters import parameters
+
+SDF_VERSION = "1.9"
+
+
+@dataclass(frozen=True)
+class SdfOptions:
+    """What can be chosen about the Gazebo model.
+
+    Attributes:
+        gripper: ``locked`` or ``jaws``. SDF 1.9 has no mimic joints: the fingers then move freely.
+        fluid_density: Of the world [kg/m^3]; 0 is air.
+        corrections: Recorded corrections to apply.
+    """
+
+    gripper: str = "locked"
+    fluid_density: float = SEA_WATER
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS
+
+    def __post_init__(self) -> None:
+        choice("gripper", self.gripper, GRIPPERS)
+        real("fluid_density", self.fluid_density, minimum=0.0)
+        object.__setattr__(self, "corrections", check_corrections(self.corrections))
+
+
+def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
+    """The folder: path in it -> content.
+
+    ``model.sdf``, ``model.config`` (what Gazebo looks for), ``world.sdf`` (the arm fixed in a uniform
+    fluid), ``meshes/``.
+
+    Raises:
+        Alpha5Error: See `SdfOptions`.
+    """
+    chosen = options or SdfOptions()
+    meshes = mesh_assets(".obj", ".mtl")
+    return {
+        "model.sdf": sdf(chosen, meshes).encode(),
+        "model.config": _CONFIG.encode(),
+        "world.sdf": sdf_world(chosen, meshes).encode(),
+        **{f"meshes/{name}": data for name, data in meshes.items()},
+    }
+
+
+def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
+    """Text of the model.
+
+    Args:
+        options: What to write.
+        meshes: File names of the meshes that will be in ``meshes/``; others are left out.
+    """
+    root, _ = _document(options or SdfOptions(), meshes)
+    return _serialized(root)
+
+
+def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
+    """Text of a world: gravity, buoyancy system, uniform fluid, and the arm fixed at base_link.
+
+    The arm is written into it, so that no search path is needed. Arguments as for `sdf`.
+    """
+    chosen = options or SdfOptions()
+    root, arm = _document(chosen, meshes)
+    root.remove(arm)
+    frame = ET.fromstring(_WORLD.format(density=numbers_text(chosen.fluid_density)))
+    mounted = frame.find("model")
+    assert mounted is not None
+    mounted.insert(0, arm)
+    root.append(frame)
+    return _serialized(root)
+
+
+def _serialized(root: ET.Element) -> str:
+    ET.indent(root)
+    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
+    values = parameters(options.corrections)
+    files = {name.removesuffix(".obj") for name in meshes}
+    root = ET.Element("sdf", version=SDF_VERSION)
+    provenance = parameter_tree(values)["provenance"]
+    root.append(ET.Comment(f" Generated from: {provenance['document']}. "))
+    root.append(
+        ET.Comment(f" By: {provenance['package']}. Corrections: {provenance['corrections']}. ")
+    )
+    # base_link and tcp have no mass: frames here, because a simulated link needs some.
+    model = ET.SubElement(
+        root, "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
+    )
+    _frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0)))
+    for body in arm_bodies(values, options.gripper):
+        _link(model, body, files)
+        if body.joint is not None:
+            _joint(model, body.joint, body)
+    _frame(model, "tcp", tcp_placement(values))
+    return root, model
+
+
+def buoyancy_box(body: Body) -> tuple[float, float, float]:
+    """Edges of a box of the body's displaced volume and of its proportions [m]."""
+    scale = math.cbrt(body.volume / math.prod(map(float, body.extent)))
+    x, y, _ = (scale * float(edge) for edge in body.extent)
+    return x, y, body.volume / (x * y)
+
+
+def _frame(model: ET.Element, name: str, placement: Placement) -> None:
+    frame = ET.SubElement(model, "frame", name=name, attached_to=placement.parent)
+    _pose(frame, placement)
+
+
+def _link(model: ET.Element, body: Body, files: set[str]) -> None:
+    link = ET.SubElement(model, "link", name=body.name)
+    if body.joint is not None:
+        pose = _pose(link, body.placement)
+        pose.set("relative_to", body.placement.parent)
+    inertial = ET.SubElement(link, "inertial")
+    _pose(inertial, _at(body.com))
+    _value(inertial, "mass", body.mass)
+    inertia = ET.SubElement(inertial, "inertia")
+    for i, j in zip(*np.triu_indices(3), strict=True):
+        _value(inertia, f"i{'xyz'[i]}{'xyz'[j]}", body.inertia[i, j])
+    if body.volume > 0:
+        collision = ET.SubElement(link, "collision", name="displaced_volume")
+        _pose(collision, _at(body.cob))
+        box = ET.SubElement(ET.SubElement(collision, "geometry"), "box")
+        _value(box, "size", *buoyancy_box(body))
+    for mesh in body.meshes:
+        if mesh.name in files:
+            _visual(link, mesh)
+
+
+def _visual(link: ET.Element, mesh: Mesh) -> None:
+    visual = ET.SubElement(link, "visual", name=mesh.name)
+    _pose(visual, mesh.placement)
+    shape = ET.SubElement(ET.SubElement(visual, "geometry"), "mesh")
+    ET.SubElement(shape, "uri").text = f"meshes/{mesh.name}.obj"
+    material = ET.SubElement(visual, "material")
+    for light in ("ambient", "diffuse"):
+        _value(material, light, *mesh.material.rgba)
+
+
+def _joint(model: ET.Element, joint: Joint, body: Body) -> None:
+    element = ET.SubElement(model, "joint", name=joint.name, type=joint.kind)
+    ET.SubElement(element, "parent").text = body.placement.parent
+    ET.SubElement(element, "child").text = body.name
+    axis = ET.SubElement(element, "axis")
+    ET.SubElement(axis, "xyz").text = "0 0 1"
+    limit = ET.SubElement(axis, "limit")
+    for name in ("lower", "upper", "effort", "velocity"):
+        _value(limit, name, getattr(joint, name))
+
+
+def _at(point: Iterable[float]) -> Placement:
+    x, y, z = (float(c) for c in point)
+    return Placement("", (x, y, z))
+
+
+def _pose(parent: ET.Element, placement: Placement) -> ET.Element:
+    return _value(parent, "pose", *placement.xyz, *placement.rpy)
+
+
+def _value(parent: ET.Element, name: str, *values: float) -> ET.Element:
+    element = ET.SubElement(parent, name)
+    element.text = numbers_text(*values)
+    return element
+
+
+_CONFIG = """\
+<?xml version="1.0"?>
+<model>
+  <name>alpha5</name>
+  <version>1.0</version>
+  <sdf version="1.9">model.sdf</sdf>
+  <author>
+    <name>The alpha5-model authors</name>
+  </author>
+  <description>Reach Alpha 5 underwater arm, from the manufacturer's printed tables.</description>
+</model>
+"""
+
+_WORLD = """\
+<world name="alpha5_in_water">
+  <gravity>0 0 -9.81</gravity>
+  <physics name="1ms" type="ignored">
+    <max_step_size>0.001</max_step_size>
+    <real_time_factor>1.0</real_time_factor>
+  </physics>
+  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>
+  <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>
+  <plugin filename="gz-sim-scene-broadcaster-system" name="gz::sim::systems::SceneBroadcaster"/>
+  <plugin filename="gz-sim-buoyancy-system" name="gz::sim::systems::Buoyancy">
+    <uniform_fluid_density>{density}</uniform_fluid_density>
+  </plugin>
+  <light name="sun" type="directional">
+    <direction>-0.4 0.2 -0.9</direction>
+  </light>
+  <model name="mounted_arm">
+    <joint name="mount" type="fixed">
+      <parent>world</parent>
+      <child>alpha5::base_link</child>
+    </joint>
+  </model>
+</world>
+"""

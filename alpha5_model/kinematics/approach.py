@@ -1,0 +1,78 @@
+"""From where the Alpha 5 can approach a point: what it has instead of a dexterous workspace.
+
+The arm moves in a vertical plane through its yaw axis, and joint 3 turns about the approach direction
+through the tcp, moving neither. So at a point the arm has at most four approach directions, one per
+branch of its inverse kinematics, each with any roll that the wrist's range allows.
+
+Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of four joints has rank
+four at most, so the poses form a set of dimension four in SE(3), and a dexterous workspace with an
+interior needs six. Nor is there a single dexterous point p, for which the approach directions at p would
+have to fill a sphere. Off the yaw axis the plane can stand in two ways and the two links in it in two,
+so there are four directions at most. On the axis the plane is free and the links have as many ways as
+before, so the directions form four circles about the axis at most. That does not fill a sphere.
+
+References:
+    [Lecture7.1] Describing Robot Arms, "Dexterous Workspace".
+    [ReachAlpha] Manufacturer's document, Section 1, Figures 3 to 6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.ik import BoolArray, inverse_kinematics
+
+#: Distance from the yaw axis below which theta_0 counts as free [m].
+AXIS_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class ApproachDirections:
+    """Approach directions at points, by branch of the inverse kinematics (`BRANCHES`).
+
+    Attributes:
+        directions: Unit vectors from the wrist to the tcp, in ``base_link``, (..., 4, 3); NaN where
+            the branch does not reach the point.
+        exists: The branch reaches the point, limits aside, (..., 4).
+        within_limits: It does so within the joint limits, (..., 4).
+        any_azimuth: The point lies on the yaw axis: each direction stands for the circle that
+            theta_0 sweeps, and is its middle, (...).
+        roll: Least and greatest turn about the direction, the range of the wrist, (2,) [rad].
+    """
+
+    directions: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    any_azimuth: BoolArray
+    roll: tuple[float, float]
+
+
+def approach_directions(position: ArrayLike) -> ApproachDirections:
+    """The directions from which the arm reaches points.
+
+    Args:
+        position: tcp in ``base_link``, (..., 3) [m].
+
+    Raises:
+        InputError: Not finite real numbers of shape (..., 3).
+    """
+    chain = DHChain.alpha5()
+    wrist = (chain.lower[3] + chain.upper[3]) / 2
+    solutions = inverse_kinematics(position, float(wrist))
+    q = np.where(solutions.exists[..., None], solutions.q, chain.home)
+    _, axes = chain.joint_axes(q)
+    # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
+    outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
+    point = solutions.position
+    return ApproachDirections(
+        directions=np.where(solutions.exists[..., None], outwards, np.nan),
+        exists=solutions.exists,
+        within_limits=solutions.within_limits,
+        any_azimuth=np.asarray(np.hypot(point[..., 0], point[..., 1]) <= AXIS_TOLERANCE),
+        roll=(chain.links[3].lower, chain.links[3].upper),
+    )

@@ -1,0 +1,1 @@
+"""The model in the shapes in which the collections of robot models hold theirs."""

@@ -1,0 +1,39 @@
+"""The arm as a module of robot_descriptions: path constants, and the metadata of its index.
+
+``robot_descriptions.loaders`` read the constants of such a module; to add the arm there, only
+``REPOSITORY_PATH`` would come from its cache instead.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.paths import JAWS_URDF_PATH, PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH, XACRO_PATH
+
+__all__ = [
+    "DESCRIPTION",
+    "JAWS_URDF_PATH",
+    "PACKAGE_PATH",
+    "REFERENCE_POSTURES",
+    "REPOSITORY_PATH",
+    "SRDF_PATH",
+    "URDF_PATH",
+    "XACRO_PATH",
+]
+
+#: Collision pairs and the postures below, for ``URDF_PATH``.
+SRDF_PATH = str(Path(URDF_PATH).with_suffix(".srdf"))
+#: Name -> positions of axis_e, axis_d, axis_c, axis_b [rad].
+REFERENCE_POSTURES = NAMED_POSES
+#: Metadata in the words of robot_descriptions' index (version 2), formats by name.
+DESCRIPTION: dict[str, object] = {
+    "formats": ("URDF",),
+    "tags": ("arm",),
+    "robot": "Reach Alpha 5",
+    "maker": "Reach Robotics",
+    "dof": 4,
+    "repository": "alpha5-model",
+    "license_spdx": "BSD-3-Clause",
+    "license_file": "LICENSE",
+}

@@ -1,0 +1,218 @@
+"""Pictures of planar arms: workspace, dexterous workspace, joint limits included."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, choice
+from alpha5_model.errors import MissingDependencyError
+from alpha5_model.files import atomic_write
+from alpha5_model.kinematics.planar import (
+    Arc,
+    Curve,
+    PlanarArm,
+    Workspace,
+    dexterity_map,
+    dexterous_radii,
+)
+
+REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
+FORMATS = (".png", ".pdf", ".svg")
+#: Points along a full circle.
+FINENESS = 361
+
+
+def plot_planar(
+    arm: PlanarArm,
+    q: ArrayLike | None = None,
+    axes: Any = None,
+    dexterous: bool = True,
+    resolution: int = 81,
+) -> Any:
+    """Draw an arm, its workspace and its dexterous workspace.
+
+    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms that `dexterity`
+    takes, a map of the share of orientations reached.
+
+    Args:
+        arm: The arm.
+        q: Joint position at which it is drawn, (N,); in the middle of its limits by default.
+        axes: matplotlib axes; a new figure by default.
+        dexterous: Whether to draw the dexterous workspace too.
+        resolution: Points along each side of the map.
+
+    Returns:
+        The axes.
+
+    Raises:
+        MissingDependencyError: matplotlib is not installed.
+    """
+    axes = new_axes() if axes is None else axes
+    space = arm.workspace()
+    _fill(axes, space, REACHED, "workspace")
+    if dexterous and arm.length_ranges is not None:
+        _dexterous_rings(axes, arm)
+    elif dexterous and arm.n >= 3 and arm.joints[-1] == "R":
+        _dexterity_map(axes, arm, resolution)
+    for curve in space.curves:
+        line = _polyline(curve)
+        if curve in space.thin:
+            axes.plot(*line.T, color=EDGE, lw=2.4, label="workspace")
+        else:
+            axes.plot(*line.T, color=EDGE, lw=1.0)
+    poses = arm.poses(middle_position(arm) if q is None else q)
+    _draw_arm(axes, arm, poses)
+    _square_window(axes, np.concatenate([*map(_polyline, space.curves), poses[:, :2]]))
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.set_title(title(arm, space), fontsize=10)
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14), "ncols": len(unique)}
+    axes.legend(unique.values(), unique.keys(), fontsize=8, frameon=False, **below)
+    return axes
+
+
+def title(arm: PlanarArm, space: Workspace) -> str:
+    """What is to be seen, in one line."""
+    lengths = ", ".join(f"{x:g}" for x in arm.lengths)
+    limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
+    low, high = space.radii
+    size = f"area {space.area:.4g} m²" if space.edges else f"radii {low:.4g} to {high:.4g} m"
+    return (
+        f"{arm.joints}, l = ({lengths}){', joint limits' if limited else ''}: {space.shape}, {size}"
+    )
+
+
+def middle_position(arm: PlanarArm) -> FloatArray:
+    """A joint position that shows the arm well: joints in mid-range, free ones bent, (N,)."""
+    free = [0.5, 0.9, -0.7]
+    return np.array(
+        [free[min(j, 2)] if r is None else (r[0] + r[1]) / 2 for j, r in enumerate(arm.limits)]
+    )
+
+
+def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:
+    """One set of matplotlib axes, or an array of them, on a figure that no window shows.
+
+    Raises:
+        MissingDependencyError: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise MissingDependencyError(
+            "matplotlib", "a picture", "pip install 'alpha5-model[plot]'"
+        ) from None
+    figure = Figure(figsize=(size * columns, size * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.subplots(rows, columns)
+
+
+def save(axes: Any, path: str | os.PathLike[str]) -> None:
+    """Write the figure that the axes stand on; the suffix says how: one of `FORMATS`.
+
+    Raises:
+        UnknownNameError: Another suffix.
+        OutputError: It could not be written; nothing is left half-written.
+    """
+    suffix = choice("picture format", Path(path).suffix.lower(), FORMATS)
+    buffer = io.BytesIO()
+    np.ravel(np.asarray(axes, dtype=object))[0].figure.savefig(buffer, format=suffix[1:], dpi=120)
+    atomic_write(path, buffer.getvalue())
+
+
+def _fill(axes: Any, space: Workspace, color: str, label: str) -> None:
+    """Fill the inside of the boundary: loops run with the inside on their left, holes the other way."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    lines = []
+    for edge in space.edges:
+        line = _polyline(edge.curve)
+        lines.append(line if edge.inside_left else line[::-1])
+    loops = _loops(lines)
+    if loops:
+        outline = Outline.make_compound_path(*(Outline(loop, closed=True) for loop in loops))
+        axes.add_patch(PathPatch(outline, facecolor=color, edgecolor="none", label=label, zorder=0))
+
+
+def _loops(lines: list[FloatArray]) -> list[FloatArray]:
+    """Put lines end to end, each loop closed."""
+    rest, loops = list(lines), []
+    while rest:
+        loop = [rest.pop(0)]
+        while rest:
+            end, start = loop[-1][-1], loop[0][0]
+            gaps = [float(np.linalg.norm(line[0] - end)) for line in rest]
+            best = int(np.argmin(gaps))
+            if np.linalg.norm(end - start) <= gaps[best]:
+                break
+            loop.append(rest.pop(best))
+        points = np.concatenate(loop)
+        loops.append(np.vstack([points, points[:1]]))
+    return loops
+
+
+def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
+    from matplotlib.patches import Annulus, Circle
+
+    for low, high in dexterous_radii(arm):
+        if high - low <= 1e-12 * arm.reach:
+            if high <= 1e-12 * arm.reach:
+                axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
+            else:
+                ring = _polyline(Arc((0.0, 0.0), high))
+                axes.plot(*ring.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
+        elif low == 0:
+            axes.add_patch(Circle((0, 0), high, color=DEXTEROUS, lw=0, label="dexterous"))
+        else:
+            band = Annulus((0, 0), high, high - low, color=DEXTEROUS, lw=0, label="dexterous")
+            axes.add_patch(band)
+
+
+def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:
+    found = dexterity_map(arm, resolution)
+    x, y, share = found.x, found.y, found.share
+    mesh = axes.pcolormesh(
+        x, y, np.ma.masked_equal(share, 0), cmap="Blues", vmin=0, vmax=1, shading="nearest"
+    )
+    mesh.set_zorder(0.5)
+    bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.04, pad=0.02)
+    bar.set_label("share of orientations reached", fontsize=8)
+    if share.max() >= 1:
+        axes.contour(x, y, share, levels=[1 - 1e-9], colors=[ALL], linewidths=1)
+        axes.plot([], [], color=ALL, lw=1, label="dexterous (numerical)")
+
+
+def _square_window(axes: Any, points: FloatArray) -> None:
+    """The same scale on both axes and the same shape for every picture."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.54 * float((high - low).max())
+    (x, y) = (low + high) / 2
+    axes.set_aspect("equal")
+    axes.set_xlim(x - half, x + half)
+    axes.set_ylim(y - half, y + half)
+
+
+def _draw_arm(axes: Any, arm: PlanarArm, poses: FloatArray) -> None:
+    axes.plot(poses[:, 0], poses[:, 1], color=ARM, lw=3, solid_capstyle="round", label="arm")
+    for kind, pose in zip(arm.joints, poses[:-1], strict=True):
+        marker = "o" if kind == "R" else "s"
+        axes.plot(*pose[:2], marker, ms=7, mfc="white", mec=ARM, mew=2)
+    axes.plot(*poses[-1, :2], ".", ms=9, color=ARM)
+
+
+def _polyline(curve: Curve) -> FloatArray:
+    count = 2
+    if isinstance(curve, Arc):
+        count = max(2, math.ceil(curve.span / math.tau * (FINENESS - 1)) + 1)
+    return curve.point(np.linspace(*curve.interval, count))

@@ -1,0 +1,64 @@
+"""Show the arm in RViz, with sliders for its joints.
+
+ros2 launch alpha5_description display.launch.py gripper:=jaws
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.conditions import IfCondition
+from launch.substitutions import (
+    Command,
+    FindExecutable,
+    LaunchConfiguration,
+    PathJoinSubstitution,
+)
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+# Each goes to xacro under the same name: name, default, description.
+XACRO_ARGUMENTS = (
+    ("gripper", "locked", "locked (4 joints) or jaws (adds axis_a and two fingers that follow it)"),
+    ("prefix", "", "stands before every link and joint name"),
+    ("collision", "primitives", "primitives or none"),
+    ("dh_frames", "false", "adds the massless frames dh_1 to dh_5"),
+    ("ros2_control", "false", "adds hardware interfaces and the bus address of each joint"),
+    ("ros2_control_plugin", "mock_components/GenericSystem", "name of the hardware plugin"),
+)
+MESHES = "package://alpha5_description/meshes/"
+
+
+def generate_launch_description() -> LaunchDescription:
+    """robot_state_publisher on the expanded xacro, joint sliders, RViz."""
+    share = FindPackageShare("alpha5_description")
+    command = [FindExecutable(name="xacro"), " "]
+    command += [PathJoinSubstitution([share, "xacro", "alpha5.urdf.xacro"])]
+    command += [f" mesh_prefix:={MESHES}"]
+    for name, _, _ in XACRO_ARGUMENTS:
+        command += [f" {name}:='", LaunchConfiguration(name), "'"]
+    description = ParameterValue(Command(command), value_type=str)
+    return LaunchDescription(
+        [
+            *(
+                DeclareLaunchArgument(name, default_value=default, description=text)
+                for name, default, text in XACRO_ARGUMENTS
+            ),
+            DeclareLaunchArgument("gui", default_value="true", description="sliders and RViz"),
+            Node(
+                package="robot_state_publisher",
+                executable="robot_state_publisher",
+                parameters=[{"robot_description": description}],
+            ),
+            Node(
+                package="joint_state_publisher_gui",
+                executable="joint_state_publisher_gui",
+                condition=IfCondition(LaunchConfiguration("gui")),
+            ),
+            Node(
+                package="rviz2",
+                executable="rviz2",
+                arguments=["-d", PathJoinSubstitution([share, "rviz", "alpha5.rviz"])],
+                condition=IfCondition(LaunchConfiguration("gui")),
+            ),
+        ]
+    )

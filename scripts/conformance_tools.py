@@ -1,0 +1,222 @@
+"""One function per tool: load a generated file, return what the tool computes for given states.
+
+No function here knows the right answer. Each takes the folder of generated files and the states, and
+returns named arrays: ``fk`` (N, 4, 4), ``mass`` (N, 4, 4), ``bias`` (N, 4), ``buoyancy`` (N, 4) and
+``trajectory`` (4,); a quantity that a tool does not compute by itself is left out.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+Arrays = dict[str, np.ndarray]
+GRAVITY = (0.0, 0.0, -9.81)
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
+
+
+@dataclass(frozen=True)
+class States:
+    """What is asked: configurations and speeds (N, 4), and a free motion in water.
+
+    Attributes:
+        q, v: [rad], [rad/s].
+        start: First q and v of the motion, (2, 4).
+        duration: Of the motion [s].
+        steps: Of a fourth-order Runge-Kutta integration over it.
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    start: np.ndarray
+    duration: float
+    steps: int
+
+    def __iter__(self):
+        return zip(self.q, self.v, strict=True)
+
+
+def mujoco_urdf(files: Path, states: States) -> Arrays:
+    import mujoco
+
+    text = (files / "alpha5.urdf").read_text(encoding="utf-8")
+    settings = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_string(text.replace("</robot>", settings))
+    out = _mujoco(model, states, lambda data: data.body("tcp"))
+    del out["buoyancy"]  # URDF has no place for it
+    return out
+
+
+def mujoco_mjcf(files: Path, states: States) -> Arrays:
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml"))
+    out = _mujoco(model, states, lambda data: data.site("tcp"))
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.timestep = states.duration / states.steps
+    data = mujoco.MjData(model)
+    data.qpos, data.qvel = states.start
+    mujoco.mj_step(model, data, nstep=states.steps)
+    return {**out, "trajectory": data.qpos.copy()}
+
+
+def _mujoco(model, states: States, tip) -> Arrays:
+    import mujoco
+
+    for name in ("CONTACT", "LIMIT", "ACTUATION"):
+        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    model.opt.gravity = GRAVITY
+    data, columns = mujoco.MjData(model), np.zeros((4, 4))
+    out: dict[str, list[np.ndarray]] = {"fk": [], "mass": [], "bias": [], "buoyancy": []}
+    water = model.body_gravcomp.copy()
+    for q, v in states:
+        data.qpos, data.qvel = q, v
+        # Without water, the buoyancy bodies only cancel their own weight.
+        model.body_gravcomp[water > 0] = 1.0
+        mujoco.mj_forward(model, data)
+        for column, unit in zip(columns, np.eye(4), strict=True):
+            mujoco.mj_mulM(model, data, column, unit)
+        frame = tip(data)
+        out["fk"].append(_pose(frame.xpos, frame.xmat.reshape(3, 3)))
+        out["mass"].append(columns.copy())
+        # From the acceleration, not from a field on the way to it.
+        dry = -columns @ data.qacc
+        out["bias"].append(dry)
+        model.body_gravcomp[:] = water
+        mujoco.mj_forward(model, data)
+        out["buoyancy"].append(columns @ data.qacc + dry)
+    return {name: np.array(rows) for name, rows in out.items()}
+
+
+def mjx(files: Path, states: States) -> Arrays:
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    import jax
+    import mujoco
+    from mujoco import mjx
+
+    model = mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml"))
+    model.geom_contype[:] = model.geom_conaffinity[:] = 0  # MJX has no cylinder-box collision
+    for name in ("CONTACT", "LIMIT", "ACTUATION"):
+        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    water, air = (mjx.put_model(_with_gravcomp(model, wet)) for wet in (True, False))
+
+    def one(q, v):
+        dry = mjx.forward(air, mjx.make_data(air).replace(qpos=q, qvel=v))
+        wet = mjx.forward(water, mjx.make_data(water).replace(qpos=q, qvel=v))
+        mass = mjx.full_m(air, dry)
+        return dry.site_xpos[0], dry.site_xmat[0], mass, -mass @ dry.qacc, mass @ wet.qacc
+
+    batch = jax.jit(jax.vmap(one))(jax.numpy.array(states.q), jax.numpy.array(states.v))
+    xpos, xmat, mass, bias, wet = (np.asarray(array, dtype=float) for array in batch)
+    fk = np.array([_pose(x, r.reshape(3, 3)) for x, r in zip(xpos, xmat, strict=True)])
+    return {"fk": fk, "mass": mass, "bias": bias, "buoyancy": wet + bias}
+
+
+def _with_gravcomp(model, wet: bool):
+    import copy
+
+    changed = copy.copy(model)
+    if not wet:
+        changed.body_gravcomp[model.body_gravcomp > 0] = 1.0
+    return changed
+
+
+def drake_urdf(files: Path, states: States) -> Arrays:
+    return _drake(files / "alpha5.urdf", states)
+
+
+def drake_sdf(files: Path, states: States) -> Arrays:
+    return _drake(files / "sdf" / "model.sdf", states)
+
+
+def _drake(file: Path, states: States) -> Arrays:
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import MultibodyForces
+
+    plant = MultibodyPlant(0.0)
+    Parser(plant).AddModels(str(file))
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base_link"))
+    plant.mutable_gravity_field().set_gravity_vector(GRAVITY)
+    plant.Finalize()
+    order = [plant.GetJointByName(name).velocity_start() for name in JOINTS]
+    context, tip = plant.CreateDefaultContext(), plant.GetFrameByName("tcp")
+    fk, mass, bias = [], [], []
+    for q, v in states:
+        for name, angle, speed in zip(JOINTS, q, v, strict=True):
+            joint = plant.GetJointByName(name)
+            joint.set_angle(context, angle)
+            joint.set_angular_rate(context, speed)
+        forces = MultibodyForces(plant)
+        plant.CalcForceElementsContribution(context, forces)
+        fk.append(tip.CalcPoseInWorld(context).GetAsMatrix4())
+        mass.append(plant.CalcMassMatrix(context)[np.ix_(order, order)])
+        bias.append(plant.CalcInverseDynamics(context, np.zeros(4), forces)[order])
+    return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
+
+
+def pybullet_urdf(files: Path, states: States) -> Arrays:
+    import pybullet
+
+    client = pybullet.connect(pybullet.DIRECT)
+    pybullet.setGravity(*GRAVITY)
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+    arm = pybullet.loadURDF(str(files / "alpha5.urdf"), useFixedBase=True, flags=flags)
+    infos = [pybullet.getJointInfo(arm, i) for i in range(pybullet.getNumJoints(arm))]
+    number = {info[1].decode(): info[0] for info in infos}
+    tip = next(info[0] for info in infos if info[12].decode() == "tcp")
+    order = [number[name] for name in JOINTS]
+    fk, mass, bias = [], [], []
+    for q, v in states:
+        for i, angle, speed in zip(order, q, v, strict=True):
+            pybullet.resetJointState(arm, i, angle, speed)
+        link = pybullet.getLinkState(arm, tip, computeForwardKinematics=True)
+        rotation = np.array(pybullet.getMatrixFromQuaternion(link[5])).reshape(3, 3)
+        fk.append(_pose(link[4], rotation))
+        mass.append(pybullet.calculateMassMatrix(arm, list(q)))
+        bias.append(pybullet.calculateInverseDynamics(arm, list(q), list(v), [0.0] * 4))
+    pybullet.disconnect(client)
+    return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
+
+
+def roboticstoolbox_urdf(files: Path, states: States) -> Arrays:
+    import roboticstoolbox
+
+    robot = roboticstoolbox.ERobot.URDF(str((files / "alpha5.urdf").resolve()))
+    fk, mass, bias = [], [], []
+    for q, v in states:
+        fk.append(robot.fkine(q, end="tcp").A)
+        mass.append(robot.inertia(q))
+        # with its own default gravity: the sign of the argument differs between versions
+        bias.append(robot.rne(q, v, np.zeros(4)))
+    return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
+
+
+def yourdfpy_urdf(files: Path, states: States) -> Arrays:
+    import yourdfpy
+
+    robot = yourdfpy.URDF.load(
+        str(files / "alpha5.urdf"), load_meshes=False, build_collision_scene_graph=False
+    )
+    fk = []
+    for q, _ in states:
+        robot.update_cfg(dict(zip(JOINTS, q, strict=True)))
+        fk.append(robot.get_transform("tcp", "base_link"))
+    return {"fk": np.array(fk)}
+
+
+def urchin_urdf(files: Path, states: States) -> Arrays:
+    import urchin
+
+    robot = urchin.URDF.load(str(files / "alpha5.urdf"), lazy_load_meshes=True)
+    poses = [robot.link_fk(dict(zip(JOINTS, q, strict=True)), link="tcp") for q, _ in states]
+    return {"fk": np.array(poses)}
+
+
+def _pose(position, rotation) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3], pose[:3, :3] = position, rotation
+    return pose

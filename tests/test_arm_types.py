@@ -1,0 +1,390 @@
+"""Classification, task capability, and what the Alpha 5 has instead of a dexterous workspace."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from example_robot_data import load
+from scipy.optimize import brentq
+
+import alpha5_model as a5
+from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.kinematics.approach import approach_directions
+from alpha5_model.kinematics.arm_types import classify, matrix_rank, task_capability
+from alpha5_model.kinematics.dexterous import (
+    even_rotations,
+    orientation_freedom,
+    spatial_conditions,
+    spatial_dexterity,
+)
+from alpha5_model.kinematics.dh import DHChain, DHLink
+from alpha5_model.kinematics.frame_assignment import assign_frames
+
+Q = math.pi / 2
+X, Y, Z = np.eye(3)
+
+SCARA = [[0, 0.4, 0.3, 0, 0], [0, 0, 0.25, math.pi, 0], [0, 0, 0, 0, 1], [0, 0, 0, 0, 0]]
+PUMA = [
+    [0, 0, 0, Q, 0],
+    [0, 0, 0.4318, 0, 0],
+    [0, 0.15005, 0.0203, -Q, 0],
+    [0, 0.4318, 0, Q, 0],
+    [0, 0, 0, -Q, 0],
+    [0, 0, 0, 0, 0],
+]
+STANFORD = [
+    [0, 0.412, 0, -Q, 0],
+    [0, 0.154, 0, Q, 0],
+    [-Q, 0, 0.0203, 0, 1],
+    [0, 0, 0, -Q, 0],
+    [0, 0, 0, Q, 0],
+    [0, 0, 0, 0, 0],
+]
+#: yaw, three parallel pitch joints, roll about the tool: a five-joint arm such as the youBot's
+FIVE = [
+    [0, 0.147, 0.033, Q, 0],
+    [0, 0, 0.155, 0, 0],
+    [0, 0, 0.135, 0, 0],
+    [Q, 0, 0, Q, 0],
+    [0, 0.2, 0, 0, 0],
+]
+
+
+def axes_chain(
+    rows: list[tuple[np.ndarray, np.ndarray, int]], tool: np.ndarray | None = None
+) -> DHChain:
+    """A chain from points, directions and types of its axes."""
+    return assign_frames(
+        [p for p, _, _ in rows], [z for _, z, _ in rows], [s for _, _, s in rows], tool
+    )
+
+
+ORIGIN = np.zeros(3)
+GANTRY = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1)])
+GANTRY_ROLL = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1), (ORIGIN, Z, 0)])
+OBLIQUE = axes_chain([(ORIGIN, X, 1), (ORIGIN, X + Y, 1), (ORIGIN, Z, 1)])
+PRRR_SCARA = axes_chain([(ORIGIN, Z, 1), (ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 0)])
+FALLEN_SCARA = axes_chain([(ORIGIN, X, 0), (Y, X, 0), (2 * Y, X, 1)])
+SPHERICAL = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 1)])
+WRIST_SCARA = axes_chain([(ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 1), (2 * X, Y, 0)])
+
+
+@pytest.mark.parametrize(
+    ("chain", "kind", "joints", "horizontal"),
+    [
+        (DHChain.alpha5(), "revolute", "RRRR", False),
+        (DHChain.from_table(PUMA), "revolute", "RRRRRR", False),
+        (DHChain.from_table([[0, 0, 1, 0, 0]] * 3), "revolute", "RRR", True),
+        (DHChain.from_table(SCARA), "scara", "RRPR", True),
+        (PRRR_SCARA, "scara", "PRRR", True),
+        (WRIST_SCARA, "scara", "RRPR", False),
+        (FALLEN_SCARA, "other", "RRP", False),
+        (GANTRY, "cartesian", "PPP", False),
+        (GANTRY_ROLL, "cartesian", "PPPR", False),
+        (OBLIQUE, "other", "PPP", False),
+        (SPHERICAL, "other", "RRP", False),
+        (DHChain.from_table(STANFORD), "other", "RRPRRR", False),
+        (axes_chain([(ORIGIN, Z, 0), (ORIGIN, Z, 0), (ORIGIN, Z, 1)]), "other", "RRP", True),
+        (axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1)]), "other", "PP", False),
+    ],
+)
+def test_classification(chain: DHChain, kind: str, joints: str, horizontal: bool) -> None:
+    found = classify(chain)
+    assert (found.kind, found.joints, found.horizontal) == (kind, joints, horizontal)
+    assert found.reason
+    assert "\n" not in found.reason
+
+
+def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
+    assert classify(FALLEN_SCARA, vertical=X).kind == "scara"
+    assert classify(DHChain.from_table(SCARA), vertical=X).kind == "other"
+
+
+@pytest.mark.parametrize(
+    ("chain", "dimension", "position", "orientation", "insertion"),
+    [
+        (DHChain.alpha5(), 4, 3, 3, 3),
+        (DHChain.from_table(PUMA), 6, 3, 3, 4),
+        (DHChain.from_table(STANFORD), 6, 3, 3, 4),
+        (DHChain.from_table(SCARA), 4, 3, 1, 4),
+        (PRRR_SCARA, 4, 3, 1, 4),
+        (GANTRY, 3, 3, 0, 3),
+        (GANTRY_ROLL, 4, 3, 1, 4),
+        (DHChain.from_table(FIVE), 5, 3, 3, 4),
+        (DHChain.from_table([[0, 0, 1, 0, 0]] * 3), 3, 2, 1, 3),
+        (DHChain.from_table([[0, 0, 1, 0, 0]] * 7), 3, 2, 1, 3),  # seven joints, still a plane
+        (axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)]), 3, 0, 3, 1),
+        (DHChain.from_table([[0, 0, 1, 0, 0]]), 1, 1, 1, 1),
+    ],
+)
+def test_task_capability(chain, dimension, position, orientation, insertion) -> None:
+    axis = Z if chain is GANTRY else None
+    task = task_capability(chain, tool_axis=axis)
+    assert task.dimension == dimension
+    assert task.position_dimension == position
+    assert task.orientation_dimension == orientation
+    assert task.insertion_dimension == insertion
+    assert task.general == (dimension == 6)
+    assert task.vertical_insertion == (insertion == 4)
+    assert task.general_reason
+    assert task.insertion_reason
+
+
+def test_a_tool_that_can_never_be_vertical() -> None:
+    task = task_capability(GANTRY_ROLL, tool_axis=X)
+    assert task.insertion_dimension == 0
+    assert "could not be brought" in task.insertion_reason
+
+
+@pytest.mark.parametrize(("middle", "dimension"), [(0.0, 4), (0.4, 0)])
+def test_joint_limits_decide_whether_the_tool_gets_upright(middle: float, dimension: int) -> None:
+    """At zero the hand points down; three pitch joints at 0.4 +- 0.1 rad each hold it 0.9 rad off."""
+    low, high = middle - 0.1, middle + 0.1
+    links = [DHLink(*row[:4]) for row in FIVE]
+    links[1:4] = [DHLink(0, x.d, x.a, x.alpha, lower=low, upper=high) for x in links[1:4]]
+    task = task_capability(DHChain(tuple(links)))
+    assert task.insertion_dimension == dimension
+
+
+@pytest.mark.parametrize(
+    "chain", [DHChain.alpha5(), DHChain.from_table(SCARA), DHChain.from_table(PUMA)]
+)
+def test_dimension_by_counting_boxes(chain: DHChain) -> None:
+    """A second way to the dimension of the pose set: how fast nearby poses fill space.
+
+    Poses near one pose, from joint positions near one position: the share of the variance beyond the
+    first `dimension` principal directions falls with the square of the neighbourhood's size.
+    """
+    rng = np.random.default_rng(0)
+    q = rng.uniform(0.5, 1.5, chain.n)
+    dimension = task_capability(chain).dimension
+    rest = []
+    for size in (1e-2, 1e-3):
+        near = chain.forward_kinematics(q + size * rng.normal(size=(4000, chain.n)))
+        values = np.linalg.svd(
+            near[:, :3, :].reshape(4000, 12) - near[:, :3, :].reshape(4000, 12).mean(0)
+        )[1]
+        assert values[dimension - 1] / values[0] > 1e-4
+        rest.append(values[dimension] / values[0])
+    assert rest[1] < 0.2 * rest[0]
+
+
+def test_bad_input() -> None:
+    for vertical, error in (
+        ((0, 0, 0), InputError),
+        ((0, 1), ShapeError),
+        ((0, 0, math.nan), NonFiniteError),
+    ):
+        with pytest.raises(error):
+            classify(DHChain.alpha5(), vertical)
+        with pytest.raises(error):
+            task_capability(DHChain.alpha5(), tool_axis=vertical)
+    with pytest.raises(InputError, match="starts"):
+        spatial_dexterity(DHChain.alpha5(), [0, 0, 0], starts=0)
+    with pytest.raises(ShapeError, match="position"):
+        approach_directions([0.1, 0.2])
+    assert matrix_rank(np.diag([1.0, 1e-12])) == 1
+
+
+# --- the Alpha 5's dexterous workspace is empty; what it has instead
+
+
+def test_the_notes_conditions_for_spatial_arms() -> None:
+    assert spatial_conditions(DHChain.from_table(PUMA)).satisfied
+    assert spatial_conditions(DHChain.from_table(STANFORD)).satisfied
+    missing = spatial_conditions(DHChain.alpha5())
+    assert not missing.satisfied
+    assert missing.reasons == ("1 more, beside them, where placing the end effector takes three",)
+    assert len(spatial_conditions(GANTRY).reasons) == 1
+    assert len(spatial_conditions(DHChain.from_table([[0, 0, 1, 0, 0]] * 2)).reasons) == 2
+
+
+def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
+    chain, rng = DHChain.alpha5(), np.random.default_rng(1)
+    q = rng.uniform(chain.lower, chain.upper, (500, 4))
+    assert (orientation_freedom(chain, q) == 1).all()
+    # The null space written out: it is the wrist alone.
+    for x in q[:20]:
+        _, _, vt = np.linalg.svd(chain.jacobian(x)[:3])
+        assert np.abs(vt[-1, :3]).max() < 1e-9
+    assert (orientation_freedom(DHChain.from_table(PUMA), rng.uniform(-2, 2, (100, 6))) == 3).all()
+
+
+def test_on_the_yaw_axis_the_freedom_is_two() -> None:
+    chain = DHChain.alpha5()
+
+    def radial(x: float) -> float:
+        return float(chain.forward_kinematics([0.0, x, 1.5, 0.0])[0, 3])
+
+    angles = np.linspace(chain.lower[1], chain.upper[1], 200)
+    values = [radial(x) for x in angles]
+    k = next(i for i in range(199) if values[i] * values[i + 1] < 0)
+    on_axis = brentq(radial, angles[k], angles[k + 1], xtol=1e-15)
+    assert orientation_freedom(chain, [0.3, on_axis, 1.5, 0.2]) == 2
+    # and the directions there form circles, not a sphere
+    point = chain.forward_kinematics([0.3, on_axis, 1.5, 0.2])[:3, 3]
+    ways = approach_directions([0, 0, point[2]])
+    assert ways.any_azimuth
+    assert len(np.unique(ways.directions[ways.exists][:, 2].round(9))) <= 4
+
+
+def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
+    """All approach directions at a point by root finding over joint angles, without any formula.
+
+    The yaw that points at the target or away from it; then, along theta_1, the theta_2 that bring
+    the tcp to the height of the target; among these the roots of the radial distance.
+    """
+    found = []
+    for yaw in (math.atan2(point[1], point[0]) + math.pi, math.atan2(point[1], point[0])):
+        inwards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+
+        def plane(first: np.ndarray, second: np.ndarray, yaw=yaw, inwards=inwards):
+            q = np.stack([np.full_like(first, yaw), first, second, 0 * first], axis=-1)
+            tip = chain.forward_kinematics(q)[..., :3, 3]
+            return tip @ inwards - point @ inwards, tip[..., 2] - point[2]
+
+        n = 360
+        grid = np.linspace(0, 2 * math.pi, n, endpoint=False)
+        a, b = np.meshgrid(grid, grid, indexing="ij")
+        radial, height = plane(a, b)
+        cost = np.hypot(radial, height)
+        local = np.ones_like(cost, dtype=bool)
+        for axis in (0, 1):
+            for shift in (-1, 1):
+                local &= cost <= np.roll(cost, shift, axis=axis)
+        for x in zip(a[local & (cost < 0.02)], b[local & (cost < 0.02)], strict=True):
+            angles = np.array(x)
+            for _ in range(50):  # Newton on two equations
+                value = np.array(plane(*angles[:, None]))[:, 0]
+                h = 1e-7
+                slope = np.stack(
+                    [
+                        (np.array(plane(*(angles + h * e)[:, None]))[:, 0] - value) / h
+                        for e in np.eye(2)
+                    ],
+                    axis=1,
+                )
+                angles = angles - np.linalg.lstsq(slope, value, rcond=None)[0]
+            if np.abs(plane(*angles[:, None])).max() < 1e-9:
+                q = np.array([yaw, *angles, 0.0])
+                tip, elbow = (chain.forward_kinematics(q, f)[:3, 3] for f in ("tool", 3))
+                direction = (tip - elbow) / np.linalg.norm(tip - elbow)
+                if not any(np.abs(direction - other).max() < 1e-6 for other in found):
+                    found.append(direction)
+    return found
+
+
+@pytest.mark.parametrize(
+    "point", [(0.2, 0.1, 0.1), (-0.15, 0.12, 0.25), (0.3, 0, -0.05), (0.05, -0.2, 0.0)]
+)
+def test_approach_directions_against_enumeration(point) -> None:
+    ways = approach_directions(point)
+    assert ways.directions.shape == (4, 3)
+    ours = ways.directions[ways.exists]
+    theirs = enumerate_directions(DHChain.alpha5(), np.array(point))
+    assert len(ours) == len(theirs) > 0
+    for direction in ours:
+        assert min(np.abs(direction - other).max() for other in theirs) < 1e-6
+    assert not ways.any_azimuth
+
+
+def test_approach_directions_of_sampled_poses() -> None:
+    """Within the limits: the direction of a sampled configuration is among those at its tcp."""
+    model = pin.buildModelFromUrdf(a5.URDF_PATH)
+    data, rng = model.createData(), np.random.default_rng(2)
+    tcp = model.getFrameId("tcp")
+    q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit, (300, 4))
+    points, directions = [], []
+    for x in q:
+        pin.framesForwardKinematics(model, data, x)
+        points.append(data.oMf[tcp].translation.copy())
+        line = points[-1] - data.oMi[4].translation  # joint 3's frame lies on the hand's axis
+        directions.append(line / np.linalg.norm(line))
+    ways = approach_directions(np.array(points))
+    gap = np.linalg.norm(ways.directions - np.array(directions)[:, None], axis=-1)
+    gap = np.where(ways.within_limits, gap, np.inf)
+    assert gap.min(axis=1).max() < 1e-7
+    lengths = np.linalg.norm(ways.directions[ways.exists], axis=-1)
+    assert np.abs(lengths - 1).max() < 1e-12
+    assert ways.roll == (model.lowerPositionLimit[3], model.upperPositionLimit[3])
+
+
+def test_approach_directions_out_of_reach_and_as_a_method() -> None:
+    ways = approach_directions([[1.0, 1.0, 1.0], [0.2, 0.1, 0.1]])
+    assert np.isnan(ways.directions[0]).all()
+    assert not ways.exists[0].any()
+    arm = a5.load()
+    same = arm.approach_directions([0.2, 0.1, 0.1])
+    assert np.allclose(same.directions, ways.directions[1], rtol=0, atol=1e-14)
+
+
+# --- spatial arms
+
+
+def elbow_arm(hand: float) -> DHChain:
+    """Links 0.4 and 0.3 on a base without offsets, three wrist axes through a point, a hand."""
+    return DHChain.from_table(
+        [
+            [0, 0, 0, Q, 0],
+            [0, 0, 0.4, 0, 0],
+            [0, 0, 0, Q, 0],
+            [0, 0.3, 0, -Q, 0],
+            [0, 0, 0, Q, 0],
+            [0, hand, 0, 0, 0],
+        ]
+    )
+
+
+@pytest.mark.parametrize("hand", [0.0, 0.1])
+def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> None:
+    """The wrist reaches the shell 0.1 <= r <= 0.7; a point is dexterous where the sphere of the hand's
+    length about it lies in the shell: the planar condition once more. Hands that point outwards or
+    inwards count exactly."""
+    radius = np.array([0.03, 0.15, 0.25, 0.4, 0.55, 0.64, 0.68, 0.75, 0.9])
+    estimate = spatial_dexterity(
+        elbow_arm(hand), np.outer(radius, [0.6, 0.0, 0.8]), orientations=40
+    )
+    wanted = (radius + hand <= 0.7) & (np.abs(radius - hand) >= 0.1)
+    assert np.array_equal(estimate.share == 1, wanted)
+    # orientation by orientation: is the wrist's place in the shell?
+    place = np.outer(radius, [0.6, 0.0, 0.8])[:, None] - hand * estimate.rotations[None, :, :, 2]
+    shell = np.linalg.norm(place, axis=-1)
+    away = (np.abs(shell - 0.1) > 0.01) & (np.abs(shell - 0.7) > 0.01)
+    truth = (shell >= 0.1) & (shell <= 0.7)
+    assert np.array_equal(estimate.reached[away], truth[away])
+    assert estimate.interior
+
+
+@pytest.mark.parametrize(("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")])
+def test_dexterity_of_real_arms(robot: str, frame: str) -> None:
+    chain = DHChain.from_pinocchio(load(robot).model, frame)
+    estimate = spatial_dexterity(
+        chain, [[0.45, 0.1, 0.35], [3.0, 0.0, 0.0]], orientations=24, starts=10
+    )
+    assert estimate.share[0] > 0.85
+    assert estimate.share[1] == 0
+    assert estimate.interior
+
+
+def test_dexterity_of_the_alpha5_is_nothing() -> None:
+    rng = np.random.default_rng(3)
+    chain = DHChain.alpha5()
+    points = chain.forward_kinematics(rng.uniform(chain.lower, chain.upper, (4, 4)))[:, :3, 3]
+    estimate = spatial_dexterity(chain, points, orientations=20, starts=3, steps=30)
+    assert (estimate.share == 0).all()
+    assert not estimate.interior
+    assert "4 joints" in estimate.reason
+
+
+def test_even_rotations_are_rotations_and_even() -> None:
+    r = even_rotations(200)
+    assert np.abs(r @ np.swapaxes(r, 1, 2) - np.eye(3)).max() < 1e-14
+    assert np.allclose(np.linalg.det(r), 1)
+    assert np.abs(r.mean(axis=0)).max() < 0.02  # the mean of all rotations is zero
+    cosine = (np.einsum("aij,bij->ab", r, r) - 1) / 2
+    np.fill_diagonal(cosine, -1)
+    nearest = np.arccos(np.clip(cosine.max(axis=1), -1, 1))
+    assert nearest.min() > 0.4 * nearest.max()

@@ -1,0 +1,218 @@
+"""Frame assignment: axes to parameters and back, every special position, real arms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from example_robot_data import load
+
+import alpha5_model as a5
+from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.frame_assignment import assign_frames, common_normal
+
+KINDS = ("skew", "parallel", "antiparallel", "intersecting", "coincident", "opposed")
+TIGHT = 1e-12
+
+
+def next_axis(kind: str, p: np.ndarray, z: np.ndarray, rng: np.random.Generator):
+    """An axis in a given position to the one before."""
+    slide = rng.normal()
+    return {
+        "skew": lambda: (rng.normal(size=3), rng.normal(size=3)),
+        "parallel": lambda: (rng.normal(size=3), z.copy()),
+        "antiparallel": lambda: (rng.normal(size=3), -3 * z),
+        "intersecting": lambda: (p + slide * z, rng.normal(size=3)),
+        "coincident": lambda: (p + slide * z, 2 * z),
+        "opposed": lambda: (p + slide * z, -z),
+    }[kind]()
+
+
+def random_axes(kinds, rng: np.random.Generator):
+    axes = [(rng.normal(size=3), rng.normal(size=3))]
+    for kind in kinds:
+        axes.append(next_axis(kind, *axes[-1], rng))
+    return np.array([p for p, _ in axes]), np.array([z for _, z in axes])
+
+
+def axis_error(chain: DHChain, q, points, directions) -> float:
+    p, z = chain.joint_axes(q)
+    unit = directions / np.linalg.norm(directions, axis=1)[:, None]
+    return max(np.abs(z - unit).max(), np.abs(np.cross(p - points, unit)).max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("with_tool", [False, True])
+def test_round_trip(kind: str, with_tool: bool) -> None:
+    rng = np.random.default_rng(KINDS.index(kind))
+    for _ in range(60):
+        others = rng.choice(KINDS, 4)
+        points, directions = random_axes([kind, *others], rng)
+        sigma = rng.integers(0, 2, len(points)).tolist()
+        end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3)).homogeneous
+        chain = assign_frames(points, directions, sigma, end if with_tool else None)
+        assert chain.sigma == tuple(sigma)
+        assert axis_error(chain, chain.home, points, directions) < 1e-11
+        if with_tool:
+            assert np.abs(chain.forward_kinematics(chain.home) - end).max() < 1e-11
+        # and once more, from the axes of the chain
+        again = assign_frames(*chain.joint_axes(chain.home), sigma, end if with_tool else None)
+        assert axis_error(again, again.home, points, directions) < 1e-11
+
+
+def test_every_motion_is_the_same_as_turning_about_the_axes() -> None:
+    """Product of exponentials over the given axes, written without any DH table."""
+    rng = np.random.default_rng(11)
+    for _ in range(30):
+        points, directions = random_axes(rng.choice(KINDS, 5), rng)
+        sigma = rng.integers(0, 2, 6)
+        end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3))
+        drawn, q = rng.normal(size=6), rng.normal(size=6)
+        chain = assign_frames(points, directions, sigma.tolist(), end.homogeneous, drawn)
+        assert chain.home == pytest.approx(drawn)
+        pose = pin.SE3.Identity()
+        for p, z, slides, x in zip(points, directions, sigma, q - drawn, strict=True):
+            u = z / np.linalg.norm(z)
+            twist = pin.Motion(u, np.zeros(3)) if slides else pin.Motion(np.cross(p, u), u)
+            pose = pose * pin.exp6(x * twist)
+        assert np.abs((pose * end).homogeneous - chain.forward_kinematics(q)).max() < 1e-11
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_frames_obey_the_rule(kind: str) -> None:
+    rng = np.random.default_rng(21)
+    for _ in range(40):
+        points, directions = random_axes([kind], rng)
+        chain = assign_frames(points, directions, end_effector=np.eye(4))
+        frames, link = chain.frames(chain.home), chain.links[0]
+        x, z = frames[1, :3, 0], frames[:2, :3, 2]
+        assert np.abs(z @ x).max() < TIGHT  # x_1 is normal to both axes
+        gap = frames[1, :3, 3] - frames[0, :3, 3]
+        assert np.abs(np.cross(gap - (gap @ z[0]) * z[0], x)).max() < TIGHT  # and meets both
+        if kind == "skew":
+            assert link.a > 0
+        if kind == "intersecting":
+            assert link.a == pytest.approx(0, abs=TIGHT)
+            assert 0 < link.alpha < math.pi
+        if "parallel" in kind:
+            assert link.d == pytest.approx(0, abs=TIGHT)
+            distance = np.linalg.norm(np.cross(points[1] - points[0], z[0]))
+            assert link.a == pytest.approx(distance, abs=TIGHT)
+        if kind in ("coincident", "opposed"):
+            assert (link.theta, link.d, link.a) == pytest.approx((0, 0, 0), abs=TIGHT)
+        if kind in ("parallel", "coincident"):
+            assert link.alpha == pytest.approx(0, abs=TIGHT)
+        if kind in ("antiparallel", "opposed"):
+            assert abs(link.alpha) == pytest.approx(math.pi, abs=TIGHT)
+
+
+@pytest.mark.parametrize("angle", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
+def test_nearly_parallel_axes(angle: float) -> None:
+    """The common normal is far away, so digits go, worst next to the jump from skew to parallel."""
+    rng = np.random.default_rng(31)
+    for _ in range(20):
+        p, z = rng.normal(size=(2, 3)), rng.normal(size=3)
+        z = z / np.linalg.norm(z)
+        side = np.cross(z, rng.normal(size=3))
+        tilted = z + angle * side / np.linalg.norm(side)
+        chain = assign_frames(p, [z, tilted])
+        assert axis_error(chain, chain.home, p, np.array([z, tilted])) < 1e-7
+
+
+def test_common_normal_is_the_shortest_way() -> None:
+    rng = np.random.default_rng(41)
+    for _ in range(30):
+        p1, z1, p2, z2 = rng.normal(size=(4, 3))
+        foot_1, foot_2 = common_normal(p1, z1, p2, z2)
+        # normal equations of the least-squares problem, by a library routine
+        s, *_ = np.linalg.lstsq(np.stack([z1, -z2], axis=1), p2 - p1, rcond=None)
+        assert np.abs(foot_1 - (p1 + s[0] * z1)).max() < 1e-11
+        assert np.abs(foot_2 - (p2 + s[1] * z2)).max() < 1e-11
+
+
+def test_alpha5_axes_from_its_urdf_give_table_1() -> None:
+    chain, table = DHChain.from_urdf(a5.URDF_PATH, "tcp"), DHChain.alpha5()
+    for ours, printed in zip(chain.links, table.links, strict=True):
+        assert (ours.d, ours.a) == pytest.approx((printed.d, printed.a), abs=TIGHT)
+        for a, b in ((ours.offset, printed.offset), (ours.alpha, printed.alpha)):
+            assert math.remainder(a - b, 2 * math.pi) == pytest.approx(0, abs=TIGHT)
+        assert (ours.lower, ours.upper) == (printed.lower, printed.upper)
+    assert np.abs(chain.base - np.eye(4)).max() == 0
+    assert np.abs(chain.tool - table.tool).max() < TIGHT
+    assert chain.joint_names == table.joint_names
+
+
+@pytest.mark.parametrize(
+    ("robot", "frame", "d", "a", "alpha"),
+    [
+        (  # Universal Robots, DH parameters for calculations of kinematics and dynamics: UR5.
+            "ur5",
+            "tool0",
+            [0.089159, 0, 0, 0.10915, 0.09465, 0.0823],
+            [0, 0.425, 0.39225, 0, 0, 0],
+            [QUARTER := math.pi / 2, 0, 0, QUARTER, QUARTER, 0],
+        ),
+        (  # Franka Control Interface documentation; standard convention by shifting a and alpha.
+            "panda",
+            "panda_link8",
+            [0.333, 0, 0.316, 0, 0.384, 0, 0.107],
+            [0, 0, 0.0825, 0.0825, 0, 0.088, 0],
+            [QUARTER, QUARTER, QUARTER, QUARTER, QUARTER, QUARTER, 0],
+        ),
+    ],
+)
+def test_real_arms_from_their_urdf(robot: str, frame: str, d, a, alpha) -> None:
+    """Manufacturers' tables up to the signs that the direction of x_j leaves free."""
+    model = load(robot).model
+    chain = DHChain.from_pinocchio(model, frame)
+    assert [abs(x.d) for x in chain.links] == pytest.approx(np.abs(d), abs=1e-5)
+    assert [abs(x.a) for x in chain.links] == pytest.approx(np.abs(a), abs=1e-5)
+    assert [abs(x.alpha) for x in chain.links] == pytest.approx(np.abs(alpha), abs=1e-5)
+    data, rng = model.createData(), np.random.default_rng(51)
+    tip = model.getFrameId(frame)
+    for q in rng.uniform(-2, 2, (30, chain.n)):
+        full = np.zeros(model.nq)
+        full[: chain.n] = q
+        pin.framesForwardKinematics(model, data, full)
+        assert np.abs(data.oMf[tip].homogeneous - chain.forward_kinematics(q)).max() < 1e-12
+
+
+def test_joints_that_have_no_dh_row_are_refused() -> None:
+    model = pin.buildModelFromUrdf(a5.URDF_PATH, pin.JointModelFreeFlyer())
+    with pytest.raises(InputError, match="revolute or prismatic"):
+        DHChain.from_pinocchio(model, "tcp")
+    screw = pin.Model()
+    screw.addJoint(0, pin.JointModelHZ(0.1), pin.SE3.Identity(), "screw")
+    screw.addBodyFrame("nut", 1, pin.SE3.Identity(), 0)
+    with pytest.raises(InputError, match="screw"):
+        DHChain.from_pinocchio(screw)
+    fixed = pin.buildModelFromUrdf(a5.URDF_PATH)
+    with pytest.raises(InputError, match="a joint moves"):
+        DHChain.from_pinocchio(fixed, "base_link")
+    with pytest.raises(UnknownNameError, match="tcp"):
+        DHChain.from_pinocchio(fixed, "nose")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (([], []), "shape"),
+        (([[0, 0, 0]], [[0, 0, 0]]), "not zero"),
+        (([[0, 0, 0]], [[0, 0, 1], [0, 0, 1]]), r"\(N, 3\)"),
+        (([0, 0, 0], [0, 0, 1]), r"\(N, 3\)"),
+        (([[0, 0, math.nan]], [[0, 0, 1]]), "finite"),
+        (([[0, 0, 0]], [[0, 0, 1]], [0, 1]), "1 joints"),
+        (([[0, 0, 0]], [[0, 0, 1]], [3]), "sigma"),
+        (([[0, 0, 0]], [[0, 0, 1]], None, np.zeros((4, 4))), "rigid"),
+        (([[0, 0, 0]], [[0, 0, 1]], None, None, [1, 2]), "q"),
+        (([[0, 0, 0]], [[0, 0, 1]], None, None, None, [(1, 0)]), "lower <= upper"),
+    ],
+)
+def test_bad_axes(arguments, words) -> None:
+    with pytest.raises(Alpha5Error, match=words):
+        assign_frames(*arguments)
+    with pytest.raises(InputError, match="not parallel"):
+        common_normal([0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 2])

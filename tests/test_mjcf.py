@@ -1,0 +1,342 @@
+"""The MuJoCo model: the same arm, in the same water, to the last digits; and it runs."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from reference import LOWER, UPPER, configurations
+from water_reference import URDF, VOLUME, Reference
+
+from alpha5_model.cli import main
+from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
+from alpha5_model.files import atomic_write
+from alpha5_model.jaws import split_link_4
+from alpha5_model.parameters import parameters
+
+mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
+
+
+def compiled(text: str, *disabled: str):
+    """Model and data; limits, contacts and equalities can be switched off."""
+    model = mujoco.MjModel.from_xml_string(text)
+    for name in disabled:
+        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    return model, mujoco.MjData(model)
+
+
+def free(text: str):
+    """A model in which nothing but inertia, weight and water acts."""
+    return compiled(text, "LIMIT", "CONTACT", "EQUALITY", "ACTUATION")
+
+
+def mass_matrix(model, data) -> np.ndarray:
+    columns = np.zeros((model.nv, model.nv))
+    for column, unit in zip(columns, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, column, unit)
+    return columns
+
+
+def errors(text: str, count: int = 1000, density: float = 1025.0) -> dict[str, float]:
+    """Largest differences from Pinocchio over random states."""
+    reference = Reference(density)
+    model, data = free(text)
+    q_all = configurations(count, seed=11)
+    v_all = np.random.default_rng(12).uniform(-2, 2, (count, 4))
+    worst = dict.fromkeys(("fk", "mass", "acceleration", "buoyancy"), 0.0)
+    for q, v in zip(q_all, v_all, strict=True):
+        data.qpos, data.qvel = q, v
+        mujoco.mj_forward(model, data)
+        tcp, mass = reference.tcp(q), reference.mass_matrix(q)
+        found = {
+            "fk": np.abs(data.site("tcp").xpos - tcp[:3, 3]).max()
+            + np.abs(data.site("tcp").xmat.reshape(3, 3) - tcp[:3, :3]).max(),
+            "mass": np.abs(mass_matrix(model, data) - mass).max(),
+            # qacc, and what it takes: buoyancy must arrive in the motion, not in a field on the way
+            "acceleration": np.abs(
+                mass @ data.qacc + reference.bias(q, v) - reference.buoyancy(q)
+            ).max(),
+            "buoyancy": np.abs(data.qfrc_passive + 0 * q - reference.buoyancy(q)).max(),
+        }
+        worst = {name: max(worst[name], float(value)) for name, value in found.items()}
+    return worst
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return mjcf()
+
+
+def test_equals_pinocchio_in_sea_water(text):
+    worst = errors(text)
+    assert worst["fk"] < 1e-12
+    assert worst["mass"] < 1e-12
+    assert worst["acceleration"] < 1e-12
+    # the buoyancy bodies' own weight, cancelled in qacc, shows in this field
+    assert worst["buoyancy"] < 2e-12
+
+
+def tensor(inertial: ET.Element) -> np.ndarray:
+    """The tensor that principal moments and axes stand for."""
+    w, x, y, z = map(float, inertial.get("quat").split())
+    axes = pin.Quaternion(w, x, y, z).matrix()
+    moments = [float(moment) for moment in inertial.get("diaginertia").split()]
+    return axes @ np.diag(moments) @ axes.T
+
+
+def flipped_products(text: str) -> str:
+    root = ET.fromstring(text)
+    for inertial in root.iter("inertial"):
+        if inertial.get("quat"):
+            i = tensor(inertial)
+            values = [*np.diag(i), -i[0, 1], -i[0, 2], -i[1, 2]]
+            del inertial.attrib["quat"], inertial.attrib["diaginertia"]
+            inertial.set("fullinertia", " ".join(str(float(value)) for value in values))
+    return ET.tostring(root, encoding="unicode")
+
+
+def at_the_com(text: str) -> str:
+    root = ET.fromstring(text)
+    for link in root.iter("body"):
+        for child in link.findall("body"):
+            if child.get("name") == f"{link.get('name')}_buoyancy":
+                child.set("pos", link.find("inertial").get("pos"))
+    return ET.tostring(root, encoding="unicode")
+
+
+def six_digits(text: str) -> str:
+    return re.sub(r"\d+\.\d{7,}", lambda m: f"{float(m.group()):.6g}", text)
+
+
+@pytest.mark.parametrize(
+    ("damage", "field", "at_least"),
+    [
+        (flipped_products, "mass", 1e-5),
+        (at_the_com, "acceleration", 1e-3),
+        (six_digits, "fk", 1e-8),
+        # MuJoCo 3.4.0 loses the force of bodies that weigh nothing
+        (lambda text: re.sub(r' gravcomp="[^"]*"', "", text), "acceleration", 0.5),
+    ],
+    ids=["flipped products", "COM for COB", "six digits", "force lost"],
+)
+def test_damage_is_seen(text, damage, field, at_least):
+    damaged = damage(text)
+    assert damaged != text
+    assert errors(damaged, count=60)[field] > at_least
+
+
+@pytest.mark.parametrize("density", [0.0, 1000.0, 1025.0])
+def test_density_is_an_option_of_the_generator(density):
+    assert errors(mjcf(MjcfOptions(fluid_density=density)), 100, density)["acceleration"] < 1e-12
+
+
+def test_readme_one_liner_changes_the_fluid(text):
+    readme = mjcf_files()["README.md"].decode()
+    code = re.search(r"```python\n(.*?)```", readme, re.DOTALL).group(1)
+    model, data = free(text)
+    exec(code, {"model": model})
+    fresh, sea = Reference(1000.0), Reference(1025.0)
+    q = np.array([1.0, 1.2, 0.7, 2.0])
+    data.qpos = q
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(
+        data.qacc, fresh.acceleration(q, np.zeros(4), np.zeros(4)), atol=1e-10
+    )
+    assert np.abs(data.qacc - sea.acceleration(q, np.zeros(4), np.zeros(4))).max() > 1e-2
+
+
+def test_two_seconds_of_free_motion_in_water(text):
+    reference = Reference()
+    model, data = free(text)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    steps = 4000
+    model.opt.timestep = 2.0 / steps
+    start = np.array([2.0, 0.6, 0.9, 1.0]), np.array([0.3, -0.2, 0.1, 0.4])
+    data.qpos, data.qvel = start
+    mujoco.mj_step(model, data, nstep=steps)
+    q, _ = reference.free_motion(*start, 2.0, steps)
+    finer, _ = reference.free_motion(*start, 2.0, 2 * steps)
+    assert np.abs(q - start[0]).max() > 0.5  # it did move
+    assert np.abs(data.qpos - finer).max() < 1e-7
+    assert np.abs(q - finer).max() < 1e-7  # the integration itself is that good
+    in_air, _ = Reference(0.0).free_motion(*start, 2.0, steps)
+    assert np.abs(in_air - finer).max() > 0.1
+
+
+def test_jaws_equal_pinocchio_with_the_fingers_anywhere():
+    pin_model = pin.buildModelFromUrdf(str(URDF / "alpha5_jaws.urdf"))
+    pin_data = pin_model.createData()
+    bodies = {b.name: (b.volume, b.cob) for b in split_link_4(parameters()).bodies}
+    bodies |= {link.name: (link.volume, link.cob) for link in parameters().links[:4]}
+    model, data = free(mjcf(MjcfOptions(gripper="jaws")))
+    order = [model.joint(name).id for name in list(pin_model.names)[1:]]
+    rng = np.random.default_rng(5)
+    for _ in range(200):
+        q, v = rng.uniform(-1, 1, 7), rng.uniform(-1, 1, 7)
+        data.qpos[order], data.qvel[order] = q, v
+        mujoco.mj_forward(model, data)
+        pin.computeJointJacobians(pin_model, pin_data, q)
+        pin.updateFramePlacements(pin_model, pin_data)
+        force = np.zeros(7)
+        for name, (volume, cob) in bodies.items():
+            frame = pin_model.getFrameId(name)
+            jacobian = pin.getFrameJacobian(pin_model, pin_data, frame, pin.LOCAL_WORLD_ALIGNED)
+            arm = pin_data.oMf[frame].rotation @ cob
+            lift = np.array([0, 0, 1025.0 * volume * 9.81])
+            force += jacobian.T @ np.concatenate([lift, np.cross(arm, lift)])
+        torque = pin.rnea(pin_model, pin_data, q, v, data.qacc[order])
+        np.testing.assert_allclose(torque, force, atol=2e-12)
+
+
+def test_jaws_closed_are_the_locked_arm_in_water():
+    locked, locked_data = free(mjcf())
+    jaws, jaws_data = free(mjcf(MjcfOptions(gripper="jaws")))
+    closed = [parameters().joints[4].lower, 0.0, 0.0]
+    for q in configurations(60, seed=3):
+        locked_data.qpos = q
+        jaws_data.qpos = [*q, *closed]
+        mujoco.mj_forward(locked, locked_data)
+        mujoco.mj_forward(jaws, jaws_data)
+        mass = mass_matrix(jaws, jaws_data)[:4, :4]
+        np.testing.assert_allclose(mass, mass_matrix(locked, locked_data), atol=1e-13)
+        statics = [d.qfrc_bias[:4] - d.qfrc_passive[:4] for d in (locked_data, jaws_data)]
+        np.testing.assert_allclose(*statics, atol=1e-12)
+
+
+def test_fingers_follow_the_rod():
+    model, data = compiled(mjcf(MjcfOptions(gripper="jaws")))
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    joint = parameters().joints[4]
+    data.ctrl[4] = joint.upper
+    mujoco.mj_step(model, data, nstep=2000)
+    rod, *fingers = data.qpos[4:]
+    assert rod == pytest.approx(joint.upper, abs=5e-4)
+    assert fingers == pytest.approx([51 * (rod - joint.lower)] * 2, abs=5e-3)
+    assert min(fingers) > 0.55
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.parametrize("posture", ["stow", "home", "reach"])
+def test_servos_hold_the_postures_under_water_without_contact(tmp_path, gripper, posture):
+    files = mjcf_files(MjcfOptions(gripper=gripper))
+    model, data = compiled_folder(files, tmp_path)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(posture).id)
+    key = data.qpos.copy()
+    assert np.all(key[:4] >= LOWER)
+    assert np.all(key[:4] <= UPPER)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+    mujoco.mj_step(model, data, nstep=1000)
+    assert np.abs(data.qpos - key).max() < 0.02
+    assert np.abs(data.qvel).max() < 1e-3
+
+
+def compiled_folder(files: dict[str, bytes], folder: Path):
+    """Write the files and compile the scene."""
+    for name, content in files.items():
+        atomic_write(folder / name, content)
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    return model, mujoco.MjData(model)
+
+
+def test_velocity_servos_move_at_the_speed_asked_for():
+    model, data = compiled(mjcf(MjcfOptions(actuators="velocity")))
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    start, speed = data.qpos.copy(), np.array([0.2, 0.1, -0.1, 0.3])
+    data.ctrl = speed
+    mujoco.mj_step(model, data, nstep=1000)
+    np.testing.assert_allclose(data.qpos - start, speed * data.time, atol=0.02)
+    np.testing.assert_allclose(data.qvel, speed, atol=2e-3)
+
+
+@pytest.mark.parametrize("actuators", ["position", "velocity", "motor"])
+def test_ten_seconds_of_random_control_without_a_warning(tmp_path, monkeypatch, actuators):
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "alpha5"
+    arguments = ["--format", "mjcf", "--gripper", "jaws", "--actuators", actuators]
+    assert main(["generate", *arguments, "--output", str(folder)]) == 0
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    low, high = model.actuator_ctrlrange.T
+    rng = np.random.default_rng(8)
+    while data.time < 10.0:
+        if actuators == "motor":  # a tenth of the placeholder efforts, which no arm here has
+            data.ctrl = 0.1 * rng.uniform(low, high)
+        else:
+            data.ctrl = rng.uniform(low, high)
+        mujoco.mj_step(model, data, nstep=50)
+    assert np.isfinite(data.qpos).all()
+    assert [int(warning.number) for warning in data.warning] == [0] * len(data.warning)
+
+
+def test_a_warning_would_be_seen(text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log where it stands
+    model, data = compiled(text)
+    data.qvel[0] = 1e12
+    mujoco.mj_step(model, data)
+    assert sum(int(warning.number) for warning in data.warning) > 0
+
+
+def test_drag_acts_on_links_only_and_takes_energy():
+    with_drag = mjcf(MjcfOptions(drag=True))
+    root = ET.fromstring(with_drag)
+    for link in list(root.iter("body")):
+        for child in link.findall("body"):
+            if child.get("name").endswith("_buoyancy"):
+                link.remove(child)
+    bare, bare_data = free(ET.tostring(root, encoding="unicode"))
+    model, data = free(with_drag)
+    phantom, phantom_data = free(re.sub(r'<geom class="no_drag" />', "", with_drag))
+    rng = np.random.default_rng(4)
+    for q in configurations(30, seed=2):
+        v = rng.uniform(-1, 1, 4)
+        for m, d in ((model, data), (bare, bare_data), (phantom, phantom_data)):
+            d.qpos, d.qvel = q, v
+            mujoco.mj_forward(m, d)
+        np.testing.assert_allclose(data.qfrc_fluid, bare_data.qfrc_fluid, atol=1e-9)
+        assert v @ data.qfrc_fluid < 0
+    assert np.abs(phantom_data.qfrc_fluid - bare_data.qfrc_fluid).max() > 1e-2
+
+
+def test_numbers_are_written_with_all_their_digits(text):
+    root = ET.fromstring(text)
+    for link in parameters().links:
+        inertial = root.find(f".//body[@name='{link.name}']/inertial")
+        np.testing.assert_allclose(tensor(inertial), link.inertia, rtol=0, atol=1e-18)
+        assert [float(x) for x in inertial.get("pos").split()] == list(link.com)
+        assert float(inertial.get("mass")) == link.mass
+    compensation = float(root.find(".//body[@name='link_0_buoyancy']").get("gravcomp"))
+    for name, litres in VOLUME.items():
+        body = root.find(f".//body[@name='{name}_buoyancy']")
+        displaced = float(body.find("inertial").get("mass")) * (compensation - 1)
+        assert displaced == pytest.approx(1025.0 * litres / 1000, rel=1e-15)
+
+
+def test_same_bytes_twice_and_no_path_inside(tmp_path):
+    options = MjcfOptions(gripper="jaws", drag=True)
+    assert mjcf_files(options) == mjcf_files(options)
+    assert str(tmp_path.parent).encode() not in b"".join(mjcf_files(options).values())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error"),
+    [
+        ({"gripper": "none"}, UnknownNameError),
+        ({"actuators": "muscle"}, UnknownNameError),
+        ({"fluid_density": -1.0}, InputError),
+        ({"fluid_density": float("nan")}, NonFiniteError),
+        ({"fluid_density": "sea"}, InputError),
+        ({"collision": "mesh"}, UnknownNameError),
+        ({"corrections": ("no_such",)}, UnknownNameError),
+    ],
+)
+def test_bad_options_are_one_clear_line(wrong, error):
+    with pytest.raises(error) as caught:
+        MjcfOptions(**wrong)
+    assert "\n" not in str(caught.value)

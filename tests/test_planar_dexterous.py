@@ -1,0 +1,348 @@
+"""Dexterous workspaces: the theorem, the exact condition, brute force, the notes' table."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.kinematics.planar import (
+    PlanarArm,
+    dexterity,
+    dexterity_map,
+    dexterous_area,
+    dexterous_radii,
+    lecture_theorem,
+    necessary_conditions,
+    theorem_radii,
+    theorem_row,
+    turns_fully,
+)
+
+#: The notes' experiment, l = (5, 4, 1), typed from the page: l_4, sum of the pair, half the total.
+NOTES = [
+    (10, 9, 10),
+    (9, 9, 9.5),
+    (8, 9, 9),
+    (7, 9, 8.5),
+    (6, 9, 8),
+    (5, 9, 7.5),
+    (4, 8, 7),
+    (3, 7, 6.5),
+    (2, 6, 6),
+    (1.9, 5.9, 5.95),
+]
+
+
+def brute_force(lengths: np.ndarray, radius: np.ndarray, turns: int = 720) -> np.ndarray:
+    """Turn the last link of 3R arms through a full turn and solve the remaining 2R arm each time.
+
+    Args:
+        lengths: (M, 3).
+        radius: Distance of the pinned tip from the base, (M,).
+
+    Returns:
+        Whether the law of cosines has a solution at every step, (M,).
+    """
+    phi = np.arange(turns) * (2 * math.pi / turns)  # both critical directions, 0 and pi, included
+    l_1, l_2, l_3 = lengths.T[..., None]
+    wrist_x = radius[:, None] - l_3 * np.cos(phi)
+    wrist_y = -l_3 * np.sin(phi)
+    cosine = (wrist_x**2 + wrist_y**2 - l_1**2 - l_2**2) / (2 * l_1 * l_2)
+    return (np.abs(cosine) <= 1 + 1e-12).all(axis=1)
+
+
+def literal_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
+    half = (l_1 + l_2 + l_3 + l_4) / 2
+    lengths = {1: l_1, 2: l_2, 4: l_4}
+    return all(lengths[i] + lengths[j] >= half for i in lengths for j in lengths if i != j)
+
+
+def test_the_table_of_the_notes() -> None:
+    for l_4, pair, half in NOTES:
+        row = theorem_row(5, 4, 1, l_4)
+        assert (row.l_4, row.pair, row.half) == pytest.approx((l_4, pair, half), abs=1e-12)
+        assert row.theorem == (pair >= half) == (2 <= l_4 <= 8)
+        assert row.exact == row.theorem
+    assert theorem_radii(5, 4, 1) == (2, 8)
+    assert dexterous_radii(PlanarArm((5, 4, 1))) == ((0, 0), (2, 8))
+
+
+def test_with_equal_indices_the_theorem_would_contradict_the_table() -> None:
+    """2 l_4 >= L/2 fails in the row l_4 = 2, which the notes count as satisfied: i differs from j."""
+    assert lecture_theorem(5, 4, 1, 2)
+    assert 2 * 2 < (5 + 4 + 1 + 2) / 2
+
+
+def test_the_cases_where_theorem_and_truth_differ() -> None:
+    assert not lecture_theorem(5, 5, 3, 1)
+    assert turns_fully(PlanarArm((5, 5, 3)), 1)
+    assert not lecture_theorem(5, 4, 1, 0)
+    assert turns_fully(PlanarArm((5, 4, 1)), 0)
+    assert dexterous_radii(PlanarArm((5, 5, 3))) == ((0, 7),)
+    assert theorem_radii(5, 5, 3) == (3, 7)
+
+
+@pytest.mark.parametrize("integers", [False, True])
+def test_theorem_and_exact_condition_against_brute_force(integers: bool) -> None:
+    """Thousands of length triples; small integers hit every equality, zero radius included."""
+    rng = np.random.default_rng(int(integers))
+    count = 3000
+    if integers:
+        lengths, radius = rng.integers(1, 7, (count, 3)) * 1.0, rng.integers(0, 12, count) * 1.0
+    else:
+        lengths, radius = rng.uniform(0.1, 3, (count, 3)), rng.uniform(0, 6, count)
+    truth = brute_force(lengths, radius)
+    exact = np.array([turns_fully(PlanarArm(ls), r) for ls, r in zip(lengths, radius, strict=True)])
+    theorem = np.array([lecture_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)])
+    literal = np.array([literal_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)])
+    assert np.array_equal(exact, truth)
+    assert np.array_equal(theorem, literal)
+    assert not (theorem & ~truth).any()  # sufficient
+    missed = truth & ~theorem
+    assert missed.sum() > count / 100  # and not necessary
+    # Wherever it misses, l_4 is the shortest link, and shorter than l_3.
+    assert (radius[missed] <= lengths[missed].min(axis=1)).all()
+    assert (radius[missed] < lengths[missed, 2]).all()
+
+
+def test_intervals_against_brute_force() -> None:
+    rng = np.random.default_rng(2)
+    for k in range(400):
+        lengths = rng.integers(1, 7, 3) * 1.0 if k % 2 else rng.uniform(0.1, 3, 3)
+        intervals = dexterous_radii(PlanarArm(lengths))
+        ends = [x for interval in intervals for x in interval]
+        assert ends == sorted(ends)
+        radius = np.concatenate([np.linspace(0, lengths.sum(), 60), ends])
+        near = np.abs(radius[:, None] - np.array([*ends, -1.0])).min(axis=1) < 1e-9
+        inside = np.array([any(a <= r <= b for a, b in intervals) for r in radius])
+        truth = brute_force(np.broadcast_to(lengths, (len(radius), 3)), radius)
+        assert np.array_equal((inside | near)[~near], truth[~near])
+        assert truth[near].all()
+        area = sum(math.pi * (b * b - a * a) for a, b in intervals)
+        assert dexterous_area(PlanarArm(lengths)) == pytest.approx(area)
+        theorem = theorem_radii(*lengths)
+        if theorem is not None:
+            assert lecture_theorem(*lengths, theorem[0])
+            assert lecture_theorem(*lengths, theorem[1])
+            assert not lecture_theorem(*lengths, theorem[1] + 1e-6)
+            assert theorem[0] < 1e-6 or not lecture_theorem(*lengths, theorem[0] - 1e-6)
+        else:
+            assert not any(lecture_theorem(*lengths, r) for r in radius)
+
+
+def test_rotating_the_arm_through_the_full_turn_closes() -> None:
+    """With the wrist's circle inside the annulus one elbow serves the whole turn, continuously."""
+    l_1, l_2, l_3, r = 5.0, 4.0, 1.0, 3.0
+    arm = PlanarArm((l_1, l_2, l_3))
+    assert turns_fully(arm, r)
+    phi = np.linspace(0, 2 * math.pi, 2001)
+    x, y = r - l_3 * np.cos(phi), -l_3 * np.sin(phi)
+    elbow = np.arccos((x**2 + y**2 - l_1**2 - l_2**2) / (2 * l_1 * l_2))
+    first = np.arctan2(y, x) - np.arctan2(l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow))
+    q = np.stack([first, elbow, phi - first - elbow], axis=-1)
+    tip = arm.forward_kinematics(q)
+    assert np.abs(tip[:, :2] - [r, 0]).max() < 1e-12
+    assert np.abs(np.diff(q, axis=0)).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    "lengths", [(4, 2, 1, 1), (1, 1, 1, 1), (6, 1, 2, 2), (1, 2, 3, 7), (2, 2, 3, 3, 1)]
+)
+def test_more_joints_by_enumeration(lengths) -> None:
+    """Sample all joints but the last, see which wrist radii occur, turn the last link about p."""
+    rng = np.random.default_rng(3)
+    arm = PlanarArm(lengths)
+    q = rng.uniform(-math.pi, math.pi, (200000, arm.n - 1))
+    q[:5000] = rng.choice([0, math.pi], (5000, arm.n - 1))
+    wrist = np.linalg.norm(arm.part(0, arm.n - 1).forward_kinematics(q)[:, :2], axis=1)
+    low, high = wrist.min(), wrist.max()
+    phi = np.arange(360) * math.pi / 180
+    for r in np.linspace(0, sum(lengths), 101):
+        circle = np.hypot(r - lengths[-1] * np.cos(phi), lengths[-1] * np.sin(phi))
+        if min(abs(circle.min() - low), abs(circle.max() - high)) > 0.05:
+            assert turns_fully(arm, r) == (circle.min() >= low and circle.max() <= high)
+
+
+def test_lengths_that_vary_by_enumeration() -> None:
+    """Prismatic joints: every orientation may be served with another set of lengths."""
+    rng = np.random.default_rng(4)
+    phi = np.arange(72) * (2 * math.pi / 72)
+    for _ in range(60):
+        travel = [tuple(np.sort(rng.uniform(0, 3, 2))) for _ in range(3)]
+        arm = PlanarArm(
+            rng.uniform(0.2, 2, 6),
+            [limit for t in travel for limit in (None, t)],
+            "RPRPRP",
+        )
+        ranges = np.array(arm.length_ranges)
+        grid = [np.linspace(a, b, 41) for a, b in ranges]
+        l_1, l_2 = np.meshgrid(grid[0], grid[1], indexing="ij")
+        # radii that the first two links reach, with any lengths: a union of annuli
+        low, high = np.abs(l_1 - l_2).ravel(), (l_1 + l_2).ravel()
+        for r in rng.uniform(0, 4, 4):
+            link = grid[2]
+            circle = np.hypot(
+                r - link[:, None] * np.cos(phi), link[:, None] * np.sin(phi)
+            )  # length, orientation
+            hit = ((circle[..., None] >= low) & (circle[..., None] <= high)).any(axis=-1)
+            found = bool(hit.any(axis=0).all())
+            if found:
+                assert turns_fully(arm, r)
+            else:
+                slack = 0.1
+                assert not turns_fully(arm, r) or not (
+                    r + link[0] <= high.max() - slack
+                    and max(abs(r - link[0]), abs(r - link[-1])) >= low.min() + slack
+                )
+
+
+def limited_brute_force(arm: PlanarArm, point: np.ndarray, turns: int) -> float:
+    """Share of orientations of a 3R arm with limits, elbow up and elbow down, written out."""
+    l_1, l_2, l_3 = arm.lengths
+    count = 0
+    for k in range(turns):
+        phi = 2 * math.pi * k / turns
+        x, y = point[0] - l_3 * math.cos(phi), point[1] - l_3 * math.sin(phi)
+        cosine = (x * x + y * y - l_1**2 - l_2**2) / (2 * l_1 * l_2)
+        if abs(cosine) > 1:
+            continue
+        for elbow in (math.acos(cosine), -math.acos(cosine)):
+            first = math.atan2(y, x) - math.atan2(
+                l_2 * math.sin(elbow), l_1 + l_2 * math.cos(elbow)
+            )
+            q = (first, elbow, phi - first - elbow)
+            if all(
+                limit is None
+                or any(limit[0] <= v + 2 * math.pi * m <= limit[1] for m in range(-3, 4))
+                for v, limit in zip(q, arm.limits, strict=True)
+            ):
+                count += 1
+                break
+    return count / turns
+
+
+def test_joint_limits_against_brute_force() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(25):
+        limits = [
+            None if rng.random() < 0.4 else tuple(np.sort(rng.uniform(-4, 4, 2))) for _ in range(3)
+        ]
+        arm = PlanarArm(rng.uniform(0.5, 3, 3), limits)
+        points = rng.uniform(-1, 1, (6, 2)) * arm.reach
+        share = dexterity(arm, points, orientations=45)
+        wanted = [limited_brute_force(arm, p, 45) for p in points]
+        assert np.abs(share - wanted).max() < 1e-12
+
+
+def test_without_limits_the_map_is_the_exact_region() -> None:
+    for lengths in [(5, 4, 1), (5, 5, 3), (2, 3, 4)]:
+        arm = PlanarArm(lengths)
+        radius = np.linspace(0.013, sum(lengths), 80)
+        share = dexterity(arm, np.stack([radius, 0 * radius], axis=-1), orientations=360)
+        exact = np.array([turns_fully(arm, r) for r in radius])
+        assert np.array_equal(share == 1, exact)
+
+
+@pytest.mark.parametrize("kinds", ["RPR", "PRR", "PPR", "RRR", "RRRR", "PRRR", "RPRR"])
+def test_reached_orientations_are_reached(kinds: str) -> None:
+    """Sample joints, take their poses: `dexterity` must count each of these orientations."""
+    rng = np.random.default_rng(6)
+    n = len(kinds)
+    limits = [(-1.0, 1.5) if k == "R" else (0.2, 2.0) for k in kinds]
+    arm = PlanarArm(rng.uniform(0.5, 2, n), limits, kinds, rng.uniform(-1, 1, n))
+    low, high = np.array(limits).T
+    for q in low + rng.random((12, n)) * (high - low):
+        if n > 3:  # earlier joints are sampled: stand at a sample
+            q[0] = np.linspace(low[0], high[0], 101)[47]
+        heading = arm.forward_kinematics(q)[2]
+        # the one orientation that is asked for is zero: turn the first constant angle until it is
+        turned = PlanarArm(arm.lengths, limits, kinds, (arm.angles[0] - heading, *arm.angles[1:]))
+        point = turned.forward_kinematics(q)[:2]
+        assert dexterity(turned, point, orientations=1, samples=101) == 1
+
+
+def test_the_map_has_the_exact_area() -> None:
+    arm = PlanarArm((5, 4, 1))
+    found = dexterity_map(arm, resolution=81, orientations=120)
+    assert found.share.shape == (len(found.y), len(found.x))
+    assert found.spacing == pytest.approx(20 / 80)
+    circles = 2 * math.pi * (2 + 8)  # half a square along either circle
+    assert abs(found.area - dexterous_area(arm)) < 0.5 * found.spacing * circles
+    limited = dexterity_map(PlanarArm((5, 4, 1), [None, None, (-3, 3)]), 41)
+    assert 0 < limited.area < dexterous_area(arm)
+    i, j = 12, 20
+    point = np.array([limited.x[i], limited.y[j]])
+    arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
+    assert limited.share[j, i] == pytest.approx(limited_brute_force(arm, point, 120))
+
+
+def test_negative_controls_of_the_map() -> None:
+    arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
+    assert dexterity(arm, [20.0, 0.0]) == 0
+    assert 0 < dexterity(arm, [9.5, 0.0]) < 1
+    assert dexterity(PlanarArm((5, 4, 1)), [5.0, 0.0]) == 1
+
+
+def test_necessary_conditions() -> None:
+    assert necessary_conditions(PlanarArm((5, 4, 1))).satisfied
+    assert necessary_conditions(PlanarArm((1, 1, 1), [(0, 1), (0, 1), None], "PPR")).satisfied
+    two = necessary_conditions(PlanarArm((5, 5)))
+    assert not two.satisfied
+    assert "takes two" in two.reasons[0]
+    limited = necessary_conditions(PlanarArm((5, 4, 1), [(0, 1)] * 3))
+    assert [*limited.reasons] == ["no revolute joint without limits: not every orientation occurs"]
+    # They speak of an interior: this arm has one dexterous point, and no more.
+    assert dexterous_radii(PlanarArm((5, 5))) == ((0, 0),)
+    assert dexterous_radii(PlanarArm((5, 4))) == ()
+
+
+@pytest.mark.parametrize(
+    ("lengths", "radii"),
+    [
+        ((3,), ()),
+        ((5, 5), ((0, 0),)),
+        ((1, 1, 2), ((0, 0),)),
+        ((1, 1, 3), ()),
+        ((3, 1, 1), ((3, 3),)),  # hand and elbow: r + 1 <= 4 and |r - 1| >= 2
+        ((0.3, 0.2, 0.1), ((0, 0), (0.2, 0.4))),
+    ],
+)
+def test_isolated_radii(lengths, radii) -> None:
+    got = dexterous_radii(PlanarArm(lengths))
+    assert len(got) == len(radii)
+    for ours, wanted in zip(got, radii, strict=True):
+        assert ours == pytest.approx(wanted, abs=1e-15)
+    if all(a == b for a, b in radii):
+        assert dexterous_area(PlanarArm(lengths)) == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: lecture_theorem(0, 1, 1, 1), "l_1"),
+        (lambda: lecture_theorem(1, -1, 1, 1), "l_2"),
+        (lambda: lecture_theorem(1, 1, math.nan, 1), "l_3"),
+        (lambda: lecture_theorem(1, 1, 1, -0.1), "l_4"),
+        (lambda: theorem_radii(1, 1, 0), "l_3"),
+        (lambda: turns_fully(PlanarArm((1, 1)), -1), "radius"),
+        (lambda: turns_fully(PlanarArm((1, 1), [(0, 1), None]), 1), "without limits"),
+        (lambda: dexterous_radii(PlanarArm((1, 1), [(0, 1), None], "PR")), "without limits"),
+        (lambda: dexterity(PlanarArm((1, 1)), [0, 0]), "three joints"),
+        (
+            lambda: dexterity(PlanarArm((1, 1, 1), [None, None, (0, 1)], "RRP"), [0, 0]),
+            "last one R",
+        ),
+        (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0, 0]), "points"),
+        (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], orientations=0), "orientations"),
+        (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], samples=1.5), "samples"),
+        (lambda: dexterity_map(PlanarArm((1, 1, 1)), resolution=1), "resolution"),
+        (lambda: dexterity_map(PlanarArm((1, 1))), "three joints"),
+    ],
+)
+def test_bad_input(call, words) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        call()
+    assert isinstance(caught.value, Alpha5Error)

@@ -1,0 +1,308 @@
+"""Workspaces of planar arms against closed forms, enumeration and numerical inverse kinematics."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.errors import (
+    Alpha5Error,
+    InputError,
+    MissingParameterError,
+    NonFiniteError,
+    ShapeError,
+)
+from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.kinematics.planar import Arc, PlanarArm, Segment, Workspace, annulus, workspace
+
+TURN = 2 * math.pi
+QUARTER = math.pi / 2
+
+LIMITED = {
+    "RR": PlanarArm((5, 4), [(0, 2), (0.3, 2.5)]),
+    "RR, elbow through zero": PlanarArm((5, 4), [(-1, 2), (-2.5, 1.0)]),
+    "RR, first free": PlanarArm((5, 4), [None, (-2.5, 2.5)]),
+    "RR, second free": PlanarArm((5, 4), [(-1, 2), None]),
+    "RR, almost free": PlanarArm((5, 4), [(-3.1, 3.1), (-3.0, 3.0)]),
+    "RR, equal links": PlanarArm((3, 3), [(-2, 2), (0.5, 3.0)]),
+    "RRR": PlanarArm((5, 4, 3), [(-1, 2), (-1, 2.5), (-1, 1)]),
+    "RRR, narrow": PlanarArm((2, 3, 1), [(0, 0.3), (1, 1.4), (-2, -1)]),
+    "RRRR": PlanarArm((5, 4, 3, 1), [(-1, 2), (-1, 1.5), (-1, 1), (-1, 2)]),
+    "RP": PlanarArm((1, 0), [(-1, 2), (1, 3)], "RP"),
+    "RP, sideways": PlanarArm((1, 0.5), [(-1, 2), (0, 2)], "RP", (0, QUARTER)),
+    "PR": PlanarArm((1, 2), [(0, 3), None], "PR"),
+    "PR, limited": PlanarArm((1, 2), [(0, 3), (0, 2)], "PR"),
+    "PP": PlanarArm((0, 0), [(1, 4), (0, 2)], "PP", (0, QUARTER)),
+    "PP, oblique": PlanarArm((0.2, 0.1), [(0, 1), (0, 2)], "PP", (0.3, 1.0)),
+    "RPR": PlanarArm((1, 1, 0.5), [(0, 2), (0, 1), (-1, 1)], "RPR", (0, 0.5, 0)),
+    "PRR": PlanarArm((0, 2, 1), [(0, 2), (-1, 1), (0.2, 2)], "PRR"),
+    "RRP": PlanarArm((2, 1, 0), [(-1, 1), (0, 2), (0.5, 1)], "RRP"),
+    "RPRR, curves that touch": PlanarArm(
+        (1, 3, 1, 1),
+        [(-2 * math.pi / 3, -math.pi / 6), (0, 1), (-QUARTER, math.pi / 6), (-5 * math.pi / 6, 0)],
+        "RPRR",
+        (0, QUARTER, QUARTER, 0),
+    ),
+    "RRR, middle locked": PlanarArm((2, 1, 1.5), [(-1, 1), (0.7, 0.7), (0, 2)]),
+}
+FREE = [
+    (5,),
+    (5, 4),
+    (5, 5),
+    (4, 5),
+    (5, 4, 1),
+    (9, 2, 1),
+    (1, 2, 9),
+    (3, 3, 3),
+    (1, 1, 1, 8),
+    (2, 3, 4, 5, 6),
+]
+
+
+def bounds(arm: PlanarArm) -> tuple[np.ndarray, np.ndarray]:
+    pairs = [(-math.pi, math.pi) if r is None else r for r in arm.limits]
+    return np.array([a for a, _ in pairs]), np.array([b for _, b in pairs])
+
+
+def random_tips(arm: PlanarArm, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Enumeration; half of the joint values sit at a limit now and then, to fill the corners."""
+    low, high = bounds(arm)
+    share = rng.random((count, arm.n))
+    share = np.where(rng.random(share.shape) < 0.15, rng.integers(0, 2, share.shape), share)
+    return arm.forward_kinematics(low + share * (high - low))[:, :2]
+
+
+def distances(arm: PlanarArm, points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Least distances from points (M, 2) to the tip, by damped least squares within the limits.
+
+    32 starts each, chosen among random ones; a joint that is pushed against its limit is let go.
+    """
+    low, high = bounds(arm)
+    starts = low + rng.random((3000, arm.n)) * (high - low)
+    gaps = np.linalg.norm(arm.forward_kinematics(starts)[:, :2] - points[:, None], axis=-1)
+    q = starts[np.argsort(gaps, axis=1)[:, :32]]
+    best = np.full(len(points), np.inf)
+    for step in range(90):
+        error = points[:, None] - arm.forward_kinematics(q)[..., :2]
+        best = np.minimum(best, np.linalg.norm(error, axis=-1).min(axis=1))
+        jacobian = arm.jacobian(q)[..., :2, :]
+        pull = np.einsum("...ij,...i->...j", jacobian, error)
+        stuck = ((q <= low) & (pull < 0)) | ((q >= high) & (pull > 0))
+        jacobian = np.where(stuck[..., None, :], 0.0, jacobian)
+        damping = (1e-3 if step < 45 else 1e-7) * np.einsum("...i,...i->...", error, error) + 1e-12
+        square = jacobian @ np.swapaxes(jacobian, -1, -2) + damping[..., None, None] * np.eye(2)
+        move = np.swapaxes(jacobian, -1, -2) @ np.linalg.solve(square, error[..., None])
+        q = np.clip(q + np.clip(move[..., 0], -0.5, 0.5), low, high)
+    return best
+
+
+def general_route(arm: PlanarArm, monkeypatch: pytest.MonkeyPatch) -> Workspace:
+    """The workspace by critical curves, the closed form of unlimited arms switched off."""
+    monkeypatch.setattr(PlanarArm, "length_ranges", None)
+    return workspace(arm)
+
+
+@pytest.mark.parametrize("name", LIMITED)
+def test_every_enumerated_point_is_inside(name: str) -> None:
+    arm = LIMITED[name]
+    tips = random_tips(arm, 20000, np.random.default_rng(1))
+    assert arm.workspace().contains(tips).all()
+
+
+@pytest.mark.parametrize("name", LIMITED)
+def test_the_boundary_divides_reachable_from_unreachable(name: str) -> None:
+    """On either side of every edge, ask a numerical solver that knows nothing of curves."""
+    arm, rng = LIMITED[name], np.random.default_rng(2)
+    space = arm.workspace()
+    assert space.edges
+    step = 2e-3 * arm.reach
+    on, normal = [], []
+    for edge in space.edges:
+        low, high = edge.curve.interval
+        t = low + (high - low) * rng.uniform(0.3, 0.7)
+        on.append(edge.curve.point(t))
+        normal.append(edge.curve.left(t) * (1 if edge.inside_left else -1))
+    on, normal = np.array(on), np.array(normal)
+    assert space.contains(on).all()
+    # On the boundary itself the arm is singular: convergence is slow there.
+    assert (distances(arm, on, rng) < 1e-5 * arm.reach).all()
+    within, beyond = on + step * normal, on - step * normal
+    within = within[space.contains(within)]  # thinner parts are crossed by the step
+    beyond = beyond[~space.contains(beyond)]
+    assert len(within) > 0.7 * len(on)
+    assert len(beyond) > 0.7 * len(on)
+    assert (distances(arm, within, rng) < 1e-6 * arm.reach).all()
+    assert (distances(arm, beyond, rng) > 0.02 * step).all()
+
+
+@pytest.mark.parametrize("name", LIMITED)
+def test_points_inside_are_reached_and_points_outside_are_not(name: str) -> None:
+    arm, rng = LIMITED[name], np.random.default_rng(3)
+    points = rng.uniform(-1, 1, (30, 2)) * arm.reach
+    reached = distances(arm, points, rng) < 1e-6 * arm.reach
+    assert np.array_equal(reached, arm.workspace().contains(points))
+
+
+@pytest.mark.parametrize("name", LIMITED)
+def test_area_is_that_of_a_fine_grid(name: str) -> None:
+    """Green's theorem over the boundary against counting the squares whose centre is inside."""
+    arm = LIMITED[name]
+    space, cells = arm.workspace(), 200
+    width = 2 * arm.reach / cells
+    x = -arm.reach + width * (np.arange(cells) + 0.5)
+    grid = np.stack(np.meshgrid(x, x), axis=-1)
+    counted = float(space.contains(grid).sum()) * width**2
+    length = sum(c.span * c.radius if isinstance(c, Arc) else c.length for c in space.curves)
+    assert abs(counted - space.area) < 0.5 * width * length  # half a square along the boundary
+    assert space.area > 0
+
+
+def test_areas_against_closed_forms() -> None:
+    # 2R with the elbow on one side: l1 l2 |cos(a) - cos(b)| times the range of joint 1, from the
+    # determinant l1 l2 sin(q2) of the Jacobian, as long as nothing is covered twice.
+    arm = PlanarArm((5, 4), [(0, 2), (0.3, 2.5)])
+    assert arm.workspace().area == pytest.approx(
+        20 * (math.cos(0.3) - math.cos(2.5)) * 2, rel=1e-13
+    )
+    assert PlanarArm((1, 0), [(-1, 2), (1, 3)], "RP").workspace().area == pytest.approx(
+        3 * (16 - 4) / 2, rel=1e-13
+    )
+    assert LIMITED["PP"].workspace().area == pytest.approx(6, rel=1e-13)
+    oblique = 1 * 2 * math.sin(1.0)
+    assert LIMITED["PP, oblique"].workspace().area == pytest.approx(oblique, rel=1e-13)
+    # A circle of radius 2 slid over 3: the stadium less the lens that no circle touches.
+    lens = 2 * 4 * math.acos(3 / 4) - 1.5 * math.sqrt(16 - 9)
+    stadium = 4 * math.pi + 3 * 4
+    assert LIMITED["PR"].workspace().area == pytest.approx(stadium - lens, rel=1e-12)
+    for lengths in FREE:
+        low = max(0, 2 * max(lengths) - sum(lengths))
+        area = math.pi * (sum(lengths) ** 2 - low**2)
+        wanted = area if len(lengths) > 1 else 0.0
+        assert PlanarArm(lengths).workspace().area == pytest.approx(wanted, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("arm", "shape"),
+    [
+        (PlanarArm((5,)), "circle"),
+        (PlanarArm((5,), [(0, 1)]), "arc"),
+        (PlanarArm((5,), [(1, 1)]), "point"),
+        (PlanarArm((0,), [(1, 2)], "P"), "interval"),
+        (PlanarArm((1,), [(2, 2)], "P"), "point"),
+        (PlanarArm((5, 4)), "annulus"),
+        (PlanarArm((5, 5)), "disc"),
+        (PlanarArm((5, 4, 1)), "disc"),
+        (PlanarArm((9, 2, 1)), "annulus"),
+        (PlanarArm((1, 0), [None, (1, 3)], "RP"), "annulus"),
+        (PlanarArm((1, 0), [None, (-1, 3)], "RP"), "disc"),
+        (PlanarArm((5, 4), [None, (0.5, 0.5)]), "circle"),
+        (PlanarArm((5, 4), [None, (-2.5, 2.5)]), "annulus"),
+        (PlanarArm((5, 4), [(0, 2), (0.3, 2.5)]), "region"),
+        (PlanarArm((1, 1), [(0, 1), (0, 1)], "PP"), "interval"),
+    ],
+)
+def test_shapes(arm: PlanarArm, shape: str) -> None:
+    space = arm.workspace()
+    assert space.shape == shape
+    assert space.contains(random_tips(arm, 500, np.random.default_rng(4))).all()
+
+
+@pytest.mark.parametrize("lengths", FREE)
+def test_without_limits_two_routes_agree(lengths, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = PlanarArm(lengths)
+    exact = arm.workspace()
+    tips = np.linalg.norm(random_tips(arm, 20000, np.random.default_rng(5)), axis=1)
+    low, high = exact.radii
+    assert low - 1e-12 <= tips.min()
+    assert tips.max() <= high + 1e-12
+    assert high == pytest.approx(sum(lengths))
+    general = general_route(arm, monkeypatch)
+    assert (general.shape, len(general.edges)) == (exact.shape, len(exact.edges))
+    assert general.area == pytest.approx(exact.area, rel=1e-12)
+    radii = np.linspace(0, 1.1 * high, 200)
+    ring = np.stack([radii * math.cos(0.3), radii * math.sin(0.3)], axis=-1)
+    away = (np.abs(radii - low) > 1e-6) & (np.abs(radii - high) > 1e-6)
+    assert np.array_equal(general.contains(ring)[away], exact.contains(ring)[away])
+
+
+def test_annulus_of_varying_lengths_by_enumeration() -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(300):
+        count = int(rng.integers(1, 5))
+        ranges = np.sort(rng.uniform(0, 3, (count, 2)), axis=1)
+        lengths = ranges[:, 0] + rng.random((4000, count)) * np.diff(ranges).T
+        corners = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, count)
+        lengths = np.vstack([lengths, corners])
+        inner = np.maximum(0, 2 * lengths.max(axis=1) - lengths.sum(axis=1))
+        low, high = annulus([tuple(r) for r in ranges])
+        assert high == pytest.approx(lengths.sum(axis=1).max())
+        assert low <= inner.min() + 1e-12
+        assert low == pytest.approx(inner.min(), abs=0.35)
+        if low > 0:  # the formula's own corner is among the samples
+            assert low == pytest.approx(inner.min(), abs=1e-12)
+
+
+def test_forward_kinematics_is_that_of_the_dh_chain() -> None:
+    lengths, rng = (5, 4, 1), np.random.default_rng(7)
+    chain = DHChain.from_table([[0, 0, a, 0, 0] for a in lengths])
+    q = rng.uniform(-3, 3, (50, 3))
+    pose, tip = chain.forward_kinematics(q), PlanarArm(lengths).forward_kinematics(q)
+    assert np.abs(tip[:, :2] - pose[:, :2, 3]).max() < 1e-14
+    assert np.abs(np.cos(tip[:, 2]) - pose[:, 0, 0]).max() < 1e-14
+
+
+@pytest.mark.parametrize("name", ["RR", "RPR", "PP, oblique", "PRR"])
+def test_jacobian_is_the_derivative(name: str) -> None:
+    arm, rng = LIMITED[name], np.random.default_rng(8)
+    q, h = rng.uniform(-2, 2, (20, arm.n)), 1e-6
+    for j in range(arm.n):
+        e = h * np.eye(arm.n)[j]
+        rate = (arm.forward_kinematics(q + e) - arm.forward_kinematics(q - e)) / (2 * h)
+        assert np.abs(rate - arm.jacobian(q)[..., j]).max() < 1e-8
+
+
+def test_a_hole_and_a_slit() -> None:
+    """Negative controls: what lies in the lens of the PR arm, or below the 2R arm, is out."""
+    space = LIMITED["PR"].workspace()
+    assert not space.contains([2.5, 0.0])
+    assert space.contains([2.5, 1.5])
+    assert not LIMITED["RR"].workspace().contains([[0, -3], [0, 1], [9, 0]]).any()
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda: PlanarArm(()), ShapeError, "at least one"),
+        (lambda: PlanarArm(3), ShapeError, "lengths"),
+        (lambda: PlanarArm((1, -2)), InputError, "positive, got -2"),
+        (lambda: PlanarArm((1, 0)), InputError, "positive, got 0"),
+        (lambda: PlanarArm((1, math.nan)), NonFiniteError, r"lengths\[1\]"),
+        (lambda: PlanarArm((1, math.inf)), NonFiniteError, r"lengths\[1\]"),
+        (lambda: PlanarArm(("a",)), InputError, "lengths"),
+        (lambda: PlanarArm((1, 2), [(1, 0), None]), InputError, "lower <= upper"),
+        (lambda: PlanarArm((1, 2), [(0, 1)]), ShapeError, "limits"),
+        (lambda: PlanarArm((1, 2), [(0, math.nan), None]), NonFiniteError, "limits"),
+        (lambda: PlanarArm((1, 2), [(0, 1, 2), None]), ShapeError, "limits"),
+        (lambda: PlanarArm((1, 2), None, "RX"), InputError, "joints"),
+        (lambda: PlanarArm((1, 2), None, "R"), InputError, "joints"),
+        (lambda: PlanarArm((1, 2), None, "RP"), MissingParameterError, "prismatic"),
+        (lambda: PlanarArm((1, -1), [None, (0, 1)], "RP"), InputError, "not negative"),
+        (lambda: PlanarArm((1, 2), angles=(0,)), ShapeError, "angles"),
+        (lambda: PlanarArm((1, 2)).forward_kinematics([1]), ShapeError, "q"),
+        (lambda: PlanarArm((1, 2)).workspace().contains([1, 2, 3]), ShapeError, "points"),
+    ],
+)
+def test_bad_input(call, error, words) -> None:
+    with pytest.raises(error, match=words) as caught:
+        call()
+    assert isinstance(caught.value, Alpha5Error)
+
+
+def test_public_names_and_ranges_of_a_turn() -> None:
+    assert a5.planar.PlanarArm is PlanarArm
+    assert PlanarArm((1,), [(-math.pi, math.pi)]).limits == (None,)
+    assert isinstance(PlanarArm((0,), [(1, 2)], "P").workspace().thin[0], Segment)
+    assert PlanarArm((1, 2)) == PlanarArm((1, 2), [None, (0, TURN)])

@@ -1,0 +1,259 @@
+"""The Gazebo model: Table 3 by Gazebo's own rule, Tables 1 and 2 by hand, libsdformat where it is."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import COM, INERTIA, LOWER, MASS, UPPER, dh_frames, inertial_frames
+from water_reference import COB, VOLUME
+
+from alpha5_model.cli import main
+from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
+from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.jaws import split_link_4
+from alpha5_model.parameters import parameters
+
+
+def numbers(element: ET.Element | None) -> np.ndarray:
+    return np.array([float(x) for x in element.text.split()])
+
+
+def pose(element: ET.Element) -> np.ndarray:
+    """Element's pose: x y z, then rotations about the fixed x, y and z axes."""
+    found = element.find("pose")
+    x, y, z, roll, pitch, yaw = numbers(found) if found is not None else np.zeros(6)
+    (sr, sp, sy), (cr, cp, cy) = np.sin([roll, pitch, yaw]), np.cos([roll, pitch, yaw])
+    rx = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    ry = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    rz = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = rz @ ry @ rx, (x, y, z)
+    return out
+
+
+def gazebo_buoyancy(text: str) -> dict[str, tuple[float, np.ndarray]]:
+    """Volume and centre of buoyancy of each link, as gz-sim's Buoyancy system takes them.
+
+    ``volume = sum V_i``, ``centre = sum V_i p_i / volume`` over the link's collisions, with the volume of
+    the shape and the position of the collision's pose (gz-sim, ``Buoyancy.cc``, CheckForNewEntities).
+    """
+    found = {}
+    for link in ET.fromstring(text).iter("link"):
+        volume, moment = 0.0, np.zeros(3)
+        for collision in link.findall("collision"):
+            (shape,) = collision.find("geometry")
+            if shape.tag == "box":
+                size = math.prod(numbers(shape.find("size")))
+            elif shape.tag == "cylinder":
+                radius, length = (float(shape.find(n).text) for n in ("radius", "length"))
+                size = math.pi * radius**2 * length
+            else:
+                size = 4 / 3 * math.pi * float(shape.find("radius").text) ** 3
+            volume += size
+            moment += size * pose(collision)[:3, 3]
+        if volume > 0:
+            found[link.get("name")] = volume, moment / volume
+    return found
+
+
+def test_gazebos_rule_gives_table_3():
+    found = gazebo_buoyancy(sdf())
+    assert set(found) == set(VOLUME)
+    for name, litres in VOLUME.items():
+        volume, centre = found[name]
+        assert volume * 1000 == pytest.approx(litres, rel=1e-12)
+        np.testing.assert_allclose(centre * 1000, COB[name], atol=1e-12)
+
+
+def test_gazebos_rule_sees_a_wrong_volume_and_com_for_cob():
+    text = sdf()
+    root = ET.fromstring(text)
+    link = root.find(".//link[@name='link_2']")
+    link.find("collision/pose").text = link.find("inertial/pose").text
+    _, centre = gazebo_buoyancy(ET.tostring(root, encoding="unicode"))["link_2"]
+    assert np.abs(centre * 1000 - COB["link_2"]).max() > 2
+    # the collision bodies of the URDF, several to a link, displace another volume
+    size = link.find("collision/geometry/box/size")
+    size.text = " ".join(str(1.01 * x) for x in numbers(size))
+    volume, _ = gazebo_buoyancy(ET.tostring(root, encoding="unicode"))["link_2"]
+    assert volume * 1000 > 1.02 * VOLUME["link_2"]
+
+
+def test_jaws_displace_the_same_water_together():
+    found = gazebo_buoyancy(sdf(SdfOptions(gripper="jaws")))
+    bodies = {body.name: body for body in split_link_4(parameters()).bodies}
+    moment, volume = np.zeros(3), 0.0
+    for name in ("link_4", "finger_1", "finger_2"):
+        v, centre = found[name]
+        c, s = math.cos(bodies[name].roll), math.sin(bodies[name].roll)
+        turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        volume += v
+        moment += v * (bodies[name].origin + turn @ centre)
+    assert "jaw_rod" not in found
+    assert volume * 1000 == pytest.approx(VOLUME["link_4"], rel=1e-12)
+    np.testing.assert_allclose(moment / volume * 1000, COB["link_4"], atol=1e-11)
+
+
+def link_poses(root: ET.Element, q: np.ndarray) -> dict[str, np.ndarray]:
+    """Poses of the links in base_link, by walking the SDF: link pose at zero, then the joint."""
+    model = root.find("model")
+    base = next(f for f in model.findall("frame") if f.get("name") == "base_link")
+    poses = {"link_0": np.linalg.inv(pose(base))}
+    angles = iter(q)
+    for joint in model.findall("joint"):
+        child = model.find(f"link[@name='{joint.find('child').text}']")
+        parent = joint.find("parent").text
+        assert child.find("pose").get("relative_to") == parent
+        assert joint.find("axis/xyz").text == "0 0 1"
+        assert joint.find("pose") is None  # the joint stands in its child
+        turn = np.eye(4)
+        c, s = math.cos(angle := next(angles)), math.sin(angle)
+        turn[:2, :2] = [[c, -s], [s, c]]
+        poses[child.get("name")] = poses[parent] @ pose(child) @ turn
+    return poses
+
+
+def test_frames_are_those_of_table_1():
+    root = ET.fromstring(sdf())
+    tip = next(f for f in root.iter("frame") if f.get("name") == "tcp")
+    rng = np.random.default_rng(3)
+    for q in rng.uniform(LOWER, UPPER, (200, 4)):
+        found = link_poses(root, q)
+        for i, expected in enumerate(inertial_frames(q)):
+            np.testing.assert_allclose(found[f"link_{i}"], expected, atol=1e-12)
+        np.testing.assert_allclose(found["link_4"] @ pose(tip), dh_frames(q)[5], atol=1e-12)
+
+
+def test_the_document_to_the_letter_turns_the_base_only():
+    letter = ET.fromstring(sdf(SdfOptions(corrections=())))
+    plain = ET.fromstring(sdf())
+    q = np.array([0.4, 1.0, 2.0, 3.0])
+    a, b = link_poses(letter, q), link_poses(plain, q)
+    for i in range(1, 5):
+        np.testing.assert_allclose(a[f"link_{i}"], b[f"link_{i}"], atol=1e-12)
+    np.testing.assert_allclose(a["link_0"] @ b["link_0"], np.diag([-1, -1, 1, 1]), atol=1e-12)
+
+
+def test_inertials_are_those_of_table_2():
+    root = ET.fromstring(sdf())
+    for i, (mass, com, printed) in enumerate(zip(MASS, COM, INERTIA, strict=True)):
+        inertial = root.find(f".//link[@name='link_{i}']/inertial")
+        xx, yy, zz, xy, xz, yz = (x * 1e-6 for x in printed)
+        expected = {"ixx": xx, "iyy": yy, "izz": zz, "ixy": -xy, "ixz": -xz, "iyz": -yz}
+        assert float(inertial.find("mass").text) == mass
+        np.testing.assert_allclose(numbers(inertial.find("pose")), [*np.divide(com, 1e3), 0, 0, 0])
+        for name, value in expected.items():
+            assert float(inertial.find(f"inertia/{name}").text) == pytest.approx(value, rel=1e-14)
+
+
+def test_no_link_is_without_mass():
+    """What has no mass is a frame: a simulated body needs one."""
+    root = ET.fromstring(sdf(SdfOptions(gripper="jaws")))
+    assert all(float(mass.text) > 0 for mass in root.iter("mass"))
+    assert {"base_link", "tcp"} <= {frame.get("name") for frame in root.iter("frame")}
+
+
+def test_world_holds_the_arm_in_the_fluid_asked_for():
+    root = ET.fromstring(sdf_world(SdfOptions(fluid_density=1000.0)))
+    assert root.get("version") == "1.9"
+    plugin = root.find(".//plugin[@name='gz::sim::systems::Buoyancy']")
+    assert plugin.get("filename") == "gz-sim-buoyancy-system"
+    assert float(plugin.find("uniform_fluid_density").text) == 1000.0
+    assert root.find("world/gravity").text == "0 0 -9.81"
+    mount = root.find(".//joint[@name='mount']")
+    assert mount.find("parent").text == "world"
+    assert mount.find("child").text == "alpha5::base_link"
+    arm = root.find(".//model[@name='alpha5']")
+    assert ET.tostring(arm).split() == ET.tostring(ET.fromstring(sdf()).find("model")).split()
+
+
+def test_every_mesh_is_beside_the_model():
+    files = sdf_files(SdfOptions(gripper="jaws"))
+    for name in ("model.sdf", "world.sdf"):
+        uris = {uri.text for uri in ET.fromstring(files[name]).iter("uri")}
+        assert len(uris) == 7
+        assert uris <= set(files)
+    libraries = {
+        line.split()[1]
+        for name, data in files.items()
+        if name.endswith(".obj")
+        for line in data.decode().splitlines()
+        if line.startswith("mtllib")
+    }
+    assert {f"meshes/{library}" for library in libraries} <= set(files)
+
+
+def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
+    environment = {"IGN_CONFIG_PATH": "/usr/share/ignition", "GZ_CONFIG_PATH": "/usr/share/gz"}
+    return subprocess.run(
+        [shutil.which("gz") or shutil.which("ign"), "sdf", "-k", str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**environment, **os.environ},
+    )
+
+
+@pytest.mark.skipif(not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here")
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
+    arguments = ["--format", "sdf", "--gripper", gripper, "--output", str(tmp_path)]
+    assert main(["generate", *arguments]) == 0
+    for name in ("model.sdf", "world.sdf"):
+        done = libsdformat(tmp_path / name)
+        assert "Valid." in done.stdout + done.stderr
+        assert "Error" not in done.stdout
+    broken = tmp_path / "broken.sdf"
+    broken.write_text(
+        sdf().replace("<parent>link_2</parent>", "<parent>link_9</parent>"), encoding="utf-8"
+    )
+    assert "Valid." not in (done := libsdformat(broken)).stdout + done.stderr
+
+
+def test_command_line_refuses_what_the_format_does_not_have(tmp_path, capsys):
+    folder = str(tmp_path / "out")
+    for arguments, option in (
+        (["--format", "sdf", "--prefix", "l_"], "--prefix"),
+        (["--format", "sdf", "--drag"], "--drag"),
+        (["--format", "mjcf", "--ros2-control"], "--ros2-control"),
+        (["--fluid", "fresh"], "--fluid"),
+        (["--format", "usd"], "format"),
+        (["--format", "sdf", "--fluid", "mercury"], "fluid"),
+        (["--format", "sdf", "--fluid", "-5"], "fluid"),
+    ):
+        assert main(["generate", *arguments, "--output", folder]) == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1
+        assert option in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_command_line_wants_a_folder_and_prints_without_one(tmp_path, capsys):
+    file = tmp_path / "taken"
+    file.write_text("mine")
+    assert main(["generate", "--format", "sdf", "--output", str(file)]) == 2
+    assert file.read_text() == "mine"
+    assert "folder" in capsys.readouterr().err
+    assert main(["generate", "--format", "sdf"]) == 0
+    assert ET.fromstring(capsys.readouterr().out).find("model").get("name") == "alpha5"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error"),
+    [
+        ({"gripper": "none"}, UnknownNameError),
+        ({"fluid_density": -1.0}, InputError),
+        ({"corrections": ("no_such",)}, UnknownNameError),
+    ],
+)
+def test_bad_options_are_one_clear_line(wrong, error):
+    with pytest.raises(error) as caught:
+        SdfOptions(**wrong)
+    assert "\n" not in str(caught.value)
