@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from alpha5_model.errors import Alpha5Error, UnreachableError
 
-# Two functions that share their module's name: bound now, so that a later import of the module
+# Three functions that share their module's name: bound now, so that a later import of the module
 # cannot put itself in the function's place.
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
+from alpha5_model.view import view
 
 __version__ = "0.1.0"
 
@@ -87,6 +88,7 @@ __all__ = [
     "__version__",
     "parameters",
     "published",
+    "view",
     *sorted(_PUBLIC),
 ]
 

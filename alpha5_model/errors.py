@@ -163,6 +163,21 @@ class OutputError(Alpha5Error, OSError):
         super().__init__(f"cannot write {path}: {problem}")
 
 
+class PortInUseError(Alpha5Error, OSError):
+    """A network port that another program holds. ``port`` is the one asked for."""
+
+    def __init__(self, port: int) -> None:
+        self.port = port
+        super().__init__(f"port {port} is in use: choose another, or 0 for a free one")
+
+
+class NoDisplayError(Alpha5Error, OSError):
+    """A window or browser was asked for where there is no display."""
+
+    def __init__(self, remedy: str) -> None:
+        super().__init__(f"no display to open a browser on: {remedy}")
+
+
 class MissingDependencyError(Alpha5Error, ImportError):
     """An optional package or program that is not installed."""
 

@@ -24,6 +24,8 @@ def instances() -> list[errors.Alpha5Error]:
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),
         errors.OutputError("out.urdf", "no space left"),
+        errors.PortInUseError(7000),
+        errors.NoDisplayError("give --html FILE"),
         errors.MissingDependencyError("matplotlib", "plotting", "pip install 'alpha5-model[plot]'"),
     ]
 

@@ -14,6 +14,7 @@ from alpha5_model.errors import Alpha5Error
 
 #: Modules of this package, each with a ``register(app)``, in the order of ``alpha5 --help``.
 COMMANDS: tuple[str, ...] = (
+    "demo",
     "generate",
     "check",
     "compare",
@@ -23,6 +24,7 @@ COMMANDS: tuple[str, ...] = (
     "workspace",
     "dh",
     "planar",
+    "view",
 )
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).

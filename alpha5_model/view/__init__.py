@@ -1,1 +1,51 @@
-"""For eyes: pictures and the viewer. No physics in here."""
+"""For eyes: the arm in a browser, on a page, in a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.trajectory.motion import Motion
+    from alpha5_model.view.visualizer import ArmVisualizer
+
+
+def view(
+    arm: Arm,
+    q: ArrayLike | None = None,
+    *,
+    target: ArrayLike | None = None,
+    motion: Motion | None = None,
+    show: Iterable[str] | None = None,
+    port: int = 0,
+) -> ArmVisualizer:
+    """Start a live meshcat viewer on an arm.
+
+    The page has a slider for each joint, switches for everything that can be shown, and the motion's
+    player; ``open()`` shows it in a browser, ``url()`` says where it is, ``display(q)`` and ``play(q, dt)``
+    move the arm, ``static_html()`` is the same as a page for the disk.
+
+    Args:
+        arm: What to show.
+        q: Joint positions, (nq,); the pose ``home`` if None.
+        target: Position for which all solutions of the inverse kinematics stand as ghosts, (3,) [m].
+        motion: Played in real time by the page.
+        show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on.
+        port: Of the page on this machine; 0 for a free one.
+
+    Returns:
+        A `meshcat.Visualizer`.
+
+    Raises:
+        InputError, UnknownNameError: Arguments that do not fit the arm.
+        PortInUseError: The port is taken.
+    """
+    from alpha5_model.view.build import build_scene
+    from alpha5_model.view.visualizer import ArmVisualizer
+
+    return ArmVisualizer(
+        arm, build_scene(arm, q, target=target, motion=motion, show=show), port=port
+    )

@@ -1,0 +1,155 @@
+"""``alpha5 demo``: the whole main job on the real numbers, ending with something to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from alpha5_model.checks import FloatArray
+
+#: A point that all four branches reach within the limits, in base_link [m].
+TARGET = (0.06, 0.05, 0.36)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("demo")(demo)
+
+
+def demo(
+    output: Annotated[Path, typer.Option(help="Folder to write into.")] = Path("demo"),
+) -> int:
+    """Generate the arm, check it, solve it, compute with water, and draw it.
+
+    Example: alpha5 demo --output /tmp/alpha5
+    """
+    passed = _describe(output)
+    _audit()
+    solution = _solve()
+    _compute(solution)
+    made = _show(output, solution)
+    typer.echo(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
+    typer.echo(f"Open {output / made[0]} in a browser: sliders move the arm, play runs a motion.")
+    return 0 if passed else 1
+
+
+def _describe(output: Path) -> bool:
+    from alpha5_model.description.variants import Variant, urdf
+    from alpha5_model.description.verification import verify_urdf
+    from alpha5_model.files import atomic_write
+    from alpha5_model.paths import REPOSITORY_PATH
+
+    typer.echo("1. Description: the document's tables become URDF")
+    for mesh in sorted((Path(REPOSITORY_PATH) / "meshes").glob("*.*")):
+        atomic_write(output / "meshes" / mesh.name, mesh.read_bytes())
+    passed = True
+    for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
+        text = urdf(Variant(gripper=gripper, mesh_prefix="meshes/"))
+        path = atomic_write(output / name, text)
+        rows = verify_urdf(path)
+        failed = [row for row in rows if row.verdict == "failed"]
+        skipped = sum(row.verdict == "not run" for row in rows)
+        good = len(rows) - len(failed) - skipped
+        typer.echo(
+            f"   {name}: {good} checks against the tables passed"
+            + (f", {skipped} not run" if skipped else "")
+            + (f", {len(failed)} FAILED" if failed else "")
+        )
+        for row in failed:
+            typer.echo(f"     {row.check}: {row.finding}")
+        for row in rows:
+            if row.measured is not None:
+                typer.echo(
+                    f"     {row.check}: off by {row.measured:.1e} {row.unit}".rstrip() + " at most"
+                )
+        passed = passed and not failed
+    return passed
+
+
+def _audit() -> None:
+    from alpha5_model.consistency.document import audit
+
+    rows = audit()
+    beyond = [row for row in rows if row.verdict != "agrees"]
+    typer.echo("2. The document against itself")
+    typer.echo(
+        f"   {len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not:"
+    )
+    for topic in dict.fromkeys(row.topic for row in beyond):
+        found = [row for row in beyond if row.topic == topic]
+        row = found[0]
+        more = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        figures = f"{row.measured:.3g} {row.unit}".strip()
+        typer.echo(f"     {row.place}{more}: {figures}, expected {row.relation} {row.expected:.3g}")
+
+
+def _solve() -> FloatArray:
+    from alpha5_model.description.poses import named_pose
+    from alpha5_model.dynamics.loading import load
+    from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+
+    arm = load()
+    solutions = inverse_kinematics(TARGET)
+    x, y, z = (1e3 * c for c in TARGET)
+    typer.echo(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
+    for i, branch in enumerate(BRANCHES):
+        if not solutions.exists[i]:
+            typer.echo(f"   {branch:17} does not reach it")
+            continue
+        q = solutions.q[i]
+        error = abs(arm.forward_kinematics(q).translation - TARGET).max()
+        angles = "  ".join(f"{angle:8.4f}" for angle in q)
+        limits = "within limits" if solutions.within_limits[i] else "beyond limits"
+        typer.echo(f"   {branch:17}{angles} rad   {limits}, back to {error:.0e} m")
+    return solutions.best(named_pose("home"))
+
+
+def _compute(q: FloatArray) -> None:
+    from alpha5_model.dynamics.loading import load
+
+    water, air = load(), load(fluid_density=0.0)
+    typer.echo(
+        f"4. Torque [N m] that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)"
+    )
+    typer.echo("   joint      weight   buoyancy   in water     in air")
+    weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
+    columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
+    for i, name in enumerate(water.joint_names):
+        typer.echo(
+            "   " + name + "".join(f"{round(column[i], 4) + 0.0:11.4f}" for column in columns)
+        )
+
+
+def _show(output: Path, q: FloatArray) -> list[str]:
+    import numpy as np
+
+    from alpha5_model.dynamics.loading import load
+    from alpha5_model.files import atomic_write
+    from alpha5_model.view.arm_poses import named_poses
+    from alpha5_model.view.build import build_scene
+    from alpha5_model.view.framing import framed
+    from alpha5_model.view.page import static_page
+    from alpha5_model.view.picture import picture_png
+    from alpha5_model.view.tour import tour
+
+    typer.echo("5. Pictures")
+    arm = load(gripper="jaws")
+    poses = named_poses(arm)
+    joint = arm.joint_names.index("axis_a")
+    there = np.append(q, poses["home"][joint])
+    opened = there.copy()
+    opened[joint] = 0.008
+    motion = tour(
+        [poses["stow"], poses["home"], there, opened, there, poses["stow"]], arm.joint_names
+    )
+    show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
+    scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)
+    size = (1400, 1000)
+    page = atomic_write(output / "alpha5.html", static_page(scene))
+    image = atomic_write(output / "alpha5.png", picture_png(framed(scene, size), size))
+    for path in (page, image):
+        typer.echo(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
+    return [page.name, image.name]

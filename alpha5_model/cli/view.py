@@ -1,0 +1,135 @@
+"""``alpha5 view``: the arm in a browser, on a page, in a picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+
+if TYPE_CHECKING:
+    from alpha5_model.trajectory import Motion
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("view")(view)
+
+
+def view(
+    pose: Annotated[
+        str, typer.Option(help="stow, home, reach, or joint positions with commas (rad).")
+    ] = "home",
+    target: Annotated[
+        str | None, typer.Option(help="x,y,z (m): show every solution of its inverse kinematics.")
+    ] = None,
+    motion: Annotated[
+        Path | None, typer.Option(help="Recording (CSV) to play in real time.")
+    ] = None,
+    show: Annotated[
+        str | None,
+        typer.Option(
+            help="Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
+            "buoyancy, workspace, surface, ghosts, collision."
+        ),
+    ] = None,
+    gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "jaws",
+    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
+    html: Annotated[
+        Path | None, typer.Option(help="Write one page that works from disk, and end.")
+    ] = None,
+    image: Annotated[
+        Path | None, typer.Option(help="Draw a PNG without a screen, and end.")
+    ] = None,
+    size: Annotated[str, typer.Option(help="Pixels of the PNG.")] = "1600x1000",
+    port: Annotated[int, typer.Option(help="Of the live viewer; 0 for a free one.")] = 0,
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Serve the live viewer without opening a browser.")
+    ] = False,
+) -> int:
+    """Look at the arm: live in a browser, or as a page or a picture.
+
+    Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
+    """
+    from alpha5_model.errors import NoDisplayError
+    from alpha5_model.files import atomic_write
+
+    pixels = _size(size)
+    if html is None and image is None and not serve and not _has_display():
+        raise NoDisplayError(
+            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
+        )
+    from alpha5_model.dynamics.loading import load
+    from alpha5_model.view.arm_poses import pose_of
+    from alpha5_model.view.build import build_scene
+
+    arm = load(gripper=gripper, fluid_density=fluid_density(fluid))
+    scene = build_scene(
+        arm,
+        pose_of(arm, pose),
+        target=None if target is None else triple("target", target),
+        motion=None if motion is None else _read(motion),
+        show=None if show is None else [name.strip() for name in show.split(",") if name.strip()],
+    )
+    if html is not None:
+        from alpha5_model.view.page import static_page
+
+        typer.echo(f"wrote {atomic_write(html, static_page(scene))}")
+    if image is not None:
+        from alpha5_model.view.framing import framed
+        from alpha5_model.view.picture import picture_png
+
+        content = picture_png(framed(scene, pixels), pixels)
+        typer.echo(f"wrote {atomic_write(image, content)}")
+    if html is not None or image is not None:
+        return 0
+    from alpha5_model.view.visualizer import ArmVisualizer
+
+    visualizer = ArmVisualizer(arm, scene, port)
+    typer.echo(f"{visualizer.url()} (Ctrl-C ends)")
+    if not serve:
+        visualizer.open()
+    _wait()
+    visualizer.close()
+    return 0
+
+
+def _has_display() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _wait() -> None:
+    import signal
+    import threading
+
+    over = threading.Event()
+    # A service manager ends it like a user does.
+    before = {s: signal.signal(s, lambda *_: over.set()) for s in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        while not over.wait(timeout=0.5):
+            pass
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _size(text: str) -> tuple[int, int]:
+    from alpha5_model.errors import InputError
+
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
+    return width, height
+
+
+def _read(path: Path) -> Motion:
+    from alpha5_model.trajectory import read_motion
+
+    return read_motion(path)

@@ -1,0 +1,169 @@
+"""A scene as meshcat commands: the same ones for the live viewer and for the page on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.view.scene import GROUPS, Scene, Shape
+from alpha5_model.view.shapes import Mesh
+
+#: Root of the arm in meshcat's scene tree.
+ROOT = "/meshcat/alpha5"
+#: MessagePack extension codes by which meshcat sends typed arrays.
+_CODES = {"f": ("Float32Array", 0x17), "u": ("Uint32Array", 0x16)}
+
+
+@dataclass(frozen=True)
+class Command:
+    """One meshcat command; `lower` is what meshcat's window sends.
+
+    Attributes:
+        content: The message, ready for MessagePack.
+    """
+
+    content: dict[str, Any]
+
+    def lower(self) -> dict[str, Any]:
+        """The message."""
+        return self.content
+
+    def packed(self) -> bytes:
+        """The message as the browser reads it."""
+        import umsgpack  # type: ignore[import-untyped]
+
+        return bytes(umsgpack.packb(self.content))
+
+
+def shape_path(shape: Shape) -> str:
+    """Node of a shape in meshcat's scene tree."""
+    return f"{ROOT}/{shape.group}/{shape.name}"
+
+
+def link_path(link: str) -> str:
+    """Node that carries the bodies of a link."""
+    return f"{ROOT}/bodies/{link}"
+
+
+def scene_commands(scene: Scene) -> Iterator[Command]:
+    """Commands that build a scene from nothing.
+
+    A mesh that several shapes share is sent with the first of them; the page remembers it.
+    """
+    sent: dict[int, str] = {}
+    for shape in scene.shapes:
+        yield _set_object(shape, sent)
+    yield from pose_commands(scene, scene.poses)
+    for group in GROUPS:
+        if group not in ("labels", "see-through"):
+            yield set_visible(group, group in scene.show)
+    yield _set_property("/Background", "top_color", [1.0, 1.0, 1.0])
+    yield _set_property("/Background", "bottom_color", [0.80, 0.86, 0.90])
+    # Dark bodies need more light than meshcat's own scene gives.
+    yield _set_property("/Lights/AmbientLight/<object>", "intensity", 0.75)
+    for name in ("PointLightNegativeX", "PointLightPositiveX", "FillLight"):
+        yield _set_property(f"/Lights/{name}/<object>", "intensity", 0.5)
+    for name in ("/Grid", "/Axes"):
+        yield _set_property(name, "visible", False)
+
+
+def pose_commands(scene: Scene, poses: Mapping[str, FloatArray]) -> Iterator[Command]:
+    """Commands that move everything to other link poses."""
+    for link in poses:
+        yield set_transform(link_path(link), poses[link])
+    for shape in scene.shapes:
+        if shape.group != "bodies":
+            yield set_transform(shape_path(shape), shape.anchor.transform(poses))
+
+
+def set_transform(path: str, matrix: FloatArray) -> Command:
+    """Place a node by a (4, 4) pose in its parent."""
+    return Command({"type": "set_transform", "path": path, "matrix": matrix.T.ravel().tolist()})
+
+
+def set_visible(group: str, visible: bool) -> Command:
+    """Show or hide a group."""
+    return _set_property(f"{ROOT}/{group}", "visible", visible)
+
+
+def _set_property(path: str, name: str, value: Any) -> Command:
+    return Command({"type": "set_property", "path": path, "property": name, "value": value})
+
+
+def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
+    # Names, not random identifiers: the same scene gives the same bytes.
+    name = f"{shape.group}/{shape.name}"
+    geometry = sent.get(id(shape.mesh))
+    if geometry is None:
+        geometry = sent[id(shape.mesh)] = f"{name}:geometry"
+        content = _geometry(geometry, shape.mesh)
+    else:
+        content = {"uuid": geometry, "type": "BufferGeometry"}
+    material = {
+        "uuid": f"{name}:material",
+        "type": "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial",
+        "color": 0xFFFFFF if shape.mesh.colors is not None else _hex(shape.color),
+        "specular": _hex((0.55 * shape.shine,) * 3),
+        "shininess": 40.0,
+        # three.js: 0 front only, 2 both sides. Closed bodies need their front only.
+        "side": 2 if shape.flat else 0,
+        "transparent": shape.on_top > 0 or shape.opacity < 1.0,
+        "opacity": shape.opacity,
+        "depthTest": shape.on_top == 0,
+        "depthWrite": shape.opacity == 1.0,
+        "vertexColors": shape.mesh.colors is not None,
+    }
+    return Command(
+        {
+            "type": "set_object",
+            "path": shape_path(shape),
+            "object": {
+                "metadata": {"version": 4.5, "type": "Object"},
+                "geometries": [content],
+                "materials": [material],
+                "object": {
+                    "uuid": name,
+                    "type": "Mesh",
+                    "geometry": geometry,
+                    "material": f"{name}:material",
+                    "renderOrder": shape.on_top,
+                },
+            },
+        }
+    )
+
+
+def _geometry(name: str, mesh: Mesh) -> dict[str, Any]:
+    attributes = {
+        "position": _typed(mesh.vertices.astype("<f4"), 3),
+        "normal": _typed(mesh.normals.astype("<f4"), 3),
+    }
+    if mesh.colors is not None:
+        attributes["color"] = _typed(mesh.colors.astype("<f4"), 3)
+    return {
+        "uuid": name,
+        "type": "BufferGeometry",
+        "data": {"attributes": attributes, "index": _typed(mesh.faces.ravel().astype("<u4"), 1)},
+    }
+
+
+def _typed(array: NDArray[Any], item_size: int) -> dict[str, Any]:
+    import umsgpack
+
+    name, code = _CODES[array.dtype.kind]
+    return {
+        "itemSize": item_size,
+        "type": name,
+        "array": umsgpack.Ext(code, np.ascontiguousarray(array).tobytes()),
+        "normalized": False,
+    }
+
+
+def _hex(color: tuple[float, ...]) -> int:
+    r, g, b = (round(255 * min(max(c, 0.0), 1.0)) for c in color)
+    return r << 16 | g << 8 | b

@@ -1,0 +1,228 @@
+"""What there is to see, as data: shapes and labels, each anchored to the arm, in named groups.
+
+A `Scene` knows nothing of browsers or pixels. `commands` turns it into meshcat commands, `page` into a
+page, `picture` into a PNG.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.view.shapes import Mesh
+from alpha5_model.view.tree import TreeJoint
+
+#: Groups of things that can be shown and hidden -> what the page calls them.
+GROUPS: dict[str, str] = {
+    "bodies": "Bodies",
+    "see-through": "See-through",
+    "labels": "Labels",
+    "frames": "Link frames",
+    "com": "Mass centres",
+    "cob": "Buoyancy centres",
+    "weight": "Weight",
+    "buoyancy": "Buoyancy",
+    "workspace": "Reach, section",
+    "surface": "Reach, surface",
+    "ghosts": "IK solutions",
+    "collision": "Collision bodies",
+}
+#: Shown where nothing else is asked for.
+DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
+#: Opacity of bodies that are seen through.
+SEE_THROUGH = 0.4
+#: The fixed frame at the root of the scene.
+WORLD = "world"
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid:
+    """An anchor that moves with a link.
+
+    Attributes:
+        link: Name of the link, or `WORLD`.
+        placement: In the link's frame, (4, 4).
+    """
+
+    link: str
+    placement: FloatArray = field(default_factory=lambda: np.eye(4))
+
+    def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
+        """Pose in the world, (4, 4)."""
+        return poses[self.link] @ self.placement
+
+    def as_json(self) -> dict[str, Any]:
+        """For the page."""
+        return {"link": self.link, "placement": self.placement.T.ravel().tolist()}
+
+
+@dataclass(frozen=True, eq=False)
+class Mean:
+    """An anchor at the weighted mean of points on links, with the axes of the world.
+
+    Attributes:
+        points: Link, weight and point (3,) [m] in the link's frame.
+        offset: Added to the mean, in the world's axes, (3,) [m].
+    """
+
+    points: tuple[tuple[str, float, FloatArray], ...]
+    offset: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
+        """Pose in the world, (4, 4)."""
+        total = sum(weight for _, weight, _ in self.points)
+        pose = np.eye(4)
+        pose[:3, 3] = self.offset
+        for link, weight, point in self.points:
+            world = poses[link][:3, :3] @ point + poses[link][:3, 3]
+            pose[:3, 3] += weight / total * world
+        return pose
+
+    def as_json(self) -> dict[str, Any]:
+        """For the page."""
+        return {
+            "points": [[link, weight, point.tolist()] for link, weight, point in self.points],
+            "offset": self.offset.tolist(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A mesh on an anchor.
+
+    Attributes:
+        group: One of `GROUPS`.
+        name: Unique within its group.
+        anchor: What it moves with.
+        mesh: In the anchor's frame.
+        color: Red, green, blue, 0 to 1; white where the mesh has its own colours.
+        opacity: 0 to 1.
+        on_top: Layer drawn over the lower ones, so that what lies inside a body is seen; 0 to 2.
+        shine: Strength of the highlight, 0 to 1.
+        flat: Drawn in its own colour from both sides, without light.
+    """
+
+    group: str
+    name: str
+    anchor: Rigid | Mean
+    mesh: Mesh
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    opacity: float = 1.0
+    on_top: int = 0
+    shine: float = 0.0
+    flat: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """A text beside a point; shown with its group, if labels are shown.
+
+    Attributes:
+        group: One of `GROUPS`.
+        text: What it says.
+        anchor: Where.
+        color: Red, green, blue, 0 to 1.
+    """
+
+    group: str
+    text: str
+    anchor: Rigid | Mean
+    color: tuple[float, float, float] = (0.15, 0.17, 0.2)
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """Weight and buoyancy of one body.
+
+    Attributes:
+        link: Link in whose frame the points are.
+        mass: [kg].
+        com: Centre of mass, (3,) [m].
+        volume: Displaced [m^3].
+        cob: Centre of buoyancy, (3,) [m].
+        weight: Force along gravity, at the centre of mass [N].
+        buoyancy: Force against gravity, at the centre of buoyancy [N].
+    """
+
+    link: str
+    mass: float
+    com: FloatArray
+    volume: float
+    cob: FloatArray
+    weight: float
+    buoyancy: float
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Where it is seen from.
+
+    Attributes:
+        eye, target: (3,) [m].
+        field_of_view: Vertical [degrees].
+    """
+
+    eye: FloatArray
+    target: FloatArray
+    field_of_view: float = 30.0
+
+    def axes(self) -> FloatArray:
+        """Rows: right, up and backwards, in the world, (3, 3)."""
+        back = (self.eye - self.target) / np.linalg.norm(self.eye - self.target)
+        right = np.cross([0.0, 0.0, 1.0], back)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back])
+
+
+@dataclass(frozen=True, eq=False)
+class MotionTrack:
+    """A motion to play.
+
+    Attributes:
+        name: What the page calls it.
+        time: (N,) [s], from 0.
+        q: Positions of the sliders' joints, (N, n) [rad or m].
+    """
+
+    name: str
+    time: FloatArray
+    q: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Everything to see.
+
+    Attributes:
+        title: Heading of the page.
+        notes: Lines of explanation.
+        tree: Joints from the base to the tip.
+        sliders: Names of the joints that can be moved.
+        q: Their positions.
+        poses: Pose of every link in the world at ``q``, (4, 4).
+        shapes, labels, loads: What to draw.
+        gravity: (3,) [m/s^2].
+        camera: Where it is seen from.
+        show: Groups that are shown.
+        named_poses: Name -> positions of the sliders.
+        motion: A motion to play, or None.
+    """
+
+    title: str
+    notes: tuple[str, ...]
+    tree: tuple[TreeJoint, ...]
+    sliders: tuple[str, ...]
+    q: FloatArray
+    poses: dict[str, FloatArray]
+    shapes: tuple[Shape, ...]
+    labels: tuple[Label, ...]
+    loads: tuple[Load, ...]
+    gravity: FloatArray
+    camera: Camera
+    show: tuple[str, ...]
+    named_poses: dict[str, FloatArray]
+    motion: MotionTrack | None

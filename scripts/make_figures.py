@@ -1,0 +1,108 @@
+"""Make the README's figures from the package itself.
+
+    python scripts/make_figures.py [FOLDER]
+
+``arm.png``: the arm with its frames and centres. ``workspace.png``: the published region against the exact
+one. ``torque.png``: the torque over a recorded trajectory, split into its terms; the recording is the first
+one found beside the checkout or in ALPHA5_RECORDINGS, and without one this figure is left as it is.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import alpha5_model as a5
+from alpha5_model.files import atomic_write
+from alpha5_model.trajectory import analyse, read_motion
+from alpha5_model.view import workspace_plot
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.framing import framed
+from alpha5_model.view.picture import picture_png
+
+ROOT = Path(__file__).resolve().parent.parent
+BESIDE = ROOT.parent / "shared" / "data"
+#: Okabe and Ito's colours.
+TEAL, ORANGE, PINK, SKY, BLACK = "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#222222"
+
+
+def main(folder: Path) -> None:
+    """Make every figure that can be made."""
+    for name, content in (
+        ("arm.png", arm_picture()),
+        ("workspace.png", workspace_figure()),
+        ("torque.png", torque_figure()),
+    ):
+        if content is None:
+            print(f"{name}: no recording found, left as it is")
+        else:
+            print(f"wrote {atomic_write(folder / name, content)}")
+
+
+def arm_picture() -> bytes:
+    """The arm, see-through, with its link frames and the centres of mass and buoyancy."""
+    show = ("bodies", "see-through", "labels", "frames", "com", "cob")
+    size = (1600, 900)
+    scene = build_scene(a5.load(), [3.6, 1.15, 1.75, 1.2], show=show)
+    return picture_png(framed(scene, size), size)
+
+
+def workspace_figure() -> bytes:
+    """Half-plane through the yaw axis: what can be reached, and what is published."""
+    return _png(workspace_plot.figure())
+
+
+def torque_figure() -> bytes | None:
+    """Torque of shoulder and elbow over a recorded trajectory, split into its terms."""
+    recordings = Path(os.environ.get("ALPHA5_RECORDINGS", BESIDE))
+    found = sorted(recordings.glob("traj*_joint_states.csv"))
+    if not found:
+        return None
+    # The pool is fresh water.
+    a = analyse(read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws"))
+    figure, rows = _figure(2, (9.6, 5.2), sharex=True)
+    names = ("axis_d", "axis_c")
+    for axes, name in zip(rows, names, strict=True):
+        k = a.smooth.joints.index(name)
+        for term, colour in (
+            ("weight", ORANGE),
+            ("buoyancy", SKY),
+            ("inertia", PINK),
+            ("coriolis", TEAL),
+        ):
+            axes.plot(
+                a.smooth.time, getattr(a, term)[:, k], color=colour, linewidth=1.2, label=term
+            )
+        axes.plot(a.smooth.time, a.torque[:, k], color=BLACK, linewidth=1.6, label="torque")
+        axes.set_ylabel(f"{name} [N m]")
+        axes.margins(x=0.01)
+    rows[0].legend(ncols=5, fontsize=9, frameon=False, loc="lower left", bbox_to_anchor=(0, 1.0))
+    rows[-1].set_xlabel(f"time [s]   ({found[0].name}, fresh water)")
+    return _png(figure)
+
+
+def _figure(rows: int, size: tuple[float, float], sharex: bool = False) -> tuple[Any, Any]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure: Any = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(rows, 1, sharex=sharex, squeeze=False)[:, 0]
+    for one in axes:
+        one.grid(color="#E6E6E6", linewidth=0.6)
+        one.set_axisbelow(True)
+        one.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def _png(figure: Any) -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=120, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "scripts" / "figures")

@@ -1,0 +1,86 @@
+"""``alpha5 demo``: what it says is true, and it fails when it should."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from demo_run import demo_run
+from reference import configurations, inertial_frames
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description import variants
+
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
+
+
+def test_the_demo_says_what_it_made() -> None:
+    folder, said = demo_run()
+    for name in (
+        "alpha5.urdf",
+        "alpha5_jaws.urdf",
+        "alpha5.html",
+        "alpha5.png",
+        "meshes/link_4.obj",
+    ):
+        assert (folder / name).stat().st_size > 1000, name
+        assert name.split("/")[0] in said
+    assert "FAILED" not in said
+    for branch in a5.BRANCHES:
+        (line,) = [line for line in said.splitlines() if line.strip().startswith(branch + " ")]
+        # the angles it prints bring the tcp to the target that it prints
+        target = re.search(r"tcp at \((.*?)\) mm", said)[1]
+        q = [float(x) for x in line.split()[1:5]]
+        reached = a5.load().forward_kinematics(q).translation
+        np.testing.assert_allclose(reached, np.array(target.split(","), float) / 1e3, atol=1e-4)
+    table = {row[0]: [float(x) for x in row[1:]] for row in map(str.split, said.splitlines())
+             if row and row[0] in JOINTS}  # fmt: skip
+    weight, lift, water, air = np.array([table[name] for name in JOINTS]).T
+    np.testing.assert_allclose(weight - lift, water, atol=1.1e-4)
+    np.testing.assert_allclose(weight, air, atol=1e-9)
+    assert np.abs(water).max() > 0.1
+    assert said.strip().splitlines()[-1].startswith("Open ")
+
+
+@pytest.mark.parametrize("name", ["alpha5.urdf", "alpha5_jaws.urdf"])
+def test_the_files_it_wrote_load_where_they_lie(name: str) -> None:
+    folder, _ = demo_run()
+    model = pin.buildModelFromUrdf(str(folder / name))
+    visual = pin.buildGeomFromUrdf(
+        model, str(folder / name), pin.GeometryType.VISUAL, package_dirs=[str(folder)]
+    )
+    assert visual.ngeoms == 7
+    data = model.createData()
+    for angles in configurations(20, seed=4):
+        q = pin.neutral(model)
+        q[:4] = angles
+        pin.framesForwardKinematics(model, data, q)
+        for i, frame in enumerate(inertial_frames(angles)):
+            found = data.oMf[model.getFrameId(f"link_{i}")].homogeneous
+            np.testing.assert_allclose(found, frame, atol=1e-12)
+
+
+def test_a_wrong_description_fails_the_demo(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right = variants.urdf
+    monkeypatch.setattr(
+        variants, "urdf", lambda variant: right(variant).replace('value="0.38"', 'value="0.83"')
+    )
+    assert main(["demo", "--output", str(tmp_path)]) == 1
+    assert "FAILED" in capsys.readouterr().out
+
+
+def test_a_folder_that_cannot_be_written_ends_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blocker = tmp_path / "file"
+    blocker.write_text("x")
+    assert main(["demo", "--output", str(blocker)]) == 2
+    errors = capsys.readouterr().err
+    assert errors.startswith("alpha5: cannot write")
+    assert errors.count("\n") == 1

@@ -1,0 +1,339 @@
+"""The demo's page and the live viewer in a real browser: what is on the canvas, and what moves it."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import SIZE, Tab, browser, needs_browser, new_tab
+from demo_run import demo_run
+from reference import LOWER, UPPER
+
+import alpha5_model as a5
+from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.view.arm_poses import pose_of
+
+pytestmark = needs_browser
+
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    with browser() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def demo() -> tuple[Path, str]:
+    """The demo's folder, and what it said."""
+    return demo_run()
+
+
+@pytest.fixture(scope="module")
+def opened(chromium: Any, demo: tuple[Path, str]) -> Iterator[Tab]:
+    tab = new_tab(chromium)
+    tab.open((demo[0] / "alpha5.html").as_uri())
+    yield tab
+    tab.page.close()
+
+
+@pytest.fixture
+def page(opened: Tab) -> Tab:
+    """The demo's page, at home, with its groups as written."""
+    opened.run(
+        "() => { alpha5.pause(); alpha5.setPose(alpha5.data.poses.home);"
+        "for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.shown); }"
+    )
+    opened.settle()
+    return opened
+
+
+@pytest.fixture(scope="module")
+def arm() -> a5.Arm:
+    return a5.load(gripper="jaws")
+
+
+def only(page: Tab, *groups: str) -> None:
+    page.run(
+        "(shown) => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, shown.includes(g.name)); }",
+        list(groups),
+    )
+
+
+def slide(page: Tab, joint: str, value: float) -> None:
+    """Move a slider as a hand does: set it and let it say so."""
+    page.run(
+        "([joint, value]) => { const s = document.querySelector(`#joints input[name=${joint}]`);"
+        "s.value = value; s.dispatchEvent(new Event('input')); }",
+        [joint, value],
+    )
+    page.settle()
+
+
+def shown_pose(page: Tab, link: str) -> np.ndarray:
+    """Pose of a link as three.js has it in its scene."""
+    elements = page.run(
+        "(link) => { const n = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', 'bodies', link]).object;"
+        "n.updateMatrix(); return n.matrix.elements; }",
+        link,
+    )
+    return np.reshape(elements, (4, 4)).T
+
+
+def test_no_complaint_and_no_request_leaves_the_machine(page: Tab, demo: tuple[Path, str]) -> None:
+    assert page.complaints == []
+    assert page.requests == [(demo[0] / "alpha5.html").as_uri()]
+
+
+def test_the_page_could_not_ask_for_more_if_it_tried(chromium: Any, demo: tuple[Path, str]) -> None:
+    """Negative control: a request made on purpose is refused and seen."""
+    tab = new_tab(chromium)
+    tab.open((demo[0] / "alpha5.html").as_uri())
+    tab.run("() => fetch('http://127.0.0.1:9/x').catch(() => 0)")
+    tab.page.wait_for_timeout(100)
+    assert any("Content Security Policy" in text for text in tab.complaints)
+    tab.page.close()
+
+
+def test_the_canvas_shows_an_arm(page: Tab) -> None:
+    only(page, "bodies")
+    seen = page.pixels()
+    assert seen.shape == (SIZE[1], SIZE[0], 3)
+    assert seen.std() > 15
+    dark = seen.max(axis=2) < 110
+    assert 0.01 < dark.mean() < 0.4
+    only(page)
+    empty = page.pixels()
+    assert not (empty.max(axis=2) < 110).any(), "without the bodies there is only the backdrop"
+    # the base tube lies on the -x side, and nothing dark beyond its end
+    end, far = page.project(np.array([[-0.12, 0.0, 0.0], [-0.20, 0.0, 0.0]])).round().astype(int)
+    assert dark[end[1] - 4 : end[1] + 5, end[0] - 4 : end[0] + 5].mean() > 0.6
+    assert not dark[far[1] - 4 : far[1] + 5, far[0] - 4 : far[0] + 5].any()
+
+
+@pytest.mark.parametrize(
+    ("joint", "value", "still", "moving"),
+    [
+        ("axis_e", 2.0, ["link_0"], ["link_2", "link_3", "link_4"]),
+        ("axis_d", 1.9, ["link_0", "link_1"], ["link_3", "link_4"]),
+        ("axis_c", 1.2, ["link_0", "link_1", "link_2"], ["link_4"]),
+        ("axis_a", 0.012, ["link_0", "link_1", "link_2", "link_3"], ["finger_1", "finger_2"]),
+    ],
+)
+def test_a_slider_moves_the_links_beyond_it_and_no_others(
+    page: Tab, arm: a5.Arm, joint: str, value: float, still: list[str], moving: list[str]
+) -> None:
+    only(page, "bodies")
+    before = page.pixels()
+    home = pose_of(arm, "home")
+    slide(page, joint, value)
+    after = page.pixels()
+    q = home.copy()
+    q[arm.joint_names.index(joint)] = value
+    for link in (*still, *moving):
+        expected = arm.forward_kinematics(q, frame=link).homogeneous
+        np.testing.assert_allclose(shown_pose(page, link), expected, atol=1e-6)
+    changed = np.abs(after - before).max(axis=2) > 20
+    # a point inside each link's body: where that link was, the canvas changes or does not
+    inside = {"link_0": (-0.09, 0, 0), "link_1": (0, 0, 0.03), "link_2": (0.07, 0, 0),
+              "link_3": (0.0, -0.018, 0), "link_4": (0, 0, -0.09),
+              "finger_1": (0.013, 0.04, 0), "finger_2": (-0.013, -0.04, 0)}  # fmt: skip
+
+    def around(link: str, position: np.ndarray) -> np.ndarray:
+        point = arm.forward_kinematics(position, frame=link).act(np.array(inside[link]))
+        x, y = page.project(point[None])[0].round().astype(int)
+        return changed[y - 12 : y + 13, x - 12 : x + 13]
+
+    for link in still[:-1]:
+        assert not around(link, home).any(), f"{link} should stand still"
+    assert any(around(link, at).mean() > 0.2 for link in moving for at in (home, q))
+    assert page.complaints == []
+
+
+def test_random_sliders_agree_with_pinocchio(page: Tab, arm: a5.Arm) -> None:
+    rng = np.random.default_rng(11)
+    for joints in rng.uniform(LOWER, UPPER, (4, 4)):
+        q = np.append(joints, rng.uniform(0.0013, 0.0133))
+        for name, value in zip(JOINTS, q, strict=True):
+            slide(page, name, value)
+        for link in ("link_1", "link_3", "link_4", "jaw_rod", "finger_1", "finger_2"):
+            expected = arm.forward_kinematics(q, frame=link).homogeneous
+            np.testing.assert_allclose(shown_pose(page, link), expected, atol=1e-6)
+        torque = [
+            float(page.run("(i) => document.querySelectorAll('.torque')[i].dataset.value", i))
+            for i in range(4)
+        ]
+        np.testing.assert_allclose(torque, arm.hydrostatic_torque(q)[:4], atol=1e-9)
+        said = page.run("() => document.getElementById('readout').textContent")
+        tcp = [float(x) for x in re.findall(r"-?\d+\.\d", said.replace("\u2212", "-"))]
+        np.testing.assert_allclose(tcp, 1e3 * arm.forward_kinematics(q).translation, atol=0.051)
+        marker = page.run(
+            "() => { const n = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', 'com', 'arm']).object;"
+            "return n.position.toArray(); }"
+        )
+        np.testing.assert_allclose(marker, arm.center_of_mass(q), atol=1e-9)
+
+
+def coloured(pixels: np.ndarray, strong: int, weak: int) -> int:
+    return int((pixels[..., strong] - pixels[..., weak] > 90).sum())
+
+
+@pytest.mark.parametrize(
+    ("group", "strong", "weak"),
+    [("weight", 0, 2), ("buoyancy", 2, 0), ("com", 0, 2), ("cob", 2, 0), ("collision", 0, 2)],
+)
+def test_switches_show_and_hide(page: Tab, group: str, strong: int, weak: int) -> None:
+    only(page, "bodies")
+    assert coloured(page.pixels(), strong, weak) == 0
+    box = page.page.locator(f"#groups input[name='{group}']")
+    box.click()
+    assert coloured(page.pixels(), strong, weak) > 150
+    box.click()
+    assert coloured(page.pixels(), strong, weak) == 0
+
+
+@pytest.mark.parametrize("group", ["frames", "workspace", "surface", "ghosts", "see-through"])
+def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
+    only(page, "bodies")
+    before = page.pixels()
+    page.page.locator(f"#groups input[name='{group}']").click()
+    assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() > 1000
+    page.page.locator(f"#groups input[name='{group}']").click()
+    assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() == 0
+
+
+def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
+    page.settle()
+    found = page.run(
+        "() => [...document.querySelectorAll('#labels div')].filter((d) => d.style.display !== 'none')"
+        ".map((d) => [d.textContent, d.getBoundingClientRect().left, d.getBoundingClientRect().top, "
+        "d.getBoundingClientRect().right, d.getBoundingClientRect().bottom])"
+    )
+    labels = {text: box for text, *box in found}
+    assert {"tcp", "axis_e", "axis_c", "centre of mass"} <= set(labels)
+    q = pose_of(arm, "home")
+    for name, point in (
+        ("tcp", arm.forward_kinematics(q).translation),
+        ("centre of mass", arm.center_of_mass(q)),
+    ):
+        x, y = page.project(point[None])[0]
+        left, top, right, bottom = labels[name]
+        assert abs(left - x - 10) < 2
+        assert top - 4 < y < bottom + 60
+    boxes = list(labels.values())
+    for i, (l, t, r, b) in enumerate(boxes):  # noqa: E741
+        for left, top, right, bottom in boxes[:i]:
+            assert r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+    page.page.locator("#groups input[name='labels']").click()
+    page.settle()
+    assert page.run(
+        "() => [...document.querySelectorAll('#labels div')].every((d) => d.style.display === 'none')"
+    )
+
+
+@pytest.mark.parametrize("name", list(NAMED_POSES))
+def test_pose_buttons(page: Tab, name: str) -> None:
+    page.page.locator("#poses button", has_text=name).click()
+    page.settle()
+    values = page.run("() => alpha5.q")
+    np.testing.assert_allclose([values[j] for j in JOINTS[:4]], NAMED_POSES[name], atol=1e-12)
+
+
+def test_the_motion_plays_in_real_time_and_can_be_sought(page: Tab, arm: a5.Arm) -> None:
+    track = page.run("() => alpha5.data.motion")
+    times, q = np.array(track["time"]), np.array(track["q"])
+    assert 5 < times[-1] < 60
+    middle = 0.37 * times[-1]
+    page.run("(t) => alpha5.seek(t)", middle)
+    page.settle()
+    expected = [np.interp(middle, times, column) for column in q.T]
+    pose = arm.forward_kinematics(np.array(expected), frame="link_4").homogeneous
+    np.testing.assert_allclose(shown_pose(page, "link_4"), pose, atol=1e-6)
+    page.run("() => alpha5.seek(0)")
+    page.page.locator("#play").click()
+    started = time.perf_counter()
+    page.page.wait_for_timeout(1500)
+    clock = float(page.run("() => document.getElementById('time').value"))
+    passed = time.perf_counter() - started
+    assert clock == pytest.approx(passed, abs=0.4)
+    page.page.locator("#play").click()
+    stopped = page.run("() => document.getElementById('time').value")
+    page.page.wait_for_timeout(150)
+    assert page.run("() => document.getElementById('time').value") == stopped
+    assert page.complaints == []
+
+
+def test_the_view_turns_by_hand(page: Tab) -> None:
+    before = page.pixels()
+    page.page.mouse.move(800, 400)
+    page.page.mouse.down()
+    page.page.mouse.move(900, 380, steps=4)
+    page.page.mouse.up()
+    assert (np.abs(page.pixels() - before).max(axis=2) > 20).mean() > 0.005
+    page.page.mouse.move(900, 380)
+    page.page.mouse.down()
+    page.page.mouse.move(800, 400, steps=4)
+    page.page.mouse.up()
+
+
+def test_live_viewer(chromium: Any) -> None:
+    arm = a5.load(gripper="jaws")
+    start = np.array([2.0, 1.0, 2.2, 0.4, 0.002])
+    visualizer = a5.view(arm, start)
+    tab = new_tab(chromium)
+    try:
+        tab.open(visualizer.url())
+        tab.page.wait_for_function("() => Math.abs(alpha5.q.axis_e - 2.0) < 1e-9")
+        only(tab, "bodies")
+        first = tab.pixels()
+        assert (first.max(axis=2) < 110).mean() > 0.01
+        # Python moves the page: bodies, sliders, readout
+        q = np.array([1.0, 2.0, 3.0, 4.0, 0.010])
+        visualizer.display(q)
+        tab.page.wait_for_function("() => Math.abs(alpha5.q.axis_b - 4.0) < 1e-9")
+        values = tab.run("() => alpha5.q")
+        np.testing.assert_allclose([values[name] for name in JOINTS], q, atol=1e-9)
+        expected = arm.forward_kinematics(q, frame="finger_2").homogeneous
+        np.testing.assert_allclose(shown_pose(tab, "finger_2"), expected, atol=1e-6)
+        assert (np.abs(tab.pixels() - first).max(axis=2) > 20).mean() > 0.01
+        # a hand moves it too
+        slide(tab, "axis_d", 0.5)
+        q[1] = 0.5
+        expected = arm.forward_kinematics(q, frame="link_4").homogeneous
+        np.testing.assert_allclose(shown_pose(tab, "link_4"), expected, atol=1e-6)
+        # groups from Python
+        visualizer.show("weight")
+        tab.page.wait_for_function("() => document.querySelector(\"input[name='weight']\").checked")
+        assert coloured(tab.pixels(), 0, 2) > 150
+        # playing while a browser looks keeps up with real time
+        track = np.linspace([1.0, 1.0, 1.0, 1.0, 0.002], [2.0, 2.0, 2.0, 2.0, 0.012], 50)
+        assert visualizer.play(track, 0.03) == pytest.approx(1.47, abs=0.5)
+        tab.page.wait_for_function("() => Math.abs(alpha5.q.axis_c - 2.0) < 1e-9")
+        assert tab.complaints == []
+        origin = visualizer.url().removesuffix("/static/")
+        assert all(url.startswith(origin) for url in tab.requests)
+    finally:
+        tab.page.close()
+        visualizer.close()
+
+
+def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
+    visualizer = a5.view(a5.load())
+    tab = new_tab(chromium)
+    try:
+        tab.open(visualizer.url())
+        for angle in (0.02, math.pi, 6.1):
+            visualizer.display([angle, 0.02, 3.4, angle])
+            tab.page.wait_for_function(
+                f"() => Math.abs(alpha5.q.axis_b - {angle}) + Math.abs(alpha5.q.axis_e - {angle}) < 1e-7"
+            )
+    finally:
+        tab.page.close()
+        visualizer.close()

@@ -1,0 +1,189 @@
+"""The page as text: one file, nothing from elsewhere, the same bytes; and the command line's errors."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.cli import view as view_command
+from alpha5_model.errors import MissingDependencyError
+from alpha5_model.trajectory import motion
+from alpha5_model.view import page
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.page import live_page, static_page
+from alpha5_model.view.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return build_scene(a5.load(gripper="jaws"), target=[0.06, 0.05, 0.36])
+
+
+@pytest.fixture(scope="module")
+def html(scene: Scene) -> str:
+    return static_page(scene)
+
+
+def data_of(html: str) -> dict:
+    (text,) = re.findall(r'<script id="alpha5-data" type="application/json">(.*?)</script>', html)
+    return json.loads(text)
+
+
+def test_nothing_is_loaded_from_elsewhere(html: str) -> None:
+    assert not re.findall(
+        r"<(?:script|img|iframe|link|source)[^>]*\b(?:src|href)=\"(?!data:)", html
+    )
+    assert "@import" not in html.split("<script>")[0]
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
+    assert policy.startswith("default-src 'none'")
+    assert "http" not in policy
+    assert "connect-src" not in policy
+    assert html.count("<script") == html.count("</script>") == 3
+    assert "{{" not in html.split("<script>")[0]
+
+
+def test_the_same_scene_gives_the_same_bytes(scene: Scene, html: str) -> None:
+    again = build_scene(a5.load(gripper="jaws"), target=[0.06, 0.05, 0.36])
+    assert static_page(again) == html
+    assert len(html) < 6e6
+
+
+def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) -> None:
+    import umsgpack
+
+    commands = [umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]]
+    objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
+    assert len(objects) == len(scene.shapes)
+    sent = {g["uuid"] for o in objects.values() for g in o["geometries"] if "data" in g}
+    used = {o["object"]["geometry"] for o in objects.values()}
+    assert used == sent, "a shared geometry comes once"
+    assert len(sent) < len(objects)
+    shape = scene.shapes[0]
+    geometry = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]["geometries"][0]["data"]
+    points = np.frombuffer(geometry["attributes"]["position"]["array"].data, "<f4").reshape(-1, 3)
+    np.testing.assert_allclose(points, shape.mesh.vertices, atol=1e-7)
+    faces = np.frombuffer(geometry["index"]["array"].data, "<u4").reshape(-1, 3)
+    np.testing.assert_array_equal(faces, shape.mesh.faces)
+    placed = {c["path"]: c["matrix"] for c in commands if c["type"] == "set_transform"}
+    matrix = np.reshape(placed["/meshcat/alpha5/bodies/link_3"], (4, 4)).T
+    np.testing.assert_allclose(matrix, scene.poses["link_3"])
+
+
+def test_texts_cannot_break_out_of_the_page() -> None:
+    arm = a5.load()
+    wild = motion(np.arange(5.0), np.ones((5, 4)))
+    wild = type(wild)(wild.time, wild.joints, wild.position, source="a</script><b>.csv")
+    html = static_page(build_scene(arm, motion=wild))
+    assert html.count("</script>") == 3
+    assert data_of(html)["motion"]["name"].endswith("script><b>.csv")
+
+
+def test_live_page_connects_only_to_its_own_server(scene: Scene) -> None:
+    html = live_page(scene)
+    assert "connect-src 'self' ws: wss:" in html
+    assert data_of(html)["commands"] == []
+
+
+def test_a_motion_starts_at_zero_and_keeps_joints_that_it_lacks() -> None:
+    arm = a5.load(gripper="jaws")
+    moved = motion([5.0, 6.0, 8.0, 9.0, 9.5], 1.0 + np.arange(20.0).reshape(5, 4) / 10)
+    track = build_scene(arm, [1, 1, 1, 1, 0.009], motion=moved).motion
+    np.testing.assert_array_equal(track.time, [0, 1, 3, 4, 4.5])
+    np.testing.assert_array_equal(track.q[:, 4], 0.009)
+    np.testing.assert_array_equal(track.q[:, :4], moved.position)
+
+
+def test_meshcat_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    page.meshcat_script.cache_clear()
+    monkeypatch.setattr(page, "find_spec", lambda name: None)
+    with pytest.raises(MissingDependencyError, match="meshcat"):
+        page.meshcat_script()
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    assert main(["view", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("alpha5: ")
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--pose", "upside-down"], "stow, home, reach"),
+        (["--pose", "1,2,3"], "axis_e, axis_d, axis_c, axis_b"),
+        (["--pose", "1,2,nan,4"], "finite"),
+        (["--target", "0.1,0.2"], "three numbers"),
+        (["--target", "here"], "three numbers"),
+        (["--show", "bodies,arrows"], "unknown group 'arrows'"),
+        (["--gripper", "claw"], "locked, jaws"),
+        (["--fluid", "oil"], "density"),
+        (["--fluid", "-3"], "at least 0"),
+        (["--size", "big"], "1600x1000"),
+        (["--motion", "nowhere.csv"], "nowhere.csv"),
+    ],
+)
+def test_bad_options_end_in_one_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    target = tmp_path / "arm.html"
+    assert said in refused([*arguments, "--html", str(target)], capsys)
+    assert not target.exists()
+
+
+def test_unwritable_files_end_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    blocker = tmp_path / "file"
+    blocker.write_text("x")
+    for option in ("--html", "--image"):
+        small = ["--gripper", "locked", "--size", "160x100", option]
+        assert "cannot write" in refused([*small, str(blocker / "arm")], capsys)
+        assert "it is a folder" in refused([*small, str(tmp_path)], capsys)
+
+
+def test_no_display_ends_in_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(view_command.sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    said = refused([], capsys)
+    assert "no display" in said
+    assert "--html" in said
+    assert "--serve" in said
+
+
+def test_a_busy_port_ends_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    import socket
+
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert f"port {port} is in use" in refused(["--serve", "--port", str(port)], capsys)
+    assert "0 to 65535" in refused(["--serve", "--port", "70000"], capsys)
+
+
+def test_page_and_picture_from_the_command_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    html, image = tmp_path / "arm.html", tmp_path / "arm.png"
+    arguments = ["--pose=1,2,3,-0.5", "--target=-0.06,0.05,0.36", "--gripper", "locked"]
+    arguments += ["--fluid", "fresh", "--size", "320x200"]
+    assert main(["view", *arguments, "--html", str(html), "--image", str(image)]) == 0
+    assert capsys.readouterr().out == f"wrote {html}\nwrote {image}\n"
+    data = data_of(html.read_text(encoding="utf-8"))
+    assert data["q"] == {"axis_e": 1, "axis_d": 2, "axis_c": 3, "axis_b": -0.5}
+    assert "1000 kg" in data["notes"][0]
+    assert next(g["shown"] for g in data["groups"] if g["name"] == "ghosts")
+    assert image.read_bytes().startswith(b"\x89PNG")

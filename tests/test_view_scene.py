@@ -1,0 +1,346 @@
+"""What the viewer is told to draw, held against Pinocchio, the printed tables and trimesh."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import COM, LOWER, MASS, UPPER, inertial_frames
+from scipy.spatial.transform import Rotation
+
+import alpha5_model as a5
+from alpha5_model.errors import (
+    Alpha5Error,
+    FileFormatError,
+    InputError,
+    MissingFileError,
+    NonFiniteError,
+    ShapeError,
+    UnknownNameError,
+)
+from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
+from alpha5_model.view.arm_poses import pose_of
+from alpha5_model.view.bodies import read_obj, urdf_bodies
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.markers import ARROW_SCALE
+from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
+from alpha5_model.view.shapes import arrow, ball, triad, tube
+from alpha5_model.view.tour import tour
+
+#: Table 3: volume [L] and centre of buoyancy [mm], typed again.
+VOLUME = [0.157, 0.032, 0.218, 0.032, 0.134]
+COB = [(-53, -3, -1), (2, -4, 31), (76, 0, -1), (2, -4, 29), (0, 0, -97)]
+
+
+@pytest.fixture(scope="module")
+def locked() -> Scene:
+    return build_scene(a5.load(), [2.0, 1.1, 2.2, 0.7])
+
+
+def volume_of(vertices: np.ndarray, faces: np.ndarray) -> float:
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def walk_tree(scene: Scene, values: dict[str, float]) -> dict[str, np.ndarray]:
+    """Poses from the page's joint tree, by scipy's rotations."""
+    children = {joint.child for joint in scene.tree}
+    poses = {link: pose for link, pose in scene.poses.items() if link not in children}
+    for joint in scene.tree:
+        moved = joint.multiplier * values.get(joint.source, 0.0) + joint.offset
+        motion = np.eye(4)
+        if joint.kind == "revolute":
+            motion[:3, :3] = Rotation.from_rotvec(moved * joint.axis).as_matrix()
+        elif joint.kind == "prismatic":
+            motion[:3, 3] = moved * joint.axis
+        poses[joint.child] = poses[joint.parent] @ joint.placement @ motion
+    return poses
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"gripper": "jaws"},
+        {"corrections": ()},
+        {"gripper": "jaws", "floating_base": True},
+    ],
+    ids=["locked", "jaws", "to the letter", "floating"],
+)
+def test_the_pages_tree_moves_links_as_pinocchio_does(options: dict) -> None:
+    arm = a5.load(**options)
+    rng = np.random.default_rng(7)
+    base = []
+    if arm.floating_base:
+        base = [0.3, -0.2, 0.5, *Rotation.from_rotvec([0.3, 0.4, -0.2]).as_quat()]
+    for _ in range(5):
+        joints = rng.uniform(LOWER, UPPER)
+        rod = [0.0071] if "axis_a" in arm.joint_names else []
+        q = np.array([*base, *joints, *rod])
+        scene = build_scene(arm, q)
+        poses = walk_tree(scene, dict(zip(scene.sliders, scene.q, strict=True)))
+        assert set(poses) == set(scene.poses)
+        for link, pose in poses.items():
+            np.testing.assert_allclose(pose, scene.poses[link], atol=1e-12)
+            if link != "world":
+                expected = arm.forward_kinematics(q, frame=link).homogeneous
+                np.testing.assert_allclose(scene.poses[link], expected, atol=1e-14)
+
+
+def test_link_poses_are_the_documents(locked: Scene) -> None:
+    for i, frame in enumerate(inertial_frames(locked.q)):
+        np.testing.assert_allclose(locked.poses[f"link_{i}"], frame, atol=1e-12)
+
+
+def test_loads_are_tables_2_and_3(locked: Scene) -> None:
+    assert [load.link for load in locked.loads] == [
+        "base_link", "link_1", "link_2", "link_3", "link_4"
+    ]  # fmt: skip
+    for load, mass, com, volume, cob in zip(locked.loads, MASS, COM, VOLUME, COB, strict=True):
+        assert load.weight == pytest.approx(mass * 9.81, rel=1e-12)
+        np.testing.assert_allclose(load.com, np.array(com) / 1e3, atol=1e-15)
+        assert load.buoyancy == pytest.approx(1025 * volume * 1e-3 * 9.81, rel=1e-12)
+        np.testing.assert_allclose(load.cob, np.array(cob) / 1e3, atol=1e-15)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_whole_arm_markers_stand_at_the_arms_centres(gripper: str) -> None:
+    arm = a5.load(gripper=gripper).with_payload(0.4, com=(0.01, 0.02, 0.03), volume=1e-4)
+    q = pose_of(arm, "1.2 2.1 0.6 3.0")
+    scene = build_scene(arm, q)
+    marker = {s.group: s for s in scene.shapes if s.name == "arm"}
+    for group, center in (
+        ("com", arm.center_of_mass(q)),
+        ("cob", arm.center_of_buoyancy(q)),
+    ):
+        place = marker[group].anchor.transform(scene.poses)[:3, 3]
+        np.testing.assert_allclose(place, center, atol=1e-12)
+    assert sum(load.weight for load in scene.loads) == pytest.approx((sum(MASS) + 0.4) * 9.81)
+
+
+def test_arrows_are_to_scale_and_start_where_the_force_acts(locked: Scene) -> None:
+    def arrow_of(group: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+        (shape,) = [s for s in locked.shapes if (s.group, s.name) == (group, name)]
+        tail = shape.anchor.transform(locked.poses)[:3, 3]
+        tip = shape.mesh.vertices[np.argmax(np.abs(shape.mesh.vertices[:, 2]))]
+        return tail, tip
+
+    frames = inertial_frames(locked.q)
+    for i in range(5):
+        tail, tip = arrow_of("weight", f"load_{i}")
+        np.testing.assert_allclose(
+            tail, (frames[i] @ [*(np.array(COM[i]) / 1e3), 1])[:3], atol=1e-9
+        )
+        np.testing.assert_allclose(tip, [0, 0, -ARROW_SCALE * MASS[i] * 9.81], atol=1e-12)
+        tail, tip = arrow_of("buoyancy", f"load_{i}")
+        np.testing.assert_allclose(
+            tail, (frames[i] @ [*(np.array(COB[i]) / 1e3), 1])[:3], atol=1e-9
+        )
+        lift = 1025 * VOLUME[i] * 1e-3 * 9.81
+        np.testing.assert_allclose(tip, [0, 0, ARROW_SCALE * lift], atol=1e-12)
+    assert np.allclose(arrow_of("weight", "arm")[1], [0, 0, -ARROW_SCALE * sum(MASS) * 9.81])
+
+
+def test_air_lifts_nothing() -> None:
+    scene = build_scene(a5.load(fluid_density=0.0))
+    assert not [s for s in scene.shapes if s.group == "buoyancy"]
+    assert [s for s in scene.shapes if s.group == "weight"]
+    assert [s for s in scene.shapes if s.group == "cob"], (
+        "the displaced volume has its centre still"
+    )
+    assert "air" in scene.notes[0]
+
+
+def test_without_gravity_there_are_centres_and_no_forces() -> None:
+    arm = a5.load(gravity=(0, 0, 0))
+    scene = build_scene(arm, [1, 2, 3, 4])
+    assert not [s for s in scene.shapes if s.group in ("weight", "buoyancy")]
+    (marker,) = [s for s in scene.shapes if (s.group, s.name) == ("com", "arm")]
+    place = marker.anchor.transform(scene.poses)[:3, 3]
+    np.testing.assert_allclose(place, arm.center_of_mass([1, 2, 3, 4]), atol=1e-12)
+
+
+def test_forces_follow_a_tilted_mount() -> None:
+    gravity = np.array([3.0, -4.0, -8.0])
+    scene = build_scene(a5.load(gravity=gravity))
+    (shape,) = [s for s in scene.shapes if (s.group, s.name) == ("weight", "arm")]
+    tip = shape.mesh.vertices[np.argmax(shape.mesh.vertices @ gravity)]
+    np.testing.assert_allclose(tip, ARROW_SCALE * sum(MASS) * gravity, atol=1e-9)
+
+
+def test_every_group_has_something_and_names_are_unique() -> None:
+    arm = a5.load(gripper="jaws")
+    scene = build_scene(arm, target=[0.06, 0.05, 0.36])
+    filled = {s.group for s in scene.shapes}
+    assert filled == set(GROUPS) - {"labels", "see-through"}
+    names = [(s.group, s.name) for s in scene.shapes]
+    assert len(names) == len(set(names))
+
+
+def test_ghosts_put_the_tcp_on_the_target() -> None:
+    target = np.array([0.06, 0.05, 0.36])
+    arm = a5.load()
+    scene = build_scene(arm, target=target)
+    wrists = {s.name: s for s in scene.shapes if s.group == "ghosts" and "/link_4/part_0" in s.name}
+    assert {name.split("/")[0] for name in wrists} == set(a5.BRANCHES)
+    places = []
+    for shape in wrists.values():
+        assert isinstance(shape.anchor, Rigid)
+        assert shape.anchor.link == "world"
+        # DH frame {5} lies 180 mm along -z of link_4
+        tcp = shape.anchor.placement @ [0, 0, -0.18, 1]
+        np.testing.assert_allclose(tcp[:3], target, atol=1e-9)
+        places.append(shape.anchor.placement[:3, 3])
+    assert min(np.linalg.norm(a - b) for i, a in enumerate(places) for b in places[:i]) > 1e-3
+
+
+def test_no_ghost_where_nothing_reaches() -> None:
+    scene = build_scene(a5.load(), target=[2.0, 0.0, 0.0])
+    assert [s.name for s in scene.shapes if s.group == "ghosts"] == ["target"]
+
+
+def test_the_section_is_what_the_arm_reaches() -> None:
+    """Its area against the exact one; random joint positions put the tcp into it."""
+    scene = build_scene(a5.load())
+    (section,) = [s for s in scene.shapes if s.name == "section"]
+    a, b, c = (section.mesh.vertices[section.mesh.faces[:, k]][:, [0, 2]] for k in range(3))
+    u, v = b - a, c - a
+    area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2
+    exact = sum(a5.workspace.cross_section_area(side) for side in ("underarm", "overarm"))
+    assert area == pytest.approx(exact, rel=5e-3)
+    rng = np.random.default_rng(3)
+    arm, inside = a5.load(), 0
+    half_strip = 0.75e-3
+    low = np.minimum(np.minimum(a, b), c) - half_strip
+    high = np.maximum(np.maximum(a, b), c) + half_strip
+    for q in rng.uniform(LOWER, UPPER, (200, 4)):
+        tcp = arm.forward_kinematics(q, "link_1").actInv(arm.forward_kinematics(q).translation)
+        assert abs(tcp[1]) < 1e-12
+        point = tcp[[0, 2]]
+        inside += bool(((low <= point) & (point <= high)).all(axis=1).any())
+    assert inside == 200
+
+
+def test_the_base_body_lies_on_the_minus_x_side() -> None:
+    (base, *_) = urdf_bodies(Path(URDF_PATH).read_text(), str(Path(URDF_PATH).parent))
+    assert base.link == "link_0"
+    assert base.mesh.vertices[:, 0].min() < -0.12
+    assert base.mesh.vertices[:, 0].max() < 0.03
+
+
+@pytest.mark.parametrize("name", ["link_0", "link_2", "link_4", "finger_1"])
+def test_meshes_are_read_as_trimesh_reads_them(name: str) -> None:
+    import trimesh
+
+    path = Path(REPOSITORY_PATH) / "meshes" / f"{name}.obj"
+    ours = read_obj(str(path))
+    theirs = trimesh.load(path, force="mesh", process=False)
+    assert volume_of(ours.vertices, ours.faces) == pytest.approx(theirs.volume, rel=1e-9)
+    np.testing.assert_allclose(ours.vertices.min(axis=0), theirs.bounds[0], atol=1e-12)
+    np.testing.assert_allclose(ours.vertices.max(axis=0), theirs.bounds[1], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(ours.normals, axis=1), 1.0, atol=1e-3)
+
+
+def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
+    with pytest.raises(MissingFileError):
+        read_obj(str(tmp_path / "none.obj"))
+    quad = tmp_path / "quad.obj"
+    quad.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n")
+    with pytest.raises(FileFormatError, match="triangles"):
+        read_obj(str(quad))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "volume"),
+    [
+        (ball(0.01, (1, 1, 0), (0, 0, 0), sides=96), 4 / 3 * math.pi * 1e-6),
+        # shaft and head of the arrow: r = 1 mm, head 5 mm long, 2.2 mm wide
+        (
+            arrow([0.0, 0.03, 0.0], 0.001),
+            math.pi * 1e-6 * 0.025 + math.pi * 2.2**2 * 1e-6 * 0.005 / 3,
+        ),
+    ],
+    ids=["ball", "arrow"],
+)
+def test_explaining_shapes_are_closed_and_face_outwards(mesh: object, volume: float) -> None:
+    assert volume_of(mesh.vertices, mesh.faces) == pytest.approx(volume, rel=0.02)
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    facing = np.cross(b - a, c - a)
+    kept = np.linalg.norm(facing, axis=1) > 1e-14
+    meant = mesh.normals[mesh.faces].mean(axis=1)
+    assert (np.einsum("ij,ij->i", facing[kept], meant[kept]) > 0).all()
+
+
+def test_triads_and_tubes_point_along_their_axes() -> None:
+    axes = triad(0.05, 0.001)
+    np.testing.assert_allclose(axes.vertices.max(axis=0), [0.05] * 3, atol=2.3e-3)
+    line = tube(np.array([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0.0]]), 0.001)
+    np.testing.assert_allclose(line.vertices.max(axis=0), [0.101, 0.1005, 0.001], atol=6e-4)
+
+
+def test_tour_rests_at_its_ends_and_keeps_the_speeds() -> None:
+    ends = np.array([[3.1, 0.1, 0.1, 1.6, 0.0013], [2.0, 1.5, 2.5, 0.4, 0.0080]])
+    motion = tour([ends[0], ends[1], ends[0]])
+    np.testing.assert_array_equal(motion.position[[0, -1]], ends[[0, 0]])
+    assert (motion.position == ends[1]).all(axis=1).sum() > 5
+    speed = np.abs(np.gradient(motion.position, motion.time, axis=0)).max(axis=0)
+    bound = np.array([30, 30, 30, 50, 0]) * math.pi / 180 + [0, 0, 0, 0, 3e-3]
+    assert (speed <= bound * 1.001).all()
+    assert (speed / bound).max() > 0.95, "the fastest joint sets the time"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        ({"q": [0, 1, 2]}, ShapeError),
+        ({"q": [[0, 1, 2, 3]]}, ShapeError),
+        ({"q": [0, 1, 2, math.nan]}, NonFiniteError),
+        ({"q": "home"}, InputError),
+        ({"target": [1, 2]}, ShapeError),
+        ({"target": [[0.1, 0.1, 0.1]]}, ShapeError),
+        ({"target": [0.1, math.inf, 0]}, NonFiniteError),
+        ({"show": ["arrows"]}, UnknownNameError),
+    ],
+)
+def test_bad_arguments_end_in_the_error_tree(arguments: dict, error: type[Exception]) -> None:
+    with pytest.raises(error) as caught:
+        build_scene(a5.load(), **arguments)
+    assert isinstance(caught.value, Alpha5Error)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["up", "1,2,3", "1 2 3 4 5 6", "1,2,3,nan", ""])
+def test_bad_poses(text: str) -> None:
+    with pytest.raises(Alpha5Error):
+        pose_of(a5.load(), text)
+
+
+def test_poses_by_name_and_number() -> None:
+    arm = a5.load(gripper="jaws")
+    np.testing.assert_array_equal(pose_of(arm, "1,2,3,4"), [1, 2, 3, 4, 0.0013])
+    np.testing.assert_array_equal(pose_of(arm, "-1 2 3 4 0.01"), [-1, 2, 3, 4, 0.01])
+    assert pose_of(arm, "stow").shape == (5,)
+
+
+def test_a_mean_needs_no_normalised_weights() -> None:
+    mean = Mean((("a", 2.0, np.array([0, 0, 1.0])), ("b", 6.0, np.zeros(3))), np.array([0, 1, 0]))
+    shifted = np.eye(4)
+    shifted[0, 3] = 4.0
+    place = mean.transform({"a": np.eye(4), "b": shifted})[:3, 3]
+    np.testing.assert_allclose(place, [3.0, 1.0, 0.25])
+
+
+def test_view_is_there_and_loads_nothing_until_called() -> None:
+    script = (
+        "import sys, alpha5_model as a5, alpha5_model.view; assert callable(a5.view);"
+        "bad = {'meshcat', 'pinocchio', 'PIL', 'tornado', 'scipy'} & set(sys.modules);"
+        "sys.exit(str(bad) if bad else 0)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=REPOSITORY_PATH, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
