@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+from alpha5_model.errors import InputError
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory import Motion
@@ -59,10 +60,8 @@ def view(
     from alpha5_model.files import atomic_write
 
     pixels = _size(size)
-    if html is None and image is None and not serve and not _has_display():
-        raise NoDisplayError(
-            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
-        )
+    if image is not None and image.suffix.lower() != ".png":
+        raise InputError("image", str(image), "a file name that ends in .png")
     from alpha5_model.dynamics.loading import load
     from alpha5_model.view.arm_poses import pose_of
     from alpha5_model.view.build import build_scene
@@ -75,6 +74,10 @@ def view(
         motion=None if motion is None else _read(motion),
         show=None if show is None else [name.strip() for name in show.split(",") if name.strip()],
     )
+    if html is None and image is None and not serve and not _has_display():
+        raise NoDisplayError(
+            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
+        )
     if html is not None:
         from alpha5_model.view.page import static_page
 
@@ -120,8 +123,6 @@ def _wait() -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
-    from alpha5_model.errors import InputError
-
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:

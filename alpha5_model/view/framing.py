@@ -8,12 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.errors import InputError
 from alpha5_model.view.scene import Camera, Scene, Shape
 
 #: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
 _SIGHT = np.array([0.35, -1.0, 0.42])
 #: Share of the frame's half-width and half-height that is used.
 _MARGIN = 0.86
+
+
+def check_size(size: tuple[int, int]) -> None:
+    """Refuse a picture size, (width, height) in pixels, that cannot be drawn."""
+    if not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
+        raise InputError("size", size, "width and height from 16 to 8000 pixels")
 
 
 def framing(
@@ -53,6 +60,7 @@ def framing(
 
 
 def framed(scene: Scene, size: tuple[int, int]) -> Scene:
-    """A scene whose camera fits a picture of this size."""
+    """A scene whose camera fits a picture of this size, (width, height) in pixels."""
+    check_size(size)
     camera = framing(scene.shapes, scene.poses, scene.show, 0.95 * size[0] / size[1])
     return replace(scene, camera=camera)
