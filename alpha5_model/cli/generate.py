@@ -93,7 +93,7 @@ def generate(
     from alpha5_model.corrections import DEFAULT_CORRECTIONS
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
     from alpha5_model.paths import REPOSITORY_PATH
 
     chosen_corrections = (
@@ -139,10 +139,12 @@ def generate(
         return 0
     if not output.suffix:
         raise OutputError(output, "give a file name, such as alpha5.urdf")
+    files: dict[Path, str | bytes] = {output: text}
     if mesh_uri == "relative":
         for mesh in sorted([*meshes.glob("*.obj"), *meshes.glob("*.mtl")]):
-            atomic_write(output.parent / "meshes" / mesh.name, mesh.read_bytes())
-    typer.echo(f"wrote {atomic_write(output, text)}")
+            files[output.parent / "meshes" / mesh.name] = mesh.read_bytes()
+    atomic_write_all(files)
+    typer.echo(f"wrote {output}")
     return 0
 
 
@@ -176,15 +178,14 @@ def _option(name: str) -> str:
 
 def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
 
     if output is None:
         typer.echo(files[main_file].decode(), nl=False)
         return 0
     if output.is_file():
         raise OutputError(output, "it is a file; this format needs a folder")
-    for name, content in files.items():
-        atomic_write(output / name, content)
+    atomic_write_all({output / name: content for name, content in files.items()})
     typer.echo(f"wrote {output / main_file} and {len(files) - 1} files beside it")
     return 0
 

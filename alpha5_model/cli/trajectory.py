@@ -86,11 +86,14 @@ def trajectory(
     """
     from alpha5_model import trajectory as library
     from alpha5_model.checks import choice
+    from alpha5_model.errors import InputError
     from alpha5_model.trajectory.export import FORMATS
 
     # Whatever cannot be written or chosen is refused before the work, not after it.
     if output is not None:
         choice("table format", output.suffix.lower(), FORMATS)
+        if output.resolve() == file.resolve():
+            raise InputError("output", str(output), "another file than the one that is read")
     if plot is not None:
         from alpha5_model.view import trajectory_plot
 

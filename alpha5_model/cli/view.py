@@ -57,7 +57,7 @@ def view(
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     from alpha5_model.errors import NoDisplayError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
 
     pixels = _size(size)
     if image is not None and image.suffix.lower() != ".png":
@@ -78,17 +78,20 @@ def view(
         raise NoDisplayError(
             "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         )
+    files: dict[Path, str | bytes] = {}
     if html is not None:
         from alpha5_model.view.page import static_page
 
-        typer.echo(f"wrote {atomic_write(html, static_page(scene))}")
+        files[html] = static_page(scene)
     if image is not None:
         from alpha5_model.view.framing import framed
         from alpha5_model.view.picture import picture_png
 
-        content = picture_png(framed(scene, pixels), pixels)
-        typer.echo(f"wrote {atomic_write(image, content)}")
-    if html is not None or image is not None:
+        files[image] = picture_png(framed(scene, pixels), pixels)
+    if files:
+        atomic_write_all(files)
+        for path in files:
+            typer.echo(f"wrote {path}")
         return 0
     from alpha5_model.view.visualizer import ArmVisualizer
 
@@ -123,11 +126,13 @@ def _wait() -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
+    from alpha5_model.view.framing import check_size
+
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
-    return width, height
+    return check_size((width, height))
 
 
 def _read(path: Path) -> Motion:

@@ -17,12 +17,6 @@ _SIGHT = np.array([0.35, -1.0, 0.42])
 _MARGIN = 0.86
 
 
-def check_size(size: tuple[int, int]) -> None:
-    """Refuse a picture size, (width, height) in pixels, that cannot be drawn."""
-    if not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
-        raise InputError("size", size, "width and height from 16 to 8000 pixels")
-
-
 def framing(
     shapes: Iterable[Shape],
     poses: Mapping[str, FloatArray],
@@ -59,8 +53,19 @@ def framing(
     return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
 
 
+def check_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Check width and height of a picture, 16 to 8000 pixels each.
+
+    Raises:
+        InputError: Anything else.
+    """
+    if len(size) != 2 or not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
+        raise InputError("size", size, "width and height from 16 to 8000 pixels")
+    return size
+
+
 def framed(scene: Scene, size: tuple[int, int]) -> Scene:
-    """A scene whose camera fits a picture of this size, (width, height) in pixels."""
+    """A scene whose camera fits a picture of this size."""
     check_size(size)
     camera = framing(scene.shapes, scene.poses, scene.show, 0.95 * size[0] / size[1])
     return replace(scene, camera=camera)

@@ -32,8 +32,7 @@ def picture_png(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> bytes:
 
 def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.uint8]:
     """The scene as pixels, (height, width, 3)."""
-    width, height = size
-    check_size(size)
+    width, height = check_size(size)
     canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
     shown = [shape for shape in scene.shapes if shape.group in scene.show]
     see_through = "see-through" in scene.show
