@@ -147,7 +147,7 @@ def test_unwritable_files_end_in_one_line(
     blocker.write_text("x")
     for option in ("--html", "--image"):
         small = ["--gripper", "locked", "--size", "160x100", option]
-        assert "cannot write" in refused([*small, str(blocker / "arm")], capsys)
+        assert "cannot write" in refused([*small, str(blocker / "arm.png")], capsys)
         assert "it is a folder" in refused([*small, str(tmp_path)], capsys)
 
 
