@@ -145,10 +145,12 @@ def test_unwritable_files_end_in_one_line(
 ) -> None:
     blocker = tmp_path / "file"
     blocker.write_text("x")
+    folder = tmp_path / "folder.png"
+    folder.mkdir()
     for option in ("--html", "--image"):
         small = ["--gripper", "locked", "--size", "160x100", option]
         assert "cannot write" in refused([*small, str(blocker / "arm.png")], capsys)
-        assert "it is a folder" in refused([*small, str(tmp_path)], capsys)
+        assert "it is a folder" in refused([*small, str(folder)], capsys)
 
 
 def test_no_display_ends_in_one_line(
