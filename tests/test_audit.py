@@ -18,7 +18,7 @@ from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, wo
 from alpha5_model.consistency.row import AuditRow, judged, rounding_bound
 from alpha5_model.parameters import convert
 from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.tables import parse
+from alpha5_model.published.reading import parse
 
 DATA = Path(a5.__file__).parent / "published"
 DOCUMENT = (DATA / "reach_alpha_mk2_v7.toml").read_text("utf-8")
