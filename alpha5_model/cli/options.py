@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
 
 # Units stand in round brackets: the terminal takes [m] for a style.
@@ -27,6 +28,13 @@ def fluid_density(text: str) -> float:
     return real("fluid", density, minimum=0.0)
 
 
+def correction_names(text: str | None) -> tuple[str, ...]:
+    """Names between commas, the default ones for None; whoever takes them says which do not exist."""
+    if text is None:
+        return DEFAULT_CORRECTIONS
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
 def triple(name: str, text: str) -> tuple[float, float, float]:
     """Three numbers in one text, separated by spaces or commas.
 
@@ -36,5 +44,5 @@ def triple(name: str, text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.replace(",", " ").split())
     except ValueError:
-        raise InputError(name, text, "three numbers, such as '0 0 -9.81'") from None
+        raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
     return x, y, z
