@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -329,7 +330,7 @@ def test_command_line(tmp_path, capsys):
         ([a5.URDF_PATH, "--map", "axis_e=knee"], "unknown joint of the other model"),
         ([a5.URDF_PATH, "--map", "axis_e=axis_b"], "four different joints"),
         ([a5.URDF_PATH, "--map", "axis_e=tcp_fixed"], "a revolute joint"),
-        ([a5.URDF_PATH, "--plot", "errors.txt"], "choose from png, svg, pdf"),
+        ([a5.URDF_PATH, "--plot", "errors.txt"], "choose from .png, .pdf, .svg"),
     ],
 )
 def test_wrong_input_is_one_line_and_status_2(arguments, words, capsys):
@@ -370,3 +371,11 @@ def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
         except Alpha5Error as error:
             message = str(error)
         assert len(message.splitlines()) <= 1
+
+
+def test_a_picture_without_matplotlib_is_one_clear_line(monkeypatch, capsys, tmp_path) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    path = tmp_path / "errors.png"
+    assert main(["compare", a5.URDF_PATH, "--plot", str(path)]) == 2
+    assert "pip install 'alpha5-model[plot]'" in capsys.readouterr().err
+    assert not path.exists()

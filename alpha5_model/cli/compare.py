@@ -34,10 +34,13 @@ def compare(
     """
     from alpha5_model.comparison.report import compare as run
 
-    comparison = run(other, _pairs(joints), samples)
     if plot is not None:
         from alpha5_model.view.comparison_plot import plot_comparison
+        from alpha5_model.view.figures import check_format
 
+        check_format(plot)  # before the work, not after it
+    comparison = run(other, _pairs(joints), samples)
+    if plot is not None:
         plot_comparison(comparison, plot)
     if as_json:
         typer.echo(json.dumps(comparison.as_dict(), indent=2))

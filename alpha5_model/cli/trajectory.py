@@ -93,8 +93,9 @@ def trajectory(
         choice("table format", output.suffix.lower(), FORMATS)
     if plot is not None:
         from alpha5_model.view import trajectory_plot
+        from alpha5_model.view.figures import check_format
 
-        choice("plot format", plot.suffix.lower(), trajectory_plot.FORMATS)
+        check_format(plot)
     choice("gripper", gripper, GRIPPERS)
     use_velocity = {"auto": None, "file": True, "positions": False}[
         choice("velocities", velocities, VELOCITIES)

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model.checks import choice
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
 from alpha5_model.parameters import parameters
+from alpha5_model.view.figures import check_format, new_figure, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
 
-FORMATS = (".png", ".pdf", ".svg")
 #: Okabe and Ito's colours, told apart by colour-blind readers as well.
 _CAUSES = {
     "weight": "#E69F00",
@@ -38,11 +34,8 @@ def write(analysis: Analysis, path: str | os.PathLike[str]) -> Path:
         MissingDependencyError: matplotlib is not installed.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    kind = choice("plot format", target.suffix.lower(), FORMATS)
-    picture = io.BytesIO()
-    figure(analysis).savefig(picture, format=kind[1:], dpi=110)
-    return atomic_write(target, picture.getvalue())
+    check_format(path)
+    return write_figure(figure(analysis), path, dpi=110)
 
 
 def figure(analysis: Analysis) -> Any:
@@ -51,17 +44,9 @@ def figure(analysis: Analysis) -> Any:
     One row for each joint (position, torque by cause, motor current) and one for the whole arm (power,
     load on the mount, TCP path).
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingDependencyError(
-            "matplotlib", "the plot", "pip install 'alpha5-model[plot]'"
-        ) from None
     a = analysis
     joints = a.smooth.joints
-    page: Any = Figure(figsize=(16, 2.35 * len(joints) + 4.2), layout="constrained")
-    FigureCanvasAgg(page)
+    page = new_figure(16, 2.35 * len(joints) + 4.2)
     page.get_layout_engine().set(h_pad=0.06, w_pad=0.08)
     grid = page.add_gridspec(len(joints) + 1, 3, height_ratios=[1.0] * len(joints) + [1.6])
     first: Any = None
