@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 
 _TAU = 2 * math.pi
 #: Step to either side of an arc when asking which side belongs to a region [m].
@@ -49,7 +49,7 @@ class Arc(NamedTuple):
 
 
 def trace(
-    curves: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
+    curves: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], BoolArray]
 ) -> tuple[Arc, ...]:
     """The boundary of a region that is known to lie on some circles.
 
@@ -152,7 +152,7 @@ def _covers(arc: Arc, piece: Arc) -> bool:
     )
 
 
-def _filled(piece: Arc, contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]) -> int:
+def _filled(piece: Arc, contains: Callable[[FloatArray, FloatArray], BoolArray]) -> int:
     """+1 or -1 if exactly one side of a piece belongs to the region, 0 if it is no boundary."""
     middle = (piece.start + piece.end) / 2
     step = min(_STEP, (piece.end - piece.start) * piece.radius / 10)

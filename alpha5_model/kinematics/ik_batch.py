@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.ik_one import (
     LIMIT_TOLERANCE,
     NEAR_AXIS,
@@ -18,15 +18,56 @@ from alpha5_model.kinematics.ik_one import (
     solve_one,
 )
 
-BoolArray = NDArray[np.bool_]
-
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
 BLOCK = 8192
 
 _TAU = 2 * math.pi
 
 
-def solve_rows(
+def solve_batch(
+    position: FloatArray, wrist: FloatArray
+) -> tuple[FloatArray, BoolArray, BoolArray, BoolArray]:
+    """Solve finite targets of any shape.
+
+    Args:
+        position: (..., 3) [m].
+        wrist: Broadcasts to (...) [rad].
+
+    Returns:
+        q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
+        `alpha5_model.kinematics.ik.Solutions`.
+    """
+    lead = position.shape[:-1]
+    q = np.empty((*lead, 4, 4))
+    exists, within = np.empty((*lead, 4), np.bool_), np.empty((*lead, 4), np.bool_)
+    singular = np.empty(lead, np.bool_)
+    _solve_rows(
+        position.reshape(-1, 3),
+        wrist if wrist.ndim == 0 else np.broadcast_to(wrist, lead).reshape(-1),
+        q.reshape(-1, 4, 4),
+        exists.reshape(-1, 4),
+        within.reshape(-1, 4),
+        singular.reshape(-1),
+    )
+    return q, exists, within, singular
+
+
+def reached(position: FloatArray, limits: bool) -> BoolArray:
+    """Which branches reach finite targets, whatever the wrist angle.
+
+    Args:
+        position: (..., 3) [m].
+        limits: Within the limits of theta_0, theta_1 and theta_2; without, all angles are free.
+
+    Returns:
+        (..., 4), branch axis as in `alpha5_model.kinematics.ik.BRANCHES`.
+    """
+    middle = constants().limits[3][2]
+    _, exists, within, _ = solve_batch(position, np.asarray(middle))
+    return within if limits else exists
+
+
+def _solve_rows(
     position: FloatArray,
     wrist: FloatArray,
     q: FloatArray,

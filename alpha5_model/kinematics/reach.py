@@ -12,19 +12,19 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
-from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.ik_batch import reached
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
 _TAU = 2 * math.pi
 
 
-def reachable(positions: ArrayLike, limits: bool = True) -> NDArray[np.bool_]:
+def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
     """Whether the tcp reaches a point: any branch of the inverse kinematics does.
 
     The wrist angle moves no point and plays no part.
@@ -42,11 +42,9 @@ def reachable(positions: ArrayLike, limits: bool = True) -> NDArray[np.bool_]:
     target = float_array("positions", positions, (3,))
     rows = target.reshape(-1, 3)
     out = np.empty(len(rows), np.bool_)
-    wrist = arm_plane().middle[3]
     for start in range(0, len(rows), _BLOCK):
         part = slice(start, start + _BLOCK)
-        solutions = inverse_kinematics(rows[part], wrist)
-        (solutions.within_limits if limits else solutions.exists).any(axis=-1, out=out[part])
+        reached(rows[part], limits).any(axis=-1, out=out[part])
     return out.reshape(target.shape[:-1])
 
 
