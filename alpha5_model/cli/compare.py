@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from alpha5_model.comparison.report import Comparison
+    from alpha5_model.comparison.records import Comparison
 
 
 def register(app: typer.Typer) -> None:

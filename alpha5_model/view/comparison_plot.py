@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from alpha5_model.view.figures import check_format, new_figure, write_figure
 
 if TYPE_CHECKING:
-    from alpha5_model.comparison.report import Comparison
+    from alpha5_model.comparison.records import Comparison
 
 
 def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
