@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray
 
-_TAU = 2 * math.pi
 #: Step to either side of an arc when asking which side belongs to a region [m].
 _STEP = 1e-7
 
@@ -134,7 +133,7 @@ def _cuts(curve: Arc, curves: Sequence[Arc]) -> list[float]:
     inside = sorted(
         curve.start + shift
         for angle in angles
-        if 1e-12 < (shift := (angle - curve.start) % _TAU) < curve.end - curve.start - 1e-12
+        if 1e-12 < (shift := (angle - curve.start) % math.tau) < curve.end - curve.start - 1e-12
     )
     cuts = [curve.start]
     for angle in [*inside, curve.end]:
@@ -148,7 +147,7 @@ def _covers(arc: Arc, piece: Arc) -> bool:
     return (
         math.dist(arc.center, piece.center) < 1e-12
         and abs(arc.radius - piece.radius) < 1e-12
-        and ((piece.start + piece.end) / 2 - arc.start) % _TAU < arc.end - arc.start
+        and ((piece.start + piece.end) / 2 - arc.start) % math.tau < arc.end - arc.start
     )
 
 

@@ -26,8 +26,6 @@ from alpha5_model.kinematics.ik_batch import reached
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")
 
-_TAU = 2 * math.pi
-
 
 @cache
 def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
@@ -78,8 +76,8 @@ def side_curves(side: str, limits: bool = True) -> list[Arc]:
     shoulder = (g.a_0, g.d_0)
     if not limits:
         curves = [
-            Arc(shoulder, g.longest, 0.0, _TAU, 0, "stretched", side),
-            Arc(shoulder, g.shortest, 0.0, _TAU, 0, "folded", side),
+            Arc(shoulder, g.longest, 0.0, math.tau, 0, "stretched", side),
+            Arc(shoulder, g.shortest, 0.0, math.tau, 0, "folded", side),
         ]
     else:
         curves = [Arc(shoulder, g.longest, phi_low, phi_high, 0, "stretched", side)]

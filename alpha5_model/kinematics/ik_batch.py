@@ -21,8 +21,6 @@ from alpha5_model.kinematics.ik_one import (
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
 BLOCK = 8192
 
-_TAU = 2 * math.pi
-
 
 def solve_batch(
     position: FloatArray, wrist: FloatArray
@@ -121,7 +119,7 @@ def _solve_rows(
 def _wrist(wrist: FloatArray, c: Constants) -> tuple[FloatArray, BoolArray]:
     """theta_3 in its range, and whether it fits; rounding beside a limit is removed."""
     lower, upper, middle = c.limits[3]
-    angle = wrist - _TAU * np.rint((wrist - middle) / _TAU)
+    angle = wrist - math.tau * np.rint((wrist - middle) / math.tau)
     clipped = np.clip(angle, lower, upper)
     fits = np.abs(angle - clipped) <= LIMIT_TOLERANCE
     return np.where(fits, clipped, angle), fits
@@ -238,10 +236,10 @@ def _solve_block(
 
 def _wrap(angle: FloatArray, middle: float, work: FloatArray) -> None:
     """Shift by full turns into the turn around the middle of a range, in place."""
-    np.multiply(angle, 1 / _TAU, out=work)
-    work -= middle / _TAU
+    np.multiply(angle, 1 / math.tau, out=work)
+    work -= middle / math.tau
     np.rint(work, out=work)
-    work *= _TAU
+    work *= math.tau
     angle -= work
 
 

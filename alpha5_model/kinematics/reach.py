@@ -21,7 +21,6 @@ from alpha5_model.kinematics.ik_batch import reached
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
-_TAU = 2 * math.pi
 
 
 def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
@@ -113,7 +112,7 @@ def _allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
     middle = g.middle[0] + g.azimuth_offset - (math.pi if side == "overarm" else 0.0)
     half = (g.upper[0] - g.lower[0]) / 2
     off = azimuth - middle
-    off -= _TAU * np.rint(off / _TAU)
+    off -= math.tau * np.rint(off / math.tau)
     return np.where(np.abs(off) <= half, azimuth, middle + np.clip(off, -half, half))
 
 
@@ -127,9 +126,9 @@ def _project_in_plane(points: FloatArray, side: str, limits: bool) -> FloatArray
         offset = points - arc.center
         angle = np.arctan2(offset[:, 1], offset[:, 0])
         span = arc.end - arc.start
-        along = (angle - arc.start) % _TAU
+        along = (angle - arc.start) % math.tau
         # Beyond the arc: its nearer end.
-        beyond_end = along - span < _TAU - along
+        beyond_end = along - span < math.tau - along
         along = np.where(along <= span, along, np.where(beyond_end, span, 0.0))
         foot = arc.points(arc.start + along)
         distance = np.square(foot - points).sum(axis=-1)
