@@ -34,4 +34,5 @@ test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
 "$work/venv/bin/python" -m alpha5_model --version
 if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
+"$work/venv/bin/alpha5" generate --check
 echo "package check passed"

@@ -138,6 +138,15 @@ def test_planar_with_limits_states_its_resolution(capsys) -> None:
     assert data["area"] == pytest.approx(math.pi * (64 - low**2), rel=0.03)
 
 
+def test_planar_with_many_limited_joints_is_quick(capsys, tmp_path: Path) -> None:
+    limits = [x for _ in range(6) for x in ("-l", "-1 1")]
+    plot = tmp_path / "six.svg"
+    status, out, _ = run(capsys, "planar", *"222221", *limits, "--plot", str(plot))
+    assert status == 0
+    assert "not computed for this arm" in out
+    assert plot.stat().st_size > 0
+
+
 def test_planar_prismatic_and_empty(capsys) -> None:
     status, out, _ = run(capsys, "planar", "1", "2", "--joints", "RP", "-l", "none", "-l", "0 1")
     assert status == 0

@@ -63,12 +63,9 @@ def wrong_side(root):
     set_com(root, "link_4", table_com(4) * [1, 1, -1])
 
 
-def mesh_frame(root):
-    """Table 2's numbers pasted into a link frame that stands elsewhere: on DH frame {2}."""
-    joint = root.find("joint[@name='axis_c']/origin")
-    after = root.find("joint[@name='axis_b']/origin")
-    joint.set("rpy", "3.141592653589793 0.0 0.0")  # the zero of axis_c moves by theta_c - pi/2
-    assert after is not None
+def other_zero(root):
+    """The link frames of an arm whose zero of axis_c lies elsewhere, by theta_c - pi/2."""
+    root.find("joint[@name='axis_c']/origin").set("rpy", "3.141592653589793 0.0 0.0")
 
 
 def about_the_link_frame(root):
@@ -142,7 +139,7 @@ def buoyancy_for_com(root):
 DEFECTS: dict[Defect, tuple[str, str]] = {
     no_inertial: ("link_2", "no <inertial>"),
     wrong_side: ("link_4", "on the wrong side of the joint"),
-    mesh_frame: ("axis_c", "zero is shifted by"),
+    other_zero: ("axis_c", "zero is shifted by"),
     about_the_link_frame: ("link_3", "about the link frame, not the COM"),
     solidworks_sign: ("link_1", "products of inertia have the SolidWorks sign"),
     zeroed_products: ("link_2", "the products of inertia are zeroed"),

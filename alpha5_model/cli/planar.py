@@ -103,7 +103,7 @@ def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
             }
     elif radius is not None:
         raise InputError("--radius", radius, "an arm without limits on its revolute joints")
-    elif arm.n >= 3 and arm.joints[-1] == "R":
+    elif arm.n == 3 and arm.joints[-1] == "R":
         found = dexterity_map(arm)
         resolution = {"spacing": found.spacing, "orientations": found.orientations}
         result["dexterous_workspace"] = {
@@ -122,7 +122,9 @@ def _lines(result: dict[str, Any]) -> list[str]:
         f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     ]
     if dexterous is None:
-        text = "not computed: fewer than three joints with limits, or a last joint that slides"
+        text = (
+            "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
+        )
     elif dexterous["resolution"] is not None:
         grid = dexterous["resolution"]
         text = (

@@ -34,8 +34,8 @@ def plot_planar(
 ) -> Any:
     """Draw an arm, its workspace and its dexterous workspace.
 
-    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms that `dexterity`
-    takes, a map of the share of orientations reached.
+    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms of three joints, the
+    last one revolute, it is a map of the share of orientations reached.
 
     Args:
         arm: The arm.
@@ -55,7 +55,7 @@ def plot_planar(
     _fill(axes, space, REACHED, "workspace")
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
-    elif dexterous and arm.n >= 3 and arm.joints[-1] == "R":
+    elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
         _dexterity_map(axes, arm, resolution)
     for curve in space.curves:
         line = _polyline(curve)

@@ -30,7 +30,7 @@ def kernel() -> Any:
         import manifold3d
     except ImportError:
         raise MissingDependencyError(
-            "manifold3d", "drawing the meshes", "pip install 'alpha5-model[mesh]'"
+            "manifold3d", "drawing the meshes", "pip install manifold3d"
         ) from None
     return manifold3d
 
