@@ -7,6 +7,7 @@ from alpha5_model.errors import InputError
 
 # Units stand in round brackets: the terminal takes [m] for a style.
 FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
+GRAVITY_HELP = "In base_link, three numbers (m/s^2); tilts the mount."
 
 
 def fluid_density(text: str) -> float:

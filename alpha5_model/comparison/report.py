@@ -21,6 +21,7 @@ from alpha5_model.comparison.mapping import AXES, FourJointArm, map_joints, redu
 from alpha5_model.comparison.records import BodyDifference, Comparison
 from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf, read_urdf
 from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.fluids import GRAVITY
 from alpha5_model.parameters import parameters
 
 
@@ -110,8 +111,8 @@ def _dynamic_errors(
 
     models = [_model(ours), _model(theirs)]
     # Gravity points down in our base frame, wherever the other root stands.
-    down = np.array([0.0, 0.0, -9.81])
-    models[1].gravity.linear = alignment.base[:3, :3].T @ down
+    models[0].gravity.linear = np.array(GRAVITY)
+    models[1].gravity.linear = alignment.base[:3, :3].T @ np.array(GRAVITY)
     data = [model.createData() for model in models]
     signs = alignment.sign
     gravity, matrix = np.zeros(4), 0.0

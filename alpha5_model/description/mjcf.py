@@ -34,6 +34,7 @@ from alpha5_model.description.poses import (
     NEVER_PAIRS,
 )
 from alpha5_model.description.tree import Body, Mesh, Shape, arm_bodies
+from alpha5_model.fluids import GRAVITY
 from alpha5_model.parameters import parameters
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
@@ -93,7 +94,11 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     ET.SubElement(
         root,
         "option",
-        {"integrator": "implicitfast", "gravity": "0 0 -9.81", **(fluid if chosen.drag else {})},
+        {
+            "integrator": "implicitfast",
+            "gravity": numbers_text(*GRAVITY),
+            **(fluid if chosen.drag else {}),
+        },
     )
     _defaults(root)
     _assets(root, shown)
