@@ -370,6 +370,12 @@ def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
         assert len(message.splitlines()) <= 1
 
 
+@pytest.mark.parametrize("samples", [0, -1, 2.5, True])
+def test_samples_are_a_count(samples) -> None:
+    with pytest.raises(InputError, match="samples"):
+        compare(a5.URDF_PATH, samples=samples)
+
+
 def test_a_picture_without_matplotlib_is_one_clear_line(monkeypatch, capsys, tmp_path) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     path = tmp_path / "errors.png"

@@ -499,11 +499,11 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.description.bodies.surface import _check_closed
+    from alpha5_model.description.bodies.surface import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    _check_closed(closed)
+    check_closed(closed)
     with pytest.raises(Alpha5Error, match="closed"):
-        _check_closed(closed[1:])
+        check_closed(closed[1:])
     with pytest.raises(Alpha5Error, match="closed"):
-        _check_closed(np.vstack([closed, closed[:1]]))
+        check_closed(np.vstack([closed, closed[:1]]))

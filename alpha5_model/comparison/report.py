@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import FloatArray, count
 from alpha5_model.comparison.alignment import (
     Alignment,
     align,
@@ -80,7 +80,7 @@ def compare_robots(
     rng = np.random.default_rng(0)
     lower = np.array([joint.lower for joint in tables.joints[:4]])
     upper = np.array([joint.upper for joint in tables.joints[:4]])
-    q = rng.uniform(lower, upper, (samples, 4))
+    q = rng.uniform(lower, upper, (count("samples", samples), 4))
     reach = -tables.dh[3].d
     tip_error = max(tip_distance(ours, theirs, alignment, reach, row) for row in q)
     gravity_error, mass_matrix_error = _dynamic_errors(ours, theirs, alignment, q)

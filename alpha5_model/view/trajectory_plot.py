@@ -97,10 +97,8 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
     joint = next(j for j in parameters().joints if j.name == name)
     scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
     raw = scale * a.motion.position[:, k]
-    axes.plot(*_thin(a.motion.time, raw), ".", color="#999999", markersize=4, label="samples")
-    axes.plot(
-        *_thin(a.smooth.time, scale * a.smooth.position[:, k]), color="#0072B2", linewidth=1.0
-    )
+    axes.plot(*thin(a.motion.time, raw), ".", color="#999999", markersize=4, label="samples")
+    axes.plot(*thin(a.smooth.time, scale * a.smooth.position[:, k]), color="#0072B2", linewidth=1.0)
     low, high = axes.get_ylim()
     least = 0.02 * scale * (joint.upper - joint.lower)
     middle, half = (low + high) / 2, max((high - low) / 2, least)
@@ -114,10 +112,10 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     for cause, colour in _CAUSES.items():
         axes.plot(
-            *_thin(a.smooth.time, getattr(a, cause)[:, k]), color=colour, linewidth=1, label=cause
+            *thin(a.smooth.time, getattr(a, cause)[:, k]), color=colour, linewidth=1, label=cause
         )
     torque = a.torque[:, k]
-    axes.plot(*_thin(a.smooth.time, torque), color=_TOTAL, linewidth=1.5, label="torque")
+    axes.plot(*thin(a.smooth.time, torque), color=_TOTAL, linewidth=1.5, label="torque")
     at = int(np.abs(torque).argmax())
     _widen(axes, 1e-3)
     _mark(axes, a.smooth.time[at], torque[at])
@@ -140,10 +138,10 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
         )
         axes.set_yticks([])
         return
-    time, low = _thin(a.smooth.time, a.current_lower[:, k])
+    time, low = thin(a.smooth.time, a.current_lower[:, k])
     high = np.interp(time, a.smooth.time, a.current_upper[:, k])
     axes.fill_between(time, low, high, color="#9ECAE9", linewidth=0)
-    axes.plot(*_thin(a.smooth.time, current), color="#0072B2", linewidth=1.0)
+    axes.plot(*thin(a.smooth.time, current), color="#0072B2", linewidth=1.0)
     _widen(axes, 1e-3)
     if a.current_limit is not None:
         for bound in (-a.current_limit, a.current_limit):
@@ -155,9 +153,9 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
 
 def _power(axes: Any, a: Analysis) -> None:
     electrical = np.nansum(a.electrical_power, axis=1)
-    axes.plot(*_thin(a.smooth.time, electrical), color="#0072B2", linewidth=1.1, label="electrical")
+    axes.plot(*thin(a.smooth.time, electrical), color="#0072B2", linewidth=1.1, label="electrical")
     axes.plot(
-        *_thin(a.smooth.time, a.mechanical_power.sum(axis=1)),
+        *thin(a.smooth.time, a.mechanical_power.sum(axis=1)),
         color=_LIMIT,
         linewidth=1.1,
         label="mechanical",
@@ -171,7 +169,7 @@ def _power(axes: Any, a: Analysis) -> None:
 def _mount(axes: Any, a: Analysis) -> None:
     for k, (name, colour) in enumerate(zip("xyz", ("#D55E00", "#009E73", "#0072B2"), strict=True)):
         axes.plot(
-            *_thin(a.smooth.time, a.base_wrench[:, 3 + k]),
+            *thin(a.smooth.time, a.base_wrench[:, 3 + k]),
             color=colour,
             linewidth=1.2,
             label=f"moment {name}",
@@ -224,7 +222,7 @@ def _widen(axes: Any, least: float) -> None:
         axes.set_ylim(middle - least / 2, middle + least / 2)
 
 
-def _thin(time: Any, values: Any) -> tuple[Any, Any]:
+def thin(time: Any, values: Any) -> tuple[Any, Any]:
     """At most `_POINTS` points: the lowest and the highest of each stretch."""
     stretch = -(-len(time) // (_POINTS // 2))
     if stretch <= 2:
