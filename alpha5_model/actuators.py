@@ -40,7 +40,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array, real
-from alpha5_model.errors import MissingParameterError
+from alpha5_model.errors import MissingParameterError, ShapeError
 from alpha5_model.parameters import ActuatorParameters, parameters
 
 #: Which of the contradicting motor constants are believed.
@@ -160,7 +160,7 @@ class Actuator:
         Raises:
             MissingParameterError: An acceleration without a rotor inertia.
         """
-        tau, v = _numbers(torque=torque, velocity=velocity)
+        tau, v, _ = _numbers(torque=torque, velocity=velocity, acceleration=acceleration)
         shaft = self._gear_input(tau, v) + self.parameters.friction * np.sign(v)
         return (shaft + self._rotor_torque(acceleration)) / self.torque_constant
 
@@ -172,7 +172,7 @@ class Actuator:
         Returns:
             [N m].
         """
-        i, v = _numbers(current=current, velocity=velocity)
+        i, v, _ = _numbers(current=current, velocity=velocity, acceleration=acceleration)
         shaft = self.torque_constant * i - self.parameters.friction * np.sign(v)
         shaft = shaft - self._rotor_torque(acceleration)
         loss = self.parameters.efficiency ** np.sign(shaft * v)
@@ -279,7 +279,7 @@ class Actuator:
         self, torque: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike | None = None
     ) -> ActuatorPower:
         """Electrical and mechanical power, and where the difference goes (``di/dt`` left out)."""
-        tau, v = _numbers(torque=torque, velocity=velocity)
+        tau, v, _ = _numbers(torque=torque, velocity=velocity, acceleration=acceleration)
         i = self.current(tau, v, acceleration)
         w = self.ratio * v
         mechanical = tau * v
@@ -365,5 +365,15 @@ def actuator(
     return Actuator(joint, row, constants, rotor_inertia, screw_lead)
 
 
-def _numbers(**values: ArrayLike) -> list[FloatArray]:
-    return [float_array(name, value, ()) for name, value in values.items()]
+def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
+    """Checked arrays that broadcast with one another; None, which is left out, as zero."""
+    arrays = {
+        name: float_array(name, 0.0 if value is None else value, ())
+        for name, value in values.items()
+    }
+    try:
+        np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        shapes = tuple(array.shape for array in arrays.values())
+        raise ShapeError(" and ".join(arrays), shapes, "shapes that broadcast") from None
+    return list(arrays.values())

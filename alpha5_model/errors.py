@@ -187,5 +187,5 @@ class MissingDependencyError(Alpha5Error, ImportError):
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())  # arrays print over several lines
     return text if len(text) <= 80 else text[:77] + "..."

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from alpha5_model.errors import OutputError
@@ -23,23 +25,58 @@ def atomic_write(path: str | os.PathLike[str], content: str | bytes) -> Path:
         OutputError: The target cannot be written; what stood there before is untouched.
     """
     target = Path(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    temporary = None
-    try:
+    atomic_write_all({target: content})
+    return target
+
+
+def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
+    """Write files that belong together: none is renamed before all are on the disk.
+
+    Args:
+        files: Target -> content, as in `atomic_write`.
+
+    Raises:
+        OutputError: A target cannot be written; what stood there before is untouched.
+    """
+    for target in files:
         if target.is_dir():
             raise OutputError(target, "it is a folder")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    staged: dict[Path, Path] = {}
+    try:
+        for target, content in files.items():
+            with _speaking_of(target):
+                staged[target] = _stage(target, content)
+        for target, temporary in staged.items():
+            with _speaking_of(target):
+                temporary.replace(target)
+    finally:
+        for temporary in staged.values():
+            temporary.unlink(missing_ok=True)
+
+
+def _stage(target: Path, content: str | bytes) -> Path:
+    """The content in a temporary file beside the target."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    temporary = Path(name)
+    try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
         umask = os.umask(0)
         os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(target)
+        temporary.chmod(0o666 & ~umask)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return temporary
+
+
+@contextmanager
+def _speaking_of(target: Path) -> Iterator[None]:
+    """Errors of the system as one line about the target."""
+    try:
+        yield
+    except (FileExistsError, NotADirectoryError):
+        raise OutputError(target, "a part of its path is a file, not a folder") from None
     except OSError as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        if isinstance(error, OutputError):
-            raise
         raise OutputError(target, error.strerror or str(error)) from None
-    return target

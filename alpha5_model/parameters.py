@@ -71,6 +71,8 @@ class JointParameters:
         name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod).
         dh_variable: The document's name of the same coordinate.
         device_id: Address of the actuator on the arm's bus.
+        lower, upper: Ends of the range.
+        velocity: Largest speed.
         effort: A placeholder that every public model copies; no rating is published.
     """
 

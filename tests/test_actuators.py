@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import alpha5_model as a5
 from alpha5_model import actuators
-from alpha5_model.errors import InputError, MissingParameterError, UnknownNameError
+from alpha5_model.errors import InputError, MissingParameterError, ShapeError, UnknownNameError
 
 # Table 4, typed from the document, in SI: R, L, F, tolerance, eta, K_t, K_v, Gr.
 BIG = (3.22, 231e-6, 3.752e-3, 0.10, 0.86, 0.0134, 0.0116, 1754.4)
@@ -223,6 +223,14 @@ def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
         (lambda: actuators.actuator("axis_e").current("much"), InputError),
         (lambda: actuators.actuator("axis_e").torque_limits(0.0, 0.0, 1.0), InputError),
         (lambda: actuators.actuator("axis_e").torque_limits(0.0, 24.0, -1.0), InputError),
+        (lambda: actuators.actuator("axis_e").current(np.zeros(2), np.zeros(3)), ShapeError),
+        (lambda: actuators.actuator("axis_e").voltage(0.0, np.zeros(2), np.zeros(3)), ShapeError),
+        (
+            lambda: actuators.actuator("axis_e", rotor_inertia=1e-6).power(
+                np.zeros(2), np.zeros(2), np.zeros(3)
+            ),
+            ShapeError,
+        ),
     ],
 )
 def test_what_cannot_be_used_is_refused(call, error) -> None:

@@ -27,6 +27,16 @@ def motion_file(tmp_path: Path) -> Path:
     return path
 
 
+def test_the_recording_is_not_overwritten(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = motion_file.read_bytes()
+    around = motion_file.parent / "." / motion_file.name
+    assert main(["trajectory", str(motion_file), "--output", str(around)]) == 2
+    assert "another file than the one that is read" in capsys.readouterr().err
+    assert motion_file.read_bytes() == before
+
+
 def summary_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
     assert main(["trajectory", *arguments, "--json"]) == 0
     out = capsys.readouterr()

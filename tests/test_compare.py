@@ -327,6 +327,7 @@ def test_command_line(tmp_path, capsys):
         ([a5.URDF_PATH, "--map", "axis_e=knee"], "unknown joint of the other model"),
         ([a5.URDF_PATH, "--map", "axis_e=axis_b"], "four different joints"),
         ([a5.URDF_PATH, "--map", "axis_e=tcp_fixed"], "a revolute joint"),
+        ([a5.URDF_PATH, "--samples", "99999999999"], "--samples"),
         ([a5.URDF_PATH, "--plot", "errors.txt"], "choose from .png, .pdf, .svg"),
     ],
 )

@@ -461,3 +461,11 @@ def test_robot_wrapper(gripper, corrections):
     assert floating.nv == robot.nv + 6
     with pytest.raises(UnknownNameError):
         a5.robot_wrapper(gripper="claw")
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_truth_values_are_no_numbers_in_the_fast_call_either(place: int) -> None:
+    states = [np.zeros(4), np.zeros(4), np.zeros(4)]
+    states[place] = np.array([True, False, True, False])
+    with pytest.raises(InputError, match="real numbers"):
+        a5.load().inverse_dynamics(*states)

@@ -60,6 +60,12 @@ def test_attributes_and_messages() -> None:
     assert len(str(errors.InputError("q", "x" * 500, "a number"))) < 150
 
 
+def test_a_value_that_prints_over_several_lines_leaves_the_message_on_one() -> None:
+    value = np.eye(2) * 1j
+    assert "\n" in repr(value)
+    assert "\n" not in str(errors.InputError("q", value, "an array of real numbers"))
+
+
 # --- the checks that raise them ---------------------------------------------------------------
 
 

@@ -16,7 +16,7 @@ from alpha5_model.description.committed import StaleFile, generated_files, stale
 from alpha5_model.description.parameter_file import parameter_yaml
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
-from alpha5_model.files import atomic_write
+from alpha5_model.files import atomic_write, atomic_write_all
 from alpha5_model.paths import REPOSITORY_PATH, XACRO_PATH
 
 
@@ -233,3 +233,38 @@ def test_atomic_write_leaves_the_old_file_when_it_fails(tmp_path, monkeypatch):
         atomic_write(target, "new")
     assert target.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
+
+
+def test_files_that_belong_together_are_written_all_or_none(tmp_path):
+    (tmp_path / "blocked").write_text("a file where a folder must stand")
+    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
+    atomic_write(first, "old")
+    with pytest.raises(OutputError, match=r"third\.txt: a part of its path is a file"):
+        atomic_write_all({first: "new", second: "new", tmp_path / "blocked" / "third.txt": "new"})
+    assert first.read_text() == "old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocked", "first.txt"]
+    atomic_write_all({first: "new", second: b"new"})
+    assert (first.read_text(), second.read_text()) == ("new", "new")
+
+
+@pytest.mark.parametrize("arguments", [["urdf", "arm.urdf"], ["mjcf", "."], ["sdf", "."]])
+def test_generate_leaves_nothing_where_one_of_its_files_cannot_stand(tmp_path, capsys, arguments):
+    kind, output = arguments
+    taken = {"urdf": "arm.urdf", "mjcf": "README.md", "sdf": "model.config"}[kind]
+    (tmp_path / taken).mkdir()
+    assert main(["generate", "--format", kind, "--output", str(tmp_path / output)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == [taken]
+
+
+def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():
+    with pytest.raises(InputError, match="no link of the arm has"):
+        urdf(Variant(parent="base_link"))
+    with pytest.raises(InputError, match="no link of the arm has"):
+        urdf(Variant(parent="l_tcp", prefix="l_"))
+    assert names(urdf(Variant(parent="base_link", prefix="l_")), "link").count("base_link") == 1
+
+
+def test_a_plugin_without_ros2_control_is_refused():
+    with pytest.raises(InputError, match="ros2_control"):
+        Variant(ros2_control_plugin="pkg/Driver")

@@ -306,3 +306,19 @@ def test_public_names_and_ranges_of_a_turn() -> None:
     assert PlanarArm((1,), [(-math.pi, math.pi)]).limits == (None,)
     assert isinstance(PlanarArm((0,), [(1, 2)], "P").workspace().thin[0], Segment)
     assert PlanarArm((1, 2)) == PlanarArm((1, 2), [None, (0, TURN)])
+
+
+@pytest.mark.parametrize("lengths", [(1.0, 1e-12), (1e10, 1.0, 1e-3), (1.0, 1e-17)])
+def test_a_link_too_short_to_matter_is_no_error(lengths: tuple[float, ...]) -> None:
+    region = PlanarArm(lengths).workspace()
+    assert region.contains([lengths[0], 0.0])
+    assert not region.contains([1.01 * lengths[0], 0.0])
+    assert region.area == pytest.approx(
+        math.pi * (sum(lengths) ** 2 - (lengths[0] - sum(lengths[1:])) ** 2),
+        abs=1e-8 * lengths[0] ** 2,  # a ring thinner than the tolerance is a circle
+    )
+
+
+def test_an_arm_whose_area_overflows_is_refused() -> None:
+    with pytest.raises(InputError, match="finite"):
+        PlanarArm((1e308, 1e308))

@@ -173,6 +173,21 @@ def test_motion_from_arrays() -> None:
         a5.trajectory.motion(time, bad)
 
 
+@pytest.mark.parametrize(
+    ("position", "velocity"),
+    [
+        ([[1.0], [2.0, 3.0]], None),
+        (np.ones((2, 10, 4)), None),
+        (np.ones((10, 6)), None),
+        (np.ones((10, 4)), np.ones((2, 10, 4))),
+        (np.ones((10, 4)), np.ones((10, 5))),
+    ],
+)
+def test_arrays_of_another_shape_are_refused(position: object, velocity: object) -> None:
+    with pytest.raises(InputError, match=r"position|velocity"):
+        a5.trajectory.motion(np.arange(10.0), position, velocity)  # type: ignore[arg-type]
+
+
 @needs_recordings
 @pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: p.stem)
 def test_recordings_are_read_to_the_last_digit(path: Path) -> None:

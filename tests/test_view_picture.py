@@ -13,6 +13,7 @@ from PIL import Image
 from recordings import JOINT_STATES
 
 import alpha5_model as a5
+from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.picture import picture, picture_png
@@ -237,3 +238,18 @@ def test_the_readmes_figures_are_of_the_present_arm() -> None:
         if content is not None:
             image = np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
             assert image.std() > 10
+
+
+def test_a_picture_that_cannot_be_drawn_leaves_no_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = ["view", "--html", str(tmp_path / "arm.html")]
+    assert main([*page, "--image", str(tmp_path / "arm.png"), "--size", "0x0"]) == 2
+    assert "16 to 8000 pixels" in capsys.readouterr().err
+    (tmp_path / "taken.png").mkdir()
+    small = ["--size", "64x40"]
+    assert main([*page, "--image", str(tmp_path / "taken.png"), *small]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["taken.png"]
+    assert main([*page, "--image", str(tmp_path / "arm.png"), *small]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"taken.png", "arm.html", "arm.png"}

@@ -110,15 +110,14 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
 
 def test_a_wedge_is_not_the_solid_of_revolution() -> None:
     """Points that can be reached at other azimuths and not there: the distance is to the wedge's face."""
-    side = 0.19, -0.03  # beneath the shoulder, only the overarm pose gets there
-    turned = [side[0] * math.cos(1.0), side[0] * math.sin(1.0), side[1] + 0.06]
-    closed = [side[0] * math.cos(-0.06), side[0] * math.sin(-0.06), side[1] + 0.06]
-    mirrored = [-closed[0], -closed[1], closed[2]]
-    assert a5.reachable(turned) == a5.reachable(mirrored)
-    if a5.reachable(turned) and not a5.reachable(closed):
-        assert numerical_distance(np.array(closed)) == pytest.approx(
-            float(a5.distance_to_reach(closed)), abs=1e-7
-        )
+    for R, z in ((0.165, 0.045), (0.155, 0.04)):  # near the shoulder, where only one pose gets
+        turned = [R * math.cos(1.0), R * math.sin(1.0), z]
+        closed = [R * math.cos(-0.06), R * math.sin(-0.06), z]
+        assert a5.reachable(turned)
+        assert not a5.reachable(closed)
+        gap = float(a5.distance_to_reach(closed))
+        assert gap > 1e-4
+        assert numerical_distance(np.array(closed)) == pytest.approx(gap, abs=1e-7)
     over = [0.05 * math.cos(-0.06), 0.05 * math.sin(-0.06), 0.0]
     assert not a5.reachable(over)
     assert a5.reachable([0.05 * math.cos(1.0), 0.05 * math.sin(1.0), 0.0])

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from alpha5_model.cli.options import correction_names
+from alpha5_model.cli.options import correction_names, spinner
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -61,7 +60,7 @@ def check(
     if urdf is None and corrections is not None:
         raise InputError("corrections", corrections, "a file to check, --urdf FILE")
     document: Sequence[AuditRow] = ()
-    with _progress("checking"):
+    with spinner("checking"):
         if urdf is None:
             from alpha5_model.consistency.document import audit
 
@@ -80,14 +79,6 @@ def check(
         _print_files(console, files)
         console.print(_summary(document, files))
     return 1 if failed else 0
-
-
-def _progress(words: str) -> AbstractContextManager[object]:
-    """A spinner on a terminal's stderr; nothing where nobody looks."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    return console.status(words) if console.is_terminal else nullcontext()
 
 
 def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from alpha5_model.cli.options import spinner
+
 if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
 
@@ -22,9 +24,11 @@ def compare(
     joints: Annotated[
         str, typer.Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
     ] = "",
-    samples: Annotated[int, typer.Option(help="Random configurations.", min=1)] = 500,
+    samples: Annotated[int, typer.Option(help="Random configurations.", min=1, max=100_000)] = 500,
     as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
-    plot: Annotated[Path | None, typer.Option(help="Write a picture of the errors.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Picture of the errors: .png, .pdf or .svg.")
+    ] = None,
 ) -> int:
     """Hold another URDF of this arm against the tables.
 
@@ -39,13 +43,16 @@ def compare(
         from alpha5_model.view.figures import check_format
 
         check_format(plot)  # before the work, not after it
-    comparison = run(other, _pairs(joints), samples)
+    with spinner("comparing"):
+        comparison = run(other, _pairs(joints), samples)
     if plot is not None:
         plot_comparison(comparison, plot)
     if as_json:
         typer.echo(json.dumps(comparison.as_dict(), indent=2))
     else:
         _print(comparison)
+        if plot is not None:
+            typer.echo(f"wrote {plot}")
     return 0 if comparison.agrees else 1
 
 
@@ -95,4 +102,5 @@ def _print(comparison: Comparison) -> None:
         console.print("[green]The model agrees with the tables.[/green]")
     else:
         serious = sum(finding.serious for finding in comparison.findings)
-        console.print(f"[red]The model differs: {serious} findings.[/red]")
+        plural = "" if serious == 1 else "s"
+        console.print(f"[red]The model differs: {serious} finding{plural}.[/red]")

@@ -86,14 +86,13 @@ def generate(
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     """
-    if check:
-        return _check()
-    if update:
-        return _update()
+    if check or update:
+        _refuse_options_beside(context, "check" if check else "update")
+        return _check() if check else _update()
     from alpha5_model.checks import choice
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
     from alpha5_model.paths import REPOSITORY_PATH
 
     chosen_corrections = correction_names(corrections)
@@ -136,10 +135,12 @@ def generate(
         return 0
     if not output.suffix:
         raise OutputError(output, "give a file name, such as alpha5.urdf")
+    files: dict[Path, str | bytes] = {output: text}
     if mesh_uri == "relative":
         for mesh in sorted([*meshes.glob("*.obj"), *meshes.glob("*.mtl")]):
-            atomic_write(output.parent / "meshes" / mesh.name, mesh.read_bytes())
-    typer.echo(f"wrote {atomic_write(output, text)}")
+            files[output.parent / "meshes" / mesh.name] = mesh.read_bytes()
+    atomic_write_all(files)
+    typer.echo(f"wrote {output}")
     return 0
 
 
@@ -148,24 +149,39 @@ def _refuse_options_of_other_formats(context: typer.Context, description_format:
 
     homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
     for name, formats in homes.items():
-        source = context.get_parameter_source(name)
-        given = source is not None and source.name == "COMMANDLINE"
-        if given and description_format not in formats:
-            option = "--" + name.replace("_", "-")
-            raise InputError(option, description_format, f"--format {' or '.join(formats)} with it")
+        if _given(context, name) and description_format not in formats:
+            raise InputError(
+                _option(name), description_format, f"--format {' or '.join(formats)} with it"
+            )
+
+
+def _refuse_options_beside(context: typer.Context, alone: str) -> None:
+    from alpha5_model.errors import InputError
+
+    for name, value in context.params.items():
+        if name != alone and _given(context, name):
+            raise InputError(_option(name), value, f"nothing beside --{alone}")
+
+
+def _given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _option(name: str) -> str:
+    return "--format" if name == "description_format" else "--" + name.replace("_", "-")
 
 
 def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
 
     if output is None:
         typer.echo(files[main_file].decode(), nl=False)
         return 0
     if output.is_file():
         raise OutputError(output, "it is a file; this format needs a folder")
-    for name, content in files.items():
-        atomic_write(output / name, content)
+    atomic_write_all({output / name: content for name, content in files.items()})
     typer.echo(f"wrote {output / main_file} and {len(files) - 1} files beside it")
     return 0
 

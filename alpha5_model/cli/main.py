@@ -36,6 +36,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
@@ -65,18 +66,25 @@ def main(args: Sequence[str] | None = None) -> int:
         args: Arguments without the program's name; ``sys.argv`` if None.
 
     Returns:
-        Exit status: 0, 1 if a check failed, 2 if the input cannot be used (one line on stderr).
+        Exit status: 0, 1 if a check failed, 2 if the input cannot be used or the output cannot be
+        written (one line on stderr), 130 if interrupted.
     """
     try:
         status = app(args=list(sys.argv[1:] if args is None else args), standalone_mode=False)
     except Alpha5Error as error:
         return _complain(str(error))
-    except BrokenPipeError:  # `alpha5 ... | head`
-        sys.stderr.close()
-        return 0
+    except SystemExit as stop:
+        # The parser exits with 1 where a reader left (`alpha5 ... | head`): no check failed there.
+        if isinstance(stop.__context__, BrokenPipeError):
+            return 0
+        raise
+    except OSError as error:  # standard output on a full disk, a file taken away meanwhile
+        return _complain(str(error))
     except Exception as error:
         if isinstance(error, _PARSER_ERROR):
-            return _complain(f"{error.format_message()} (see --help)")
+            message = error.format_message()
+            # Without any argument the help has just been printed: nothing to complain about.
+            return _complain(f"{message} (see --help)") if message else 2
         raise
     return status if isinstance(status, int) else 0
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, triple
+from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
 
 Four = tuple[float, float, float, float]
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
@@ -22,7 +23,7 @@ def torque(
         Four, typer.Option("--q", help="Positions of axis_e, axis_d, axis_c, axis_b (rad).")
     ],
     v: Annotated[Four, typer.Option("--v", help="Velocities (rad/s).")] = (0.0, 0.0, 0.0, 0.0),
-    a: Annotated[Four, typer.Option("--a", help="Accelerations (rad/s2).")] = (0.0, 0.0, 0.0, 0.0),
+    a: Annotated[Four, typer.Option("--a", help="Accelerations (rad/s^2).")] = (0.0, 0.0, 0.0, 0.0),
     degrees: Annotated[bool, typer.Option("--degrees", help="--q, --v, --a in degrees.")] = False,
     fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
     gravity: Annotated[str, typer.Option(help=GRAVITY_HELP)] = "0 0 -9.81",
@@ -43,7 +44,7 @@ def torque(
 
     unit = math.pi / 180.0 if degrees else 1.0
     position, velocity, acceleration = (tuple(unit * x for x in values) for values in (q, v, a))
-    density, g = fluid_density(fluid), triple("gravity", gravity)
+    density, g = fluid_density(fluid), gravity_vector(gravity)
     result = _compute(position, velocity, acceleration, density, g, constants)
     if as_json:
         import json
@@ -96,25 +97,40 @@ def _compute(q: Any, v: Any, a: Any, density: float, gravity: Any, constants: st
 
 def _show(result: Any) -> None:
     heads = ("inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range")
-    lines = [f"{'':10}" + "".join(f"{head:>10}" for head in heads)]
-    lines.append(f"{'':10}" + "".join(f"{unit:>10}" for unit in ["N m"] * 5 + ["A"] * 2))
+    lines = [_line("", heads), _line("", ["N m"] * 5 + ["A"] * 2)]
     for joint in result["joints"]:
         name = joint["joint"] + ("" if joint["within_limits"] else " *")
         numbers = [*(joint[key] for key in (*TERMS, "torque", "current")), *joint["current_range"]]
-        # Adding zero turns the -0.0 of rounding into 0.0.
-        *cells, high = (f"{round(x, 4) + 0.0:10.4f}" for x in numbers)
-        lines.append(f"{name:10}{''.join(cells)} to {high.strip()}")
+        *cells, low, high = map(_cell, numbers)
+        lines.append(_line(name, [*cells, f"{low} to {high}"]))
     force, moment = (
-        "({:.4f}, {:.4f}, {:.4f})".format(*(round(x, 4) + 0.0 for x in result["mount"][key]))
-        for key in ("force", "moment")
+        f"({', '.join(map(_cell, result['mount'][key]))})" for key in ("force", "moment")
     )
     lines += [
         "",
-        f"fluid {result['fluid_density']:g} kg/m3; inertia + Coriolis + weight + buoyancy = torque",
-        "current of a moving joint: with friction and gear loss; range: friction's printed tolerance",
+        f"fluid {result['fluid_density']:g} kg/m^3; inertia + Coriolis + weight + buoyancy = torque",
+        "current of a moving joint: with friction and gear loss;",
+        "                           range: friction's printed tolerance",
         "current of a joint at rest: without losses; range: where friction keeps it still",
-        f"load on the mount at base_link: force {force} N, moment {moment} N m",
+        f"load on the mount at base_link: force {force} N,",
+        f"                                moment {moment} N m",
     ]
     if not all(joint["within_limits"] for joint in result["joints"]):
         lines.append("* position beyond the joint's limits")
     typer.echo("\n".join(lines))
+
+
+#: Characters of name, five torques, current and its range: 80 in all.
+_WIDTHS = (8, 9, 9, 9, 9, 9, 8, 19)
+
+
+def _line(name: str, cells: Sequence[str]) -> str:
+    widths = _WIDTHS[1:]
+    return f"{name:{_WIDTHS[0]}}" + "".join(
+        f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True)
+    )
+
+
+def _cell(x: float) -> str:
+    # Adding zero turns the -0.0 of rounding into 0.0.
+    return f"{round(x, 4) + 0.0:.4f}" if abs(x) < 1000 else f"{x:.2e}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, triple
+from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
 
 if TYPE_CHECKING:
     from alpha5_model.actuators import Actuator
@@ -84,11 +84,14 @@ def trajectory(
     """
     from alpha5_model import trajectory as library
     from alpha5_model.checks import choice
+    from alpha5_model.errors import InputError
     from alpha5_model.trajectory.export import FORMATS
 
     # Whatever cannot be written or chosen is refused before the work, not after it.
     if output is not None:
         choice("table format", output.suffix.lower(), FORMATS)
+        if output.resolve() == file.resolve():
+            raise InputError("output", str(output), "another file than the one that is read")
     if plot is not None:
         from alpha5_model.view import trajectory_plot
         from alpha5_model.view.figures import check_format
@@ -101,7 +104,7 @@ def trajectory(
     with _Progress() as progress:
         motion = library.read_motion(file, progress)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
-        arm = _arm(motion, gripper, fluid_density(fluid), triple("gravity", gravity))
+        arm = _arm(motion, gripper, fluid_density(fluid), gravity_vector(gravity))
         analysis = library.analyse(
             motion,
             arm,

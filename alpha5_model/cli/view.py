@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+from alpha5_model.errors import InputError
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory import Motion
@@ -56,13 +57,11 @@ def view(
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     from alpha5_model.errors import NoDisplayError
-    from alpha5_model.files import atomic_write
+    from alpha5_model.files import atomic_write_all
 
     pixels = _size(size)
-    if html is None and image is None and not serve and not _has_display():
-        raise NoDisplayError(
-            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
-        )
+    if image is not None and image.suffix.lower() != ".png":
+        raise InputError("image", str(image), "a file name that ends in .png")
     from alpha5_model.dynamics.loading import load
     from alpha5_model.view.arm_poses import pose_of
     from alpha5_model.view.build import build_scene
@@ -75,17 +74,24 @@ def view(
         motion=None if motion is None else _read(motion),
         show=None if show is None else [name.strip() for name in show.split(",") if name.strip()],
     )
+    if html is None and image is None and not serve and not _has_display():
+        raise NoDisplayError(
+            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
+        )
+    files: dict[Path, str | bytes] = {}
     if html is not None:
         from alpha5_model.view.page import static_page
 
-        typer.echo(f"wrote {atomic_write(html, static_page(scene))}")
+        files[html] = static_page(scene)
     if image is not None:
         from alpha5_model.view.framing import framed
         from alpha5_model.view.picture import picture_png
 
-        content = picture_png(framed(scene, pixels), pixels)
-        typer.echo(f"wrote {atomic_write(image, content)}")
-    if html is not None or image is not None:
+        files[image] = picture_png(framed(scene, pixels), pixels)
+    if files:
+        atomic_write_all(files)
+        for path in files:
+            typer.echo(f"wrote {path}")
         return 0
     from alpha5_model.view.visualizer import ArmVisualizer
 
@@ -120,13 +126,13 @@ def _wait() -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
-    from alpha5_model.errors import InputError
+    from alpha5_model.view.framing import check_size
 
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
-    return width, height
+    return check_size((width, height))
 
 
 def _read(path: Path) -> Motion:

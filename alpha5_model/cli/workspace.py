@@ -77,18 +77,28 @@ def _print() -> None:
         highlight=False,
     )
     arcs = Table(
-        box=box.SIMPLE_HEAD, title="boundary where both poses can turn", title_justify="left"
+        box=box.SIMPLE_HEAD,
+        title="boundary where both poses can turn (R, z and radius in mm)",
+        title_justify="left",
+        show_edge=False,
+        pad_edge=False,
+        padding=0,  # 80 columns hold every row
     )
-    for column in ("pose", "bounded by", "centre R, z (mm)", "radius (mm)", "from R, z", "to R, z"):
-        arcs.add_column(column)
+    for column in ("pose", "bounded by", "centre", "radius", "from", "to"):
+        arcs.add_column(column, no_wrap=True)
     for arc in space.boundary():
         start, end = arc.points([arc.start, arc.end]) * 1e3
         arcs.add_row(
             arc.side,
-            arc.cause,
-            f"{arc.center[0] * 1e3:.2f}, {arc.center[1] * 1e3:.2f}",
-            f"{arc.radius * 1e3:.2f}",
-            f"{start[0]:.2f}, {start[1]:.2f}",
-            f"{end[0]:.2f}, {end[1]:.2f}",
+            arc.cause.replace("at its ", ""),
+            _point(arc.center[0] * 1e3, arc.center[1] * 1e3),
+            f"{arc.radius * 1e3:.1f}",
+            _point(*start),
+            _point(*end),
         )
     console.print(arcs)
+
+
+def _point(radius: float, z: float) -> str:
+    # Adding zero turns the -0.0 of rounding into 0.0.
+    return f"{round(radius, 1) + 0.0:.1f}, {round(z, 1) + 0.0:.1f}"

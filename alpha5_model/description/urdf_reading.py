@@ -90,12 +90,17 @@ def read_urdf(path: str | Path) -> UrdfRobot:
 
     Raises:
         MissingFileError: No such file.
-        FileFormatError: Not a URDF; the message names the line and what is wrong.
+        FileFormatError: A folder, or not a URDF; the message names the line and what is wrong.
     """
     file = Path(path)
-    if not file.is_file():
+    if not file.exists():
         raise MissingFileError(path, "a URDF file")
-    return parse_urdf(file.read_bytes(), str(path))
+    try:
+        text = file.read_bytes()
+    except OSError as error:
+        problem = "is a folder" if file.is_dir() else (error.strerror or str(error)).lower()
+        raise FileFormatError(path, f"{problem}, a URDF file is expected") from None
+    return parse_urdf(text, str(path))
 
 
 def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:

@@ -17,6 +17,7 @@ from alpha5_model.paths import XACRO_PATH
 
 GRIPPERS = ("locked", "jaws")
 COLLISIONS = ("primitives", "none")
+_PLUGIN = "mock_components/GenericSystem"
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Variant:
     collision: str = "primitives"
     dh_frames: bool = False
     ros2_control: bool = False
-    ros2_control_plugin: str = "mock_components/GenericSystem"
+    ros2_control_plugin: str = _PLUGIN
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
 
     def __post_init__(self) -> None:
@@ -64,20 +65,25 @@ class Variant:
         for name in ("xyz", "rpy"):
             if self.parent == "" and any(getattr(self, name)):
                 raise InputError(name, getattr(self, name), "a parent link to mount on")
+        if self.ros2_control_plugin != _PLUGIN and not self.ros2_control:
+            raise InputError(
+                "ros2_control_plugin", self.ros2_control_plugin, "ros2_control with it"
+            )
 
 
 def urdf(variant: Variant | None = None) -> str:
     """Text of the URDF of a variant, expanded by xacro from the published tables.
 
     Raises:
-        Alpha5Error: See `Variant`, and `UnknownNameError` for unknown corrections.
+        Alpha5Error: See `Variant`, `UnknownNameError` for unknown corrections, and `InputError` for
+            a parent with the name of one of the arm's own links.
     """
     chosen = variant or Variant()
     with tempfile.TemporaryDirectory() as folder:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
         values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
-        return expand_xacro(
+        text = expand_xacro(
             XACRO_PATH,
             {
                 "prefix": chosen.prefix,
@@ -93,3 +99,6 @@ def urdf(variant: Variant | None = None) -> str:
                 "parameters": str(values),
             },
         )
+    if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
+        raise InputError("parent", chosen.parent, "a name that no link of the arm has")
+    return text

@@ -32,6 +32,8 @@ from alpha5_model.dynamics.water import SEA_WATER
 _rnea, _aba, _crba = pin.rnea, pin.aba, pin.crba
 _gravity, _kinetic_energy = pin.computeGeneralizedGravity, pin.computeKineticEnergy
 
+_FLOAT64 = np.dtype(np.float64)
+
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
 
@@ -100,7 +102,7 @@ class Arm(Statics):
             try:
                 tau: FloatArray = _rnea(self._model, own.data, q, v, a)
                 tau -= _gravity(self._fluid, own.fluid_data, q)
-                if isfinite(sum(tau.tolist())) and q.ndim == v.ndim == a.ndim == 1:  # type: ignore[union-attr]
+                if isfinite(sum(tau.tolist())) and _plain(q, v, a):
                     return tau
             except (AttributeError, TypeError, ValueError):
                 pass
@@ -313,3 +315,9 @@ class Arm(Statics):
             f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
             f"fluid {self.fluid_density:g} kg/m^3)"
         )
+
+
+def _plain(q: Any, v: Any, a: Any) -> bool:
+    """Vectors of float64, not of truth values, which Pinocchio would take for numbers."""
+    same: bool = q.dtype is v.dtype is a.dtype is _FLOAT64
+    return same and q.ndim == v.ndim == a.ndim == 1

@@ -84,11 +84,13 @@ def dh_from_urdf(
 
     Raises:
         MissingFileError: No such file.
-        FileFormatError: Not a URDF that Pinocchio can read.
+        FileFormatError: A folder, or not a URDF that Pinocchio can read.
     """
     import pinocchio as pin
 
     if not Path(path).is_file():
+        if Path(path).is_dir():
+            raise FileFormatError(path, "is a folder, a URDF file is expected")
         raise MissingFileError(path, "a URDF file")
     try:
         model = pin.buildModelFromUrdf(os.fspath(path))

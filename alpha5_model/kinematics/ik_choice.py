@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -88,5 +89,5 @@ def require_solution(solutions: HasBranches) -> None:
     nearest = nearest_reachable(target)
     place = f" (row {', '.join(map(str, index))})" if index else ""
     raise UnreachableError(
-        target, float(np.linalg.norm(target - nearest)), nearest, f" within the joint limits{place}"
+        target, math.hypot(*(target - nearest)), nearest, f" within the joint limits{place}"
     )

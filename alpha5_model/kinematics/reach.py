@@ -21,6 +21,8 @@ from alpha5_model.kinematics.ik_batch import reached
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
+#: From here on only the direction of a point matters [m].
+_FAR = 1e100
 
 
 def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
@@ -57,7 +59,8 @@ def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
         (...) [m].
     """
     target, nearest = _nearest(positions, limits)
-    return np.asarray(np.sqrt(np.square(target - nearest).sum(axis=-1)))
+    x, y, z = np.moveaxis(target - nearest, -1, 0)
+    return np.asarray(np.hypot(np.hypot(x, y), z))
 
 
 def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
@@ -80,7 +83,9 @@ def _nearest(positions: ArrayLike, limits: bool) -> tuple[FloatArray, FloatArray
         part = out[start : start + _BLOCK]
         outside = np.flatnonzero(~reachable(part, limits))
         if len(outside):
-            part[outside] = _project(part[outside], limits)
+            # Very far points come nearer along their ray: squares of their distances overflow.
+            far = np.maximum(np.abs(part[outside]).max(axis=-1, keepdims=True) / _FAR, 1.0)
+            part[outside] = _project(part[outside] / far, limits)
     return target, out.reshape(target.shape)
 
 

@@ -18,7 +18,14 @@ BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a table stands in the document."""
+    """Where a table stands in the document.
+
+    Attributes:
+        document, publisher, version, date: Of the document.
+        section: Its number.
+        table: Its number; empty for numbers that stand in the text.
+        caption: As printed.
+    """
 
     document: str
     publisher: str
@@ -38,7 +45,12 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Table(Generic[RowT]):
-    """A printed table: its source and its rows, base to tip."""
+    """A printed table: its source and its rows, base to tip.
+
+    Attributes:
+        source: Where it stands.
+        rows: One record per printed row.
+    """
 
     source: Source
     rows: tuple[RowT, ...]
@@ -46,7 +58,15 @@ class Table(Generic[RowT]):
 
 @dataclass(frozen=True, slots=True)
 class DHRow:
-    """A row of Table 1. Expressions such as ``pi/2`` and ``a_1`` are kept as printed."""
+    """A row of Table 1. Expressions such as ``pi/2`` and ``a_1`` are kept as printed.
+
+    Attributes:
+        link: Number of the link, as printed.
+        d: Offset along z [mm].
+        theta: Joint angle, an expression [rad].
+        a: Length along x [mm], or an expression.
+        alpha: Twist about x, an expression [rad].
+    """
 
     link: str
     d: Quantity
@@ -57,7 +77,12 @@ class DHRow:
 
 @dataclass(frozen=True, slots=True)
 class Elbow:
-    """The two lengths in Table 1's caption that define theta_c and a_1."""
+    """The two lengths in Table 1's caption that define theta_c and a_1.
+
+    Attributes:
+        opposite: 40 in ``arctan(40 / 145.3)`` [mm].
+        adjacent: 145.3 in it [mm].
+    """
 
     opposite: Quantity
     adjacent: Quantity
@@ -65,7 +90,14 @@ class Elbow:
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceNumbers:
-    """The numbers that Section 1.2 prints in its torus formulas instead of symbols."""
+    """The numbers that Section 1.2 prints in its torus formulas instead of symbols.
+
+    Attributes:
+        source: Where they stand.
+        inner_offset: 39.94, added to a_2 in the inner torus [mm].
+        inner_length: 145.3, added to d_3 in the inner torus [mm].
+        downward_drop: 145.3, from the shoulder to the centre of the downward torus [mm].
+    """
 
     source: Source
     inner_offset: Quantity
@@ -75,7 +107,15 @@ class WorkspaceNumbers:
 
 @dataclass(frozen=True, slots=True)
 class InertialRow:
-    """A row of Table 2, SolidWorks convention: products of inertia are +(integral of x y dm)."""
+    """A row of Table 2, SolidWorks convention: products of inertia are +(integral of x y dm).
+
+    Attributes:
+        link: Number of the link, as printed.
+        mass: [kg].
+        com: x, y, z in the link's inertial frame [mm].
+        inertia_com: 3x3 at the COM, in the axes of that frame [kg mm^2].
+        inertia_link: 3x3 at the origin of that frame [kg mm^2].
+    """
 
     link: str
     mass: Quantity
@@ -86,7 +126,13 @@ class InertialRow:
 
 @dataclass(frozen=True, slots=True)
 class BuoyancyRow:
-    """A row of Table 3: displaced volume and centre of buoyancy in the link's inertial frame."""
+    """A row of Table 3: displaced volume and centre of buoyancy in the link's inertial frame.
+
+    Attributes:
+        link: Number of the link, as printed.
+        volume: [L].
+        cob: x, y, z [mm].
+    """
 
     link: str
     volume: Quantity
@@ -95,7 +141,16 @@ class BuoyancyRow:
 
 @dataclass(frozen=True, slots=True)
 class ActuatorRow:
-    """A row of Table 4. ``friction`` is printed with its tolerance, 3.752 Nmm +- 10 %."""
+    """A row of Table 4. ``friction`` is printed with its tolerance, 3.752 Nmm +- 10 %.
+
+    Attributes:
+        actuator: Number of the actuator, as printed.
+        resistance, inductance: Of the winding [Ohm], [uH].
+        friction, friction_tolerance: At the motor shaft [N mm], [%].
+        efficiency: Highest, of the gearbox [%].
+        torque_constant, voltage_constant: K_t [N m/A], K_v [V s/rad].
+        gear_ratio: Motor turns per turn of the output.
+    """
 
     actuator: str
     resistance: Quantity
@@ -110,7 +165,13 @@ class ActuatorRow:
 
 @dataclass(frozen=True, slots=True)
 class SourcedQuantity:
-    """A number from outside the document, with its status (see ``STATUSES``) and its source."""
+    """A number from outside the document, with its status (see ``STATUSES``) and its source.
+
+    Attributes:
+        quantity: The number and its unit.
+        status: One of ``STATUSES``.
+        source: Who says so.
+    """
 
     quantity: Quantity
     status: str
@@ -119,7 +180,16 @@ class SourcedQuantity:
 
 @dataclass(frozen=True, slots=True)
 class JointRow:
-    """Range, speed and effort of a joint, none of which the document prints."""
+    """Range, speed and effort of a joint, none of which the document prints.
+
+    Attributes:
+        name: ``axis_e`` (base) to ``axis_a`` (jaw rod).
+        dh_variable: The document's name of the same coordinate.
+        device_id: Address of the actuator on the arm's bus.
+        lower, upper: Ends of the range [rad], jaw rod [m].
+        velocity: Largest speed, in the unit of its source.
+        effort: Largest torque [N m], jaw rod [N]; a placeholder.
+    """
 
     name: str
     dh_variable: str
@@ -132,7 +202,14 @@ class JointRow:
 
 @dataclass(frozen=True, slots=True)
 class BodyBounds:
-    """Outer bounds of a body in its inertial frame: one (min, max) pair per axis."""
+    """Outer bounds of a body in its inertial frame: one (min, max) pair per axis.
+
+    Attributes:
+        name: ``link_0`` to ``link_4``.
+        bounds: Pairs for x, y, z [mm].
+        status: One of ``STATUSES``.
+        source: Who says so.
+    """
 
     name: str
     bounds: tuple[tuple[Quantity, Quantity], tuple[Quantity, Quantity], tuple[Quantity, Quantity]]
@@ -142,7 +219,13 @@ class BodyBounds:
 
 @dataclass(frozen=True, slots=True)
 class Supplementary:
-    """Everything that is not in the document: joints base to tip, jaw geometry, body bounds."""
+    """Everything that is not in the document: joints base to tip, jaw geometry, body bounds.
+
+    Attributes:
+        joints: Base to tip, the jaw rod last.
+        jaws: Name of a quantity -> its value.
+        bodies: Base to tip.
+    """
 
     joints: tuple[JointRow, ...]
     jaws: dict[str, SourcedQuantity]
@@ -151,7 +234,17 @@ class Supplementary:
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """Tables 1-4 as printed, the numbers of Section 1.2, and the supplementary values."""
+    """Tables 1-4 as printed, the numbers of Section 1.2, and the supplementary values.
+
+    Attributes:
+        table_1: DH parameters.
+        elbow: The lengths in Table 1's caption.
+        workspace: The numbers of Section 1.2.
+        table_2: Masses, COMs and inertias.
+        table_3: Volumes and centres of buoyancy.
+        table_4: Actuators.
+        supplementary: What the document does not print.
+    """
 
     table_1: Table[DHRow]
     elbow: Elbow

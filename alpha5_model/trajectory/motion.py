@@ -90,9 +90,12 @@ def motion(
     t = float_array("time", time, ())
     if t.ndim != 1:
         raise ShapeError("time", t.shape, "shape (N,)")
-    width = np.shape(position)[-1] if np.ndim(position) == 2 else 4
-    q = float_array("position", position, (t.size, width if width in (4, 5) else 4))
-    v = None if velocity is None else float_array("velocity", velocity, q.shape)
+    q = float_array("position", position, ())
+    if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
+        raise ShapeError("position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a")
+    v = None if velocity is None else float_array("velocity", velocity, ())
+    if v is not None and v.shape != q.shape:
+        raise ShapeError("velocity", v.shape, f"the shape of position, {q.shape}")
     names = JOINTS[: q.shape[1]] if joints is None else tuple(joints)
     for name in names:
         choice("joint", name, JOINTS)

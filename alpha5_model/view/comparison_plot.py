@@ -34,10 +34,10 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
     )
     figure = new_figure(11, 3.2)
     for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
+        # Rounding of the arithmetic is no error to look at: it would stretch to the full width.
+        values = [value if abs(value) > 1e-9 else 0.0 for value in values]
         bars = axes.barh(names, values, color="#c0504d")
-        axes.bar_label(
-            bars, fmt=lambda v: f"{v:.3g}" if abs(v) > 1e-9 else "0", padding=3, fontsize=8
-        )
+        axes.bar_label(bars, fmt=lambda v: f"{v:.3g}", padding=3, fontsize=8)
         axes.invert_yaxis()
         axes.margins(x=0.25)
         axes.axvline(0, color="black", linewidth=0.8)

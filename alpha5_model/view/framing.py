@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.errors import InputError
 from alpha5_model.view.scene import Camera, Scene, Shape
 
 #: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
@@ -52,7 +53,19 @@ def framing(
     return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
 
 
+def check_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Check width and height of a picture, 16 to 8000 pixels each.
+
+    Raises:
+        InputError: Anything else.
+    """
+    if len(size) != 2 or not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
+        raise InputError("size", size, "width and height from 16 to 8000 pixels")
+    return size
+
+
 def framed(scene: Scene, size: tuple[int, int]) -> Scene:
     """A scene whose camera fits a picture of this size."""
+    check_size(size)
     camera = framing(scene.shapes, scene.poses, scene.show, 0.95 * size[0] / size[1])
     return replace(scene, camera=camera)

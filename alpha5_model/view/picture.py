@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model.errors import InputError
+from alpha5_model.view.framing import check_size
 from alpha5_model.view.raster import Canvas, shade
 from alpha5_model.view.scene import SEE_THROUGH, Label, Scene, Shape
 
@@ -32,9 +32,7 @@ def picture_png(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> bytes:
 
 def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.uint8]:
     """The scene as pixels, (height, width, 3)."""
-    width, height = size
-    if not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
-        raise InputError("size", size, "width and height from 16 to 8000 pixels")
+    width, height = check_size(size)
     canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
     shown = [shape for shape in scene.shapes if shape.group in scene.show]
     see_through = "see-through" in scene.show

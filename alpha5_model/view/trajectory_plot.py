@@ -186,8 +186,8 @@ def _mount(axes: Any, a: Analysis) -> None:
 
 
 def _path(axes: Any, a: Analysis) -> None:
-    thin = max(1, len(a.tcp) // _POINTS)
-    x, y, z = 1e3 * a.tcp[::thin].T
+    step = max(1, len(a.tcp) // _POINTS)
+    x, y, z = 1e3 * a.tcp[::step].T
     axes.plot(x, z, color="#0072B2", linewidth=1.2, label="side (x, z)")
     axes.plot(x, y, color="#E69F00", linewidth=1.2, label="top (x, y)")
     for other in (z, y):

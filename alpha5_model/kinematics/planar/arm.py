@@ -78,6 +78,8 @@ class PlanarArm:
         object.__setattr__(self, "limits", checked)
         object.__setattr__(self, "joints", kinds)
         object.__setattr__(self, "angles", tuple(turn.tolist()))
+        if not math.isfinite(4 * math.pi * self.reach * self.reach):
+            raise InputError("lengths", self.lengths, "an arm whose area is a finite number")
 
     @property
     def n(self) -> int:

@@ -237,7 +237,7 @@ def _annular(
 ) -> Workspace:
     circles = [Arc((0.0, 0.0), r) for r in (high, low) if r > tolerance]
     if high - low <= tolerance:
-        return Workspace(arm, (), (circles[0],), inner)
+        return Workspace(arm, (), (Arc((0.0, 0.0), high),), inner)  # a point, if high is too small
     edges = tuple(Edge(c, inside) for c, inside in zip(circles, (True, False), strict=False))
     return Workspace(arm, edges, (), inner)
 
