@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError, UnknownNameError
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> FloatArray:

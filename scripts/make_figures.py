@@ -20,6 +20,7 @@ from alpha5_model.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
 from alpha5_model.view import workspace_plot
 from alpha5_model.view.build import build_scene
+from alpha5_model.view.figures import new_figure
 from alpha5_model.view.framing import framed
 from alpha5_model.view.picture import picture_png
 
@@ -85,11 +86,7 @@ def torque_figure() -> bytes | None:
 
 
 def _figure(rows: int, size: tuple[float, float], sharex: bool = False) -> tuple[Any, Any]:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure: Any = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*size)
     axes = figure.subplots(rows, 1, sharex=sharex, squeeze=False)[:, 0]
     for one in axes:
         one.grid(color="#E6E6E6", linewidth=0.6)

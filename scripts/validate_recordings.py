@@ -43,7 +43,6 @@ import alpha5_model as a5
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError
-from alpha5_model.files import atomic_write
 from alpha5_model.inertia import flip_products
 from alpha5_model.trajectory import Motion, read_motion
 
@@ -290,13 +289,11 @@ def text(result: dict[str, Any]) -> str:
 
 def plot(result: dict[str, Any], path: Path) -> None:
     """Measured and predicted tilt of up to six recordings, and the scores of all models."""
-    import io
-
-    from matplotlib.figure import Figure
+    from alpha5_model.view.figures import new_figure, write_figure
 
     names, scores = result["recordings"], result["scores"]
     shown = np.unique(np.linspace(0, len(names) - 1, min(6, len(names))).round().astype(int))
-    page: Any = Figure(figsize=(15, 2.3 * len(shown) + 3.4), layout="constrained")
+    page = new_figure(15, 2.3 * len(shown) + 3.4)
     grid = page.add_gridspec(len(shown) + 1, 2, height_ratios=[1.0] * len(shown) + [1.35])
     for row, index in enumerate(shown):
         time, _, tilt = result["series"][index]
@@ -340,9 +337,7 @@ def plot(result: dict[str, Any], path: Path) -> None:
         f"Tilt of the vehicle explained by the arm's static moment ({len(names)} recordings)",
         fontsize=13,
     )
-    picture = io.BytesIO()
-    page.savefig(picture, format=path.suffix.lower()[1:] or "png", dpi=100)
-    atomic_write(path, picture.getvalue())
+    write_figure(page, path, dpi=100)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import reference
+from reference import LOWER, UPPER
 
 #: theta_2 of the stretched arm: the angle of the triangle of Section 1.3 is pi.
 STRETCHED = math.pi - reference.THETA_C - math.asin(20 / math.hypot(20, 180))
 FOLDED = STRETCHED - math.pi
-LOWER, UPPER = reference.LOWER, reference.UPPER
 WEDGE = 2 * math.pi - (UPPER[0] - LOWER[0])
 
 

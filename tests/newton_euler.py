@@ -1,50 +1,25 @@
 """A recursive Newton-Euler of our own, in NumPy, from the tables of the document as printed.
 
-It shares nothing with the package: numbers typed from Tables 1 to 3, frames from Section 2 (with {0} as Figures 1
-and 7 draw it), Newton's and Euler's equations written in the axes of the base for N states at once.
+It shares nothing with the package: Tables 1 to 3 as typed in `reference`, frames from Section 2 (with {0} as
+Figures 1 and 7 draw it), Newton's and Euler's equations written in the axes of the base for N states at once.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import reference
 
-# Table 1: d, a in mm, alpha; Section 2's offsets of theta.
-THETA_C = np.arctan(40 / 145.3)
-A_1 = np.sqrt(40**2 + 145.3**2)
-D = np.array([46.2, 0.0, 0.0, -180.0]) / 1000
-A = np.array([20.0, A_1, 20.0, 0.0]) / 1000
-ALPHA = np.array([np.pi / 2, np.pi, -np.pi / 2, np.pi / 2])
-OFFSET = np.array([np.pi, THETA_C - np.pi / 2, THETA_C - np.pi / 2, np.pi / 2])
-
-# Table 2: kg, mm, kg mm^2 with SolidWorks' sign of products: Ixx, Iyy, Izz, Ixy, Ixz, Iyz at the COM.
-MASS = np.array([0.234, 0.161, 0.38, 0.142, 0.355])
-COM = np.array(
-    [
-        [-52.425, -7.120, -0.037],
-        [7.746, 0.112, 25.038],
-        [73.563, -0.091, -0.734],
-        [11.188, -16.660, 0.148],
-        [-0.030, -1.482, -100.881],
-    ]
-)
-COM = COM / 1000
-PRINTED = np.array(
-    [
-        [45.012, 393.932, 397.995, 2.832, -4.115, -0.010],
-        [109.469, 122.362, 43.987, 0.808, 29.828, 0.544],
-        [82.697, 847.148, 868.483, -74.836, -1.866, 0.317],
-        [63.596, 40.651, 75.158, -21.363, -0.802, 0.337],
-        [615.921, 625.307, 62.574, 0.067, -7.916, -0.428],
-    ]
-)
-# Table 3: L, mm.
-VOLUME = np.array([0.157, 0.032, 0.218, 0.032, 0.134]) / 1000
-COB = np.array([[-53, -3, -1], [2, -4, 31], [76, 0, -1], [2, -4, 29], [0, 0, -97]]) / 1000
+# Table 1 and Section 2's offsets of theta, SI; the fixed last row moves nothing here.
+D, OFFSET, A, ALPHA = np.array(reference.DH[:4]).T * [[1e-3], [1.0], [1e-3], [1.0]]
+# Tables 2 and 3, SI; the tensors still have SolidWorks' sign.
+MASS, COM = np.array(reference.MASS), np.array(reference.COM) / 1000
+PRINTED = np.array(reference.INERTIA) * 1e-6
+VOLUME, COB = np.array(reference.VOLUME) / 1000, np.array(reference.COB) / 1000
 
 
 def tensors() -> np.ndarray:
     """(5, 3, 3) at the COM [kg m^2], products negated."""
-    xx, yy, zz, xy, xz, yz = PRINTED.T * 1e-6
+    xx, yy, zz, xy, xz, yz = PRINTED.T
     rows = [[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]
     return np.moveaxis(np.array(rows), 2, 0)
 

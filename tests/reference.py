@@ -1,6 +1,7 @@
-"""The document's kinematics and Table 2, typed again for the tests: an independent second route.
+"""The document's kinematics and Tables 1 to 3, typed again for the tests: an independent second route.
 
-Nothing here comes from the package. Lengths in mm, inertias in kg mm^2 with SolidWorks signs.
+Nothing here comes from the package. Lengths in mm, volumes in L, inertias in kg mm^2 with SolidWorks signs;
+lists run from link_0 to link_4.
 """
 
 from __future__ import annotations
@@ -38,6 +39,9 @@ INERTIA = [
     (63.596, 40.651, 75.158, -21.363, -0.802, 0.337),
     (615.921, 625.307, 62.574, 0.067, -7.916, -0.428),
 ]
+#: Table 3: displaced volume and centre of buoyancy.
+VOLUME = [0.157, 0.032, 0.218, 0.032, 0.134]
+COB = [(-53, -3, -1), (2, -4, 31), (76, 0, -1), (2, -4, 29), (0, 0, -97)]
 
 
 def rotation_z(angle: float) -> np.ndarray:

@@ -166,11 +166,11 @@ def test_progress_is_reported_for_long_work(motion_file: Path) -> None:
 
 
 def test_plot_keeps_the_extremes_of_long_curves() -> None:
-    from alpha5_model.view.trajectory_plot import _thin
+    from alpha5_model.view.trajectory_plot import thin
 
     time = np.arange(100_003.0)
     values = np.random.default_rng(1).normal(size=time.size)
-    t, v = _thin(time, values)
+    t, v = thin(time, values)
     assert t.size <= 4001
     assert (np.diff(t) >= 0).all()
     assert v.max() == values[: 100_003 // 51 * 51].max()

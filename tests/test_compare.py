@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -368,3 +369,17 @@ def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
         except Alpha5Error as error:
             message = str(error)
         assert len(message.splitlines()) <= 1
+
+
+@pytest.mark.parametrize("samples", [0, -1, 2.5, True])
+def test_samples_are_a_count(samples) -> None:
+    with pytest.raises(InputError, match="samples"):
+        compare(a5.URDF_PATH, samples=samples)
+
+
+def test_a_picture_without_matplotlib_is_one_clear_line(monkeypatch, capsys, tmp_path) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    path = tmp_path / "errors.png"
+    assert main(["compare", a5.URDF_PATH, "--plot", str(path)]) == 2
+    assert "pip install 'alpha5-model[plot]'" in capsys.readouterr().err
+    assert not path.exists()

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
+from reference import VOLUME
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -413,7 +414,7 @@ def test_public_types_and_constants():
     assert isinstance(arm.data, pin.Data)
     assert isinstance(arm.fluid_model, pin.Model)
     masses = [inertia.mass for inertia in arm.fluid_model.inertias]
-    assert masses == pytest.approx(1025.0 * np.array([0.157, 0.032, 0.218, 0.032, 0.134]) / 1000)
+    assert masses == pytest.approx(1025.0 * np.array(VOLUME) / 1000)
     assert repr(arm) == "Arm(axis_e, axis_d, axis_c, axis_b; fixed base, fluid 1025 kg/m^3)"
 
 

@@ -7,7 +7,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from fk import FOLDED, LOWER, STRETCHED, UPPER, fk, sample, tip
+from fk import FOLDED, STRETCHED, fk, sample, tip
+from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.kinematics.ik_fast import fast_solver

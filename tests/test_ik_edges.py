@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from fk import FOLDED, LOWER, STRETCHED, UPPER, sample, tip
+from fk import FOLDED, STRETCHED, sample, tip
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference import LOWER, UPPER
 
 import alpha5_model as a5
 

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from fk import LOWER, STRETCHED, UPPER, fk, sample, tip
+from fk import STRETCHED, fk, sample, tip
+from reference import LOWER, UPPER
 from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import dh_frames, rotation_x, rotation_z
+from reference import COB, VOLUME, inertial_frames, rotation_x, rotation_z
 
 from alpha5_model.description.poses import NAMED_POSES
 from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
@@ -28,13 +28,7 @@ MESHES = Path(REPOSITORY_PATH) / "meshes"
 LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
 BODIES = (*LINKS, "finger_1", "finger_2")
 #: Table 3: volume [L], centre of buoyancy [mm].
-TABLE_3 = {
-    "link_0": (0.157, (-53, -3, -1)),
-    "link_1": (0.032, (2, -4, 31)),
-    "link_2": (0.218, (76, 0, -1)),
-    "link_3": (0.032, (2, -4, 29)),
-    "link_4": (0.134, (0, 0, -97)),
-}
+TABLE_3 = dict(zip(LINKS, zip(VOLUME, COB, strict=True), strict=True))
 FINGER_VOLUME = 0.0061
 #: Measured outer bounds [mm]; None where none is known. Fingers: length 85, from the pivot.
 BOUNDS = {
@@ -104,13 +98,8 @@ def finger_pose(name: str, angle: float = 0.0) -> np.ndarray:
 
 
 def link_poses(q: np.ndarray) -> dict[str, np.ndarray]:
-    """Inertial frames in the base frame [m]: {i + 1} is DH frame {i} turned by the joint."""
-    dh = dh_frames(np.asarray(q, float))
-    offsets = [math.pi, *([math.atan(40 / 145.3) - math.pi / 2] * 2), math.pi / 2]
-    poses = {"link_0": np.eye(4)}
-    for i in range(4):
-        poses[f"link_{i + 1}"] = dh[i] @ rotation_z(q[i] + offsets[i])
-    return poses
+    """Inertial frames in the base frame by link [m]."""
+    return dict(zip(LINKS, inertial_frames(np.asarray(q, float)), strict=True))
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -510,11 +499,11 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.description.bodies.surface import _check_closed
+    from alpha5_model.description.bodies.surface import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    _check_closed(closed)
+    check_closed(closed)
     with pytest.raises(Alpha5Error, match="closed"):
-        _check_closed(closed[1:])
+        check_closed(closed[1:])
     with pytest.raises(Alpha5Error, match="closed"):
-        _check_closed(np.vstack([closed, closed[:1]]))
+        check_closed(np.vstack([closed, closed[:1]]))

@@ -13,7 +13,8 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, PublishedDataError
 from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.tables import STATUSES, BodyBounds, Source, SourcedQuantity, parse
+from alpha5_model.published.reading import parse
+from alpha5_model.published.tables import STATUSES, BodyBounds, Source, SourcedQuantity
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = Path(os.environ.get("ALPHA5_SEEDS", ROOT.parent / "shared" / "seeds"))

@@ -11,12 +11,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 from recordings import RECORDINGS, needs_recordings
-from reference import COM, MASS, inertial_frames
+from reference import COB, COM, MASS, VOLUME, inertial_frames
 
 SCRIPT = Path(__file__).resolve().parent.parent / "scripts" / "validate_recordings.py"
-# Table 3 of links 1 to 4: volume [L], centre of buoyancy [mm].
-VOLUME = [0.032, 0.218, 0.032, 0.134]
-COB = [(2, -4, 31), (76, 0, -1), (2, -4, 29), (0, 0, -97)]
 FRESH = 1000.0
 STIFFNESS = {"roll": 4.0, "pitch": 5.0}
 
@@ -40,9 +37,9 @@ def first_moment(q: np.ndarray, mirrored: bool = False) -> np.ndarray:
         if mirrored and link == 4:
             com[2] *= -1
         rotation, origin = frame[:3, :3], frame[:3, 3]
-        displaced = FRESH * VOLUME[link - 1] / 1000
+        displaced = FRESH * VOLUME[link] / 1000
         total += MASS[link] * (rotation @ com / 1000 + origin)
-        total -= displaced * (rotation @ np.array(COB[link - 1]) / 1000 + origin)
+        total -= displaced * (rotation @ np.array(COB[link]) / 1000 + origin)
     return total
 
 

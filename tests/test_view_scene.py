@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import COM, LOWER, MASS, UPPER, inertial_frames
+from reference import COB, COM, LOWER, MASS, UPPER, VOLUME, inertial_frames
 from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
@@ -30,10 +30,6 @@ from alpha5_model.view.markers import ARROW_SCALE
 from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
 from alpha5_model.view.shapes import arrow, ball, triad, tube
 from alpha5_model.view.tour import tour
-
-#: Table 3: volume [L] and centre of buoyancy [mm], typed again.
-VOLUME = [0.157, 0.032, 0.218, 0.032, 0.134]
-COB = [(-53, -3, -1), (2, -4, 31), (76, 0, -1), (2, -4, 29), (0, 0, -97)]
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from fk import FOLDED, LOWER, STRETCHED, UPPER, WEDGE, fk, sample, tip
+from fk import FOLDED, STRETCHED, WEDGE, fk, sample, tip
+from reference import LOWER, UPPER
 from scipy.optimize import minimize
 
 import alpha5_model as a5

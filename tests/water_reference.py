@@ -1,4 +1,4 @@
-"""Table 3, typed again, and the arm in water by Pinocchio: the reference for every other tool.
+"""Table 3 and the arm in water by Pinocchio: the reference for every other tool.
 
 The displaced fluid is a second model that holds the mass of the displaced fluid as a point at each
 centre of buoyancy; its weight, negated, is the buoyancy.
@@ -10,18 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+import reference
 
 URDF = Path(__file__).parents[1] / "urdf"
-#: L
-VOLUME = {"link_0": 0.157, "link_1": 0.032, "link_2": 0.218, "link_3": 0.032, "link_4": 0.134}
-#: mm
-COB = {
-    "link_0": (-53, -3, -1),
-    "link_1": (2, -4, 31),
-    "link_2": (76, 0, -1),
-    "link_3": (2, -4, 29),
-    "link_4": (0, 0, -97),
-}
+#: Table 3 by link: L, mm.
+VOLUME = {f"link_{i}": volume for i, volume in enumerate(reference.VOLUME)}
+COB = {f"link_{i}": cob for i, cob in enumerate(reference.COB)}
 
 
 class Reference:

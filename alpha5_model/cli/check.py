@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from alpha5_model.cli.options import spinner
+from alpha5_model.cli.options import correction_names, spinner
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -54,17 +54,11 @@ def check(
 
     Example: alpha5 check --urdf my_arm.urdf
     """
-    from alpha5_model.corrections import DEFAULT_CORRECTIONS
     from alpha5_model.description.verification import verify_generated, verify_urdf
     from alpha5_model.errors import InputError
 
-    if urdf is None:
-        if corrections is not None:
-            raise InputError("corrections", corrections, "a file to check, --urdf FILE")
-    elif corrections is None:
-        names = DEFAULT_CORRECTIONS
-    else:
-        names = tuple(name.strip() for name in corrections.split(",") if name.strip())
+    if urdf is None and corrections is not None:
+        raise InputError("corrections", corrections, "a file to check, --urdf FILE")
     document: Sequence[AuditRow] = ()
     with spinner("checking"):
         if urdf is None:
@@ -72,7 +66,7 @@ def check(
 
             document, files = audit(), verify_generated()
         else:
-            files = verify_urdf(urdf, names)
+            files = verify_urdf(urdf, correction_names(corrections))
     failed = any(row.verdict == "failed" for row in files)
     if as_json:
         _print_json(document, files, failed)

@@ -11,7 +11,7 @@ import typer
 from alpha5_model.cli.options import spinner
 
 if TYPE_CHECKING:
-    from alpha5_model.comparison.report import Comparison
+    from alpha5_model.comparison.records import Comparison
 
 
 def register(app: typer.Typer) -> None:
@@ -39,15 +39,14 @@ def compare(
     from alpha5_model.comparison.report import compare as run
 
     if plot is not None:
-        from alpha5_model.checks import choice
-        from alpha5_model.view import comparison_plot
+        from alpha5_model.view.comparison_plot import plot_comparison
+        from alpha5_model.view.figures import check_format
 
-        # Refused before the work, not after it.
-        choice("plot format", plot.suffix.lower(), comparison_plot.FORMATS)
+        check_format(plot)  # before the work, not after it
     with spinner("comparing"):
         comparison = run(other, _pairs(joints), samples)
     if plot is not None:
-        comparison_plot.plot_comparison(comparison, plot)
+        plot_comparison(comparison, plot)
     if as_json:
         typer.echo(json.dumps(comparison.as_dict(), indent=2))
     else:

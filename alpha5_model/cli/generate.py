@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density
+from alpha5_model.cli.options import FLUID_HELP, correction_names, fluid_density, triple
 
 MESH_URIS = ("relative", "package", "file")
 FORMATS = ("urdf", "mjcf", "sdf")
@@ -90,20 +90,16 @@ def generate(
         _refuse_options_beside(context, "check" if check else "update")
         return _check() if check else _update()
     from alpha5_model.checks import choice
-    from alpha5_model.corrections import DEFAULT_CORRECTIONS
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.errors import OutputError
     from alpha5_model.files import atomic_write_all
     from alpha5_model.paths import REPOSITORY_PATH
 
-    chosen_corrections = (
-        DEFAULT_CORRECTIONS
-        if corrections is None
-        else tuple(name.strip() for name in corrections.split(",") if name.strip())
-    )
+    chosen_corrections = correction_names(corrections)
     _refuse_options_of_other_formats(context, choice("format", description_format, FORMATS))
     if description_format == "mjcf":
-        from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
+        from alpha5_model.description.mjcf import mjcf_files
+        from alpha5_model.description.mjcf_options import MjcfOptions
 
         options = MjcfOptions(
             gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections
@@ -124,8 +120,8 @@ def generate(
         gripper=gripper,
         prefix=prefix,
         parent=parent,
-        xyz=_triple("xyz", xyz),
-        rpy=_triple("rpy", rpy),
+        xyz=triple("xyz", xyz),
+        rpy=triple("rpy", rpy),
         mesh_prefix=prefixes[choice("mesh URI", mesh_uri, MESH_URIS)],
         collision=collision,
         dh_frames=dh_frames,
@@ -207,13 +203,3 @@ def _update() -> int:
     for path in update():
         typer.echo(f"wrote {path}")
     return 0
-
-
-def _triple(name: str, text: str) -> tuple[float, float, float]:
-    from alpha5_model.errors import InputError
-
-    try:
-        x, y, z = (float(part) for part in text.replace(",", " ").split())
-    except ValueError:
-        raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
-    return x, y, z

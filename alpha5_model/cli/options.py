@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
 
+from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
 
 # Units stand in round brackets: the terminal takes [m] for a style.
@@ -11,6 +12,7 @@ from alpha5_model.errors import InputError
 _MOST_DENSITY = 1e5
 _MOST_GRAVITY = 1e4
 FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
+GRAVITY_HELP = "In base_link, three numbers (m/s^2); tilts the mount."
 
 
 def fluid_density(text: str) -> float:
@@ -34,6 +36,13 @@ def fluid_density(text: str) -> float:
     return real("fluid", density, minimum=0.0)
 
 
+def correction_names(text: str | None) -> tuple[str, ...]:
+    """Names between commas, the default ones for None; whoever takes them says which do not exist."""
+    if text is None:
+        return DEFAULT_CORRECTIONS
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
 def gravity_vector(text: str) -> tuple[float, float, float]:
     """Three numbers [m/s^2].
 
@@ -55,7 +64,7 @@ def triple(name: str, text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.replace(",", " ").split())
     except ValueError:
-        raise InputError(name, text, "three numbers, such as '0 0 -9.81'") from None
+        raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
     return x, y, z
 
 

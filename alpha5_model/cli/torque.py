@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density, gravity_vector
+from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
 
 Four = tuple[float, float, float, float]
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
@@ -26,9 +26,7 @@ def torque(
     a: Annotated[Four, typer.Option("--a", help="Accelerations (rad/s^2).")] = (0.0, 0.0, 0.0, 0.0),
     degrees: Annotated[bool, typer.Option("--degrees", help="--q, --v, --a in degrees.")] = False,
     fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
-    gravity: Annotated[
-        str, typer.Option(help="In base_link, three numbers (m/s^2); tilts the mount.")
-    ] = "0 0 -9.81",
+    gravity: Annotated[str, typer.Option(help=GRAVITY_HELP)] = "0 0 -9.81",
     constants: Annotated[
         str,
         typer.Option(

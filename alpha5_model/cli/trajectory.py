@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density, gravity_vector
+from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
 
 if TYPE_CHECKING:
     from alpha5_model.actuators import Actuator
@@ -41,9 +41,7 @@ def trajectory(
     plot: Annotated[Path | None, typer.Option(help="Page of curves, .png, .pdf or .svg.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Summary as JSON.")] = False,
     fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
-    gravity: Annotated[
-        str, typer.Option(help="In base_link, three numbers (m/s^2); tilts the mount.")
-    ] = "0 0 -9.81",
+    gravity: Annotated[str, typer.Option(help=GRAVITY_HELP)] = "0 0 -9.81",
     gripper: Annotated[
         str,
         typer.Option(
@@ -96,8 +94,9 @@ def trajectory(
             raise InputError("output", str(output), "another file than the one that is read")
     if plot is not None:
         from alpha5_model.view import trajectory_plot
+        from alpha5_model.view.figures import check_format
 
-        choice("plot format", plot.suffix.lower(), trajectory_plot.FORMATS)
+        check_format(plot)
     choice("gripper", gripper, GRIPPERS)
     use_velocity = {"auto": None, "file": True, "positions": False}[
         choice("velocities", velocities, VELOCITIES)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from alpha5_model.dynamics.water import GRAVITY as DOWN
+from alpha5_model.fluids import GRAVITY as DOWN
 
 if TYPE_CHECKING:
     from alpha5_model.checks import FloatArray

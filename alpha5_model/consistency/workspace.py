@@ -7,9 +7,8 @@ References:
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
 from alpha5_model.consistency.units import MM
 from alpha5_model.kinematics.dh import DHChain
@@ -161,10 +160,10 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
     reached = reachable(points)
 
-    def published(x: FloatArray) -> NDArray[np.bool_]:
+    def published(x: FloatArray) -> BoolArray:
         a_0, d_0, a_2, d_3, opp, adj, offset, length, drop = x
         square = (radius - a_0) ** 2 + (height - d_0) ** 2
-        inside: NDArray[np.bool_] = (
+        inside: BoolArray = (
             (square <= (np.hypot(opp, adj) + np.hypot(d_3, a_2)) ** 2)
             & (square >= (offset + a_2) ** 2 + (length + d_3) ** 2)
             & ((radius - a_0) ** 2 + (height - d_0 + drop) ** 2 >= d_3**2)

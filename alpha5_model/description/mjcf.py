@@ -11,22 +11,20 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice, real
-from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies.materials import MATERIALS
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.mjcf_control import (
-    ACTUATORS,
     add_actuators,
     add_equality,
     add_keyframes,
 )
+from alpha5_model.description.mjcf_options import MjcfOptions
 from alpha5_model.description.mjcf_texts import SCENE, mjcf_readme
 from alpha5_model.description.number_text import numbers_text
 from alpha5_model.description.parameter_file import parameter_tree
@@ -36,8 +34,7 @@ from alpha5_model.description.poses import (
     NEVER_PAIRS,
 )
 from alpha5_model.description.tree import Body, Mesh, Shape, arm_bodies
-from alpha5_model.description.variants import COLLISIONS, GRIPPERS
-from alpha5_model.fluids import SEA_WATER
+from alpha5_model.fluids import GRAVITY
 from alpha5_model.parameters import parameters
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
@@ -45,34 +42,6 @@ from alpha5_model.parameters import parameters
 DILUTION = 1e9
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
-
-
-@dataclass(frozen=True)
-class MjcfOptions:
-    """What can be chosen about the MuJoCo model.
-
-    Attributes:
-        gripper: ``locked`` or ``jaws``.
-        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's README.
-        actuators: ``position``, ``velocity`` or ``motor``.
-        drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
-        collision: ``primitives`` or ``none``.
-        corrections: Recorded corrections to apply.
-    """
-
-    gripper: str = "locked"
-    fluid_density: float = SEA_WATER
-    actuators: str = "position"
-    drag: bool = False
-    collision: str = "primitives"
-    corrections: Iterable[str] = DEFAULT_CORRECTIONS
-
-    def __post_init__(self) -> None:
-        choice("gripper", self.gripper, GRIPPERS)
-        choice("actuators", self.actuators, ACTUATORS)
-        choice("collision", self.collision, COLLISIONS)
-        real("fluid_density", self.fluid_density, minimum=0.0)
-        object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -125,7 +94,11 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     ET.SubElement(
         root,
         "option",
-        {"integrator": "implicitfast", "gravity": "0 0 -9.81", **(fluid if chosen.drag else {})},
+        {
+            "integrator": "implicitfast",
+            "gravity": numbers_text(*GRAVITY),
+            **(fluid if chosen.drag else {}),
+        },
     )
     _defaults(root)
     _assets(root, shown)

@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, count, float_array
 from alpha5_model.dynamics.vectors import QUATERNION_TOLERANCE
 from alpha5_model.errors import InputError, ShapeError
 
@@ -47,10 +47,10 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
         if array.ndim > 2:
             raise ShapeError(name, array.shape, f"shape (N, {n})")
         arrays[name] = np.atleast_2d(array)
-    count = max((len(array) for array in arrays.values()), key=lambda n: (n != 1, n))
+    n_rows = max((len(array) for array in arrays.values()), key=lambda n: (n != 1, n))
     for name, array in arrays.items():
-        if len(array) not in (1, count):
-            raise ShapeError(name, array.shape, f"{count} rows, as the others, or one")
+        if len(array) not in (1, n_rows):
+            raise ShapeError(name, array.shape, f"{n_rows} rows, as the others, or one")
     if model.nq > model.nv:
         quaternion = arrays["q"][:, 3:7]
         off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) > QUATERNION_TOLERANCE
@@ -59,7 +59,7 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
             norm = float(np.linalg.norm(quaternion[row]))
             raise InputError(f"q[{row}, 3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
     return [
-        np.ascontiguousarray(np.broadcast_to(array, (count, array.shape[1])))
+        np.ascontiguousarray(np.broadcast_to(array, (n_rows, array.shape[1])))
         for array in arrays.values()
     ]
 
@@ -108,11 +108,7 @@ def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArr
 
 def thread_count(threads: int | None) -> int:
     """Check a number of threads; None stands for `available_threads`."""
-    if threads is None:
-        return available_threads()
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise InputError("threads", threads, "a positive integer or None")
-    return threads
+    return available_threads() if threads is None else count("threads", threads)
 
 
 def available_threads() -> int:

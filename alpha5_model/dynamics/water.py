@@ -7,12 +7,9 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
+from alpha5_model.fluids import AIR, FRESH_WATER, GRAVITY, SEA_WATER
 
 __all__ = ["AIR", "FRESH_WATER", "GRAVITY", "SEA_WATER", "gravity_in_base"]
-
-#: Gravity with z up [m/s^2].
-GRAVITY = (0.0, 0.0, -9.81)
 
 #: How far from a rotation a matrix may be, entrywise, before it is refused.
 _ROTATION_TOLERANCE = 1e-6

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.ik import BoolArray, inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics
 
 #: Distance from the yaw axis below which theta_0 counts as free [m].
 AXIS_TOLERANCE = 1e-9

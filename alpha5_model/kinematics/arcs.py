@@ -8,11 +8,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 
-_TAU = 2 * math.pi
 #: Step to either side of an arc when asking which side belongs to a region [m].
 _STEP = 1e-7
 
@@ -49,7 +48,7 @@ class Arc(NamedTuple):
 
 
 def trace(
-    curves: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
+    curves: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], BoolArray]
 ) -> tuple[Arc, ...]:
     """The boundary of a region that is known to lie on some circles.
 
@@ -134,7 +133,7 @@ def _cuts(curve: Arc, curves: Sequence[Arc]) -> list[float]:
     inside = sorted(
         curve.start + shift
         for angle in angles
-        if 1e-12 < (shift := (angle - curve.start) % _TAU) < curve.end - curve.start - 1e-12
+        if 1e-12 < (shift := (angle - curve.start) % math.tau) < curve.end - curve.start - 1e-12
     )
     cuts = [curve.start]
     for angle in [*inside, curve.end]:
@@ -148,11 +147,11 @@ def _covers(arc: Arc, piece: Arc) -> bool:
     return (
         math.dist(arc.center, piece.center) < 1e-12
         and abs(arc.radius - piece.radius) < 1e-12
-        and ((piece.start + piece.end) / 2 - arc.start) % _TAU < arc.end - arc.start
+        and ((piece.start + piece.end) / 2 - arc.start) % math.tau < arc.end - arc.start
     )
 
 
-def _filled(piece: Arc, contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]) -> int:
+def _filled(piece: Arc, contains: Callable[[FloatArray, FloatArray], BoolArray]) -> int:
     """+1 or -1 if exactly one side of a piece belongs to the region, 0 if it is no boundary."""
     middle = (piece.start + piece.end) / 2
     step = min(_STEP, (piece.end - piece.start) * piece.radius / 10)

@@ -17,17 +17,14 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray, choice
+from alpha5_model.checks import BoolArray, FloatArray, choice
 from alpha5_model.kinematics.arcs import Arc, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.ik_batch import reached
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")
-
-_TAU = 2 * math.pi
 
 
 @cache
@@ -53,7 +50,7 @@ def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
 
 def in_half_plane(
     radius: FloatArray, z: FloatArray, side: str = "both", limits: bool = True
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Which points of a half-plane can be reached, theta_0 aside.
 
     Args:
@@ -67,8 +64,7 @@ def in_half_plane(
         if side in (name, "both"):
             azimuth = g.middle[0] + g.azimuth_offset - pair * math.pi
             target = np.stack([radius * math.cos(azimuth), radius * math.sin(azimuth), z], axis=-1)
-            solutions = inverse_kinematics(target, g.middle[3])
-            flags = solutions.within_limits if limits else solutions.exists
+            flags = reached(target, limits)
             out |= flags[..., pair] | flags[..., pair + 2]
     return out
 
@@ -80,8 +76,8 @@ def side_curves(side: str, limits: bool = True) -> list[Arc]:
     shoulder = (g.a_0, g.d_0)
     if not limits:
         curves = [
-            Arc(shoulder, g.longest, 0.0, _TAU, 0, "stretched", side),
-            Arc(shoulder, g.shortest, 0.0, _TAU, 0, "folded", side),
+            Arc(shoulder, g.longest, 0.0, math.tau, 0, "stretched", side),
+            Arc(shoulder, g.shortest, 0.0, math.tau, 0, "folded", side),
         ]
     else:
         curves = [Arc(shoulder, g.longest, phi_low, phi_high, 0, "stretched", side)]

@@ -24,14 +24,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik_batch import solve_rows
+from alpha5_model.kinematics.ik_batch import solve_batch
 from alpha5_model.kinematics.ik_fast import careful_answer, fast_solver
-
-BoolArray = NDArray[np.bool_]
 
 #: The plane faces the target (underarm) or turns its back (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
@@ -76,7 +74,9 @@ class Solutions(NamedTuple):
                 to the nearest point that is reached and that point.
             JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
         """
-        from alpha5_model.kinematics.ik_choice import nearest_solution
+        from alpha5_model.kinematics.ik_choice import (
+            nearest_solution,  # late: few need the boundary
+        )
 
         return nearest_solution(self, q_reference)
 
@@ -126,20 +126,8 @@ def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
         raise InputError(
             "wrist", angle.shape, f"a shape that broadcasts with {target.shape[:-1]}"
         ) from None
-    q = np.empty((*lead, 4, 4))
-    exists, within = np.empty((*lead, 4), np.bool_), np.empty((*lead, 4), np.bool_)
-    singular = np.empty(lead, np.bool_)
     target = np.broadcast_to(target, (*lead, 3))
-    rows = target.reshape(-1, 3)
-    angles = angle if angle.ndim == 0 else np.broadcast_to(angle, lead).reshape(-1)
-    solve_rows(
-        rows,
-        angles,
-        q.reshape(-1, 4, 4),
-        exists.reshape(-1, 4),
-        within.reshape(-1, 4),
-        singular.reshape(-1),
-    )
+    q, exists, within, singular = solve_batch(target, angle)
     for array in (q, exists, within, singular, target):
         if array is not position:  # never lock the caller's own array
             array.flags.writeable = False

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.ik_one import (
     LIMIT_TOLERANCE,
     NEAR_AXIS,
@@ -18,15 +18,54 @@ from alpha5_model.kinematics.ik_one import (
     solve_one,
 )
 
-BoolArray = NDArray[np.bool_]
-
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
 BLOCK = 8192
 
-_TAU = 2 * math.pi
+
+def solve_batch(
+    position: FloatArray, wrist: FloatArray
+) -> tuple[FloatArray, BoolArray, BoolArray, BoolArray]:
+    """Solve finite targets of any shape.
+
+    Args:
+        position: (..., 3) [m].
+        wrist: Broadcasts to (...) [rad].
+
+    Returns:
+        q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
+        `alpha5_model.kinematics.ik.Solutions`.
+    """
+    lead = position.shape[:-1]
+    q = np.empty((*lead, 4, 4))
+    exists, within = np.empty((*lead, 4), np.bool_), np.empty((*lead, 4), np.bool_)
+    singular = np.empty(lead, np.bool_)
+    _solve_rows(
+        position.reshape(-1, 3),
+        wrist if wrist.ndim == 0 else np.broadcast_to(wrist, lead).reshape(-1),
+        q.reshape(-1, 4, 4),
+        exists.reshape(-1, 4),
+        within.reshape(-1, 4),
+        singular.reshape(-1),
+    )
+    return q, exists, within, singular
 
 
-def solve_rows(
+def reached(position: FloatArray, limits: bool) -> BoolArray:
+    """Which branches reach finite targets, whatever the wrist angle.
+
+    Args:
+        position: (..., 3) [m].
+        limits: Within the limits of theta_0, theta_1 and theta_2; without, all angles are free.
+
+    Returns:
+        (..., 4), branch axis as in `alpha5_model.kinematics.ik.BRANCHES`.
+    """
+    middle = constants().limits[3][2]
+    _, exists, within, _ = solve_batch(position, np.asarray(middle))
+    return within if limits else exists
+
+
+def _solve_rows(
     position: FloatArray,
     wrist: FloatArray,
     q: FloatArray,
@@ -80,7 +119,7 @@ def solve_rows(
 def _wrist(wrist: FloatArray, c: Constants) -> tuple[FloatArray, BoolArray]:
     """theta_3 in its range, and whether it fits; rounding beside a limit is removed."""
     lower, upper, middle = c.limits[3]
-    angle = wrist - _TAU * np.rint((wrist - middle) / _TAU)
+    angle = wrist - math.tau * np.rint((wrist - middle) / math.tau)
     clipped = np.clip(angle, lower, upper)
     fits = np.abs(angle - clipped) <= LIMIT_TOLERANCE
     return np.where(fits, clipped, angle), fits
@@ -197,10 +236,10 @@ def _solve_block(
 
 def _wrap(angle: FloatArray, middle: float, work: FloatArray) -> None:
     """Shift by full turns into the turn around the middle of a range, in place."""
-    np.multiply(angle, 1 / _TAU, out=work)
-    work -= middle / _TAU
+    np.multiply(angle, 1 / math.tau, out=work)
+    work -= middle / math.tau
     np.rint(work, out=work)
-    work *= _TAU
+    work *= math.tau
     angle -= work
 
 

@@ -6,12 +6,13 @@ import math
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.ik_one import AXIS_TOLERANCE, LIMIT_TOLERANCE
+from alpha5_model.kinematics.reach import nearest_reachable, reachable
 from alpha5_model.parameters import parameters
 
 
@@ -21,7 +22,7 @@ class HasBranches(Protocol):
     @property
     def q(self) -> FloatArray: ...
     @property
-    def within_limits(self) -> NDArray[np.bool_]: ...
+    def within_limits(self) -> BoolArray: ...
     @property
     def position(self) -> FloatArray: ...
 
@@ -53,16 +54,16 @@ def candidates(solutions: HasBranches, q_reference: ArrayLike) -> tuple[FloatArr
     return q, reference
 
 
-def pick(q: FloatArray, reference: FloatArray, allowed: NDArray[np.bool_]) -> FloatArray:
+def pick(q: FloatArray, reference: FloatArray, allowed: BoolArray) -> FloatArray:
     """The allowed solution nearest to the reference, (..., 4)."""
     travel = np.square(q - reference[..., None, :]).sum(axis=-1)
     index = np.where(allowed, travel, np.inf).argmin(axis=-1)
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
 
 
-def on_axis(position: FloatArray) -> NDArray[np.bool_]:
+def on_axis(position: FloatArray) -> BoolArray:
     """Targets on the yaw axis, where theta_0 is free, (...)."""
-    out: NDArray[np.bool_] = np.hypot(position[..., 0], position[..., 1]) <= AXIS_TOLERANCE
+    out: BoolArray = np.hypot(position[..., 0], position[..., 1]) <= AXIS_TOLERANCE
     return out
 
 
@@ -76,8 +77,6 @@ def require_solution(solutions: HasBranches) -> None:
     solved = solutions.within_limits.any(axis=-1)
     if solved.all():
         return
-    from alpha5_model.kinematics.reach import nearest_reachable, reachable
-
     index = tuple(int(i) for i in np.argwhere(~solved)[0])
     target = solutions.position[index]
     if bool(reachable(target)):

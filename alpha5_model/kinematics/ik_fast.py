@@ -13,12 +13,10 @@ from math import atan, atan2, nan, pi, sqrt
 from struct import Struct
 
 import numpy as np
-from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.ik_one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants, solve_one
 
-BoolArray = NDArray[np.bool_]
 #: q (4, 4), exists (4,), within_limits (4,), singular (), position (3,), all read-only.
 Answer = tuple[FloatArray, BoolArray, BoolArray, BoolArray, FloatArray]
 

@@ -24,8 +24,6 @@ NEAR_AXIS = 1e-8
 NEAR_EDGE = 2e-9
 NEAR_LIMIT = 1e-6
 
-_TAU = 2 * math.pi
-
 
 class Constants(NamedTuple):
     """What the formulas need, computed once."""
@@ -80,8 +78,8 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
     """
     c = constants()
     limits = c.limits
-    turns = math.floor((wrist - limits[3][2]) / _TAU + 0.5)
-    theta_3, wrist_fits = _into_range(wrist - turns * _TAU, limits[3], LIMIT_TOLERANCE)
+    turns = math.floor((wrist - limits[3][2]) / math.tau + 0.5)
+    theta_3, wrist_fits = _into_range(wrist - turns * math.tau, limits[3], LIMIT_TOLERANCE)
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
     singular = radius <= SINGULAR_TOLERANCE
@@ -128,8 +126,8 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
 def _near(angle: float, middle: float) -> float:
     """The 2 pi shift of an angle within one turn of the window that is nearest to the middle."""
     if angle > middle + math.pi:
-        return angle - _TAU
-    return angle + _TAU if angle < middle - math.pi else angle
+        return angle - math.tau
+    return angle + math.tau if angle < middle - math.pi else angle
 
 
 def _into_range(

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.ik import BoolArray, inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.ik_choice import candidates, on_axis, pick, require_solution
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position

@@ -12,21 +12,20 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
-from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.ik_batch import reached
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
-_TAU = 2 * math.pi
 #: From here on only the direction of a point matters [m].
 _FAR = 1e100
 
 
-def reachable(positions: ArrayLike, limits: bool = True) -> NDArray[np.bool_]:
+def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
     """Whether the tcp reaches a point: any branch of the inverse kinematics does.
 
     The wrist angle moves no point and plays no part.
@@ -44,11 +43,9 @@ def reachable(positions: ArrayLike, limits: bool = True) -> NDArray[np.bool_]:
     target = float_array("positions", positions, (3,))
     rows = target.reshape(-1, 3)
     out = np.empty(len(rows), np.bool_)
-    wrist = arm_plane().middle[3]
     for start in range(0, len(rows), _BLOCK):
         part = slice(start, start + _BLOCK)
-        solutions = inverse_kinematics(rows[part], wrist)
-        (solutions.within_limits if limits else solutions.exists).any(axis=-1, out=out[part])
+        reached(rows[part], limits).any(axis=-1, out=out[part])
     return out.reshape(target.shape[:-1])
 
 
@@ -120,7 +117,7 @@ def _allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
     middle = g.middle[0] + g.azimuth_offset - (math.pi if side == "overarm" else 0.0)
     half = (g.upper[0] - g.lower[0]) / 2
     off = azimuth - middle
-    off -= _TAU * np.rint(off / _TAU)
+    off -= math.tau * np.rint(off / math.tau)
     return np.where(np.abs(off) <= half, azimuth, middle + np.clip(off, -half, half))
 
 
@@ -134,9 +131,9 @@ def _project_in_plane(points: FloatArray, side: str, limits: bool) -> FloatArray
         offset = points - arc.center
         angle = np.arctan2(offset[:, 1], offset[:, 0])
         span = arc.end - arc.start
-        along = (angle - arc.start) % _TAU
+        along = (angle - arc.start) % math.tau
         # Beyond the arc: its nearer end.
-        beyond_end = along - span < _TAU - along
+        beyond_end = along - span < math.tau - along
         along = np.where(along <= span, along, np.where(beyond_end, span, 0.0))
         foot = arc.points(arc.start + along)
         distance = np.square(foot - points).sum(axis=-1)

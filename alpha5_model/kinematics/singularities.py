@@ -21,9 +21,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.kinematics.arm_plane import arm_plane
 
 
@@ -41,7 +41,7 @@ class Singularities(NamedTuple):
     folded: FloatArray
     yaw_axis: FloatArray
 
-    def near(self, angle: float = 1e-6, distance: float = 1e-6) -> NDArray[np.bool_]:
+    def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
         """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
         return np.asarray(
             (np.abs(self.stretched) < angle)

@@ -12,9 +12,9 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice, float_array
+from alpha5_model.checks import BoolArray, FloatArray, choice, float_array
 from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
@@ -109,7 +109,7 @@ def published_tori() -> tuple[Torus, Torus, Torus]:
     )
 
 
-def published_reachable(positions: ArrayLike) -> NDArray[np.bool_]:
+def published_reachable(positions: ArrayLike) -> BoolArray:
     """Whether a point satisfies all three inequalities of Section 1.2.
 
     Args:
@@ -193,7 +193,7 @@ def _all_curves() -> list[Arc]:
     return [*_printed_curves(), *(curve for side in SIDES[:2] for curve in side_curves(side))]
 
 
-def in_tori(radius: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     """Which points of a half-plane (R, z) [m] satisfy the three inequalities of Section 1.2."""
     inside = np.ones(np.shape(radius), np.bool_)
     for torus in published_tori():

@@ -16,6 +16,6 @@ def published() -> Published:
     Raises:
         PublishedDataError: A data file is malformed; the message names the place.
     """
-    from alpha5_model.published.tables import load  # late: `import alpha5_model` stays light
+    from alpha5_model.published.reading import load  # late: `import alpha5_model` stays light
 
     return load()

@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from io import BytesIO
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from alpha5_model.files import atomic_write
+from alpha5_model.view.figures import check_format, new_figure, write_figure
 
 if TYPE_CHECKING:
-    from alpha5_model.comparison.report import Comparison
-
-FORMATS = (".png", ".pdf", ".svg")
+    from alpha5_model.comparison.records import Comparison
 
 
-def plot_comparison(comparison: Comparison, path: Path) -> Path:
+def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
     """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
 
     Args:
         comparison: What `alpha5_model.compare` returns.
-        path: Picture to write; the suffix tells the format (.png, .pdf, .svg).
+        path: Picture to write; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
 
     Raises:
+        UnknownNameError: Another suffix.
+        MissingDependencyError: matplotlib is not installed.
         OutputError: It cannot be written.
-        UnknownNameError: Not a format.
     """
-    from matplotlib.figure import Figure
-
-    from alpha5_model.checks import choice
-
-    kind = choice("plot format", path.suffix.lower(), FORMATS).lstrip(".")
+    check_format(path)
     bodies = [body.name for body in comparison.bodies]
     panels = (
         ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
@@ -37,7 +32,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> Path:
         ("inertia [kg mm²]", bodies, [body.inertia_error * 1e6 for body in comparison.bodies]),
         ("gravity torque [N m]", list(comparison.joints), list(comparison.gravity_error)),
     )
-    figure = Figure(figsize=(11, 3.2), layout="constrained")
+    figure = new_figure(11, 3.2)
     for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
         # Rounding of the arithmetic is no error to look at: it would stretch to the full width.
         values = [value if abs(value) > 1e-9 else 0.0 for value in values]
@@ -51,6 +46,4 @@ def plot_comparison(comparison: Comparison, path: Path) -> Path:
         axes.tick_params(labelsize=8)
     verdict = "agrees with" if comparison.agrees else "differs from"
     figure.suptitle(f"{comparison.name} {verdict} the tables: largest errors", fontsize=11)
-    buffer = BytesIO()
-    figure.savefig(buffer, format=kind, dpi=150)
-    return atomic_write(path, buffer.getvalue())
+    return write_figure(figure, path, dpi=150)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
+from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics.planar import (
     Arc,
     Curve,
@@ -22,9 +18,9 @@ from alpha5_model.kinematics.planar import (
     dexterity_map,
     dexterous_radii,
 )
+from alpha5_model.view.figures import new_figure, write_figure
 
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
-FORMATS = (".png", ".pdf", ".svg")
 #: Points along a full circle.
 FINENESS = 361
 
@@ -105,29 +101,17 @@ def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingDependencyError(
-            "matplotlib", "a picture", "pip install 'alpha5-model[plot]'"
-        ) from None
-    figure = Figure(figsize=(size * columns, size * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure.subplots(rows, columns)
+    return new_figure(size * columns, size * rows).subplots(rows, columns)
 
 
 def save(axes: Any, path: str | os.PathLike[str]) -> None:
-    """Write the figure that the axes stand on; the suffix says how: one of `FORMATS`.
+    """Write the figure that the axes stand on; the suffix says how, as in `write_figure`.
 
     Raises:
         UnknownNameError: Another suffix.
         OutputError: It could not be written; nothing is left half-written.
     """
-    suffix = choice("picture format", Path(path).suffix.lower(), FORMATS)
-    buffer = io.BytesIO()
-    np.ravel(np.asarray(axes, dtype=object))[0].figure.savefig(buffer, format=suffix[1:], dpi=120)
-    atomic_write(path, buffer.getvalue())
+    write_figure(np.ravel(np.asarray(axes, dtype=object))[0].figure, path, dpi=120)
 
 
 def _fill(axes: Any, space: Workspace, color: str, label: str) -> None:

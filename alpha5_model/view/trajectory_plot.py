@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alpha5_model.checks import choice
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
 from alpha5_model.parameters import parameters
+from alpha5_model.view.figures import check_format, new_figure, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
 
-FORMATS = (".png", ".pdf", ".svg")
 #: Okabe and Ito's colours, told apart by colour-blind readers as well.
 _CAUSES = {
     "weight": "#E69F00",
@@ -38,11 +34,8 @@ def write(analysis: Analysis, path: str | os.PathLike[str]) -> Path:
         MissingDependencyError: matplotlib is not installed.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    kind = choice("plot format", target.suffix.lower(), FORMATS)
-    picture = io.BytesIO()
-    figure(analysis).savefig(picture, format=kind[1:], dpi=110)
-    return atomic_write(target, picture.getvalue())
+    check_format(path)
+    return write_figure(figure(analysis), path, dpi=110)
 
 
 def figure(analysis: Analysis) -> Any:
@@ -51,17 +44,9 @@ def figure(analysis: Analysis) -> Any:
     One row for each joint (position, torque by cause, motor current) and one for the whole arm (power,
     load on the mount, TCP path).
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingDependencyError(
-            "matplotlib", "the plot", "pip install 'alpha5-model[plot]'"
-        ) from None
     a = analysis
     joints = a.smooth.joints
-    page: Any = Figure(figsize=(16, 2.35 * len(joints) + 4.2), layout="constrained")
-    FigureCanvasAgg(page)
+    page = new_figure(16, 2.35 * len(joints) + 4.2)
     page.get_layout_engine().set(h_pad=0.06, w_pad=0.08)
     grid = page.add_gridspec(len(joints) + 1, 3, height_ratios=[1.0] * len(joints) + [1.6])
     first: Any = None
@@ -112,10 +97,8 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
     joint = next(j for j in parameters().joints if j.name == name)
     scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
     raw = scale * a.motion.position[:, k]
-    axes.plot(*_thin(a.motion.time, raw), ".", color="#999999", markersize=4, label="samples")
-    axes.plot(
-        *_thin(a.smooth.time, scale * a.smooth.position[:, k]), color="#0072B2", linewidth=1.0
-    )
+    axes.plot(*thin(a.motion.time, raw), ".", color="#999999", markersize=4, label="samples")
+    axes.plot(*thin(a.smooth.time, scale * a.smooth.position[:, k]), color="#0072B2", linewidth=1.0)
     low, high = axes.get_ylim()
     least = 0.02 * scale * (joint.upper - joint.lower)
     middle, half = (low + high) / 2, max((high - low) / 2, least)
@@ -129,10 +112,10 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     for cause, colour in _CAUSES.items():
         axes.plot(
-            *_thin(a.smooth.time, getattr(a, cause)[:, k]), color=colour, linewidth=1, label=cause
+            *thin(a.smooth.time, getattr(a, cause)[:, k]), color=colour, linewidth=1, label=cause
         )
     torque = a.torque[:, k]
-    axes.plot(*_thin(a.smooth.time, torque), color=_TOTAL, linewidth=1.5, label="torque")
+    axes.plot(*thin(a.smooth.time, torque), color=_TOTAL, linewidth=1.5, label="torque")
     at = int(np.abs(torque).argmax())
     _widen(axes, 1e-3)
     _mark(axes, a.smooth.time[at], torque[at])
@@ -155,10 +138,10 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
         )
         axes.set_yticks([])
         return
-    time, low = _thin(a.smooth.time, a.current_lower[:, k])
+    time, low = thin(a.smooth.time, a.current_lower[:, k])
     high = np.interp(time, a.smooth.time, a.current_upper[:, k])
     axes.fill_between(time, low, high, color="#9ECAE9", linewidth=0)
-    axes.plot(*_thin(a.smooth.time, current), color="#0072B2", linewidth=1.0)
+    axes.plot(*thin(a.smooth.time, current), color="#0072B2", linewidth=1.0)
     _widen(axes, 1e-3)
     if a.current_limit is not None:
         for bound in (-a.current_limit, a.current_limit):
@@ -170,9 +153,9 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
 
 def _power(axes: Any, a: Analysis) -> None:
     electrical = np.nansum(a.electrical_power, axis=1)
-    axes.plot(*_thin(a.smooth.time, electrical), color="#0072B2", linewidth=1.1, label="electrical")
+    axes.plot(*thin(a.smooth.time, electrical), color="#0072B2", linewidth=1.1, label="electrical")
     axes.plot(
-        *_thin(a.smooth.time, a.mechanical_power.sum(axis=1)),
+        *thin(a.smooth.time, a.mechanical_power.sum(axis=1)),
         color=_LIMIT,
         linewidth=1.1,
         label="mechanical",
@@ -186,7 +169,7 @@ def _power(axes: Any, a: Analysis) -> None:
 def _mount(axes: Any, a: Analysis) -> None:
     for k, (name, colour) in enumerate(zip("xyz", ("#D55E00", "#009E73", "#0072B2"), strict=True)):
         axes.plot(
-            *_thin(a.smooth.time, a.base_wrench[:, 3 + k]),
+            *thin(a.smooth.time, a.base_wrench[:, 3 + k]),
             color=colour,
             linewidth=1.2,
             label=f"moment {name}",
@@ -203,8 +186,8 @@ def _mount(axes: Any, a: Analysis) -> None:
 
 
 def _path(axes: Any, a: Analysis) -> None:
-    thin = max(1, len(a.tcp) // _POINTS)
-    x, y, z = 1e3 * a.tcp[::thin].T
+    step = max(1, len(a.tcp) // _POINTS)
+    x, y, z = 1e3 * a.tcp[::step].T
     axes.plot(x, z, color="#0072B2", linewidth=1.2, label="side (x, z)")
     axes.plot(x, y, color="#E69F00", linewidth=1.2, label="top (x, y)")
     for other in (z, y):
@@ -239,7 +222,7 @@ def _widen(axes: Any, least: float) -> None:
         axes.set_ylim(middle - least / 2, middle + least / 2)
 
 
-def _thin(time: Any, values: Any) -> tuple[Any, Any]:
+def thin(time: Any, values: Any) -> tuple[Any, Any]:
     """At most `_POINTS` points: the lowest and the highest of each stretch."""
     stretch = -(-len(time) // (_POINTS // 2))
     if stretch <= 2:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Iterable
@@ -11,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice
-from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
+from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.arcs import Arc
 from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.view.figures import check_format, new_figure, write_figure
 
-FORMATS = (".png", ".pdf", ".svg")
 #: Okabe and Ito's colours, told apart by colour-blind readers as well.
 _COLOR = {"underarm": "#0072B2", "overarm": "#E69F00", "wrong": "#D55E00", "missed": "#009E73"}
 _FILL, _INK = "#E8EEF3", "#222222"
@@ -34,11 +31,8 @@ def write(path: str | os.PathLike[str]) -> Path:
         MissingDependencyError: matplotlib is not installed.
         OutputError: The file cannot be written.
     """
-    target = Path(path)
-    kind = choice("plot format", target.suffix.lower(), FORMATS)
-    picture = io.BytesIO()
-    figure().savefig(picture, format=kind[1:], dpi=150)
-    return atomic_write(target, picture.getvalue())
+    check_format(path)
+    return write_figure(figure(), path, dpi=150)
 
 
 def figure() -> Any:
@@ -47,15 +41,7 @@ def figure() -> Any:
     Left, the boundary of the reachable set by the joint that stops it. Right, the published region
     over it. Lengths in mm.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingDependencyError(
-            "matplotlib", "the plot", "pip install 'alpha5-model[plot]'"
-        ) from None
-    page = Figure(figsize=(9.4, 9.0), layout="constrained")
-    FigureCanvasAgg(page)
+    page = new_figure(9.4, 9.0)
     exact, published = page.subplots(1, 2, sharey=True)
     _draw_exact(exact)
     _draw_published(published)

@@ -49,13 +49,13 @@ def surface(solid: Solid) -> Surface:
     faces = place.reshape(-1)[np.asarray(mesh.tri_verts).astype(np.int64)]
     # A face whose corners became one is gone, and its neighbours close over it.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-    _check_closed(faces)
+    check_closed(faces)
     faces = _ordered(faces)
     normals, corner_normals = _smooth_normals(vertices, faces)
     return Surface(vertices, faces, normals, corner_normals)
 
 
-def _check_closed(faces: NDArray[np.int64]) -> None:
+def check_closed(faces: NDArray[np.int64]) -> None:
     """Every directed edge once, and once in the other direction."""
     start, stop = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     n = faces.max() + 1

@@ -1,0 +1,113 @@
+"""What a comparison is made of: findings, bodies, and the whole."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.comparison.alignment import Alignment
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that a person should know about the other model.
+
+    Attributes:
+        where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or a file.
+        text: What is wrong.
+        serious: Whether the models differ by it; otherwise it is a remark.
+    """
+
+    where: str
+    text: str
+    serious: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class BodyDifference:
+    """A body of the other model, expressed in our link frame.
+
+    Attributes:
+        name: ``link_0`` to ``link_4``.
+        links: The other model's links that make it up.
+        mass: [kg].
+        com: (3,) [m].
+        inertia: At the COM, (3, 3) [kg m^2].
+        mass_error: Theirs minus ours [kg].
+        com_error: Distance [m].
+        inertia_error: Largest entry of the difference [kg m^2].
+    """
+
+    name: str
+    links: tuple[str, ...]
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    mass_error: float
+    com_error: float
+    inertia_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Another model of this arm, held against ours.
+
+    Attributes:
+        name: Its name.
+        joints: Ours -> theirs.
+        alignment: Base, signs and zeros.
+        bodies: Base to tip.
+        tip_error: Largest distance of the tips over the workspace [m].
+        gravity_error: Largest difference of the gravity torque in air, per joint, (4,) [N m].
+        mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
+        volume: Of its collision primitives [m^3]; NaN if it has none.
+        findings: Base to tip; empty if the models agree.
+    """
+
+    name: str
+    joints: dict[str, str]
+    alignment: Alignment
+    bodies: tuple[BodyDifference, ...]
+    tip_error: float
+    gravity_error: FloatArray
+    mass_matrix_error: float
+    volume: float
+    findings: tuple[Finding, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Nothing serious was found."""
+        return not any(finding.serious for finding in self.findings)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers and texts, for JSON."""
+        return {
+            "name": self.name,
+            "agrees": self.agrees,
+            "joints": self.joints,
+            "base": self.alignment.base.tolist(),
+            "sign": self.alignment.sign.tolist(),
+            "zero_rad": self.alignment.zero.tolist(),
+            "tip_error_m": self.tip_error,
+            "gravity_error_Nm": self.gravity_error.tolist(),
+            "mass_matrix_error_kgm2": self.mass_matrix_error,
+            "volume_m3": None if math.isnan(self.volume) else self.volume,
+            "bodies": [
+                {
+                    "name": body.name,
+                    "links": list(body.links),
+                    "mass_kg": body.mass,
+                    "com_m": body.com.tolist(),
+                    "inertia_kgm2": body.inertia.tolist(),
+                    "mass_error_kg": body.mass_error,
+                    "com_error_m": body.com_error,
+                    "inertia_error_kgm2": body.inertia_error,
+                }
+                for body in self.bodies
+            ],
+            "findings": [
+                {"where": f.where, "text": f.text, "serious": f.serious} for f in self.findings
+            ],
+        }
