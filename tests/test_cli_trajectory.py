@@ -197,5 +197,5 @@ def test_recording_from_the_command_line(capsys: pytest.CaptureFixture[str]) -> 
             main(["trajectory", str(path), "--supply-voltage", "24", "--current-limit", "1"]) == 0
         )
         out = capsys.readouterr().out
-        for words in ("torque [Nm]", "current [A]", "margin", *JOINTS, "axis_a"):
+        for words in ("torque [N m]", "current [A]", "margin", *JOINTS, "axis_a"):
             assert words in out

@@ -165,7 +165,7 @@ def text(record: dict[str, Any]) -> str:
         + (f", {width:.3g} Hz (-3 dB)" if width is not None else "")
         + f"; derivatives from {smoothing['derivatives_from']}",
         "",
-        "  joint      torque [Nm]  margin   current [A], interval     margin  "
+        "  joint     torque [N m]  margin   current [A], interval     margin  "
         "speed [rad/s]  margin   range margin [rad]",
     ]
     for name, j in record["joints"].items():
@@ -179,10 +179,10 @@ def text(record: dict[str, Any]) -> str:
             f"{j['velocity_peak']['value']:+14.4g} {j['velocity_margin']:+7.3g} "
             f"{j['position_margin']:+20.4g}"
         )
-    lines += ["", "  peak torque by cause [Nm]" + "".join(f"{c:>11}" for c in CAUSES)]
+    lines += ["", "  peak torque by cause [N m]" + "".join(f"{c:>11}" for c in CAUSES)]
     for name, j in record["joints"].items():
         causes = (j["causes_peak"][c] for c in CAUSES)
-        lines.append(f"  {name:25}" + "".join(_cause(c) for c in causes))
+        lines.append(f"  {name:26}" + "".join(_cause(c) for c in causes))
     energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
     least, most = energy["drawn_interval_j"]
     lines += [
@@ -190,7 +190,7 @@ def text(record: dict[str, Any]) -> str:
         f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J "
         f"({least:.4g} .. {most:.4g}), fed back {energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
         f"  mount: force up to {mount['force_peak_n']['value']:.4g} N, moment up to "
-        f"{mount['moment_peak_nm']['value']:.4g} Nm",
+        f"{mount['moment_peak_nm']['value']:.4g} N m",
         f"  TCP: path {tcp['path_length_m']:.4g} m, from ("
         + ", ".join(f"{x:.3f}" for x in tcp["lowest_m"])
         + ") to ("
@@ -213,7 +213,8 @@ def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
     notes = [
         f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
         "its motor needs the least current that keeps it there",
-        "torque margins are to an effort of 9 Nm (jaw rod 10 N) that every public model copies; "
+        "torque is what the joint must carry; friction, at the motor, is a cause of its own and in the current",
+        "torque margins are to an effort of 9 N m (jaw rod 10 N) that every public model copies; "
         "no rating is published",
         f"Table 4's K_t and K_v contradict each other (K_t/K_v: {ratios}); used here: "
         f"{motors['constants']}"
@@ -225,7 +226,7 @@ def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
         ),
     ]
     if "axis_a" in record["joints"]:
-        notes.append("for the jaw rod axis_a read N, m/s and m in place of Nm, rad/s and rad")
+        notes.append("for the jaw rod axis_a read N, m/s and m in place of N m, rad/s and rad")
     if motors["supply_voltage"] is None:
         notes.append(
             "current margins need --supply-voltage and --current-limit; neither is published"
