@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from example_robot_data import load
+from literature import PUMA_560, STANFORD
 from scipy.optimize import brentq
 
 import alpha5_model as a5
@@ -27,22 +28,6 @@ Q = math.pi / 2
 X, Y, Z = np.eye(3)
 
 SCARA = [[0, 0.4, 0.3, 0, 0], [0, 0, 0.25, math.pi, 0], [0, 0, 0, 0, 1], [0, 0, 0, 0, 0]]
-PUMA = [
-    [0, 0, 0, Q, 0],
-    [0, 0, 0.4318, 0, 0],
-    [0, 0.15005, 0.0203, -Q, 0],
-    [0, 0.4318, 0, Q, 0],
-    [0, 0, 0, -Q, 0],
-    [0, 0, 0, 0, 0],
-]
-STANFORD = [
-    [0, 0.412, 0, -Q, 0],
-    [0, 0.154, 0, Q, 0],
-    [-Q, 0, 0.0203, 0, 1],
-    [0, 0, 0, -Q, 0],
-    [0, 0, 0, Q, 0],
-    [0, 0, 0, 0, 0],
-]
 #: yaw, three parallel pitch joints, roll about the tool: a five-joint arm such as the youBot's
 FIVE = [
     [0, 0.147, 0.033, Q, 0],
@@ -76,7 +61,7 @@ WRIST_SCARA = axes_chain([(ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 1), (2 * X, Y, 0
     ("chain", "kind", "joints", "horizontal"),
     [
         (DHChain.alpha5(), "revolute", "RRRR", False),
-        (DHChain.from_table(PUMA), "revolute", "RRRRRR", False),
+        (DHChain.from_table(PUMA_560), "revolute", "RRRRRR", False),
         (DHChain.from_table([[0, 0, 1, 0, 0]] * 3), "revolute", "RRR", True),
         (DHChain.from_table(SCARA), "scara", "RRPR", True),
         (PRRR_SCARA, "scara", "PRRR", True),
@@ -107,7 +92,7 @@ def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
     ("chain", "dimension", "position", "orientation", "insertion"),
     [
         (DHChain.alpha5(), 4, 3, 3, 3),
-        (DHChain.from_table(PUMA), 6, 3, 3, 4),
+        (DHChain.from_table(PUMA_560), 6, 3, 3, 4),
         (DHChain.from_table(STANFORD), 6, 3, 3, 4),
         (DHChain.from_table(SCARA), 4, 3, 1, 4),
         (PRRR_SCARA, 4, 3, 1, 4),
@@ -150,7 +135,7 @@ def test_joint_limits_decide_whether_the_tool_gets_upright(middle: float, dimens
 
 
 @pytest.mark.parametrize(
-    "chain", [DHChain.alpha5(), DHChain.from_table(SCARA), DHChain.from_table(PUMA)]
+    "chain", [DHChain.alpha5(), DHChain.from_table(SCARA), DHChain.from_table(PUMA_560)]
 )
 def test_dimension_by_counting_boxes(chain: DHChain) -> None:
     """A second way to the dimension of the pose set: how fast nearby poses fill space.
@@ -193,7 +178,7 @@ def test_bad_input() -> None:
 
 
 def test_the_notes_conditions_for_spatial_arms() -> None:
-    assert spatial_conditions(DHChain.from_table(PUMA)).satisfied
+    assert spatial_conditions(DHChain.from_table(PUMA_560)).satisfied
     assert spatial_conditions(DHChain.from_table(STANFORD)).satisfied
     missing = spatial_conditions(DHChain.alpha5())
     assert not missing.satisfied
@@ -210,7 +195,9 @@ def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
     for x in q[:20]:
         _, _, vt = np.linalg.svd(chain.jacobian(x)[:3])
         assert np.abs(vt[-1, :3]).max() < 1e-9
-    assert (orientation_freedom(DHChain.from_table(PUMA), rng.uniform(-2, 2, (100, 6))) == 3).all()
+    assert (
+        orientation_freedom(DHChain.from_table(PUMA_560), rng.uniform(-2, 2, (100, 6))) == 3
+    ).all()
 
 
 def test_on_the_yaw_axis_the_freedom_is_two() -> None:

@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from literature import PUMA_560, STANFORD
 
 import alpha5_model as a5
 from alpha5_model.errors import (
@@ -27,22 +28,6 @@ ANGLE = st.floats(-7, 7)
 LENGTH = st.floats(-3, 3)
 
 # Tables as printed: [theta, d, a, alpha, sigma].
-PUMA_560 = [  # Corke, Robotics, Vision and Control, section 7.2 (mdl_puma560)
-    [0, 0, 0, QUARTER, 0],
-    [0, 0, 0.4318, 0, 0],
-    [0, 0.15005, 0.0203, -QUARTER, 0],
-    [0, 0.4318, 0, QUARTER, 0],
-    [0, 0, 0, -QUARTER, 0],
-    [0, 0, 0, 0, 0],
-]
-STANFORD = [  # Paul, Robot Manipulators, 1981 (mdl_stanford); third joint prismatic
-    [0, 0.412, 0, -QUARTER, 0],
-    [0, 0.154, 0, QUARTER, 0],
-    [-QUARTER, 0, 0.0203, 0, 1],
-    [0, 0, 0, -QUARTER, 0],
-    [0, 0, 0, QUARTER, 0],
-    [0, 0, 0, 0, 0],
-]
 COBRA_600 = [  # Adept Cobra 600, a SCARA (mdl_cobra600)
     [0, 0.387, 0.325, 0, 0],
     [0, 0, 0.275, math.pi, 0],
