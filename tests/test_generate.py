@@ -148,7 +148,7 @@ def test_a_stale_file_is_found_and_mended(tmp_path):
 def test_check_exits_1_with_a_diff(monkeypatch, capsys):
     import alpha5_model.description.committed as committed
 
-    monkeypatch.setattr(committed, "stale_files", lambda: [StaleFile("urdf/x", "-old\n+new\n")])
+    monkeypatch.setattr(committed, "stale_files", lambda **_: [StaleFile("urdf/x", "-old\n+new\n")])
     assert main(["generate", "--check"]) == 1
     assert capsys.readouterr().out.startswith("-old\n+new\n")
 

@@ -37,14 +37,14 @@ def demo(
 
 
 def _describe(output: Path) -> bool:
+    from alpha5_model.description.mesh_assets import mesh_assets
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.description.verification import verify_urdf
     from alpha5_model.files import atomic_write
-    from alpha5_model.paths import REPOSITORY_PATH
 
     typer.echo("1. Description: the document's tables become URDF")
-    for mesh in sorted((Path(REPOSITORY_PATH) / "meshes").glob("*.*")):
-        atomic_write(output / "meshes" / mesh.name, mesh.read_bytes())
+    for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
+        atomic_write(output / "meshes" / name, content)
     passed = True
     for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
         text = urdf(Variant(gripper=gripper, mesh_prefix="meshes/"))

@@ -90,6 +90,7 @@ def generate(
         _refuse_options_beside(context, "check" if check else "update")
         return _check() if check else _update()
     from alpha5_model.checks import choice
+    from alpha5_model.description.mesh_assets import mesh_assets
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.errors import OutputError
     from alpha5_model.files import atomic_write_all
@@ -110,11 +111,10 @@ def generate(
 
         world = SdfOptions(gripper, fluid_density(fluid), chosen_corrections)
         return _write_folder(sdf_files(world), output, "model.sdf")
-    meshes = Path(REPOSITORY_PATH) / "meshes"
     prefixes = {
         "relative": "meshes/",
         "package": "package://alpha5_description/meshes/",
-        "file": meshes.as_uri() + "/",
+        "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
     }
     variant = Variant(
         gripper=gripper,
@@ -137,8 +137,8 @@ def generate(
         raise OutputError(output, "give a file name, such as alpha5.urdf")
     files: dict[Path, str | bytes] = {output: text}
     if mesh_uri == "relative":
-        for mesh in sorted([*meshes.glob("*.obj"), *meshes.glob("*.mtl")]):
-            files[output.parent / "meshes" / mesh.name] = mesh.read_bytes()
+        for name, content in mesh_assets(".obj", ".mtl").items():
+            files[output.parent / "meshes" / name] = content
     atomic_write_all(files)
     typer.echo(f"wrote {output}")
     return 0
@@ -189,11 +189,11 @@ def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) 
 def _check() -> int:
     from alpha5_model.description.committed import generated_files, stale_files
 
-    stale = stale_files()
+    fresh = generated_files()
+    stale = stale_files(fresh=fresh)
     for file in stale:
         typer.echo(file.diff, nl=False)
-    total = len(generated_files())
-    typer.echo(f"{total - len(stale)} of {total} generated files are fresh")
+    typer.echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
     return 1 if stale else 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from alpha5_model.description.meshes import mesh_files
 from alpha5_model.description.parameter_file import parameter_yaml
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.variants import Variant, urdf
-from alpha5_model.files import atomic_write
+from alpha5_model.files import atomic_write_all
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
 
@@ -43,24 +44,32 @@ def generated_files() -> dict[str, bytes]:
     }
 
 
-def stale_files(repository: str = REPOSITORY_PATH) -> list[StaleFile]:
-    """Compare the committed files with a fresh generation; empty if all agree."""
+def stale_files(
+    repository: str = REPOSITORY_PATH, fresh: Mapping[str, bytes] | None = None
+) -> list[StaleFile]:
+    """Compare the committed files with a fresh generation; empty if all agree.
+
+    Args:
+        repository: Folder that holds ``urdf/``, ``xacro/`` and ``meshes/``.
+        fresh: What `generated_files` gave, by a caller who has it; made if not given.
+    """
     stale = []
-    for path, fresh in generated_files().items():
+    for path, content in (generated_files() if fresh is None else fresh).items():
         file = Path(repository) / path
         committed = file.read_bytes() if file.is_file() else None
-        if committed != fresh:
-            stale.append(StaleFile(path, _diff(path, committed, fresh)))
+        if committed != content:
+            stale.append(StaleFile(path, _diff(path, committed, content)))
     return stale
 
 
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     """Write the generated files into the repository; returns the paths that changed."""
     fresh = generated_files()
-    return [
-        atomic_write(Path(repository) / stale.path, fresh[stale.path])
-        for stale in stale_files(repository)
-    ]
+    changed = {
+        Path(repository) / stale.path: fresh[stale.path] for stale in stale_files(repository, fresh)
+    }
+    atomic_write_all(changed)
+    return list(changed)
 
 
 def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:

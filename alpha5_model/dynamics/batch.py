@@ -64,6 +64,16 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     ]
 
 
+def rnea(
+    model: Any, pools: Pools, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
+) -> FloatArray:
+    """Pinocchio's RNEA of each row on one model, (N, nv)."""
+    tau = np.empty_like(v)
+    # columns are samples there; the transposed views need no copy
+    pin.rneaInParallel(threads, pools.of(model, threads), q.T, v.T, a.T, tau.T)
+    return tau
+
+
 def inverse_dynamics(
     model: Any,
     fluid: Any,
@@ -75,8 +85,7 @@ def inverse_dynamics(
 ) -> FloatArray:
     """RNEA of each row with the torque of the water taken off, (N, nv)."""
     n = thread_count(threads)
-    tau = np.empty_like(v)
-    pin.rneaInParallel(n, pools.of(model, n), q.T, v.T, a.T, tau.T)
+    tau = rnea(model, pools, n, q, v, a)
     tau -= _buoyancy(fluid, n, pools, q)
     return tau
 
@@ -100,10 +109,8 @@ def forward_dynamics(
 
 
 def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArray:
-    out = np.empty((len(q), fluid.nv))
-    still = np.zeros_like(out)
-    pin.rneaInParallel(threads, pools.of(fluid, threads), q.T, still.T, still.T, out.T)
-    return out
+    still = np.zeros((len(q), fluid.nv))
+    return rnea(fluid, pools, threads, q, still, still)
 
 
 def thread_count(threads: int | None) -> int:

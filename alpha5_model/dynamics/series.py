@@ -7,7 +7,7 @@ difference of two.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -57,11 +57,11 @@ def torque_terms(
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = batch.rows(arm._model, q=q, v=v, a=a)
     n, pools, still = batch.thread_count(threads), arm._own.pools, np.zeros_like(v)
-    dry, wet = pools.of(arm._model, n), pools.of(arm._fluid, n)
-    total = _rnea(dry, n, q, v, a)
-    bias = _rnea(dry, n, q, v, still)
-    weight = _rnea(dry, n, q, still, still)
-    return TorqueTerms(total - bias, bias - weight, weight, -_rnea(wet, n, q, still, still))
+    total = batch.rnea(arm._model, pools, n, q, v, a)
+    bias = batch.rnea(arm._model, pools, n, q, v, still)
+    weight = batch.rnea(arm._model, pools, n, q, still, still)
+    buoyancy = -batch.rnea(arm._fluid, pools, n, q, still, still)
+    return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
@@ -87,10 +87,4 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
     for k, configuration in enumerate(configurations):
         pin.framesForwardKinematics(arm.model, data, configuration)
         out[k] = placement.translation
-    return out
-
-
-def _rnea(pool: Any, threads: int, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    out = np.empty_like(v)
-    pin.rneaInParallel(threads, pool, q.T, v.T, a.T, out.T)
     return out
