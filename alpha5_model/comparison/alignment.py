@@ -134,7 +134,15 @@ def _foot(point: FloatArray, u: FloatArray, other: FloatArray, w: FloatArray) ->
 def bodies_in_our_frames(
     ours: FourJointArm, theirs: FourJointArm, alignment: Alignment
 ) -> tuple[FloatArray, FloatArray]:
-    """COM (5, 3) [m] and tensor at the COM (5, 3, 3) of the other bodies in our link frames.
+    """COM (5, 3) [m] and tensor at the COM (5, 3, 3) of the other bodies in our link frames."""
+    transforms = body_transforms(ours, theirs, alignment)
+    rotation, shift = transforms[:, :3, :3], transforms[:, :3, 3]
+    com = np.einsum("nij,nj->ni", rotation, theirs.com) + shift
+    return com, rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)
+
+
+def body_transforms(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+    """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
     Each body is held by its own joint: where the other arm's joint lies elsewhere than ours, that is
     an error of the geometry and not one of the COM as well.
@@ -142,14 +150,12 @@ def bodies_in_our_frames(
     here = ours.poses(np.zeros(4))
     there = alignment.base @ theirs.poses(alignment.zero)
     transforms = np.linalg.inv(here) @ there
-    rotation, shift = transforms[:, :3, :3], transforms[:, :3, 3]
     mine, other = (
         _seats(ours, np.zeros(4), np.eye(4)),
         _seats(theirs, alignment.zero, alignment.base),
     )
-    shift[1:] += np.einsum("nji,nj->ni", here[1:, :3, :3], mine - other)
-    com = np.einsum("nij,nj->ni", rotation, theirs.com) + shift
-    return com, rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)
+    transforms[1:, :3, 3] += np.einsum("nji,nj->ni", here[1:, :3, :3], mine - other)
+    return transforms
 
 
 def _seats(arm: FourJointArm, q: FloatArray, base: FloatArray) -> FloatArray:

@@ -32,6 +32,7 @@ class FourJointArm:
         inertia: Per body, at the COM, in its frame's axes, (5, 3, 3) [kg m^2].
         volume: Per body, of the collision primitives, (5,) [m^3].
         links: Names of the links that make up each body.
+        link_poses: Link -> its pose in the frame of its body, (4, 4).
         without_inertial: Names of the links without ``<inertial>``.
         collision_meshes: File names of collision meshes, whose volume is not counted.
     """
@@ -44,6 +45,7 @@ class FourJointArm:
     inertia: FloatArray
     volume: FloatArray
     links: tuple[tuple[str, ...], ...]
+    link_poses: dict[str, FloatArray]
     without_inertial: tuple[str, ...]
     collision_meshes: tuple[str, ...]
 
@@ -156,6 +158,7 @@ def reduce_robot(robot: UrdfRobot, joints: tuple[UrdfJoint, ...]) -> FourJointAr
         inertia=inertia,
         volume=volume,
         links=groups,
+        link_poses=pose,
         without_inertial=tuple(n for n, link in robot.links.items() if link.mass is None),
         collision_meshes=tuple(m for link in robot.links.values() for m in link.meshes),
     )

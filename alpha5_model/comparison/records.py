@@ -18,11 +18,16 @@ class Finding:
         where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or a file.
         text: What is wrong.
         serious: Whether the models differ by it; otherwise it is a remark.
+        cost: Largest gravity torque in air that this alone is worth over the sampled positions
+            [N m]; 0 where it costs none.
+        instead: What to write in its place; empty where there is nothing to write.
     """
 
     where: str
     text: str
     serious: bool = True
+    cost: float = 0.0
+    instead: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +113,13 @@ class Comparison:
                 for body in self.bodies
             ],
             "findings": [
-                {"where": f.where, "text": f.text, "serious": f.serious} for f in self.findings
+                {
+                    "where": finding.where,
+                    "text": finding.text,
+                    "serious": finding.serious,
+                    "cost_Nm": finding.cost,
+                    "instead": finding.instead,
+                }
+                for finding in self.findings
             ],
         }
