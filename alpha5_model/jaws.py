@@ -22,6 +22,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.spatial import rotation_from_rpy
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +51,7 @@ class JawBody:
 
     def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
-        rotation = _rotation_x(self.roll)
+        rotation = rotation_from_rpy((self.roll, 0.0, 0.0))
         return (
             self.origin + rotation @ self.com,
             rotate_tensor(rotation, self.inertia),
@@ -162,8 +163,3 @@ def _finger(parameters: Alpha5Parameters, number: int) -> JawBody:
         volume=jaws.finger_volume,
         cob=centre,
     )
-
-
-def _rotation_x(angle: float) -> FloatArray:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

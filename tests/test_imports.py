@@ -14,7 +14,7 @@ HEAVY = ("pinocchio", "xacro", "trimesh", "meshcat", "matplotlib", "scipy", "typ
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "checks", "files", "paths", "fluids"),
+    ("errors", "checks", "files", "paths", "fluids", "spatial"),
     ("published",),
     ("inertia", "corrections", "parameters", "jaws"),
     ("kinematics", "actuators"),

@@ -11,6 +11,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.inertia import combine, rotate_tensor
+from alpha5_model.spatial import rotation_about
 
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
 
@@ -57,14 +58,6 @@ class FourJointArm:
             turn[:3, :3] = rotation_about(axis, angle)
             poses.append(poses[-1] @ placement @ turn)
         return np.array(poses)
-
-
-def rotation_about(axis: FloatArray, angle: float) -> FloatArray:
-    """Rodrigues' formula, (3, 3)."""
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    out: FloatArray = np.eye(3) + np.sin(angle) * skew + (1 - np.cos(angle)) * (skew @ skew)
-    return out
 
 
 def map_joints(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> tuple[UrdfJoint, ...]:

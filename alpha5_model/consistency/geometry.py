@@ -16,6 +16,7 @@ from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.ik_published import published_inverse_kinematics
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.tables import Published
+from alpha5_model.spatial import wrap
 
 #: Random joint positions that the printed formulas are tried on.
 SAMPLES = 4000
@@ -65,7 +66,7 @@ def _inverse_kinematics(p: Alpha5Parameters) -> list[AuditRow]:
         solution = np.concatenate([printed[:, k], q[:, 3:]], axis=-1)
         exists = np.isfinite(solution).all(axis=-1)
         reached = chain.frames(solution[exists])[:, -1, :3, 3]
-        away = np.remainder(solution - q + np.pi, 2 * np.pi) - np.pi
+        away = wrap(solution - q)
         found |= exists & (np.abs(away).max(axis=-1) < 1e-6)
         rows.append(
             judged(

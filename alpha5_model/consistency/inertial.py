@@ -25,6 +25,7 @@ from alpha5_model.inertia import (
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import InertialRow, Published
+from alpha5_model.spatial import cross_matrix
 
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 _ENTRY = ("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz")
@@ -129,10 +130,6 @@ def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
     )
 
 
-def _skew(p: FloatArray) -> FloatArray:
-    return np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
-
-
 def _equations(row: InertialRow) -> list[AuditRow]:
     """Equations (1) and (2), as printed and as they must be, on the link with the longest lever."""
     inputs = _inputs(row)
@@ -155,14 +152,14 @@ def _equations(row: InertialRow) -> list[AuditRow]:
             "equation_2.printed",
             "equation (2)",
             "I_Link = I_COM + m SKEW(P)^2",
-            lambda m, p: m * _skew(p) @ _skew(p),
+            lambda m, p: m * cross_matrix(p) @ cross_matrix(p),
             "SKEW(P)^2 is negative, so the printed sign takes the term away instead of adding it",
         ),
         (
             "equation_2.corrected",
             "equation (2)",
             "the same with - m SKEW(P)^2",
-            lambda m, p: -m * _skew(p) @ _skew(p),
+            lambda m, p: -m * cross_matrix(p) @ cross_matrix(p),
             "with the minus sign the printed tensors agree",
         ),
     )

@@ -23,10 +23,10 @@ from alpha5_model.description.primitive import (
     cylinder,
     in_metres,
     moved,
-    pose,
     rounded,
 )
 from alpha5_model.parameters import JawParameters, parameters
+from alpha5_model.spatial import pose
 
 _MM_PER_M = 1e3
 #: Added to the boxes around curved outlines, which are known at stations only [mm].

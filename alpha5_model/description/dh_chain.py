@@ -12,6 +12,7 @@ from alpha5_model.description.expand import expand_xacro
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.kinematics.dh import DHChain, DHLink
 from alpha5_model.paths import REPOSITORY_PATH
+from alpha5_model.spatial import rpy_from_rotation
 
 
 def dh_chain_urdf(chain: DHChain) -> str:
@@ -57,14 +58,9 @@ def _row(name: str, link: DHLink) -> dict[str, Any]:
 
 
 def _placement(transform: FloatArray) -> dict[str, list[float]]:
-    """Position and fixed-axis roll, pitch, yaw, ``R = Rz(yaw) Ry(pitch) Rx(roll)``."""
-    r = transform[:3, :3]
-    yaw = math.atan2(r[1, 0], r[0, 0])
-    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
-    # Roll from what yaw leaves, so that yaw's error near pitch = pi/2 cancels.
-    s, c = math.sin(yaw), math.cos(yaw)
-    roll = math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1])
-    return {"xyz": transform[:3, 3].tolist(), "rpy": [roll, pitch, yaw]}
+    """Position and fixed-axis roll, pitch, yaw."""
+    rpy = rpy_from_rotation(transform[:3, :3])
+    return {"xyz": transform[:3, 3].tolist(), "rpy": list(rpy)}
 
 
 def _escaped(text: str) -> str:

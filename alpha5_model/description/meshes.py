@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterator
 from functools import cache
 
-import numpy as np
-
 from alpha5_model.description.bodies.arm import bodies
 from alpha5_model.description.bodies.glb import Node, glb
 from alpha5_model.description.bodies.materials import MATERIALS, material_of
@@ -17,6 +15,7 @@ from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.poses import NAMED_POSES
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import parameters
+from alpha5_model.spatial import quaternion_from_rpy
 
 GLB_NAME = "alpha5.glb"
 
@@ -48,16 +47,16 @@ def _scene() -> Iterator[Node]:
     """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
     arm = parameters()
     # glTF has y up, the base frame has z up.
-    yield Node("base_link", quaternion=_quaternion((-math.pi / 2, 0.0, 0.0)))
+    yield Node("base_link", quaternion=quaternion_from_rpy((-math.pi / 2, 0.0, 0.0)))
     yield _body("link_0", "base_link", (0.0, 0.0, arm.base_yaw))
     angles = NAMED_POSES["home"]
     for i, (joint, at) in enumerate(joint_placements(arm).items()):
-        yield Node(joint, at.parent, at.xyz, _quaternion(at.rpy))
+        yield Node(joint, at.parent, at.xyz, quaternion_from_rpy(at.rpy))
         yield _body(f"link_{i + 1}", joint, (0.0, 0.0, angles[i]))
     jaws = split_link_4(arm)
     for finger in (jaws.finger_1, jaws.finger_2):
         hinge, origin = f"{finger.name}_joint", tuple(finger.origin.tolist())
-        yield Node(hinge, "link_4", origin, _quaternion((finger.roll, 0.0, 0.0)))
+        yield Node(hinge, "link_4", origin, quaternion_from_rpy((finger.roll, 0.0, 0.0)))
         yield _body(finger.name, hinge, (0.0, 0.0, 0.0))
 
 
@@ -65,18 +64,7 @@ def _body(name: str, parent: str, rpy: tuple[float, float, float]) -> Node:
     return Node(
         name,
         parent,
-        quaternion=_quaternion(rpy),
+        quaternion=quaternion_from_rpy(rpy),
         surface=surfaces()[name],
         material=material_of(name),
-    )
-
-
-def _quaternion(rpy: tuple[float, float, float]) -> tuple[float, float, float, float]:
-    """(x, y, z, w) of fixed-axis roll, pitch, yaw."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
-    return (
-        float(sr * cp * cy - cr * sp * sy),
-        float(cr * sp * cy + sr * cp * sy),
-        float(cr * cp * sy - sr * sp * cy),
-        float(cr * cp * cy + sr * sp * sy),
     )

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from alpha5_model.checks import FloatArray
+from alpha5_model.spatial import Triple, pose, rpy_from_rotation
 
-Triple = tuple[float, float, float]
 _TO_X: Triple = (0.0, math.pi / 2, 0.0)
 _TO_Y: Triple = (-math.pi / 2, 0.0, 0.0)
 
@@ -67,26 +65,4 @@ def moved(shape: Primitive, frame: FloatArray) -> Primitive:
     """The shape in another frame; ``frame``, (3, 4) or (4, 4), maps its coordinates to that one."""
     placed = frame[:3] @ pose(shape.xyz, shape.rpy)
     x, y, z = map(float, placed[:3, 3])
-    return Primitive(shape.kind, shape.size, (x, y, z), _roll_pitch_yaw(placed[:3, :3]))
-
-
-def pose(xyz: Triple, rpy: Triple) -> FloatArray:
-    """Homogeneous transform (4, 4) of URDF's origin, ``Rz(yaw) Ry(pitch) Rx(roll)``."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    x, y, z = xyz
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, x],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, y],
-            [-sp, cp * sr, cp * cr, z],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
-
-
-def _roll_pitch_yaw(r: FloatArray) -> Triple:
-    """Fixed-axis angles; where the pitch is +-pi/2, the roll is taken as zero."""
-    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
-    if math.hypot(r[0, 0], r[1, 0]) < 1e-9:
-        return (0.0, pitch, math.atan2(-r[0, 1], r[1, 1]))
-    return (math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0]))
+    return Primitive(shape.kind, shape.size, (x, y, z), rpy_from_rotation(placed[:3, :3]))

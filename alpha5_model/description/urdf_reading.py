@@ -16,6 +16,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.spatial import pose, rotation_about, transform
 
 #: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
 ABSURD, TINY = 1e12, 1e-100
@@ -73,6 +74,13 @@ class UrdfJoint:
     mimic: str | None
     multiplier: float
     offset: float
+
+    def motion(self, position: float) -> FloatArray:
+        """What the joint adds to `transform` at a position [rad or m], (4, 4)."""
+        if self.kind == "prismatic":
+            return transform(translation=position * self.axis)
+        turns = self.kind in ("revolute", "continuous")
+        return transform(rotation_about(self.axis, position) if turns else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,13 +164,13 @@ class _Reader:
 
     def pose(self, element: ET.Element) -> FloatArray:
         """The <origin> of an element, (4, 4)."""
-        out = np.eye(4)
         origin = element.find("origin")
-        if origin is not None:
-            out[:3, 3] = self.numbers(origin, "xyz", 3, origin.get("xyz", "0 0 0"))
-            roll, pitch, yaw = self.numbers(origin, "rpy", 3, origin.get("rpy", "0 0 0"))
-            out[:3, :3] = _rotation("z", yaw) @ _rotation("y", pitch) @ _rotation("x", roll)
-        return out
+        if origin is None:
+            return np.eye(4)
+        xyz, rpy = (
+            self.numbers(origin, name, 3, origin.get(name, "0 0 0")) for name in ("xyz", "rpy")
+        )
+        return pose(xyz, rpy)
 
     def robot(self) -> UrdfRobot:
         if self.top.tag != "robot":
@@ -303,12 +311,3 @@ def _outwards(root: str, joints: dict[str, UrdfJoint]) -> dict[str, UrdfJoint]:
             ordered[joint.name] = joint
             open_links.append(joint.child)
     return ordered
-
-
-def _rotation(axis: str, angle: float) -> FloatArray:
-    c, s = math.cos(angle), math.sin(angle)
-    if axis == "x":
-        return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    if axis == "y":
-        return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -130,7 +130,7 @@ def closed_jaws(text: Subject) -> float:
         placed = np.eye(4)
         for joint in text.joints.values():
             if name != "link_4" and joint.child == text.prefix + name:
-                placed = joint.transform @ _motion(joint, _position_when_closed(text, joint))
+                placed = joint.transform @ joint.motion(_position_when_closed(text, joint))
         own = pseudo_inertia(body.mass or 0.0, body.com, body.inertia)
         total += placed @ own @ placed.T
     scale = np.empty((4, 4))
@@ -138,18 +138,6 @@ def closed_jaws(text: Subject) -> float:
     scale[:3, 3] = scale[3, :3] = np.abs(printed[:3, 3]).max()
     scale[3, 3] = printed[3, 3]
     return float((np.abs(total - printed) / scale).max())
-
-
-def _motion(joint: UrdfJoint, position: float) -> FloatArray:
-    """Transform of a joint at a position, by Rodrigues' formula if it turns, (4, 4)."""
-    out = np.eye(4)
-    if joint.kind == "prismatic":
-        out[:3, 3] = position * joint.axis
-    else:
-        x, y, z = joint.axis
-        k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        out[:3, :3] += np.sin(position) * k + (1 - np.cos(position)) * (k @ k)
-    return out
 
 
 def _position_when_closed(text: Subject, joint: UrdfJoint) -> float:

@@ -14,7 +14,8 @@ import pinocchio as pin
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.description.collision_shapes import collision_primitives
 from alpha5_model.description.poses import ADJACENT_PAIRS, CLOSING_PAIRS, NEVER_PAIRS
-from alpha5_model.description.primitive import Primitive, pose
+from alpha5_model.description.primitive import Primitive
+from alpha5_model.spatial import pose
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.spatial import wrap
 
 
 class Singularities(NamedTuple):
@@ -57,7 +58,7 @@ def singularities(q: ArrayLike) -> Singularities:
         q: (..., 4) [rad].
     """
     _, gamma, r = _plane_coordinates(q)
-    return Singularities(_wrap(gamma - math.pi), _wrap(gamma), r)
+    return Singularities(wrap(gamma - math.pi), wrap(gamma), r)
 
 
 def singular_elbow_angles() -> dict[str, float]:
@@ -86,7 +87,3 @@ def _plane_coordinates(q: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray
     position = float_array("q", q, (4,))
     phi, gamma = position[..., 1] + g.phi_offset, position[..., 2] + g.gamma_offset
     return phi, gamma, g.a_0 + g.l_1 * np.cos(phi) + g.l_2 * np.cos(phi + math.pi - gamma)
-
-
-def _wrap(angle: FloatArray) -> FloatArray:
-    return np.asarray(angle - 2 * math.pi * np.floor(angle / (2 * math.pi) + 0.5))

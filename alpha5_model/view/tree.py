@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.spatial import pose, rotation_about, transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +57,8 @@ def joint_tree(urdf: str) -> tuple[TreeJoint, ...]:
 def origin_matrix(element: ElementTree.Element | None) -> FloatArray:
     """Transform (4, 4) of a URDF ``origin`` element; the identity if there is none."""
     attributes = {} if element is None else element.attrib
-    x, y, z = (float(v) for v in attributes.get("rpy", "0 0 0").split())
-    matrix = np.eye(4)
-    matrix[:3, :3] = _turn(z, 2) @ _turn(y, 1) @ _turn(x, 0)
-    matrix[:3, 3] = [float(v) for v in attributes.get("xyz", "0 0 0").split()]
-    return matrix
+    xyz, rpy = ([float(v) for v in attributes.get(k, "0 0 0").split()] for k in ("xyz", "rpy"))
+    return pose(xyz, rpy)
 
 
 def _joint(element: ElementTree.Element) -> TreeJoint | None:
@@ -88,26 +86,13 @@ def _joint(element: ElementTree.Element) -> TreeJoint | None:
     )
 
 
-def _turn(angle: float, axis: int) -> FloatArray:
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(3)
-    matrix[i, i] = matrix[j, j] = np.cos(angle)
-    matrix[j, i] = np.sin(angle)
-    matrix[i, j] = -matrix[j, i]
-    return matrix
-
-
 def joint_motion(joint: TreeJoint, source: float) -> FloatArray:
     """Transform (4, 4) that a joint makes when the joint that it follows is at ``source``."""
     position = joint.multiplier * source + joint.offset
-    motion = np.eye(4)
     if joint.kind == "prismatic":
-        motion[:3, 3] = position * joint.axis
-    elif joint.kind == "revolute":
-        x, y, z = joint.axis / np.linalg.norm(joint.axis)
-        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        motion[:3, :3] += np.sin(position) * cross + (1.0 - np.cos(position)) * (cross @ cross)
-    return motion
+        return transform(translation=position * joint.axis)
+    turns = joint.kind == "revolute"
+    return transform(rotation_about(joint.axis, position) if turns else None)
 
 
 def tree_as_json(joints: tuple[TreeJoint, ...]) -> list[dict[str, Any]]:

@@ -1,0 +1,82 @@
+"""Rotations, rigid transforms and angles as URDF writes them; lengths in metres, angles in radians."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray
+
+Triple = tuple[float, float, float]
+
+
+def wrap(angle: ArrayLike, middle: float = 0.0) -> FloatArray:
+    """The angle, shifted by full turns into the turn around ``middle``, elementwise."""
+    a = np.asarray(angle, dtype=np.float64)
+    return np.asarray(a - math.tau * np.rint((a - middle) / math.tau))
+
+
+def cross_matrix(vector: ArrayLike) -> FloatArray:
+    """The matrix [v]x, (3, 3), with ``[v]x w = v x w``."""
+    x, y, z = np.asarray(vector)
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def rotation_about(axis: ArrayLike, angle: float) -> FloatArray:
+    """Rotation about a unit vector by Rodrigues' formula, (3, 3)."""
+    k = cross_matrix(axis)
+    return np.asarray(np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k))
+
+
+def rotation_from_rpy(rpy: Sequence[float] | FloatArray) -> FloatArray:
+    """``Rz(yaw) Ry(pitch) Rx(roll)``, (3, 3): URDF's fixed-axis roll, pitch, yaw."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rpy_from_rotation(r: FloatArray) -> Triple:
+    """Fixed-axis roll, pitch, yaw of a rotation (3, 3); at a pitch of +-pi/2 the roll is zero."""
+    across = math.hypot(r[0, 0], r[1, 0])
+    pitch = math.atan2(-r[2, 0], across)
+    if across > 1e-3:
+        return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
+    yaw = math.atan2(r[1, 0], r[0, 0]) if across > 1e-9 else math.atan2(-r[0, 1], r[1, 1])
+    # Yaw is inaccurate here: roll from what yaw leaves, so that the errors cancel.
+    s, c = math.sin(yaw), math.cos(yaw)
+    return math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1]), pitch, yaw
+
+
+def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, float]:
+    """(x, y, z, w) of the same rotation as `rotation_from_rpy`."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
+    return (
+        float(sr * cp * cy - cr * sp * sy),
+        float(cr * sp * cy + sr * cp * sy),
+        float(cr * cp * sy - sr * sp * cy),
+        float(cr * cp * cy + sr * sp * sy),
+    )
+
+
+def transform(
+    rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)
+) -> FloatArray:
+    """Homogeneous transform, (4, 4), of a rotation (3, 3), none if not given, and a translation (3,)."""
+    out = np.eye(4)
+    if rotation is not None:
+        out[:3, :3] = rotation
+    out[:3, 3] = translation
+    return out
+
+
+def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:
+    """Homogeneous transform (4, 4) of URDF's ``<origin>``."""
+    return transform(rotation_from_rpy(rpy), xyz)
