@@ -136,11 +136,44 @@ def test_density_is_an_option_of_the_generator(density):
     assert errors(mjcf(MjcfOptions(fluid_density=density)), 100, density)["acceleration"] < 1e-12
 
 
-def test_readme_one_liner_changes_the_fluid(text):
+def recipe() -> str:
+    """The lines of the model's README that change the fluid."""
     readme = mjcf_files()["README.md"].decode()
-    code = re.search(r"```python\n(.*?)```", readme, re.DOTALL).group(1)
+    return re.search(r"```python\n(.*?)```", readme, re.DOTALL).group(1)
+
+
+@pytest.mark.parametrize("written_for", [0.0, 1025.0])
+def test_the_readmes_lines_change_the_fluid_there_and_back(written_for):
+    code = recipe()
+    assert code.count("rho = 1000.0") == 1
+    model, data = free(mjcf(MjcfOptions(fluid_density=written_for)))
+    model.body_gravcomp[model.body("link_1").id] = (
+        0.25  # a user's own compensation is not the water's
+    )
+    weight = model.body("link_1").mass[0]
+    q = np.array([1.0, 1.2, 0.7, 2.0])
+    data.qpos = q
+    for density in (0.0, 1025.0, 1000.0, 0.0, 1025.0, None, 1000.0):
+        if density is None:  # the water switched off by hand
+            for name in VOLUME:
+                model.body_gravcomp[model.body(f"{name}_buoyancy").id] = 0.0
+            continue
+        exec(code.replace("rho = 1000.0", f"rho = {density}"), {"model": model})
+        mujoco.mj_forward(model, data)
+        reference = Reference(density)
+        jacobian = np.zeros((3, 4))
+        mujoco.mj_jacBodyCom(model, data, jacobian, None, model.body("link_1").id)
+        carried = jacobian.T @ [0, 0, 0.25 * weight * 9.81]
+        np.testing.assert_allclose(
+            reference.mass_matrix(q) @ data.qacc + reference.bias(q, np.zeros(4)),
+            reference.buoyancy(q) + carried,
+            atol=1e-11,
+        )
+
+
+def test_readme_one_liner_changes_the_fluid(text):
     model, data = free(text)
-    exec(code, {"model": model})
+    exec(recipe(), {"model": model})
     fresh, sea = Reference(1000.0), Reference(1025.0)
     q = np.array([1.0, 1.2, 0.7, 2.0])
     data.qpos = q

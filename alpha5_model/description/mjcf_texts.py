@@ -52,8 +52,13 @@ Gripper: {gripper}. Fluid density: {density} kg/m^3. Actuators: {actuators}. Dra
 ## Another fluid at run time
 
 ```python
-model.body_gravcomp[model.body_gravcomp > 0] = 1000.0 * {dilution:.0e} + 1  # fresh water; 0.0 is air
+rho = 1000.0  # kg/m^3: fresh water; 1025.0 is sea water, 0.0 is air
+for i in range(model.nbody):
+    if model.body(i).name.endswith("_buoyancy"):
+        model.body_gravcomp[i] = rho * {dilution:.0e} + 1
 ```
+
+It sets the fluid whatever it was before, so the same lines with another `rho` undo it.
 
 ## MJX
 

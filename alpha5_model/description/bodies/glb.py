@@ -1,5 +1,8 @@
 """Binary glTF 2.0: the whole arm in one file, each link a node that turns about its own z.
 
+Not written by trimesh: its nodes are matrices, which glTF does not let an animation turn (section 3.5.3),
+its colours are rounded to 1/255, and its files, a fifth larger, change with its version.
+
 Reference: Khronos glTF 2.0 specification, sections 3 (structure) and 4 (GLB).
 """
 

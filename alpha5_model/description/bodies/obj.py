@@ -1,4 +1,7 @@
-"""Wavefront OBJ, the one mesh format that Pinocchio, MuJoCo, Drake and PyBullet all read."""
+"""Wavefront OBJ, the one mesh format that Pinocchio, MuJoCo, Drake and PyBullet all read.
+
+Not written by trimesh, which has one index for point and normal: the surface would fall apart at its creases.
+"""
 
 from __future__ import annotations
 
