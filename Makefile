@@ -14,10 +14,11 @@ demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture pag
 test: $(VENV)/.test ## every test
 	$(BIN)/python -m pytest
 
-lint: $(VENV)/.test ## ruff (lint and format) and mypy in strict mode
+lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/python scripts/count_lines.py
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .
