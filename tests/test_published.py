@@ -115,6 +115,30 @@ def test_table_4_arrived() -> None:
         ] == [*cells[:3], friction, tolerance, *cells[4:]]
 
 
+def test_table_4_says_where_each_column_comes_from() -> None:
+    """Section 2.2.1: friction from the current-velocity profile, all other properties from data sheets."""
+    origins = dict(a5.published().table_4.origins)
+    columns = {f.name for f in dataclasses.fields(a5.published().table_4.rows[0])} - {"actuator"}
+    assert set(origins) == columns
+    friction = {origins.pop("friction"), origins.pop("friction_tolerance")}
+    assert friction == {"approximated from the current-velocity profile"}
+    assert set(origins.values()) == {"motor/gearbox data sheet"}
+    for old, new in (
+        ('friction = "approximated from the current-velocity profile"\n', ""),
+        ("[table_4.origins]", '[table_4.origins]\ncolour = "guess"'),
+    ):
+        assert DOCUMENT.count(old) == 1
+        with pytest.raises(PublishedDataError, match=r"table_4\.origins"):
+            parse(DOCUMENT.replace(old, new), SUPPLEMENTARY)
+
+
+@needs_seed
+def test_the_origins_are_the_documents_words() -> None:
+    text = SEED.read_text(encoding="utf-8")
+    assert "are approximated from the current-velocity profile" in text
+    assert "All other properties are taken from the motor/gearbox manufacture data-sheets" in text
+
+
 @needs_seed
 def test_head_arrived() -> None:
     text, source = SEED.read_text(encoding="utf-8"), a5.published().table_1.source

@@ -112,6 +112,7 @@ def parse(document_text: str, supplementary_text: str) -> Published:
                 )
                 for i, row in enumerate(four.rows(5))
             ),
+            {key: four.table("origins").text(key) for key in four.table("units").content},
         ),
         supplementary=_supplementary(TomlTable.root("supplementary.toml", supplementary_text)),
     )

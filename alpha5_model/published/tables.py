@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from alpha5_model.published.quantity import Quantity
@@ -50,10 +50,12 @@ class Table(Generic[RowT]):
     Attributes:
         source: Where it stands.
         rows: One record per printed row.
+        origins: Column -> how the document came by it, in its words; empty where it does not say.
     """
 
     source: Source
     rows: tuple[RowT, ...]
+    origins: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
