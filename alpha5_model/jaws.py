@@ -21,8 +21,25 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.inertia import combine, rotate_tensor
-from alpha5_model.parameters import Alpha5Parameters
-from alpha5_model.spatial import rotation_from_rpy
+from alpha5_model.parameters import Alpha5Parameters, JointRange
+from alpha5_model.spatial import pose
+
+GRIPPERS = ("locked", "jaws")
+
+
+@dataclass(frozen=True, eq=False)
+class FingerJoint(JointRange):
+    """A finger's hinge, ``angle = multiplier * leader + offset``.
+
+    Attributes:
+        leader: Name of the joint that it follows.
+        multiplier: [rad/m].
+        offset: [rad].
+    """
+
+    leader: str
+    multiplier: float
+    offset: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +66,14 @@ class JawBody:
     volume: float
     cob: FloatArray
 
+    @property
+    def closed(self) -> FloatArray:
+        """Pose in link_4, jaws closed, (4, 4)."""
+        return pose(self.origin, (self.roll, 0.0, 0.0))
+
     def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
-        rotation = rotation_from_rpy((self.roll, 0.0, 0.0))
+        rotation = self.closed[:3, :3]
         return (
             self.origin + rotation @ self.com,
             rotate_tensor(rotation, self.inertia),
@@ -65,18 +87,14 @@ class Jaws:
 
     Attributes:
         wrist, rod, finger_1, finger_2: The bodies.
-        rod_closed: Position of ``axis_a`` with closed jaws, its lower limit [m].
-        finger_turn: Turn of each finger per metre of rod travel [rad/m].
-        finger_upper: Angle of the fingers with the rod at its upper limit [rad].
+        joints: The rod's joint and the two that follow it, in the order of rod and fingers.
     """
 
     wrist: JawBody
     rod: JawBody
     finger_1: JawBody
     finger_2: JawBody
-    rod_closed: float
-    finger_turn: float
-    finger_upper: float
+    joints: tuple[JointRange, FingerJoint, FingerJoint]
 
     @property
     def bodies(self) -> tuple[JawBody, JawBody, JawBody, JawBody]:
@@ -138,9 +156,22 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
         rod=rod,
         finger_1=fingers[0],
         finger_2=fingers[1],
-        rod_closed=rod_joint.lower,
-        finger_turn=jaws.finger_turn,
-        finger_upper=jaws.finger_turn * (rod_joint.upper - rod_joint.lower),
+        joints=(rod_joint, _hinge(fingers[0], parameters), _hinge(fingers[1], parameters)),
+    )
+
+
+def _hinge(finger: JawBody, parameters: Alpha5Parameters) -> FingerJoint:
+    turn, rod = parameters.jaws.finger_turn, parameters.joints[4]
+    return FingerJoint(
+        name=f"{finger.name}_joint",
+        lower=0.0,
+        upper=turn * (rod.upper - rod.lower),
+        velocity=turn * rod.velocity,
+        # What a finger, which only follows, can exert is the rod's effort over its lever.
+        effort=rod.effort / turn,
+        leader=rod.name,
+        multiplier=turn,
+        offset=-turn * rod.lower,
     )
 
 

@@ -64,25 +64,39 @@ class LinkParameters:
 
 
 @dataclass(frozen=True, eq=False)
-class JointParameters:
+class JointRange:
     """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
 
     Attributes:
-        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod).
-        dh_variable: The document's name of the same coordinate.
-        device_id: Address of the actuator on the arm's bus.
+        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod), ``finger_1_joint``, ``finger_2_joint``.
         lower, upper: Ends of the range.
         velocity: Largest speed.
         effort: A placeholder that every public model copies; no rating is published.
     """
 
     name: str
-    dh_variable: str
-    device_id: int
     lower: float
     upper: float
     velocity: float
     effort: float
+
+    @property
+    def kind(self) -> str:
+        """``revolute`` or ``prismatic``."""
+        return "prismatic" if self.name == "axis_a" else "revolute"
+
+
+@dataclass(frozen=True, eq=False)
+class JointParameters(JointRange):
+    """A joint with an actuator of its own.
+
+    Attributes:
+        dh_variable: The document's name of the same coordinate.
+        device_id: Address of the actuator on the arm's bus.
+    """
+
+    dh_variable: str
+    device_id: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ from alpha5_model.description.primitive import (
     moved,
     rounded,
 )
+from alpha5_model.jaws import GRIPPERS, split_link_4
 from alpha5_model.parameters import JawParameters, parameters
 from alpha5_model.spatial import pose
 
@@ -47,17 +48,10 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
         UnknownNameError: Another gripper.
     """
     shapes = dict(_with_jaws())
-    if choice("gripper", gripper, ("locked", "jaws")) == "locked":
-        jaws = parameters(()).jaws
-        height = -(jaws.collar_base + jaws.pivot_height)
-        closed = list(shapes["link_4"])
-        for name, x, roll in (
-            ("finger_1", -jaws.pivot_offset, -math.pi / 2),
-            ("finger_2", jaws.pivot_offset, math.pi / 2),
-        ):
-            closed_pose = pose((x, 0.0, height), (roll, 0.0, 0.0))
-            closed += [moved(shape, closed_pose) for shape in shapes.pop(name)]
-        shapes["link_4"] = tuple(closed)
+    if choice("gripper", gripper, GRIPPERS) == "locked":
+        jaws = split_link_4(parameters(()))
+        for finger in (jaws.finger_1, jaws.finger_2):
+            shapes["link_4"] += tuple(moved(s, finger.closed) for s in shapes.pop(finger.name))
     return {link: tuple(map(rounded, items)) for link, items in shapes.items()}
 
 

@@ -27,14 +27,15 @@ from alpha5_model.description.mjcf_control import (
 from alpha5_model.description.mjcf_options import MjcfOptions
 from alpha5_model.description.mjcf_texts import SCENE, mjcf_readme
 from alpha5_model.description.number_text import numbers_text
-from alpha5_model.description.parameter_file import parameter_tree
 from alpha5_model.description.poses import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
     NEVER_PAIRS,
 )
-from alpha5_model.description.tree import Body, Mesh, Shape, arm_bodies
+from alpha5_model.description.primitive import Primitive
+from alpha5_model.description.tree import Body, Mesh, arm_bodies, provenance
 from alpha5_model.fluids import GRAVITY
+from alpha5_model.jaws import FingerJoint
 from alpha5_model.parameters import parameters
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
@@ -77,11 +78,9 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     joints = [body.joint for body in bodies if body.joint is not None]
 
     root = ET.Element("mujoco", model="alpha5")
-    provenance = parameter_tree(values)["provenance"]
-    root.append(ET.Comment(f" Generated from: {provenance['document']}. "))
-    root.append(
-        ET.Comment(f" By: {provenance['package']}. Corrections: {provenance['corrections']}. ")
-    )
+    source = provenance(values)
+    root.append(ET.Comment(f" Generated from: {source['document']}. "))
+    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
     ET.SubElement(
         root,
         "compiler",
@@ -170,7 +169,9 @@ def _worldbody(
         if body.joint is not None:
             attributes = {"name": body.joint.name, "axis": "0 0 1"}
             attributes["type"] = "hinge" if body.joint.kind == "revolute" else "slide"
-            if body.joint.mimic is None:  # limits of a follower would fight its equality
+            if not isinstance(
+                body.joint, FingerJoint
+            ):  # limits of a follower would fight its equality
                 attributes["range"] = numbers_text(body.joint.lower, body.joint.upper)
             ET.SubElement(element, "joint", attributes)
         moments, quaternion = _principal(body.inertia)
@@ -202,7 +203,7 @@ def _visual(element: ET.Element, mesh: Mesh) -> None:
     ET.SubElement(element, "geom", attributes)
 
 
-def _collision(element: ET.Element, shape: Shape) -> None:
+def _collision(element: ET.Element, shape: Primitive) -> None:
     # Boxes and cylinders are given by half their lengths.
     halves = {
         "box": (0.5, 0.5, 0.5),
@@ -211,7 +212,7 @@ def _collision(element: ET.Element, shape: Shape) -> None:
         "capsule": (1.0, 0.5),
     }
     size = numbers_text(*(s * h for s, h in zip(shape.size, halves[shape.kind], strict=True)))
-    pose = _pose(shape.placement)
+    pose = _pose(shape)
     ET.SubElement(element, "geom", {"class": "collision", "type": shape.kind, "size": size, **pose})
 
 
@@ -256,6 +257,6 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     return moments.tolist(), (unit if unit[0] >= 0 else -unit).tolist()
 
 
-def _pose(placement: Placement) -> dict[str, str]:
+def _pose(placement: Placement | Primitive) -> dict[str, str]:
     pose = {"pos": placement.xyz, "euler": placement.rpy}
     return {name: numbers_text(*values) for name, values in pose.items() if any(values)}

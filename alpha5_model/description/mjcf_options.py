@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.mjcf_control import ACTUATORS
-from alpha5_model.description.variants import COLLISIONS, GRIPPERS
+from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.fluids import SEA_WATER
+from alpha5_model.jaws import GRIPPERS
 
 
 @dataclass(frozen=True)

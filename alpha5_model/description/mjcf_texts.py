@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from alpha5_model.description.mjcf_options import MjcfOptions
-from alpha5_model.description.parameter_file import parameter_tree
+from alpha5_model.description.tree import provenance
 from alpha5_model.parameters import parameters
 
 #: Light, a sea bed below the arm's reach, a camera angle.
@@ -87,9 +87,8 @@ _JAWS = {
 
 def mjcf_readme(options: MjcfOptions, dilution: float) -> str:
     """Text of the README for these options."""
-    provenance = parameter_tree(parameters(options.corrections))["provenance"]
     return _TEXT.format(
-        **provenance,
+        **provenance(parameters(options.corrections)),
         gripper=options.gripper,
         density=options.fluid_density,
         actuators=options.actuators,

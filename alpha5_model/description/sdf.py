@@ -20,11 +20,10 @@ from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.frames import Placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.number_text import numbers_text
-from alpha5_model.description.parameter_file import parameter_tree
-from alpha5_model.description.tree import Body, Joint, Mesh, arm_bodies
-from alpha5_model.description.variants import GRIPPERS
+from alpha5_model.description.tree import Body, Mesh, arm_bodies, provenance
 from alpha5_model.fluids import SEA_WATER
-from alpha5_model.parameters import parameters
+from alpha5_model.jaws import GRIPPERS
+from alpha5_model.parameters import JointRange, parameters
 
 SDF_VERSION = "1.9"
 
@@ -104,11 +103,9 @@ def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, E
     values = parameters(options.corrections)
     files = {name.removesuffix(".obj") for name in meshes}
     root = ET.Element("sdf", version=SDF_VERSION)
-    provenance = parameter_tree(values)["provenance"]
-    root.append(ET.Comment(f" Generated from: {provenance['document']}. "))
-    root.append(
-        ET.Comment(f" By: {provenance['package']}. Corrections: {provenance['corrections']}. ")
-    )
+    source = provenance(values)
+    root.append(ET.Comment(f" Generated from: {source['document']}. "))
+    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     model = ET.SubElement(
         root, "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
@@ -165,7 +162,7 @@ def _visual(link: ET.Element, mesh: Mesh) -> None:
         _value(material, light, *mesh.material.rgba)
 
 
-def _joint(model: ET.Element, joint: Joint, body: Body) -> None:
+def _joint(model: ET.Element, joint: JointRange, body: Body) -> None:
     element = ET.SubElement(model, "joint", name=joint.name, type=joint.kind)
     ET.SubElement(element, "parent").text = body.placement.parent
     ET.SubElement(element, "child").text = body.name

@@ -11,9 +11,8 @@ from alpha5_model.description.poses import (
     NAMED_POSES,
     NEVER_PAIRS,
 )
+from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
-
-_GRIPPERS = ("locked", "jaws")
 
 
 def srdf(gripper: str = "locked") -> str:
@@ -22,7 +21,7 @@ def srdf(gripper: str = "locked") -> str:
     Raises:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
     """
-    jaws = choice("gripper", gripper, _GRIPPERS) == "jaws"
+    jaws = choice("gripper", gripper, GRIPPERS) == "jaws"
     return "\n".join(
         ['<?xml version="1.0"?>', '<robot name="alpha5">', *_body(jaws), "</robot>", ""]
     )

@@ -12,10 +12,10 @@ from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.expand import expand_xacro
 from alpha5_model.description.parameter_file import parameter_yaml
 from alpha5_model.errors import InputError
+from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import XACRO_PATH
 
-GRIPPERS = ("locked", "jaws")
 COLLISIONS = ("primitives", "none")
 _PLUGIN = "mock_components/GenericSystem"
 

@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import choice
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.variants import GRIPPERS, Variant, urdf
+from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, Mimic, mimicking, mimics_of
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
 from alpha5_model.errors import InputError, MissingFileError
+from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 
