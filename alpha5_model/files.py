@@ -1,4 +1,4 @@
-"""Writing files whole or not at all."""
+"""Files that somebody names: read, or written whole or not at all."""
 
 from __future__ import annotations
 
@@ -7,8 +7,34 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from alpha5_model.errors import OutputError
+from alpha5_model.errors import FileFormatError, InputError, MissingFileError, OutputError
+
+
+def read_named(path: Any, expected: str) -> bytes:
+    """Content of a file that the caller named.
+
+    Args:
+        path: What was given, of any type.
+        expected: What should be there, for the message: ``"a URDF file"``.
+
+    Raises:
+        InputError: Not a path: another type, a zero byte.
+        MissingFileError: Nothing is there.
+        FileFormatError: A folder, a loop of links, no permission, too long a name.
+    """
+    try:
+        return Path(path).read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(path, expected) from None
+    except IsADirectoryError:
+        raise FileFormatError(path, f"is a folder, {expected} is expected") from None
+    except OSError as error:
+        problem = (error.strerror or str(error)).lower()
+        raise FileFormatError(path, f"{problem}, {expected} is expected") from None
+    except (TypeError, ValueError):  # a zero byte; a character that no file name can have
+        raise InputError("path", path, f"the path of {expected}") from None
 
 
 def atomic_write(path: str | os.PathLike[str], content: str | bytes) -> Path:

@@ -78,6 +78,10 @@ def main(args: Sequence[str] | None = None) -> int:
         if isinstance(stop.__context__, BrokenPipeError):
             return 0
         raise
+    except UnicodeEncodeError as error:
+        unknown = error.object[error.start : error.end]
+        remedy = "try PYTHONIOENCODING=utf-8:backslashreplace"
+        return _complain(f"{error.encoding} output cannot hold {unknown!a}: {remedy}")
     except OSError as error:  # standard output on a full disk, a file taken away meanwhile
         return _complain(str(error))
     except Exception as error:
@@ -95,5 +99,7 @@ def run() -> None:
 
 
 def _complain(message: str) -> int:
-    print(f"alpha5: {' '.join(message.split())}", file=sys.stderr)
+    # A file name may hold bytes that are no UTF-8; whoever replaced stderr may not expect them.
+    line = " ".join(message.split()).encode(errors="backslashreplace").decode()
+    print(f"alpha5: {line}", file=sys.stderr)
     return 2

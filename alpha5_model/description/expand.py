@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.files import read_named
 
 
 def expand_xacro(path: str | os.PathLike[str], arguments: Mapping[str, str] | None = None) -> str:
@@ -22,7 +22,7 @@ def expand_xacro(path: str | os.PathLike[str], arguments: Mapping[str, str] | No
         without the comments above the root element, which are about the source.
 
     Raises:
-        MissingFileError: No such file.
+        InputError, MissingFileError, FileFormatError: See `read_named`.
         FileFormatError: xacro cannot expand it.
     """
     import xacro
@@ -31,8 +31,7 @@ def expand_xacro(path: str | os.PathLike[str], arguments: Mapping[str, str] | No
     process: Any = getattr(xacro, "process_file", None)
     if process is None:
         raise MissingFileError("xacro", "the xacro library to be installed")
-    if not Path(path).is_file():
-        raise MissingFileError(path, "a xacro file")
+    read_named(path, "a xacro file")
     try:
         # xacro writes into the mapping that it is given.
         document = process(os.fspath(path), mappings=dict(arguments or {}))

@@ -15,7 +15,8 @@ from xml.parsers import expat
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.errors import FileFormatError
+from alpha5_model.files import read_named
 from alpha5_model.spatial import pose, rotation_about, transform
 
 #: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
@@ -97,18 +98,10 @@ def read_urdf(path: str | Path) -> UrdfRobot:
     """Read a URDF file.
 
     Raises:
-        MissingFileError: No such file.
-        FileFormatError: A folder, or not a URDF; the message names the line and what is wrong.
+        InputError, MissingFileError, FileFormatError: See `read_named`.
+        FileFormatError: Not a URDF; the message names the line and what is wrong.
     """
-    file = Path(path)
-    if not file.exists():
-        raise MissingFileError(path, "a URDF file")
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        problem = "is a folder" if file.is_dir() else (error.strerror or str(error)).lower()
-        raise FileFormatError(path, f"{problem}, a URDF file is expected") from None
-    return parse_urdf(text, str(path))
+    return parse_urdf(read_named(path, "a URDF file"), str(path))
 
 
 def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:

@@ -57,9 +57,12 @@ class Variant:
         float_array("rpy", self.rpy, (3,))
         for name in ("prefix", "parent", "mesh_prefix", "ros2_control_plugin"):
             text = getattr(self, name)
-            # xacro would evaluate ${...} and $(...), and XML escapes would hide in names
-            if not isinstance(text, str) or any(c in text for c in "${}<>&\"'\n\t"):
-                raise InputError(name, text, "a text without any of $ { } < > & quotes or newlines")
+            # xacro would evaluate ${...} and $(...), XML escapes would hide in names, and neither UTF-8
+            # nor XML has a place for what cannot be printed
+            if not (isinstance(text, str) and text.isprintable()) or set(text) & set("${}<>&\"'"):
+                raise InputError(
+                    name, text, "a text without any of $ { } < > & quotes or unprintable characters"
+                )
             if name in ("prefix", "parent") and " " in text:
                 raise InputError(name, text, "a name without spaces")
         for name in ("xyz", "rpy"):

@@ -207,7 +207,9 @@ def _check_urdf(text: Subject) -> FileCheck:
     program = shutil.which("check_urdf") or _beside_python("check_urdf")
     if program is None:
         return _row("check_urdf", text, "not run", "the program check_urdf is not installed")
-    done = subprocess.run([program, str(text.path)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [program, str(text.path)], capture_output=True, text=True, errors="replace", check=False
+    )
     if done.returncode == 0:
         return _row("check_urdf", text, "passed", "urdfdom reads it as one tree")
     words = " ".join((done.stderr + done.stdout).split())

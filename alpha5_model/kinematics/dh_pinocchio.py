@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
+import xml.etree.ElementTree as ET
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.errors import FileFormatError, InputError, MissingFileError, UnknownNameError
+from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.files import read_named
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.frame_assignment import assign_frames
 
@@ -83,17 +84,17 @@ def dh_from_urdf(
     """The DH table of an arm described by a URDF file; see `dh_from_pinocchio`.
 
     Raises:
-        MissingFileError: No such file.
-        FileFormatError: A folder, or not a URDF that Pinocchio can read.
+        InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`, which
+            names the line, and what Pinocchio says of a URDF that only it refuses.
     """
     import pinocchio as pin
 
-    if not Path(path).is_file():
-        if Path(path).is_dir():
-            raise FileFormatError(path, "is a folder, a URDF file is expected")
-        raise MissingFileError(path, "a URDF file")
-    try:
-        model = pin.buildModelFromUrdf(os.fspath(path))
+    from alpha5_model.description.urdf_reading import parse_urdf
+
+    text = read_named(path, "a URDF file")
+    parse_urdf(text, str(path))
+    try:  # written anew: Pinocchio reads no UTF-16
+        model = pin.buildModelFromXML(ET.tostring(ET.fromstring(text), encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise FileFormatError(path, " ".join(str(error).split())) from None
     return dh_from_pinocchio(model, frame, tolerance)

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.errors import FileFormatError
+from alpha5_model.files import read_named
 from alpha5_model.view.shapes import Mesh, lathe
 from alpha5_model.view.tree import origin_matrix
 
@@ -109,10 +110,7 @@ def read_obj(path: str) -> Mesh:
     Raises:
         MissingFileError, FileFormatError: Not there, or not made of triangles with normals.
     """
-    try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except OSError:
-        raise MissingFileError(path, "a mesh named by the URDF") from None
+    lines = read_named(path, "a mesh named by the URDF").decode("utf-8", "replace").splitlines()
     vertices = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], float)
     normals = np.array([line.split()[1:4] for line in lines if line.startswith("vn ")], float)
     corners = [line.split()[1:] for line in lines if line.startswith("f ")]
