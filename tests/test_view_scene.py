@@ -53,7 +53,7 @@ def walk_tree(scene: Scene, values: dict[str, float]) -> dict[str, np.ndarray]:
             motion[:3, :3] = Rotation.from_rotvec(moved * joint.axis).as_matrix()
         elif joint.kind == "prismatic":
             motion[:3, 3] = moved * joint.axis
-        poses[joint.child] = poses[joint.parent] @ joint.placement @ motion
+        poses[joint.child] = poses[joint.parent] @ joint.transform @ motion
     return poses
 
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
+from alpha5_model.jaws import GRIPPERS
 
 if TYPE_CHECKING:
     from alpha5_model.actuators import Actuator
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.trajectory import Motion
 
-GRIPPERS = ("auto", "locked", "jaws")
+_GRIPPERS = ("auto", *GRIPPERS)
 VELOCITIES = ("auto", "file", "positions")
 #: Shorter files are done before a bar of progress could be read.
 _PROGRESS_SAMPLES = 50_000
@@ -97,7 +98,7 @@ def trajectory(
         from alpha5_model.view.figures import check_format
 
         check_format(plot)
-    choice("gripper", gripper, GRIPPERS)
+    choice("gripper", gripper, _GRIPPERS)
     use_velocity = {"auto": None, "file": True, "positions": False}[
         choice("velocities", velocities, VELOCITIES)
     ]

@@ -11,9 +11,10 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.inertia import combine, rotate_tensor
+from alpha5_model.published.tables import JOINT_NAMES
 from alpha5_model.spatial import rotation_about
 
-AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
+AXES = JOINT_NAMES[:4]
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,6 +76,11 @@ class UrdfJoint:
     multiplier: float
     offset: float
 
+    @property
+    def source(self) -> str:
+        """Name of the joint whose position it follows: itself, or the one it mimics."""
+        return self.mimic or self.name
+
     def motion(self, position: float) -> FloatArray:
         """What the joint adds to `transform` at a position [rad or m], (4, 4)."""
         if self.kind == "prismatic":

@@ -9,15 +9,14 @@ rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and so for every de
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, Self
-from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.hydrostatics import Displacement
@@ -25,43 +24,11 @@ from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.water import SEA_WATER
 
 
-@dataclass(frozen=True)
-class Mimic:
-    """A joint that follows another: ``q_joint = multiplier q_leader + offset``.
-
-    Attributes:
-        joint: Name of the joint that follows.
-        leader: Name of the joint that it follows.
-        multiplier: [rad/m].
-        offset: [rad].
-    """
-
-    joint: str
-    leader: str
-    multiplier: float
-    offset: float
-
-
-def mimics_of(urdf: str) -> tuple[Mimic, ...]:
-    """The mimic joints of a URDF text."""
-    joints = ElementTree.fromstring(urdf).iter("joint")
-    return tuple(
-        Mimic(
-            joint.attrib["name"],
-            mimic.attrib["joint"],
-            float(mimic.get("multiplier", "1")),
-            float(mimic.get("offset", "0")),
-        )
-        for joint in joints
-        if (mimic := joint.find("mimic")) is not None
-    )
-
-
-def mimicking(tree: Any, mimics: Iterable[Mimic]) -> Any:
+def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
     """A copy of a model in which the named joints follow their leaders."""
     model = tree.copy()
     for m in mimics:
-        leader, joint = model.getJointId(m.leader), model.getJointId(m.joint)
+        leader, joint = model.getJointId(m.mimic), model.getJointId(m.name)
         model = pin.transformJointIntoMimic(model, leader, joint, m.multiplier, m.offset)
     return model
 
@@ -72,7 +39,7 @@ class JawArm(Arm):
     def __init__(
         self,
         tree: Any,
-        mimics: Iterable[Mimic],
+        mimics: Iterable[UrdfJoint],
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
     ) -> None:
@@ -160,17 +127,17 @@ class JawArm(Arm):
 
 
 def _expansion(
-    model: Any, tree: Any, mimics: tuple[Mimic, ...]
+    model: Any, tree: Any, mimics: tuple[UrdfJoint, ...]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,)."""
     g, g_q, g_0 = np.zeros((tree.nv, model.nv)), np.zeros((tree.nq, model.nq)), np.zeros(tree.nq)
-    following = {mimic.joint: mimic for mimic in mimics}
+    following = {mimic.name: mimic for mimic in mimics}
     for name in tree.names[1:]:
         inner, scale = tree.joints[tree.getJointId(name)], 1.0
         leader = name
         if name in following:
             mimic = following[name]
-            leader, scale, g_0[inner.idx_q] = mimic.leader, mimic.multiplier, mimic.offset
+            leader, scale, g_0[inner.idx_q] = mimic.source, mimic.multiplier, mimic.offset
         joint = model.joints[model.getJointId(leader)]
         for k in range(inner.nv):
             g[inner.idx_v + k, joint.idx_v + k] = scale

@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import choice
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
-from alpha5_model.dynamics.jaw_arm import JawArm, Mimic, mimicking, mimics_of
+from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
 from alpha5_model.errors import InputError, MissingFileError
@@ -97,12 +98,13 @@ def robot_wrapper(
 @cache
 def _parsed(
     gripper: str, floating_base: bool, corrections: tuple[str, ...]
-) -> tuple[Any, tuple[Mimic, ...], tuple[Displacement, ...]]:
+) -> tuple[Any, tuple[UrdfJoint, ...], tuple[Displacement, ...]]:
     """The URDF's tree with every joint free to move, which joints follow which, and the volumes."""
     text, _ = _urdf(gripper, corrections)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
     tree = pin.buildModelFromXML(text, *root)
-    return tree, mimics_of(text), displacements(tree, parameters(corrections), gripper)
+    mimics = tuple(j for j in parse_urdf(text).joints.values() if j.mimic is not None)
+    return tree, mimics, displacements(tree, parameters(corrections), gripper)
 
 
 def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, choice, float_array, frozen
 from alpha5_model.errors import Alpha5Error, InputError, ShapeError
 from alpha5_model.parameters import parameters
+from alpha5_model.published.tables import JOINT_NAMES
 
 #: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
-JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
+JOINTS = JOINT_NAMES
 #: Fewer samples have no acceleration worth the name.
 MINIMUM_SAMPLES = 5
 #: A step is a jump beyond this share of the joint's range plus twice its rated speed.

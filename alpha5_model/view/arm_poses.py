@@ -11,10 +11,10 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, float_array
 from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.errors import InputError
 from alpha5_model.parameters import parameters
 from alpha5_model.view.scene import WORLD, MotionTrack
-from alpha5_model.view.tree import TreeJoint, joint_motion, joint_tree
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -48,24 +48,24 @@ def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
     return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
 
 
-def link_poses(arm: Arm, tree: Sequence[TreeJoint], q: FloatArray) -> dict[str, FloatArray]:
+def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, FloatArray]:
     """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
     links = [tree[0].parent, *(joint.child for joint in tree)]
     poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
     return {WORLD: np.eye(4), **poses}
 
 
-def tree_of(arm: Arm, urdf: str) -> tuple[TreeJoint, ...]:
+def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
     """The joint tree of a URDF text, with the placements of the arm's own model: its corrections may differ."""
-    tree = joint_tree(urdf)
+    tree = tuple(parse_urdf(urdf).joints.values())
     zero = with_base(arm, np.zeros(len(arm.joint_names)))
     poses = link_poses(arm, tree, zero)
     return tuple(
         replace(
             joint,
-            placement=np.linalg.inv(poses[joint.parent])
+            transform=np.linalg.inv(poses[joint.parent])
             @ poses[joint.child]
-            @ np.linalg.inv(joint_motion(joint, 0.0)),
+            @ np.linalg.inv(joint.motion(joint.offset)),
         )
         for joint in tree
     )

@@ -12,8 +12,8 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import FileFormatError
 from alpha5_model.files import read_named
+from alpha5_model.spatial import pose
 from alpha5_model.view.shapes import Mesh, lathe
-from alpha5_model.view.tree import origin_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,10 @@ def urdf_bodies(urdf: str, folder: str, element: str = "visual") -> tuple[Body, 
                 if color is None
                 else [float(v) for v in color.attrib["rgba"].split()]
             )
-            mesh = _geometry(shape, folder).moved(origin_matrix(item.find("origin")))
+            origin = item.find("origin")
+            at = {} if origin is None else origin.attrib
+            xyz, rpy = ([float(v) for v in at.get(k, "0 0 0").split()] for k in ("xyz", "rpy"))
+            mesh = _geometry(shape, folder).moved(pose(xyz, rpy))
             r, g, b, a = rgba
             bodies.append(Body(link.attrib["name"], mesh, (r, g, b, a)))
     return tuple(bodies)

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.errors import ShapeError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.view.arm_poses import link_poses
 from alpha5_model.view.scene import WORLD, Label, Rigid, Shape
 from alpha5_model.view.shapes import ball
-from alpha5_model.view.tree import TreeJoint
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -24,7 +24,7 @@ _COLORS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.
 
 
 def ghosts_of(
-    arm: Arm, tree: Sequence[TreeJoint], shapes: Sequence[Shape], q: FloatArray, target: ArrayLike
+    arm: Arm, tree: Sequence[UrdfJoint], shapes: Sequence[Shape], q: FloatArray, target: ArrayLike
 ) -> tuple[list[Shape], list[Label]]:
     """Every solution of the inverse kinematics for a target, as a ghost of the moving links."""
     point = float_array("target", target, (3,))

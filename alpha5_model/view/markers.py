@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.view.scene import Label, Load, Mean, Rigid, Shape
 from alpha5_model.view.shapes import arrow, ball, triad
-from alpha5_model.view.tree import TreeJoint
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -22,7 +22,7 @@ _BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
 _RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
 
 
-def loads_of(arm: Arm, tree: Sequence[TreeJoint]) -> tuple[Load, ...]:
+def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
     """Weight and buoyancy on each joint of the model, payloads included."""
     carrier = {joint.name: joint.child for joint in tree}
     strength = float(np.linalg.norm(arm.model.gravity.linear))
@@ -48,14 +48,14 @@ def loads_of(arm: Arm, tree: Sequence[TreeJoint]) -> tuple[Load, ...]:
     return tuple(loads)
 
 
-def frame_shapes(tree: Sequence[TreeJoint]) -> list[Shape]:
+def frame_shapes(tree: Sequence[UrdfJoint]) -> list[Shape]:
     """Axes of every link frame, over the bodies."""
     links = [tree[0].parent, *(joint.child for joint in tree)]
     mesh = triad(0.05, 0.0013)
     return [Shape("frames", link, Rigid(link), mesh, on_top=1) for link in links]
 
 
-def frame_labels(tree: Sequence[TreeJoint], sliders: Sequence[str]) -> list[Label]:
+def frame_labels(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> list[Label]:
     """Names of joints and of link frames."""
     labels = [
         Label("bodies", joint.name, Rigid(joint.child)) for joint in tree if joint.name in sliders

@@ -13,9 +13,9 @@ from typing import Any
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.view.commands import link_path, scene_commands, shape_path
 from alpha5_model.view.scene import GROUPS, SEE_THROUGH, Scene
-from alpha5_model.view.tree import tree_as_json
 
 _HERE = Path(__file__).parent
+_JOINT = ("name", "parent", "child", "kind", "lower", "upper", "source", "multiplier", "offset")
 
 
 def static_page(scene: Scene, commands: Iterable[bytes] | None = None) -> str:
@@ -40,7 +40,14 @@ def page_data(scene: Scene) -> dict[str, Any]:
     return {
         "title": scene.title,
         "notes": scene.notes,
-        "tree": tree_as_json(scene.tree),
+        "tree": [
+            {
+                "placement": joint.transform.T.ravel().tolist(),
+                "axis": joint.axis.tolist(),
+                **{name: getattr(joint, name) for name in _JOINT},
+            }
+            for joint in scene.tree
+        ],
         "root": {
             link: pose.T.ravel().tolist()
             for link, pose in scene.poses.items()

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.view.shapes import Mesh
-from alpha5_model.view.tree import TreeJoint
 
 #: Groups of things that can be shown and hidden -> what the page calls them.
 GROUPS: dict[str, str] = {
@@ -214,7 +214,7 @@ class Scene:
 
     title: str
     notes: tuple[str, ...]
-    tree: tuple[TreeJoint, ...]
+    tree: tuple[UrdfJoint, ...]
     sliders: tuple[str, ...]
     q: FloatArray
     poses: dict[str, FloatArray]
