@@ -1,15 +1,22 @@
-"""Files that somebody names: read, or written whole or not at all."""
+"""Files that somebody names: read, or written whole or not at all, never over what is no plain file."""
 
 from __future__ import annotations
 
 import os
+import stat
+import sys
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from alpha5_model.checks import choice
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError, OutputError
+
+PathLike = str | os.PathLike[str]
+#: The path that means standard output.
+STDOUT = "-"
 
 
 def read_named(path: Any, expected: str) -> bytes:
@@ -37,18 +44,14 @@ def read_named(path: Any, expected: str) -> bytes:
         raise InputError("path", path, f"the path of {expected}") from None
 
 
-def atomic_write(path: str | os.PathLike[str], content: str | bytes) -> Path:
-    """Write a file through a temporary one beside it, then rename.
-
-    Args:
-        path: Target; its folder is made if missing.
-        content: Text (written as UTF-8, newlines as they are) or bytes.
+def atomic_write(path: PathLike, content: str | bytes) -> Path:
+    """Write one file, as `atomic_write_all` does.
 
     Returns:
         The target's path.
 
     Raises:
-        OutputError: The target cannot be written; what stood there before is untouched.
+        OutputError: The target cannot be written; a plain file that stood there is untouched.
     """
     target = Path(path)
     atomic_write_all({target: content})
@@ -58,51 +61,212 @@ def atomic_write(path: str | os.PathLike[str], content: str | bytes) -> Path:
 def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together: none is renamed before all are on the disk.
 
+    A plain file is written through a temporary one beside it and a rename; it keeps its mode, and
+    its folder is made if missing. A symlink is followed. Devices, pipes and ``-``, standard output,
+    are written into.
+
     Args:
-        files: Target -> content, as in `atomic_write`.
+        files: Target -> text (written as UTF-8, newlines as they are) or bytes.
 
     Raises:
-        OutputError: A target cannot be written; what stood there before is untouched.
+        OutputError: A target cannot be written, is a folder or a socket, or stands for the same file
+            as another one; plain files that stood there are untouched.
     """
+    plain: dict[Path, Path] = {}
     for target in files:
-        if target.is_dir():
-            raise OutputError(target, "it is a folder")
+        with _errors_of(target):
+            if (real := _plain_file(target)) is not None:
+                plain[target] = real
     staged: dict[Path, Path] = {}
+    spares: list[tuple[Path, Path | None, bool]] = []
     try:
+        for target, real in plain.items():
+            with _errors_of(target):
+                if real in staged:
+                    raise OutputError(target, "it is another name of a file written with it")
+                staged[real] = _stage(real, files[target])
         for target, content in files.items():
-            with _speaking_of(target):
-                staged[target] = _stage(target, content)
-        for target, temporary in staged.items():
-            with _speaking_of(target):
-                temporary.replace(target)
+            if target not in plain:
+                with _errors_of(target):
+                    _write_into(target, _encoded(content))
+        for target, real in plain.items():
+            with _errors_of(target):
+                if len(plain) > 1:
+                    spares.append(_spare(real, staged[real]))
+                staged[real].replace(real)
+    except BaseException:
+        for real, spare, was_there in spares:
+            with suppress(OSError):
+                if spare is not None:
+                    spare.replace(real)
+                elif not was_there:
+                    real.unlink(missing_ok=True)
+        raise
     finally:
-        for temporary in staged.values():
-            temporary.unlink(missing_ok=True)
+        for leftover in (*staged.values(), *(spare for _, spare, _ in spares if spare)):
+            leftover.unlink(missing_ok=True)
 
 
-def _stage(target: Path, content: str | bytes) -> Path:
-    """The content in a temporary file beside the target."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+def _spare(real: Path, staged: Path) -> tuple[Path, Path | None, bool]:
+    """A second name of what stands there, to put it back by, where the file system has such."""
+    spare = staged.with_name(f"{staged.name}~")
+    with suppress(OSError):
+        os.link(real, spare)
+        return real, spare, True
+    return real, None, real.exists()
+
+
+def is_stream(path: PathLike) -> bool:
+    """Whether a path is ``-``, a device or a pipe, which is written into and has nothing beside it.
+
+    Raises:
+        OutputError: A socket, or a path that cannot be one.
+    """
+    target = Path(path)
+    with _errors_of(target):
+        return not target.is_dir() and _plain_file(target) is None
+
+
+def is_stdout(path: PathLike) -> bool:
+    """Whether a path is ``-`` or leads to standard output, as ``/dev/stdout`` does."""
+    with suppress(OSError, ValueError):
+        return str(path) == STDOUT or _descriptor(Path(path).stat()) == 1
+    return False
+
+
+def output_format(kind: str, path: PathLike, formats: Sequence[str]) -> str:
+    """Suffix of a path to write, one of ``formats``; the first of them for ``-``, devices and pipes.
+
+    Raises:
+        UnknownNameError: Another suffix, or none.
+    """
+    suffix = Path(path).suffix.lower()
+    if not suffix and is_stream(path):
+        return formats[0]
+    return choice(kind, suffix, formats)
+
+
+def check_outputs(
+    read: Iterable[PathLike | None], **written: tuple[PathLike | None, Sequence[str]]
+) -> None:
+    """Refuse, before the work, what must not be written; every command asks here.
+
+    Args:
+        read: Paths that are read; None is skipped.
+        written: Option -> path, None if not given, and the suffixes it may have.
+
+    Raises:
+        InputError: A file that is also read, or two outputs into one, whatever their paths are called.
+        UnknownNameError: A path with another suffix.
+        OutputError: A folder, a socket, a read-only file.
+    """
+    taken = [(path, "another file than the one that is read") for path in read if path is not None]
+    for option, (path, formats) in written.items():
+        if path is None:
+            continue
+        with _errors_of(Path(path)):
+            _plain_file(Path(path))
+        output_format(f"format for --{option}", path, formats)
+        for other, expected in taken:
+            if _same(path, other):
+                raise InputError(option, str(path), expected)
+        taken.append((path, f"another file than --{option}"))
+
+
+def _same(a: PathLike, b: PathLike) -> bool:
+    """One file, through symlinks and hard links; devices and pipes are no files."""
+    if STDOUT in (str(a), str(b)):
+        return is_stdout(a) and is_stdout(b)
+    try:
+        return Path(a).samefile(b) and Path(a).is_file()
+    except (OSError, ValueError):  # at least one is not there yet
+        with suppress(OSError, ValueError):
+            return os.path.realpath(a) == os.path.realpath(b)
+        return False
+
+
+def _plain_file(target: Path) -> Path | None:
+    """The plain file that a path stands for, there or not; None for what is written into."""
+    if str(target) == STDOUT:
+        return None
+    real = Path(os.path.realpath(target))
+    try:
+        state = target.stat()
+    except FileNotFoundError:
+        return real
+    if stat.S_ISDIR(state.st_mode):
+        raise OutputError(target, "it is a folder")
+    if stat.S_ISSOCK(state.st_mode):
+        raise OutputError(target, "it is a socket")
+    if not stat.S_ISREG(state.st_mode) or _descriptor(state) is not None:
+        return None
+    if os.path.realpath(target.parent).startswith("/proc/"):  # a file open already, as /dev/fd/3
+        return None
+    if not os.access(real, os.W_OK):
+        raise OutputError(target, "it is read-only")
+    return real
+
+
+def _descriptor(state: os.stat_result) -> int | None:
+    """The standard stream that this is: what is printed there must not be cut off."""
+    for number in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(os.fstat(number), state):
+                return number
+    return None
+
+
+def _write_into(target: Path, content: bytes) -> None:
+    """Into a device, a pipe or a standard stream, without making or replacing anything."""
+    if str(target) == STDOUT:
+        if sys.stdout is None:
+            raise OSError("it is closed")
+        sys.stdout.flush()
+        try:
+            descriptor = os.dup(sys.stdout.fileno())
+        except OSError:  # replaced in Python, by a notebook or a test
+            sys.stdout.write(content.decode("utf-8", "replace"))
+            return
+    else:
+        number = _descriptor(target.stat())
+        descriptor = os.open(target, os.O_WRONLY | os.O_TRUNC) if number is None else os.dup(number)
+    with os.fdopen(descriptor, "wb") as stream:
+        stream.write(content)
+
+
+def _stage(real: Path, content: str | bytes) -> Path:
+    """The content in a temporary file beside the target, with the target's mode."""
+    data = _encoded(content)
+    real.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=real.parent, prefix=".alpha5-")
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
+            stream.write(data)
         umask = os.umask(0)
         os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
+        temporary.chmod(stat.S_IMODE(real.stat().st_mode) if real.exists() else 0o666 & ~umask)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
     return temporary
 
 
+def _encoded(content: str | bytes) -> bytes:
+    return content.encode("utf-8") if isinstance(content, str) else content
+
+
 @contextmanager
-def _speaking_of(target: Path) -> Iterator[None]:
+def _errors_of(target: Path) -> Iterator[None]:
     """Errors of the system as one line about the target."""
+    shown = "standard output" if str(target) == STDOUT else target
     try:
         yield
+    except OutputError:
+        raise
     except (FileExistsError, NotADirectoryError):
-        raise OutputError(target, "a part of its path is a file, not a folder") from None
+        raise OutputError(shown, "a part of its path is a file, not a folder") from None
     except OSError as error:
-        raise OutputError(target, error.strerror or str(error)) from None
+        raise OutputError(shown, error.strerror or str(error)) from None
+    except ValueError as error:  # a null byte in the path, a lone surrogate in the text
+        raise OutputError(shown, str(error)) from None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import spinner
+from alpha5_model.cli.options import spinner, words_beside
 
 if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
@@ -37,22 +37,23 @@ def compare(
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """
     from alpha5_model.comparison.report import compare as run
+    from alpha5_model.files import check_outputs
+    from alpha5_model.view.figures import FORMATS
 
+    check_outputs([other], plot=(plot, FORMATS))
     if plot is not None:
         from alpha5_model.view.comparison_plot import plot_comparison
-        from alpha5_model.view.figures import check_format
-
-        check_format(plot)  # before the work, not after it
     with spinner("comparing"):
         comparison = run(other, _pairs(joints), samples)
     if plot is not None:
         plot_comparison(comparison, plot)
-    if as_json:
-        typer.echo(json.dumps(comparison.as_dict(), indent=2))
-    else:
-        _print(comparison)
-        if plot is not None:
-            typer.echo(f"wrote {plot}")
+    with words_beside(plot):
+        if as_json:
+            typer.echo(json.dumps(comparison.as_dict(), indent=2))
+        else:
+            _print(comparison)
+            if plot is not None:
+                typer.echo(f"wrote {plot}")
     return 0 if comparison.agrees else 1
 
 

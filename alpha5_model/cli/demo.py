@@ -26,6 +26,11 @@ def demo(
 
     Example: alpha5 demo --output /tmp/alpha5
     """
+    from alpha5_model.errors import OutputError
+    from alpha5_model.files import is_stream
+
+    if is_stream(output):
+        raise OutputError(output, "it is no folder")
     passed = _describe(output)
     _audit()
     solution = _solve()

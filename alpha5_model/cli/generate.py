@@ -93,7 +93,7 @@ def generate(
     from alpha5_model.description.mesh_assets import mesh_assets
     from alpha5_model.description.variants import Variant, urdf
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write_all
+    from alpha5_model.files import atomic_write_all, check_outputs, is_stream
     from alpha5_model.paths import REPOSITORY_PATH
 
     chosen_corrections = correction_names(corrections)
@@ -130,11 +130,11 @@ def generate(
         corrections=chosen_corrections,
     )
     text = urdf(variant)
-    if output is None:
-        typer.echo(text, nl=False)
-        return 0
+    if output is None or is_stream(output):
+        return _write_stream(text, output)
     if not output.suffix:
         raise OutputError(output, "give a file name, such as alpha5.urdf")
+    check_outputs((), output=(output, (".urdf", ".xml")))
     files: dict[Path, str | bytes] = {output: text}
     if mesh_uri == "relative":
         for name, content in mesh_assets(".obj", ".mtl").items():
@@ -174,15 +174,22 @@ def _option(name: str) -> str:
 
 def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
     from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write_all
+    from alpha5_model.files import atomic_write_all, is_stream
 
-    if output is None:
-        typer.echo(files[main_file].decode(), nl=False)
-        return 0
+    if output is None or is_stream(output):
+        return _write_stream(files[main_file], output)
     if output.is_file():
         raise OutputError(output, "it is a file; this format needs a folder")
     atomic_write_all({output / name: content for name, content in files.items()})
     typer.echo(f"wrote {output / main_file} and {len(files) - 1} files beside it")
+    return 0
+
+
+def _write_stream(content: str | bytes, output: Path | None) -> int:
+    """The description alone, without what stands beside a file."""
+    from alpha5_model.files import STDOUT, atomic_write
+
+    atomic_write(output or STDOUT, content)
     return 0
 
 

@@ -72,6 +72,8 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         status = app(args=list(sys.argv[1:] if args is None else args), standalone_mode=False)
     except Alpha5Error as error:
+        if isinstance(error.__context__, BrokenPipeError):  # written into a pipe nobody reads
+            return 0
         return _complain(str(error))
     except SystemExit as stop:
         # The parser exits with 1 where a reader left (`alpha5 ... | head`): no check failed there.

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
+import sys
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
+from pathlib import Path
 
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
+from alpha5_model.files import is_stdout
 
 # Units stand in round brackets: the terminal takes [m] for a style.
 #: Beyond any fluid and any ride: a slip of the hand, whose digits would fill the page.
@@ -66,6 +69,12 @@ def triple(name: str, text: str) -> tuple[float, float, float]:
     except ValueError:
         raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
     return x, y, z
+
+
+def words_beside(*written: Path | None) -> AbstractContextManager[object]:
+    """Where a file goes to standard output, what is said goes to standard error."""
+    taken = any(path is not None and is_stdout(path) for path in written)
+    return redirect_stdout(sys.stderr) if taken else nullcontext()
 
 
 def spinner(words: str) -> AbstractContextManager[object]:

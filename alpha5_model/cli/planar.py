@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from alpha5_model.cli.options import words_beside
 from alpha5_model.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,8 +43,11 @@ def planar(
     """
     import json
 
+    from alpha5_model.files import check_outputs
     from alpha5_model.kinematics.planar import PlanarArm
+    from alpha5_model.view.figures import FORMATS
 
+    check_outputs((), plot=(plot, FORMATS))
     ranges = None if limits is None else [_range(text) for text in limits]
     arm = PlanarArm(lengths, ranges, joints)
     result = _results(arm, radius)
@@ -51,11 +55,8 @@ def planar(
         from alpha5_model.view.planar_plot import plot_planar, save
 
         save(plot_planar(arm), plot)
-    if as_json:
-        typer.echo(json.dumps(result, indent=2))
-    else:
-        for line in _lines(result):
-            typer.echo(line)
+    with words_beside(plot):
+        typer.echo(json.dumps(result, indent=2) if as_json else "\n".join(_lines(result)))
 
 
 def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:

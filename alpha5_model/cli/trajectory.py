@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
+from alpha5_model.cli.options import (
+    FLUID_HELP,
+    GRAVITY_HELP,
+    fluid_density,
+    gravity_vector,
+    words_beside,
+)
 from alpha5_model.jaws import GRIPPERS
 
 if TYPE_CHECKING:
@@ -85,19 +91,12 @@ def trajectory(
     """
     from alpha5_model import trajectory as library
     from alpha5_model.checks import choice
-    from alpha5_model.errors import InputError
+    from alpha5_model.files import check_outputs
     from alpha5_model.trajectory.export import FORMATS
+    from alpha5_model.view import figures
 
     # Whatever cannot be written or chosen is refused before the work, not after it.
-    if output is not None:
-        choice("table format", output.suffix.lower(), FORMATS)
-        if output.resolve() == file.resolve():
-            raise InputError("output", str(output), "another file than the one that is read")
-    if plot is not None:
-        from alpha5_model.view import trajectory_plot
-        from alpha5_model.view.figures import check_format
-
-        check_format(plot)
+    check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
     use_velocity = {"auto": None, "file": True, "positions": False}[
         choice("velocities", velocities, VELOCITIES)
@@ -122,16 +121,19 @@ def trajectory(
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:
-            trajectory_plot.write(analysis, plot)
-    if as_json:
-        import json
+            from alpha5_model.view import trajectory_plot
 
-        typer.echo(json.dumps(summary, indent=2, allow_nan=False))
-        return 0
-    typer.echo(library.text(summary))
-    for path in (output, plot):
-        if path is not None:
-            typer.echo(f"wrote {path}")
+            trajectory_plot.write(analysis, plot)
+    with words_beside(output, plot):
+        if as_json:
+            import json
+
+            typer.echo(json.dumps(summary, indent=2, allow_nan=False))
+            return 0
+        typer.echo(library.text(summary))
+        for path in (output, plot):
+            if path is not None:
+                typer.echo(f"wrote {path}")
     return 0
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple
+from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple, words_beside
 from alpha5_model.errors import InputError
 
 if TYPE_CHECKING:
@@ -57,11 +57,10 @@ def view(
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     from alpha5_model.errors import NoDisplayError
-    from alpha5_model.files import atomic_write_all
+    from alpha5_model.files import atomic_write_all, check_outputs
 
     pixels = _size(size)
-    if image is not None and image.suffix.lower() != ".png":
-        raise InputError("image", str(image), "a file name that ends in .png")
+    check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
     from alpha5_model.dynamics.loading import load
     from alpha5_model.view.arm_poses import pose_of
     from alpha5_model.view.build import build_scene
@@ -90,8 +89,9 @@ def view(
         files[image] = picture_png(framed(scene, pixels), pixels)
     if files:
         atomic_write_all(files)
-        for path in files:
-            typer.echo(f"wrote {path}")
+        with words_beside(*files):
+            for path in files:
+                typer.echo(f"wrote {path}")
         return 0
     from alpha5_model.view.visualizer import ArmVisualizer
 

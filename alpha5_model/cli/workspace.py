@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from alpha5_model.cli.options import words_beside
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -23,16 +25,21 @@ def workspace(
 
     Example: alpha5 workspace --plot workspace.pdf
     """
+    from alpha5_model.files import check_outputs
+    from alpha5_model.view.figures import FORMATS
+
+    check_outputs((), plot=(plot, FORMATS))
     if plot is not None:
         from alpha5_model.view.workspace_plot import write
 
         write(plot)
-    if as_json:
-        typer.echo(json.dumps(_as_dict(), indent=2))
-    else:
-        _print()
-        if plot is not None:
-            typer.echo(f"wrote {plot}")
+    with words_beside(plot):
+        if as_json:
+            typer.echo(json.dumps(_as_dict(), indent=2))
+        else:
+            _print()
+            if plot is not None:
+                typer.echo(f"wrote {plot}")
     return 0
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice
-from alpha5_model.files import atomic_write
+from alpha5_model.checks import FloatArray
+from alpha5_model.files import atomic_write, output_format
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.reading import Progress
 from alpha5_model.trajectory.summary import summary
@@ -63,7 +63,7 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
 def write(
     analysis: Analysis, path: str | os.PathLike[str], progress: Progress | None = None
 ) -> Path:
-    """Write the table; the suffix says how, ``.csv`` or ``.json``.
+    """Write the table; the suffix says how, ``.csv`` (also ``-``, devices and pipes) or ``.json``.
 
     Args:
         analysis: What to write.
@@ -75,7 +75,7 @@ def write(
         OutputError: The file cannot be written.
     """
     target = Path(path)
-    kind = choice("table format", target.suffix.lower(), FORMATS)
+    kind = output_format("table format", target, FORMATS)
     table = columns(analysis)
     if kind == ".json":
         record = {"summary": summary(analysis), "columns": {k: _json(v) for k, v in table.items()}}

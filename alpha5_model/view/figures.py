@@ -7,9 +7,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from alpha5_model.checks import choice
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
+from alpha5_model.files import atomic_write, output_format
 
 FORMATS = (".png", ".pdf", ".svg")
 
@@ -33,12 +32,12 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def check_format(path: str | os.PathLike[str]) -> str:
-    """The suffix of a picture's path, one of `FORMATS`.
+    """The suffix of a picture's path, one of `FORMATS`; that of PNG for ``-``, devices and pipes.
 
     Raises:
         UnknownNameError: Another suffix.
     """
-    return choice("picture format", Path(path).suffix.lower(), FORMATS)
+    return output_format("picture format", path, FORMATS)
 
 
 def write_figure(figure: Any, path: str | os.PathLike[str], dpi: int) -> Path:
