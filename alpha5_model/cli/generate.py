@@ -177,7 +177,7 @@ def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) 
     from alpha5_model.files import atomic_write_all, is_stream
 
     if output is None or is_stream(output):
-        return _write_stream(files[main_file], output)
+        return _write_stream(files[main_file].decode(), output)
     if output.is_file():
         raise OutputError(output, "it is a file; this format needs a folder")
     atomic_write_all({output / name: content for name, content in files.items()})
@@ -185,11 +185,14 @@ def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) 
     return 0
 
 
-def _write_stream(content: str | bytes, output: Path | None) -> int:
+def _write_stream(text: str, output: Path | None) -> int:
     """The description alone, without what stands beside a file."""
-    from alpha5_model.files import STDOUT, atomic_write
+    from alpha5_model.files import atomic_write
 
-    atomic_write(output or STDOUT, content)
+    if output is None:
+        typer.echo(text, nl=False)
+    else:
+        atomic_write(output, text)
     return 0
 
 
