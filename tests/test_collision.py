@@ -22,11 +22,11 @@ from reference import LOWER, UPPER
 from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5
-from alpha5_model.description.collision_shapes import collision_primitives
 from alpha5_model.description.poses import ADJACENT_PAIRS, NAMED_POSES, named_pose
 from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
+from alpha5_model.meshing.collision_shapes import collision_primitives
 from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
 
 RNG_SEED = 5
@@ -124,8 +124,8 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     pytest.importorskip("manifold3d")
     import trimesh
 
-    from alpha5_model.description.bodies.arm import bodies
-    from alpha5_model.description.bodies.surface import surface
+    from alpha5_model.meshing.bodies import bodies
+    from alpha5_model.meshing.surface import surface
 
     outside = surface(bodies()[name].outside)
     mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)

@@ -39,7 +39,7 @@ USED_WITHOUT_IMPORT = {
 }
 #: Folder -> extras that stand behind it, beside the dependencies of everyone.
 FOLDERS = {
-    "alpha5_model": ("plot", "check"),
+    "alpha5_model": ("plot", "mesh", "check"),
     "tests": ("test", "conformance"),
     "scripts": ("bench", "conformance"),
     "examples": ("test",),

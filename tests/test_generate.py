@@ -15,6 +15,7 @@ from alpha5_model.cli import main
 from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
 from alpha5_model.description.parameter_file import parameter_yaml
 from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.verification import verify_generated
 from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
 from alpha5_model.files import atomic_write, atomic_write_all
 from alpha5_model.paths import REPOSITORY_PATH, XACRO_PATH
@@ -151,6 +152,17 @@ def test_check_exits_1_with_a_diff(monkeypatch, capsys):
     monkeypatch.setattr(committed, "stale_files", lambda **_: [StaleFile("urdf/x", "-old\n+new\n")])
     assert main(["generate", "--check"]) == 1
     assert capsys.readouterr().out.startswith("-old\n+new\n")
+
+
+def test_without_manifold3d_the_meshes_are_said_not_to_be_checked(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    assert main(["generate", "--check"]) == 0
+    out = capsys.readouterr().out
+    assert "5 of 5 generated files are fresh" in out
+    assert "manifold3d is not installed" in out
+    (fresh,) = (row for row in verify_generated() if row.check == "fresh")
+    assert fresh.verdict == "not run"
+    assert "manifold3d is not installed" in fresh.finding
 
 
 def test_two_generations_are_the_same_bytes():

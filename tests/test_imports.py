@@ -17,7 +17,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "checks", "files", "paths", "fluids", "spatial"),
     ("published",),
     ("inertia", "corrections", "parameters", "jaws"),
-    ("kinematics", "actuators"),
+    ("kinematics", "actuators", "meshing"),
     ("description",),
     ("dynamics", "comparison", "loaders"),
     ("trajectory",),

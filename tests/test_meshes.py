@@ -203,7 +203,7 @@ def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, nam
 
 def test_measured_dimensions_agree_with_the_recorded_bounds():
     from alpha5_model import parameters
-    from alpha5_model.description.bodies.dimensions import BASE, RADIUS, SHELL, SOURCES, WRIST
+    from alpha5_model.meshing.dimensions import BASE, RADIUS, SHELL, SOURCES, WRIST
 
     bounds = [link.bounds * 1e3 for link in parameters().links]
     assert pytest.approx(bounds[0][0, 0]) == BASE.rear
@@ -477,7 +477,7 @@ def test_mujoco_loads_the_meshes_and_measures_the_same_volume(meshes):
 
 
 def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
-    from alpha5_model.description.bodies import solid
+    from alpha5_model.meshing import solid
 
     monkeypatch.setitem(sys.modules, "manifold3d", None)
     with pytest.raises(MissingDependencyError, match="manifold3d"):
@@ -486,8 +486,8 @@ def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
 
 def test_a_volume_out_of_reach_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.description.bodies.solid import cylinder
-    from alpha5_model.description.bodies.solve import solve_volume
+    from alpha5_model.meshing.bodies import solve_volume
+    from alpha5_model.meshing.solid import cylinder
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
     # A regular 56-gon inscribed in the circle.
@@ -499,7 +499,7 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.description.bodies.surface import check_closed
+    from alpha5_model.meshing.surface import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     check_closed(closed)

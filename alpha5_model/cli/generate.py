@@ -197,19 +197,28 @@ def _write_stream(text: str, output: Path | None) -> int:
 
 
 def _check() -> int:
-    from alpha5_model.description.committed import generated_files, stale_files
+    from alpha5_model.description.committed import (
+        NOT_DRAWN,
+        can_draw,
+        generated_files,
+        stale_files,
+    )
 
     fresh = generated_files()
     stale = stale_files(fresh=fresh)
     for file in stale:
         typer.echo(file.diff, nl=False)
     typer.echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
+    if not can_draw():
+        typer.echo(NOT_DRAWN)
     return 1 if stale else 0
 
 
 def _update() -> int:
-    from alpha5_model.description.committed import update
+    from alpha5_model.description.committed import NOT_DRAWN, can_draw, update
 
     for path in update():
         typer.echo(f"wrote {path}")
+    if not can_draw():
+        typer.echo(NOT_DRAWN)
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from alpha5_model.description.meshes import mesh_files
@@ -14,6 +15,9 @@ from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.files import atomic_write_all
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
+
+#: What is said where the meshes cannot be drawn anew.
+NOT_DRAWN = "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)"
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,10 @@ class StaleFile:
 
 
 def generated_files() -> dict[str, bytes]:
-    """Every file that is committed and generated: path in the repository -> content."""
+    """Every file that is committed and generated: path in the repository -> content.
+
+    The meshes are there only where `can_draw`.
+    """
     texts = {
         "xacro/parameters.yaml": parameter_yaml(parameters()),
         "urdf/alpha5.urdf": urdf(Variant()),
@@ -40,8 +47,13 @@ def generated_files() -> dict[str, bytes]:
     }
     return {
         **{path: text.encode("utf-8") for path, text in texts.items()},
-        **{f"meshes/{name}": content for name, content in mesh_files().items()},
+        **{f"meshes/{n}": content for n, content in (mesh_files() if can_draw() else {}).items()},
     }
+
+
+def can_draw() -> bool:
+    """Whether manifold3d, with which the bodies are drawn, is installed."""
+    return find_spec("manifold3d") is not None
 
 
 def stale_files(

@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 from functools import cache
 
-from alpha5_model.description.bodies.arm import bodies
-from alpha5_model.description.bodies.glb import Node, glb
-from alpha5_model.description.bodies.materials import MATERIALS, material_of
-from alpha5_model.description.bodies.obj import MTL_NAME, mtl, obj
-from alpha5_model.description.bodies.surface import Surface, surface
 from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.poses import NAMED_POSES
 from alpha5_model.jaws import split_link_4
+from alpha5_model.meshing.bodies import bodies
+from alpha5_model.meshing.glb import Node, glb
+from alpha5_model.meshing.materials import MATERIALS, material_of
+from alpha5_model.meshing.obj import MTL_NAME, mtl, obj
+from alpha5_model.meshing.surface import Surface, surface
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import quaternion_from_rpy
 

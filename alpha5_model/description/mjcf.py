@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.bodies.materials import MATERIALS
+from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.mjcf_control import (
@@ -32,10 +32,10 @@ from alpha5_model.description.poses import (
     CLOSING_PAIRS,
     NEVER_PAIRS,
 )
-from alpha5_model.description.primitive import Primitive
-from alpha5_model.description.tree import Body, Mesh, arm_bodies, provenance
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.jaws import FingerJoint
+from alpha5_model.meshing.materials import MATERIALS
+from alpha5_model.meshing.primitive import Primitive
 from alpha5_model.parameters import parameters
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to

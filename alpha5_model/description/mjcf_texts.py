@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from alpha5_model.description.bodies import provenance
 from alpha5_model.description.mjcf_options import MjcfOptions
-from alpha5_model.description.tree import provenance
 from alpha5_model.parameters import parameters
 
 #: Light, a sea bed below the arm's reach, a camera angle.

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.description.bodies.materials import MATERIALS
+from alpha5_model.description.bodies import Body, arm_bodies, provenance
 from alpha5_model.description.frames import Placement, base_placement, dh_placements, tcp_placement
-from alpha5_model.description.tree import Body, arm_bodies, provenance
+from alpha5_model.meshing.materials import MATERIALS
 from alpha5_model.parameters import Alpha5Parameters
 
 #: What is written of a joint that has it; fingers have no device, arm joints follow none.

@@ -17,10 +17,10 @@ import numpy as np
 
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
 from alpha5_model.description.frames import Placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.number_text import numbers_text
-from alpha5_model.description.tree import Body, Mesh, arm_bodies, provenance
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import JointRange, parameters

@@ -12,9 +12,9 @@ import coal
 import pinocchio as pin
 
 from alpha5_model.checks import FloatArray, frozen
-from alpha5_model.description.collision_shapes import collision_primitives
 from alpha5_model.description.poses import ADJACENT_PAIRS, CLOSING_PAIRS, NEVER_PAIRS
-from alpha5_model.description.primitive import Primitive
+from alpha5_model.meshing.collision_shapes import collision_primitives
+from alpha5_model.meshing.primitive import Primitive
 from alpha5_model.spatial import pose
 
 

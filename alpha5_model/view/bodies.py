@@ -17,7 +17,7 @@ from alpha5_model.view.shapes import Mesh, lathe
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class LinkMesh:
     """One visual or collision element.
 
     Attributes:
@@ -31,7 +31,7 @@ class Body:
     color: tuple[float, float, float, float]
 
 
-def urdf_bodies(urdf: str, folder: str, element: str = "visual") -> tuple[Body, ...]:
+def urdf_bodies(urdf: str, folder: str, element: str = "visual") -> tuple[LinkMesh, ...]:
     """Bodies of a URDF text.
 
     Args:
@@ -61,7 +61,7 @@ def urdf_bodies(urdf: str, folder: str, element: str = "visual") -> tuple[Body, 
             xyz, rpy = ([float(v) for v in at.get(k, "0 0 0").split()] for k in ("xyz", "rpy"))
             mesh = _geometry(shape, folder).moved(pose(xyz, rpy))
             r, g, b, a = rgba
-            bodies.append(Body(link.attrib["name"], mesh, (r, g, b, a)))
+            bodies.append(LinkMesh(link.attrib["name"], mesh, (r, g, b, a)))
     return tuple(bodies)
 
 

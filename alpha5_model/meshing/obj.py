@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from alpha5_model.description.bodies.materials import Material
-from alpha5_model.description.bodies.surface import DECIMALS, Surface
+from alpha5_model.meshing.materials import Material
+from alpha5_model.meshing.surface import DECIMALS, Surface
 
 MTL_NAME = "alpha5.mtl"
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.bodies.solid import Solid
 from alpha5_model.errors import Alpha5Error
+from alpha5_model.meshing.solid import Solid
 
 #: Details below this size [mm] are merged away, so that rounding cannot fold a triangle.
 _SIMPLIFY = 0.01

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model.description.bodies.materials import Material
-from alpha5_model.description.bodies.surface import Surface
+from alpha5_model.meshing.materials import Material
+from alpha5_model.meshing.surface import Surface
 
 _FLOAT, _UNSIGNED_SHORT, _UNSIGNED_INT = 5126, 5123, 5125
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963

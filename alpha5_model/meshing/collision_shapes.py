@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 
 from alpha5_model.checks import FloatArray, choice
-from alpha5_model.description.bodies.dimensions import (
+from alpha5_model.jaws import GRIPPERS, split_link_4
+from alpha5_model.meshing.dimensions import (
     BASE,
     FINGER,
     RADIUS,
@@ -16,8 +17,8 @@ from alpha5_model.description.bodies.dimensions import (
     UPPER_ARM,
     WRIST,
 )
-from alpha5_model.description.bodies.shell import frame_in_link_1, frame_in_link_3
-from alpha5_model.description.primitive import (
+from alpha5_model.meshing.parts import STATIONS, frame_in_link_1, frame_in_link_3, ribbon
+from alpha5_model.meshing.primitive import (
     Primitive,
     box,
     cylinder,
@@ -25,7 +26,6 @@ from alpha5_model.description.primitive import (
     moved,
     rounded,
 )
-from alpha5_model.jaws import GRIPPERS, split_link_4
 from alpha5_model.parameters import JawParameters, parameters
 from alpha5_model.spatial import pose
 
@@ -140,8 +140,6 @@ def _wrist(jaws: JawParameters) -> list[Primitive]:
 
 
 def _finger(jaws: JawParameters) -> list[Primitive]:
-    from alpha5_model.description.bodies.finger import STATIONS, ribbon
-
     thick, middle = jaws.finger_width * _MM_PER_M / 2, jaws.pivot_offset * _MM_PER_M
     hook, length = FINGER.hook, jaws.finger_length * _MM_PER_M
     whole, low, high = (-thick, thick), (-thick, 0.2), (0.0, thick)
