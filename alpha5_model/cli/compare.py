@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -72,36 +73,55 @@ def _pairs(text: str) -> dict[str, str]:
 def _print(comparison: Comparison) -> None:
     from rich import box
     from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
+    from rich.text import Text
 
-    console = Console()
+    console = Console(highlight=False)
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
-    console.print(f"[bold]{escape(comparison.name)}[/bold]  {escape(joints)}", highlight=False)
-    table = Table(box=box.SIMPLE_HEAD)
-    for name in ("body", "mass [kg]", "difference [g]", "COM [mm]", "inertia [kg mm²]"):
-        table.add_column(name, justify="left" if name == "body" else "right")
+    console.print(Text(f"{comparison.name}: {joints}"))
+    # Text, not markup: rich would take the units' brackets for a style.
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("body", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    units = ("mass\n[g]", *(f"COM {axis}\n[mm]" for axis in "xyz"))
+    for head in (*units, *(f"moment {n}\n[kg mm²]" for n in "123")):
+        table.add_column(Text(head), justify="right", no_wrap=True)
     for body in comparison.bodies:
-        table.add_row(
-            body.name,
-            f"{body.mass:.4f}",
-            f"{body.mass_error * 1e3:+.2f}",
-            f"{body.com_error * 1e3:.3f}",
-            f"{body.inertia_error * 1e6:.3f}",
-        )
+        both = body.as_dict()
+        sides = [_row(both), _row(both["ours"])]
+        sides.append([a - b for a, b in zip(*sides, strict=True)])
+        for label, side in zip(("theirs", "ours", "diff"), sides, strict=True):
+            sign = "+" if label == "diff" else ""
+            cells = (
+                "-" if math.isnan(x) else f"{x:{sign}.{2 if abs(x) < 1e4 else 0}f}" for x in side
+            )
+            table.add_row(body.name if label == "theirs" else "", label, *cells)
+        table.add_section()
     console.print(table)
-    worst = comparison.gravity_error.max()
     console.print(
-        f"Largest differences: tip {comparison.tip_error * 1e3:.3f} mm, gravity torque "
-        f"{worst:.4g} N m, mass matrix {comparison.mass_matrix_error:.3g} kg m².",
-        highlight=False,
+        f"Largest differences: tip {comparison.tip_error * 1e3:.3f} mm, gravity torque in air "
+        f"{comparison.gravity_error.max():.4g} N m, mass matrix {comparison.mass_matrix_error:.3g} "
+        "kg m²."
     )
+    listed = Table.grid(padding=(0, 1))
     for finding in comparison.findings:
-        mark = "[red]✗[/red]" if finding.serious else "[yellow]·[/yellow]"
-        console.print(f" {mark} [bold]{escape(finding.where)}[/bold]: {escape(finding.text)}")
+        mark = Text("✗", "red") if finding.serious else Text("·", "yellow")
+        costs = f" [{finding.cost:.3g} N m]" if finding.cost > 0 else ""
+        text = Text.assemble((finding.where, "bold"), f": {finding.text}{costs}")
+        listed.add_row(mark, text)
+        if finding.instead:
+            listed.add_row("", Text(f"write {finding.instead}", "dim"))
+    console.print(listed)
     if comparison.agrees:
         console.print("[green]The model agrees with the tables.[/green]")
     else:
         serious = sum(finding.serious for finding in comparison.findings)
         plural = "" if serious == 1 else "s"
         console.print(f"[red]The model differs: {serious} finding{plural}.[/red]")
+
+
+def _row(side: dict[str, Any]) -> list[float]:
+    """Mass [g], COM [mm] and principal moments [kg mm^2] of one side."""
+    com = side["com_m"] or [math.nan] * 3
+    moments = side["principal_moments_kgm2"]
+    return [side["mass_kg"] * 1e3, *(x * 1e3 for x in com), *(x * 1e6 for x in moments)]

@@ -1,185 +1,191 @@
-"""Why a body differs: hypotheses made from the tables, each tested against the numbers.
+"""Why a body differs: hypotheses made from the tables, each tested against the other model's numbers.
 
-Nothing here looks at names. A hypothesis is a wrong number that a known mistake would give; the one
-that the other model's number fits, within the tolerance, is the diagnosis.
+Nothing here looks at names. The diagnosis is the fewest mistakes that give the number to its
+printed digits; where none do, the difference stands without one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.inertia import flip_products, tensor_at_origin
-from alpha5_model.parameters import Alpha5Parameters, LinkParameters
+from alpha5_model.comparison.hypotheses import (
+    MOST_MISTAKES,
+    AddedWater,
+    Hypothesis,
+    added_water,
+    solid_of_size,
+    wrong_coms,
+    wrong_masses,
+    wrong_point,
+    wrong_tensors,
+)
+from alpha5_model.comparison.mapping import FourJointArm
+from alpha5_model.inertia import combine, rotate_tensor
+from alpha5_model.parameters import LinkParameters
 
-#: What still counts as the same number: a model may print fewer digits than the tables.
+#: What still agrees with the tables: a model may print fewer digits.
 MASS_TOLERANCE = 1e-3  # of the mass
 COM_TOLERANCE = 1e-4  # [m]
 INERTIA_TOLERANCE = 5e-3  # of the largest moment
+#: How closely a hypothesis must give a number: the half of its last digit, within these.
+MASS_DIGITS = (5e-5, 5e-4)  # [kg]
+COM_DIGITS = (1e-4, 5e-4)  # [m]
+INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
+#: A lighter link is a dummy, there to please a tool.
+TOKEN_MASS = 1e-3  # [kg]
 
-_AXES = "xyz"
+AXES_WRONG = "in axes that are not those of inertial frame {{{}}}"
+#: Words, the number seen that way, the mistakes in it, and by what the hypotheses are multiplied.
+View = tuple[str, FloatArray, int, float]
 
 
-def explain_mass(parameters: Alpha5Parameters, body: int, mass: float) -> str | None:
-    """Why the mass of a body differs, or None if it agrees."""
-    links = parameters.links
-    expected = links[body].mass
-    if _same_mass(mass, expected):
-        return None
-    text = f"mass {mass:.4g} kg in place of {expected:g} kg"
-    if mass == 0.0:
-        return f"no mass in place of {expected:g} kg"
+@dataclass(frozen=True, eq=False)
+class Inertial:
+    """What one link of the other model writes, or several together.
+
+    Attributes:
+        link: Its name; empty for several.
+        mass: [kg].
+        com: In its own frame, (3,) [m].
+        inertia: At the COM, in its own axes, (3, 3) [kg m^2].
+        pose: transform_link_to_ours, (4, 4).
+    """
+
+    link: str
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    pose: FloatArray
+
+    def in_our_frame(self) -> Inertial:
+        """The same, in our link frame."""
+        rotation, origin = self.pose[:3, :3], self.pose[:3, 3]
+        com, tensor = rotation @ self.com + origin, rotate_tensor(rotation, self.inertia)
+        return replace(self, com=com, inertia=tensor, pose=np.eye(4))
+
+
+def subjects(written: Sequence[Inertial]) -> list[Inertial]:
+    """What may carry a printed number: the body as a whole without its dummies, then its heaviest link."""
+    solid = sorted((w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass))
+    if len(solid) < 2 or sum(w.mass for w in solid) == 0:
+        return solid[:1]
+    seen = [w.in_our_frame() for w in solid]
+    whole = combine([w.mass for w in seen], [w.com for w in seen], [w.inertia for w in seen])
+    return [Inertial("", *whole, np.eye(4)), solid[0]]
+
+
+def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
+    """Why a mass is not Table 2's; None if no hypothesis gives it."""
+    mass, body = subject.mass, int(link.name[-1])
     for factor, words in ((1e3, "in grams"), (1e-3, "in tonnes")):
-        if _same_mass(mass, expected * factor):
-            return f"{text}: {words}"
-    for link in links:
-        if _same_mass(mass, link.mass):
-            return f"{text}: that of {link.name}"
-    total = sum(link.mass for link in links)
-    if _same_mass(mass, total):
-        return f"{text}: that of the whole arm"
-    if _same_mass(mass, links[body].volume * 1000.0):
-        return f"{text}: that of the displaced water"
-    return f"{text} ({mass / expected:.3g} times)"
+        if abs(mass - link.mass * factor) <= MASS_TOLERANCE * link.mass * factor:
+            return words
+    within = _last_digit(MASS_DIGITS, subject, mass)
+    water = _water(link, subject)
+    if water and abs(mass - water.total) <= within:
+        grams = water.mass * 1e3
+        return f"{water.whose} mass and the water's added mass, {grams:.0f} g, of {water.cylinder}"
+    fit = _fit(wrong_masses(body), [("", np.array(mass), 0, 1.0)], (within, within))
+    return fit.words if fit else None
 
 
-def explain_com(
-    parameters: Alpha5Parameters, body: int, com: FloatArray, as_written: FloatArray
-) -> str | None:
-    """Why a COM differs, or None if it agrees.
-
-    Args:
-        parameters: The tables.
-        body: 0 to 4.
-        com: In our link frame, (3,) [m].
-        as_written: In the other model's own frame, (3,) [m].
-    """
-    link = parameters.links[body]
-    expected = link.com
-    if _near(com, expected):
-        return None
-    distance = np.linalg.norm(com - expected) * 1e3
-    text = f"COM {distance:.1f} mm off"
-    error, words = min(
-        ((float(np.linalg.norm(com - wrong)), words) for wrong, words in _wrong_coms(link)),
-        key=lambda fit: fit[0],
-    )
-    if error <= COM_TOLERANCE:
-        return f"{text}: {words}"
-    if _near(as_written, expected):
-        return f"{text}: Table 2's numbers, but the frame is not inertial frame {{{body}}}"
-    for other in parameters.links:
-        if other is not link and _near(as_written, other.com):
-            return f"{text}: Table 2's numbers of {other.name}"
-    if _near(as_written, np.zeros(3)):
-        return f"{text}: at the origin of the other model's link frame"
-    for factor, words in ((1e3, "millimetres"), (1e-3, "kilometres")):
-        if np.linalg.norm(as_written - expected * factor) < COM_TOLERANCE * max(1, factor):
-            return f"{text}: written in {words}"
-    return text
+def explain_com(ours: FourJointArm, link: LinkParameters, subject: Inertial) -> str | None:
+    """Why a COM is not Table 2's; None if no hypothesis gives it."""
+    body = int(link.name[-1])
+    views: list[View] = [("", subject.in_our_frame().com, 0, 1.0)]
+    if subject.link:
+        if not subject.com.any():
+            return "missing or zero: at the origin of the other model's link frame"
+        frame = f"in a frame that is not inertial frame {{{body}}}"
+        views += [
+            (frame, subject.com, 1, 1.0),
+            ("written in millimetres", subject.com, 1, 1e3),
+            ("written in kilometres", subject.com, 1, 1e-3),
+        ]
+    rounded = _last_digit(COM_DIGITS, subject, *subject.com)
+    fit = _fit(wrong_coms(ours, body), views, (rounded, COM_DIGITS[0]))
+    return fit.words if fit else None
 
 
-def _wrong_coms(link: LinkParameters) -> Iterator[tuple[FloatArray, str]]:
-    c, main = link.com, int(np.abs(link.com).argmax())
-    yield link.cob, "the centre of buoyancy of Table 3"
-    yield -c, "mirrored through the origin, on the wrong side of the joint"
-    for axis in range(3):
-        flipped = c.copy()
-        flipped[axis] = -c[axis]
-        side = ", on the wrong side of the joint" if axis == main else ""
-        yield flipped, f"the sign of {_AXES[axis]} is wrong{side}"
-    for axis in range(3):
-        turned = -c
-        turned[axis] = c[axis]
-        side = "" if axis == main else ", on the wrong side of the joint"
-        yield turned, f"turned by pi about {_AXES[axis]}{side}"
-    for i, j, k in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
-        order = f"{_AXES[i]}, {_AXES[j]}, {_AXES[k]}"
-        yield c[[i, j, k]], f"its coordinates are in the order {order}"
-
-
-def explain_inertia(
-    parameters: Alpha5Parameters,
-    body: int,
-    mass: float,
-    inertia: FloatArray,
-    as_written: FloatArray,
-) -> str | None:
-    """Why a tensor differs, or None if it agrees.
-
-    Args:
-        parameters: The tables.
-        body: 0 to 4.
-        mass: Of the other body [kg]: a tensor is judged for the mass it goes with.
-        inertia: At the other body's COM, in our link's axes, (3, 3) [kg m^2].
-        as_written: The same in the other model's own axes, (3, 3) [kg m^2].
-    """
-    link = parameters.links[body]
-    if _same_tensor(inertia, link.inertia):
-        return None
-    largest = np.linalg.eigvalsh(inertia)[-1] / np.linalg.eigvalsh(link.inertia)[-1]
-    times = "" if abs(largest - 1) < 0.01 else f" (largest moment {largest:.3g} times)"
-    text = f"inertia differs{times}"
-    if not inertia.any():
-        return "no inertia"
-    fits = [
-        (float(np.abs(inertia - wrong).max() / np.abs(wrong).max()), words)
-        for wrong, words in _wrong_tensors(parameters, body)
+def explain_inertia(ours: FourJointArm, link: LinkParameters, subject: Inertial) -> str | None:
+    """Why a tensor is not Table 2's; None if no hypothesis gives it."""
+    body, seen = int(link.name[-1]), subject.in_our_frame().inertia
+    if not seen.any():
+        return "missing or zero"
+    views: list[View] = [("", seen, 0, 1.0)]
+    if subject.link:
+        views.append((AXES_WRONG.format(body), subject.inertia, 1, 1.0))
+    views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
+    views += [
+        (f"wrong unit, a factor of 1e{power}", seen, 1, 10.0**power)
+        for power in (9, 6, 3, -3, -6, -9)
     ]
-    error, words = min(fits, key=lambda fit: fit[0])
-    if error <= INERTIA_TOLERANCE:
-        return f"{text}: {words}"
-    if not _same_mass(mass, link.mass) and _same_tensor(inertia * (link.mass / mass), link.inertia):
-        return f"{text}: scaled with the wrong mass"
-    for exponent in (9, 6, 3, -3, -6, -9):
-        if _same_tensor(inertia, link.inertia * 10.0**exponent):
-            return f"{text}: wrong unit, a factor of 1e{exponent}"
-    diagonal = np.diag(as_written)
-    if not (as_written - np.diag(diagonal)).any():
+    within = _tensor_digits(subject)
+    if fit := _fit(wrong_tensors(ours, body), views, (within, within)):
+        return fit.words
+    if water := _water(link, subject):
+        return f"{water.words}, with the added inertia of {water.cylinder} (strip theory)"
+    return wrong_point(body, subject.mass, seen, within)
+
+
+def _water(link: LinkParameters, subject: Inertial) -> AddedWater | None:
+    """Water in the tensor as it lies, or as it is written where its axes are not ours."""
+    tensors = (subject.in_our_frame().inertia, subject.inertia)
+    waters = (added_water(link, tensor, _tensor_digits(subject)) for tensor in tensors)
+    return next(filter(None, waters), None)
+
+
+def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:
+    """What a tensor without products was guessed from; None if it has products."""
+    solid = [w for w in written if abs(w.mass) > TOKEN_MASS]
+    diagonals = [np.diag(w.inertia) for w in solid]
+    if any((w.inertia - np.diag(d)).any() for w, d in zip(solid, diagonals, strict=True)):
+        return None
+    words = []
+    for w, diagonal in zip(solid, diagonals, strict=True):
+        shape = solid_of_size(link, w.mass, w.inertia)
         if np.ptp(diagonal) <= 1e-9 * diagonal.max():
-            return f"{text}: a dummy, {diagonal[0]:g} kg m^2 about every axis"
-        return f"{text}: a guess without products of inertia"
-    return text
+            shape = f"a dummy, {diagonal[0]:g} kg m^2 about every axis"
+        if shape:
+            words.append(f"{w.link} {shape}" if len(solid) > 1 else shape)
+    return "a guess without products of inertia" + (": " if words else "") + "; ".join(words)
 
 
-def _wrong_tensors(parameters: Alpha5Parameters, body: int) -> Iterator[tuple[FloatArray, str]]:
-    link = parameters.links[body]
-    solidworks = flip_products(link.inertia)
-    at_origin = tensor_at_origin(link.mass, link.com, link.inertia)
-    yield solidworks, "products of inertia have the SolidWorks sign"
-    yield at_origin, "it is about the link frame, not the COM"
-    yield (
-        flip_products(at_origin),
-        "it is about the link frame, not the COM, and its products have the SolidWorks sign",
-    )
-    yield (
-        tensor_at_origin(link.mass, link.com, solidworks),
-        "it is moved to the link frame, with products of the SolidWorks sign",
-    )
-    yield np.diag(np.diag(link.inertia)), "the products of inertia are zeroed"
-    yield np.diag(np.diag(at_origin)), "it is about the link frame, and its products are zeroed"
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        flipped = link.inertia.copy()
-        flipped[i, j] = flipped[j, i] = -link.inertia[i, j]
-        yield flipped, f"i{_AXES[i]}{_AXES[j]} has the wrong sign"
-    for axis in range(3):
-        turn = -np.eye(3)
-        turn[axis, axis] = 1.0
-        yield turn @ link.inertia @ turn, f"turned by pi about {_AXES[axis]}"
-    for other in parameters.links:
-        if other is not link:
-            yield other.inertia, f"that of {other.name}"
+def _fit(
+    hypotheses: Sequence[Hypothesis], views: Sequence[View], within: tuple[float, float]
+) -> Hypothesis | None:
+    """The fewest mistakes that give the number; ``within`` for one mistake and for more."""
+    values = np.array([hypothesis.value for hypothesis in hypotheses])
+    mistakes = np.array([hypothesis.mistakes for hypothesis in hypotheses])
+    axes = tuple(range(1, values.ndim))
+    errors = [
+        np.abs(values * scale - number).max(axis=axes, initial=0.0) for _, number, _, scale in views
+    ]
+    for total in range(MOST_MISTAKES + 1):
+        for (words, _, more, _), error in zip(views, errors, strict=True):
+            hits = (mistakes + more == total) & (error <= within[total > 1])
+            if hits.any():
+                hit = hypotheses[int(hits.argmax())]
+                return replace(
+                    hit, words=", ".join(filter(None, (hit.words, words))), mistakes=total
+                )
+    return None
 
 
-def _same_mass(a: float, b: float) -> bool:
-    return abs(a - b) <= MASS_TOLERANCE * b
+def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float) -> float:
+    """Half of the last decimal place that any of the numbers is written with, within the limits."""
+    places = [Decimal(repr(float(x))).as_tuple().exponent for x in numbers if x]
+    if not subject.link or not places:
+        return limits[0]
+    return float(np.clip(0.5 * 10.0 ** min(int(place) for place in places), *limits))
 
 
-def _near(a: FloatArray, b: FloatArray) -> bool:
-    return bool(np.linalg.norm(a - b) <= COM_TOLERANCE)
-
-
-def _same_tensor(a: FloatArray, b: FloatArray) -> bool:
-    return bool(np.abs(a - b).max() <= INERTIA_TOLERANCE * np.abs(b).max())
+def _tensor_digits(subject: Inertial) -> float:
+    largest = float(np.abs(subject.inertia).max())
+    low, high = INERTIA_DIGITS
+    return _last_digit((low * largest, high * largest), subject, *subject.inertia.ravel())

@@ -7,19 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
+from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import Alignment, axis_lines
-from alpha5_model.comparison.diagnosis import explain_com, explain_inertia, explain_mass
+from alpha5_model.comparison.bodies import Cost, body_findings
 from alpha5_model.comparison.mapping import AXES, FourJointArm
 from alpha5_model.comparison.records import BodyDifference, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
-from alpha5_model.inertia import inconsistencies
 from alpha5_model.parameters import Alpha5Parameters, parameters
 
 #: What still counts as the same geometry.
 LENGTH_TOLERANCE = 1e-5  # [m]
 ANGLE_TOLERANCE = 1e-4  # [rad]
-#: The arm stretched out, base to finger tips: no part of it is larger.
-REACH = 0.6  # [m]
 #: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
 VOLUME_TOLERANCE = 5e-3
 
@@ -29,29 +27,34 @@ def findings(
     ours: FourJointArm,
     theirs: FourJointArm,
     alignment: Alignment,
+    transforms: FloatArray,
     bodies: tuple[BodyDifference, ...],
     tip_error: float,
+    cost: Cost,
     folder: Path | None,
 ) -> tuple[Finding, ...]:
-    """Everything that a person should know about the other model, base to tip.
+    """Everything that a person should know about the other model: what costs most first, then base to tip.
 
     Args:
         other: The other model as read.
         ours, theirs: Both arms, reduced to four joints.
         alignment: Base, signs and zeros.
+        transforms: transform_theirs_to_ours of the body frames, (5, 4, 4).
         bodies: The bodies held against the tables.
         tip_error: Largest distance of the tips [m].
+        cost: What an error of a body is worth.
         folder: Where its meshes are; None leaves them out.
     """
     tables = parameters()
-    return (
+    found = (
         *_geometry(ours, theirs, alignment, tip_error),
         *_limits(tables, theirs, alignment),
         *_mimics(other),
-        *_bodies(tables, other, theirs, bodies),
+        *body_findings(other, ours, theirs, transforms, bodies, cost),
         *_volume(tables, ours, theirs),
         *_files(other, folder),
     )
+    return tuple(sorted(found, key=lambda f: (-round(f.cost, 6), not f.serious)))
 
 
 def collision_volume(arm: FourJointArm) -> float:
@@ -127,61 +130,6 @@ def _limits(tables: Alpha5Parameters, theirs: FourJointArm, alignment: Alignment
                     f"range {low:.1f} to {high:.1f} deg in place of "
                     f"{math.degrees(ours.lower):.1f} to {math.degrees(ours.upper):.1f} deg",
                     serious=False,
-                )
-            )
-    return found
-
-
-def _bodies(
-    tables: Alpha5Parameters,
-    other: UrdfRobot,
-    theirs: FourJointArm,
-    bodies: tuple[BodyDifference, ...],
-) -> list[Finding]:
-    found = []
-    for i, (body, link) in enumerate(zip(bodies, tables.links, strict=True)):
-        found += _dummies(other, body)
-        bare = [name for name in body.links if name in theirs.without_inertial]
-        mass = explain_mass(tables, i, body.mass)
-        if mass is not None and body.mass == 0.0 and bare:
-            found.append(Finding(link.name, f"no <inertial> in {', '.join(bare)}"))
-            continue
-        if bare:
-            text = f"no <inertial> in {', '.join(bare)}: some tools take 1 kg for it"
-            found.append(Finding(link.name, text, serious=False))
-        reasons = [
-            mass,
-            explain_com(tables, i, body.com, theirs.com[i]) if body.mass else None,
-            explain_inertia(tables, i, body.mass, body.inertia, theirs.inertia[i])
-            if body.mass
-            else None,
-        ]
-        found += [Finding(link.name, reason) for reason in reasons if reason is not None]
-        if any(reasons) and body.mass:
-            # Table 2 itself strains one body's bounds: what is ours is not held against them.
-            own = inconsistencies(link.mass, link.com, link.inertia, link.bounds)
-            problems = inconsistencies(
-                body.mass, body.com, body.inertia, None if own else link.bounds
-            )
-            found += [Finding(link.name, f"impossible: {problem}") for problem in problems]
-    return found
-
-
-def _dummies(other: UrdfRobot, body: BodyDifference) -> list[Finding]:
-    """Links that were given a token mass and an inertia that is anything but token."""
-    found = []
-    for name in body.links:
-        link = other.links[name]
-        if (
-            link.mass
-            and link.mass > 0
-            and (size := np.abs(link.inertia).max() / link.mass) > REACH**2
-        ):
-            found.append(
-                Finding(
-                    body.name,
-                    f"{name} has {link.mass * 1e3:g} g and {np.abs(link.inertia).max():g} kg m^2: a radius "
-                    f"of gyration of {math.sqrt(size):.2f} m, more than the whole arm",
                 )
             )
     return found

@@ -6,8 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import Alignment
+from alpha5_model.inertia import principal_moments
+from alpha5_model.parameters import LinkParameters
 
 
 @dataclass(frozen=True)
@@ -40,9 +44,7 @@ class BodyDifference:
         mass: [kg].
         com: (3,) [m].
         inertia: At the COM, (3, 3) [kg m^2].
-        mass_error: Theirs minus ours [kg].
-        com_error: Distance [m].
-        inertia_error: Largest entry of the difference [kg m^2].
+        ours: The body of the tables.
     """
 
     name: str
@@ -50,9 +52,44 @@ class BodyDifference:
     mass: float
     com: FloatArray
     inertia: FloatArray
-    mass_error: float
-    com_error: float
-    inertia_error: float
+    ours: LinkParameters
+
+    @property
+    def mass_error(self) -> float:
+        """Theirs minus ours [kg]."""
+        return self.mass - self.ours.mass
+
+    @property
+    def com_error(self) -> float:
+        """Distance of the COMs [m]; NaN for a body without mass, which has none."""
+        return float(np.linalg.norm(self.com - self.ours.com)) if self.mass else math.nan
+
+    @property
+    def inertia_error(self) -> float:
+        """Largest entry of the difference of the tensors [kg m^2]."""
+        return float(np.abs(self.inertia - self.ours.inertia).max())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Both sides and their difference, for JSON."""
+        massless = math.isnan(self.com_error)
+        return {
+            "name": self.name,
+            "links": list(self.links),
+            **_side(self.mass, None if massless else self.com, self.inertia),
+            "ours": _side(self.ours.mass, self.ours.com, self.ours.inertia),
+            "mass_error_kg": self.mass_error,
+            "com_error_m": None if massless else self.com_error,
+            "inertia_error_kgm2": self.inertia_error,
+        }
+
+
+def _side(mass: float, com: FloatArray | None, inertia: FloatArray) -> dict[str, Any]:
+    return {
+        "mass_kg": mass,
+        "com_m": None if com is None else com.tolist(),
+        "inertia_kgm2": inertia.tolist(),
+        "principal_moments_kgm2": principal_moments(inertia).tolist(),
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +105,7 @@ class Comparison:
         gravity_error: Largest difference of the gravity torque in air, per joint, (4,) [N m].
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Of its collision primitives [m^3]; NaN if it has none.
-        findings: Base to tip; empty if the models agree.
+        findings: What costs most first, then base to tip; empty if the models agree.
     """
 
     name: str
@@ -99,19 +136,7 @@ class Comparison:
             "gravity_error_Nm": self.gravity_error.tolist(),
             "mass_matrix_error_kgm2": self.mass_matrix_error,
             "volume_m3": None if math.isnan(self.volume) else self.volume,
-            "bodies": [
-                {
-                    "name": body.name,
-                    "links": list(body.links),
-                    "mass_kg": body.mass,
-                    "com_m": body.com.tolist(),
-                    "inertia_kgm2": body.inertia.tolist(),
-                    "mass_error_kg": body.mass_error,
-                    "com_error_m": body.com_error,
-                    "inertia_error_kgm2": body.inertia_error,
-                }
-                for body in self.bodies
-            ],
+            "bodies": [body.as_dict() for body in self.bodies],
             "findings": [
                 {
                     "where": finding.where,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from alpha5_model.comparison.alignment import (
     Alignment,
     align,
     bodies_in_our_frames,
+    body_transforms,
     tip_distance,
 )
 from alpha5_model.comparison.findings import collision_volume, findings
@@ -71,9 +72,7 @@ def compare_robots(
             mass=float(theirs.mass[i]),
             com=com[i],
             inertia=inertia[i],
-            mass_error=float(theirs.mass[i] - link.mass),
-            com_error=float(np.linalg.norm(com[i] - link.com)),
-            inertia_error=float(np.abs(inertia[i] - link.inertia).max()),
+            ours=link,
         )
         for i, link in enumerate(tables.links)
     )
@@ -93,14 +92,24 @@ def compare_robots(
         gravity_error=gravity_error,
         mass_matrix_error=mass_matrix_error,
         volume=collision_volume(theirs),
-        findings=findings(other, ours, theirs, alignment, bodies, tip_error, folder),
+        findings=findings(
+            other,
+            ours,
+            theirs,
+            alignment,
+            body_transforms(ours, theirs, alignment),
+            bodies,
+            tip_error,
+            GravityCost(ours, q),
+            folder,
+        ),
     )
 
 
 @cache
 def _ours() -> FourJointArm:
     """Our own arm, generated from the tables and read like any other."""
-    robot = parse_urdf(urdf(Variant()))
+    robot = parse_urdf(urdf(Variant(dh_frames=True)))
     return reduce_robot(robot, map_joints(robot))
 
 
@@ -125,6 +134,35 @@ def _dynamic_errors(
         m = pin.crba(models[1], data[1], there) * np.outer(signs, signs)
         matrix = max(matrix, float(np.abs(m - pin.crba(models[0], data[0], q)).max()))
     return gravity, matrix
+
+
+class GravityCost:
+    """What an error of one body's mass and first moment is worth in gravity torque in air.
+
+    Gravity torque is linear in both: its regressor [Atkeson1986] at each sampled position says all.
+    """
+
+    def __init__(self, ours: FourJointArm, samples: FloatArray) -> None:
+        self.ours, self.samples = ours, samples
+
+    @cached_property
+    def regressor(self) -> FloatArray:
+        """Torque per mass and first moment of bodies 1 to 4, (N, joint, body, 4)."""
+        import pinocchio as pin
+
+        model = _model(self.ours)
+        model.gravity.linear = np.array(GRAVITY)
+        data, rest = model.createData(), np.zeros(4)
+        rows = [
+            pin.computeJointTorqueRegressor(model, data, q, rest, rest).copy() for q in self.samples
+        ]
+        return np.array(rows).reshape(-1, 4, 4, 10)[..., :4]
+
+    def __call__(self, body: int, mass: float, moment: FloatArray) -> float:
+        """Largest torque over joints and samples [N m]; nothing for the base, which no joint holds."""
+        if body == 0:
+            return 0.0
+        return float(np.abs(self.regressor[:, :, body - 1] @ [mass, *moment]).max())
 
 
 def _model(arm: FourJointArm) -> Any:

@@ -1,0 +1,286 @@
+"""The wrong numbers that known mistakes would give, for every body, made from both revisions' tables.
+
+Each table of hypotheses holds what one mistake or two at a time make of a printed number. Tensors that depend
+on a size nobody printed (solid bodies, water, another point) are recomputed from the size that fits
+best: few unknowns for six numbers.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.comparison.mapping import FourJointArm
+from alpha5_model.comparison.revisions import revisions
+from alpha5_model.fluids import FRESH_WATER, SEA_WATER
+from alpha5_model.inertia import flip_products, point_mass_tensor, rotate_tensor
+from alpha5_model.jaws import split_link_4
+from alpha5_model.parameters import LinkParameters, parameters
+
+#: Two mistakes at a time; with three, some combination fits any number.
+MOST_MISTAKES = 2
+#: How far a solid of the body's size may exceed its bounds.
+SIZE_SLACK = 1.25
+
+_AXES = "xyz"
+I_LINK = "I_Link used as I_COM (about the link frame, not the COM: the parallel-axis term twice)"
+SOLIDWORKS = "products of inertia have the SolidWorks sign, that of the document"
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A wrong number and the mistakes it comes from.
+
+    Attributes:
+        words: The mistakes, as a person would say them.
+        value: Mass (), COM (3,) or tensor (3, 3) that they give, SI.
+        mistakes: How many they are.
+    """
+
+    words: str
+    value: FloatArray
+    mistakes: int = 0
+
+
+Step = tuple[str, Callable[[FloatArray], FloatArray]]
+
+
+def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> tuple[Hypothesis, ...]:
+    """What the steps, at most one of each stage, make of the sources; fewest mistakes first."""
+    found = []
+    for source in sources:
+        made = [source]
+        for stage in stages:
+            made += [
+                Hypothesis(f"{before.words}, {words}", change(before.value), before.mistakes + 1)
+                for before in made
+                if before.mistakes < MOST_MISTAKES
+                for words, change in stage
+            ]
+        found += made
+    return tuple(sorted(found, key=lambda hypothesis: hypothesis.mistakes))
+
+
+def frames(ours: FourJointArm, body: int) -> dict[str, FloatArray]:
+    """Other frames a number may be taken from: words -> transform_body_to_frame (4, 4), at zero."""
+    poses = ours.poses(np.zeros(4))
+    out = {}
+    for i, names in enumerate(ours.links):
+        for name in names:
+            pose = np.linalg.inv(poses[i] @ ours.link_poses[name]) @ poses[body]
+            kind, _, number = name.partition("_")
+            if kind == "dh":
+                out[f"in DH frame {{{number}}}"] = pose
+            elif kind == "link" and i == body - 1:
+                out[f"in the parent's frame, that of {name}"] = pose
+            elif kind == "link" and i != body:
+                out[f"in the frame of {name}"] = pose
+    return out
+
+
+def _move(transform: FloatArray, point: FloatArray) -> FloatArray:
+    out: FloatArray = transform[:3, :3] @ point + transform[:3, 3]
+    return out
+
+
+def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
+    """The 47 ways to exchange and reverse axes; the plain ones first."""
+    for order in itertools.permutations(range(3)):
+        for signs in sorted(itertools.product((1, -1), repeat=3), key=lambda s: s.count(-1)):
+            matrix = np.zeros((3, 3))
+            matrix[range(3), order] = signs
+            wrong = [_AXES[i] for i in range(3) if signs[i] < 0]
+            right = [_AXES[i] for i in range(3) if signs[i] > 0]
+            if order != (0, 1, 2):
+                axes = (
+                    f"{'-' if s < 0 else ''}{_AXES[k]}" for s, k in zip(signs, order, strict=True)
+                )
+                yield f"in the wrong axes ({', '.join(axes)})", matrix
+            elif len(wrong) == 1:
+                yield f"the sign of {wrong[0]} is wrong (mirrored)", matrix
+            elif len(wrong) == 2:
+                yield f"turned by pi about {right[0]}", matrix
+            elif wrong:
+                yield "mirrored through the origin", matrix
+
+
+def _sources(name: str, body: int, cob: bool) -> list[Hypothesis]:
+    """The printed quantity of this body, its COB and the same of other bodies, in both revisions."""
+    found = []
+    for table in revisions():
+        values = getattr(table, name)
+        found.append(Hypothesis(table.numbers, values[body]))
+        if cob:
+            words = table.numbers.replace("Table 2's numbers", "the centre of buoyancy of Table 3")
+            words = words.replace("numbers", "centre of buoyancy")
+            found.append(Hypothesis(words, table.cob[body], 1))
+        found += [
+            Hypothesis(f"{table.numbers} of link_{k}", values[k], 1) for k in range(5) if k != body
+        ]
+    return found
+
+
+@cache
+def wrong_coms(ours: FourJointArm, body: int) -> tuple[Hypothesis, ...]:
+    """COMs of a body in its own link frame, (3,) [m], the right one among them."""
+    axes: list[Step] = [(words, partial(np.dot, m)) for words, m in _signed_axes()]
+    elsewhere: list[Step] = [(words, partial(_move, t)) for words, t in frames(ours, body).items()]
+    return _with_mistakes(_sources("com", body, True), axes, elsewhere)
+
+
+@cache
+def wrong_tensors(ours: FourJointArm, body: int) -> tuple[Hypothesis, ...]:
+    """Tensors of a body in its own link's axes, (3, 3) [kg m^2], the right one among them."""
+    sources = _sources("inertia", body, False)
+    for table in revisions():
+        own, moved = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
+        for tensor in (own + moved, table.inertia_link[body]):
+            sources.append(Hypothesis(f"{table.numbers}, {I_LINK}", tensor, 1))
+        words = f"{table.numbers}, the parallel-axis term taken off I_COM"
+        sources.append(Hypothesis(words, own - moved, 1))
+    signs: list[Step] = [
+        (SOLIDWORKS, flip_products),
+        ("the products of inertia are zeroed", lambda tensor: np.diag(np.diag(tensor))),
+    ]
+    turns: list[Step] = [
+        (words, partial(rotate_tensor, m)) for words, m in _signed_axes() if np.linalg.det(m) > 0
+    ]
+    turns += [(words, partial(rotate_tensor, t[:3, :3])) for words, t in frames(ours, body).items()]
+    single: list[Step] = []
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        mask = np.ones((3, 3))
+        mask[i, j] = mask[j, i] = -1
+        words = f"i{_AXES[i]}{_AXES[j]} has the wrong sign"
+        single.append((words, partial(np.multiply, mask)))
+    return _with_mistakes(sources, signs, turns, single)
+
+
+@cache
+def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
+    """Masses of a body, () [kg]."""
+    now, before = revisions()
+    found = [
+        ("the mass of Table 2", now.mass[body]),
+        ("an earlier revision's mass", before.mass[body]),
+    ]
+    found += [(f"that of link_{k}", now.mass[k]) for k in range(5) if k != body]
+    found += [
+        ("that of the whole arm", now.mass.sum()),
+        ("that of the displaced water", now.volume[body] * FRESH_WATER),
+    ]
+    for table, density in itertools.product((now, before), (FRESH_WATER, SEA_WATER)):
+        whose = table.numbers.removesuffix(" numbers").replace("Table 2's", "Tables 2 and 3's")
+        water = table.volume[body] * density
+        words = f"{whose} mass and the water's added mass of its volume, {water * 1e3:.0f} g"
+        found.append((words, table.mass[body] + water))
+        if table is before:  # most public models pair the old masses with version 7's volumes
+            water = now.volume[body] * density
+            words = (
+                f"{whose} mass and the water's added mass of Table 3's volume, {water * 1e3:.0f} g"
+            )
+            found.append((words, table.mass[body] + water))
+    if body == 4:
+        opened = split_link_4(parameters())
+        parts = sum(part.mass for part in (opened.rod, opened.finger_1, opened.finger_2))
+        found.append(("the jaws are counted twice", now.mass[4] + parts))
+    return tuple(Hypothesis(words, np.array(value), 1) for words, value in found)
+
+
+@dataclass(frozen=True)
+class AddedWater:
+    """Water that moves with a cylinder, counted into a body by strip theory.
+
+    Attributes:
+        words: The tensor it was added to.
+        whose: The revision whose body it was added to.
+        mass: Added mass across the axis, ``rho pi r^2 L`` [kg].
+        total: With the body's [kg].
+        radius, length: Of the cylinder [m].
+    """
+
+    words: str
+    whose: str
+    mass: float
+    total: float
+    radius: float
+    length: float
+
+    @property
+    def cylinder(self) -> str:
+        """The cylinder in words."""
+        radius, length = self.radius * 1e3, self.length * 1e3
+        return f"a cylinder of water of radius {radius:.0f} mm and length {length:.0f} mm"
+
+
+def added_water(link: LinkParameters, tensor: FloatArray, tolerance: float) -> AddedWater | None:
+    """A printed tensor with the added inertia of a cylinder of water of the body's width, if it is one.
+
+    Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
+    end (I_Link), ``/ 12`` about its middle (I_COM). Five of six numbers test the one unknown, L.
+    """
+    body, radius = int(link.name[-1]), _radius(link)
+    line = FRESH_WATER * np.pi * radius**2
+    bases = itertools.product(revisions(), (True, False), (False, True), range(3))
+    for table, about_end, solidworks, axis in bases:
+        base = (table.inertia_link if about_end else table.inertia)[body]
+        surplus = tensor - (flip_products(base) if solidworks else base)
+        across = float(np.delete(np.diag(surplus), axis).mean())
+        rest = surplus - across * np.diag(np.arange(3) != axis)
+        length = float(np.cbrt((3 if about_end else 12) * across / line))
+        fits = across > 5 * tolerance and np.abs(rest).max() <= tolerance
+        if fits and length <= SIZE_SLACK * np.ptp(link.bounds, axis=1).max():
+            words = f"{table.numbers}, {I_LINK if about_end else 'I_COM'}"
+            words += f", {SOLIDWORKS}" if solidworks else ""
+            whose, mass = table.numbers.removesuffix(" numbers"), line * length
+            return AddedWater(words, whose, mass, table.mass[body] + mass, radius, length)
+    return None
+
+
+def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
+    """The printed I_COM about another point than the COM, if it is that: three unknowns, six numbers."""
+    for table in revisions():
+        shift = (tensor - table.inertia[body]) / mass
+        square = np.trace(shift) / 2
+        outer = square * np.eye(3) - shift
+        values, vectors = np.linalg.eigh(outer)
+        point = vectors[:, 2] * np.sqrt(max(values[2], 0.0))
+        error = np.abs(tensor - table.inertia[body] - point_mass_tensor(mass, point)).max()
+        if square > 0 and error <= tolerance:
+            away = np.sqrt(square) * 1e3
+            return f"{table.numbers}, about the wrong point, {away:.1f} mm from the COM"
+    return None
+
+
+def solid_of_size(link: LinkParameters, mass: float, tensor: FloatArray) -> str | None:
+    """A solid cylinder or box of about the body's size that has this diagonal tensor, if one has."""
+    moments, largest = np.diag(tensor), np.abs(tensor).max()
+    sizes = SIZE_SLACK * np.ptp(link.bounds, axis=1)
+    if mass <= 0 or (tensor - np.diag(moments)).any():
+        return None
+    for axis in range(3):
+        along, (one, two) = moments[axis], np.delete(moments, axis)
+        if abs(one - two) > 1e-3 * largest or not along > 0:
+            continue
+        radius = np.sqrt(2 * along / mass)
+        square = 12 * one / mass - 3 * radius**2
+        if square > 0 and radius <= SIZE_SLACK * _radius(link) and np.sqrt(square) <= sizes.max():
+            length = np.sqrt(square) * 1e3
+            return f"a solid cylinder of radius {radius * 1e3:.1f} mm and length {length:.1f} mm"
+    squares = 6 / mass * (moments.sum() - 2 * moments)
+    sides = np.sqrt(np.maximum(squares, 0.0))
+    # Any three moments are those of some box: only sides of whole millimetres tell of a guess.
+    whole = np.abs(sides * 1e3 - np.round(sides * 1e3)).max() < 0.05
+    if whole and sides.min() > 1e-3 and (np.sort(sides) <= np.sort(sizes)).all():
+        x, y, z = sides * 1e3
+        return f"a solid box of {x:.0f} x {y:.0f} x {z:.0f} mm"
+    return None
+
+
+def _radius(link: LinkParameters) -> float:
+    """Half the least width of the body: all are turned parts [m]."""
+    return float(np.ptp(link.bounds, axis=1).min() / 2)

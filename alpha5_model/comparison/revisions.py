@@ -1,0 +1,98 @@
+"""The two sets of tables that models of this arm are made from, as arrays.
+
+Version 7 of the document, and the earlier revision whose numbers public models carry
+(``published/earlier_revision.toml``; supplementary, no document seen). The model itself knows
+version 7 only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.inertia import flip_products
+from alpha5_model.published import published, tables
+from alpha5_model.published.tables import BuoyancyRow, InertialRow
+from alpha5_model.published.toml_table import TomlTable
+
+
+@dataclass(frozen=True, eq=False)
+class Revision:
+    """Tables 2 and 3 of one revision in SI units, base to tip.
+
+    Attributes:
+        numbers: What its numbers are called, "Table 2's numbers".
+        mass: (5,) [kg].
+        com, cob: Centres of mass and of buoyancy, (5, 3) [m].
+        inertia: At the COM, URDF sign, (5, 3, 3) [kg m^2].
+        inertia_link: At the origin of the link frame, URDF sign, (5, 3, 3) [kg m^2].
+        volume: (5,) [m^3].
+    """
+
+    numbers: str
+    mass: FloatArray
+    com: FloatArray
+    inertia: FloatArray
+    inertia_link: FloatArray
+    volume: FloatArray
+    cob: FloatArray
+
+
+@cache
+def revisions() -> tuple[Revision, Revision]:
+    """Version 7, then the earlier revision."""
+    document = published()
+    return (
+        _revision("Table 2's numbers", document.table_2.rows, document.table_3.rows),
+        _revision("an earlier revision's numbers", *_earlier()),
+    )
+
+
+def _earlier() -> tuple[list[InertialRow], list[BuoyancyRow]]:
+    file = Path(tables.__file__).with_name("earlier_revision.toml")
+    content = TomlTable.root(file.name, file.read_text(encoding="utf-8"))
+    content.status(), content.text("source")
+    table = content.table("table")
+    inertial, buoyancy = [], []
+    for i, row in enumerate(table.rows(5)):
+        link = row.name("link", i)
+        inertial.append(
+            InertialRow(
+                link=link,
+                mass=row.quantity("mass", table, "kg"),
+                com=row.triple("com", table, "mm"),
+                inertia_com=row.tensor("inertia_com", table, "kg.mm^2"),
+                inertia_link=row.tensor("inertia_link", table, "kg.mm^2"),
+            )
+        )
+        volume, cob = row.quantity("volume", table, "L"), row.triple("cob", table, "mm")
+        buoyancy.append(BuoyancyRow(link, volume, cob))
+    content.finish()
+    return inertial, buoyancy
+
+
+def _revision(
+    numbers: str, inertial: Iterable[InertialRow], buoyancy: Iterable[BuoyancyRow]
+) -> Revision:
+    def column(rows: Iterable[Any], name: str) -> FloatArray:
+        return np.array([_si(getattr(row, name)) for row in rows])
+
+    return Revision(
+        numbers=numbers,
+        mass=column(inertial, "mass"),
+        com=column(inertial, "com"),
+        inertia=flip_products(column(inertial, "inertia_com")),
+        inertia_link=flip_products(column(inertial, "inertia_link")),
+        volume=column(buoyancy, "volume"),
+        cob=column(buoyancy, "cob"),
+    )
+
+
+def _si(value: Any) -> Any:
+    return [_si(part) for part in value] if isinstance(value, tuple) else value.si
