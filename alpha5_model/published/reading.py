@@ -1,188 +1,226 @@
-"""The two data files read into the records of `alpha5_model.published.tables`."""
+"""The two data files read into the records of `alpha5_model.published.tables`, field by field."""
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from alpha5_model.errors import PublishedDataError
+from alpha5_model.published import tables as t
 from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.tables import (
-    BODY_NAMES,
-    JOINT_NAMES,
-    ActuatorRow,
-    BodyBounds,
-    BuoyancyRow,
-    DHRow,
-    Elbow,
-    InertialRow,
-    JointRow,
-    Published,
-    Source,
-    Supplementary,
-    Table,
-    WorkspaceNumbers,
-)
-from alpha5_model.published.toml_table import TomlTable
+
+_DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
 
 
 @cache
-def load() -> Published:
+def load() -> t.Published:
     """The two data files of this folder; see `alpha5_model.published`."""
     folder = Path(__file__).parent
-    return parse(
-        (folder / "reach_alpha_mk2_v7.toml").read_text(encoding="utf-8"),
-        (folder / "supplementary.toml").read_text(encoding="utf-8"),
+    document, supplementary = (
+        (folder / name).read_text(encoding="utf-8") for name in (_DOCUMENT, _SUPPLEMENTARY)
     )
+    return parse(document, supplementary)
 
 
-def parse(document_text: str, supplementary_text: str) -> Published:
+def parse(document_text: str, supplementary_text: str) -> t.Published:
     """Read the texts of the two data files.
 
     Raises:
         PublishedDataError: Not TOML, duplicate, missing or unknown key, wrong unit, not a number,
             asymmetric tensor, rows out of order, unknown status, empty source.
     """
-    document = TomlTable.root("reach_alpha_mk2_v7.toml", document_text)
-    head = document.table("document")
-    one, workspace = document.table("table_1"), document.table("workspace")
-    two, three, four = (document.table(f"table_{n}") for n in (2, 3, 4))
-    elbow, values = one.table("elbow"), workspace.table("values")
-    result = Published(
-        table_1=Table(
-            _source(head, one),
-            tuple(
-                DHRow(
-                    link=row.name("link", i),
-                    d=row.quantity("d", one, "mm"),
-                    theta=row.expression("theta", one, "rad"),
-                    a=(row.text("a") if row.get("a") == "a_1" else row.quantity("a", one, "mm")),
-                    alpha=row.expression("alpha", one, "rad"),
-                )
-                for i, row in enumerate(one.rows(5))
-            ),
-        ),
-        elbow=Elbow(
-            *(Quantity.parse(elbow.get(k), "mm", elbow.place(k)) for k in ("opposite", "adjacent"))
-        ),
-        workspace=WorkspaceNumbers(
-            _source(head, workspace),
-            *(
-                values.quantity(k, workspace, "mm")
-                for k in ("inner_offset", "inner_length", "downward_drop")
-            ),
-        ),
-        table_2=Table(
-            _source(head, two),
-            tuple(
-                InertialRow(
-                    link=row.name("link", i),
-                    mass=row.quantity("mass", two, "kg"),
-                    com=row.triple("com", two, "mm"),
-                    inertia_com=row.tensor("inertia_com", two, "kg.mm^2"),
-                    inertia_link=row.tensor("inertia_link", two, "kg.mm^2"),
-                )
-                for i, row in enumerate(two.rows(5))
-            ),
-        ),
-        table_3=Table(
-            _source(head, three),
-            tuple(
-                BuoyancyRow(
-                    link=row.name("link", i),
-                    volume=row.quantity("volume", three, "L"),
-                    cob=row.triple("cob", three, "mm"),
-                )
-                for i, row in enumerate(three.rows(5))
-            ),
-        ),
-        table_4=Table(
-            _source(head, four),
-            tuple(
-                ActuatorRow(
-                    actuator=row.name("actuator", i),
-                    resistance=row.quantity("resistance", four, "Ohm"),
-                    inductance=row.quantity("inductance", four, "uH"),
-                    friction=row.quantity("friction", four, "Nmm"),
-                    friction_tolerance=row.quantity("friction_tolerance", four, "%"),
-                    efficiency=row.quantity("efficiency", four, "%"),
-                    torque_constant=row.quantity("torque_constant", four, "Nm/A"),
-                    voltage_constant=row.quantity("voltage_constant", four, "V/rad/s"),
-                    gear_ratio=row.quantity("gear_ratio", four, ""),
-                )
-                for i, row in enumerate(four.rows(5))
-            ),
-            {key: four.table("origins").text(key) for key in four.table("units").content},
-        ),
-        supplementary=_supplementary(TomlTable.root("supplementary.toml", supplementary_text)),
-    )
-    document.finish()
-    return result
-
-
-def _source(head: TomlTable, table: TomlTable) -> Source:
-    return Source(
-        document=head.text("title"),
-        publisher=head.text("publisher"),
-        version=head.text("version"),
-        date=head.text("date"),
-        section=table.text("section"),
-        table=table.text("number"),
-        caption=table.text("caption"),
+    tables = ("table_1", "workspace", "table_2", "table_3", "table_4")
+    document = _root(_DOCUMENT, document_text).table("document", *tables)
+    head = document["document"].table("title", "publisher", "version", "date")
+    one = _table(head, document["table_1"], t.DHRow, "elbow")
+    numbers = document["workspace"].table("number", "section", "caption", "units", "values")
+    _check_units(t.WorkspaceNumbers, numbers["units"])
+    return t.Published(
+        table_1=one,
+        elbow=_record(t.Elbow, document["table_1"]["elbow"]),
+        workspace=_record(t.WorkspaceNumbers, numbers["values"], source=_source(head, numbers)),
+        table_2=_table(head, document["table_2"], t.InertialRow),
+        table_3=_table(head, document["table_3"], t.BuoyancyRow),
+        table_4=_table(head, document["table_4"], t.ActuatorRow, "origins"),
+        supplementary=_supplementary(_root(_SUPPLEMENTARY, supplementary_text)),
     )
 
 
-def _supplementary(root: TomlTable) -> Supplementary:
-    joints = root.table("joints")
-    joint_rows = []
-    for name in JOINT_NAMES:
-        joint, unit = joints.table(name), "m" if name == "axis_a" else "rad"
-        device_id = joint.get("device_id")
-        if type(device_id) is not int:
-            raise PublishedDataError(
-                joint.place("device_id"), f"expected an integer, got {device_id!r}"
-            )
-        lower, upper = joint.sourced("lower", unit), joint.sourced("upper", unit)
-        if lower.quantity.value >= upper.quantity.value:
-            raise PublishedDataError(
-                joint.place("upper"), f"{upper.quantity} is not above lower, {lower.quantity}"
-            )
-        joint_rows.append(
-            JointRow(
-                name=name,
-                dh_variable=joint.text("dh_variable"),
-                device_id=device_id,
-                lower=lower,
-                upper=upper,
-                velocity=joint.sourced("velocity", "mm/s" if unit == "m" else "deg/s"),
-                effort=joint.sourced("effort", "N" if unit == "m" else "Nm"),
-            )
-        )
-    jaws = root.table("jaws")
-    jaw_units = {
-        "collar_base": "mm",
-        "pivot_height": "mm",
-        "pivot_offset": "mm",
-        "finger_length": "mm",
-        "finger_width": "mm",
-        "finger_volume": "L",
-        "finger_density": "kg/m^3",
-        "rod_length": "mm",
-        "rod_diameter": "mm",
-        "rod_density": "kg/m^3",
-        "finger_turn": "rad/m",
-    }
-    bodies = root.table("bodies")
-    unit = bodies.text("unit")
-    if unit != "mm":
-        raise PublishedDataError(bodies.place("unit"), f"expected 'mm', got {unit!r}")
-    result = Supplementary(
-        joints=tuple(joint_rows),
-        jaws={key: jaws.sourced(key, unit) for key, unit in jaw_units.items()},
+@dataclass(frozen=True)
+class _Node:
+    """A value of a data file that knows its place."""
+
+    value: Any
+    place: str
+
+    def fail(self, problem: str) -> PublishedDataError:
+        return PublishedDataError(self.place, problem)
+
+    def __getitem__(self, key: str) -> _Node:
+        joint = ": " if self.place.endswith(".toml") else "."
+        return _Node(self.value.get(key), f"{self.place}{joint}{key}")
+
+    def table(self, *keys: str) -> _Node:
+        """Itself, if it is a table with these keys and no other: a misspelt one must not vanish."""
+        if not isinstance(self.value, dict):
+            raise self.fail(f"expected a table, got {self.value!r}")
+        for key in keys:
+            if key not in self.value:
+                raise self[key].fail("missing")
+        for key in self.value:
+            if key not in keys:
+                raise self[key].fail("unknown key")
+        return self
+
+    def items(self, count: int, what: str) -> list[_Node]:
+        if not isinstance(self.value, list) or len(self.value) != count:
+            raise self.fail(f"expected {what}, got {self.value!r}")
+        return [_Node(item, f"{self.place}[{i}]") for i, item in enumerate(self.value)]
+
+    def text(self) -> str:
+        if not isinstance(self.value, str) or not self.value.strip():
+            raise self.fail(f"expected a text, got {self.value!r}")
+        return self.value
+
+    def expect(self, wanted: str, why: str = "") -> None:
+        if self.value != wanted:
+            raise self.fail(f"expected {wanted!r}{why}, got {self.value!r}")
+
+
+def _root(file: str, text: str) -> _Node:
+    try:
+        return _Node(tomllib.loads(text), file)
+    except tomllib.TOMLDecodeError as error:
+        raise PublishedDataError(file, str(error)) from None
+
+
+def _units(record: type[Any]) -> dict[str, Any]:
+    """Field -> printed unit of a record; two units where the jaw rod has another than the joints."""
+    return {f.name: f.metadata["unit"] for f in fields(record) if f.metadata}
+
+
+def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> Any:
+    """A record from a table, each field by its type and unit; ``known`` ones are given."""
+    units, types = _units(record), {f.name: str(f.type) for f in fields(record)}
+    names = [name for name in types if name not in known]
+    node.table(*names)
+    for name in names:
+        unit = units.get(name)
+        known[name] = _READ[types[name]](node[name], unit[rod] if isinstance(unit, tuple) else unit)
+    return record(**known)
+
+
+def _number(node: _Node, unit: str) -> Quantity:
+    return Quantity.parse(node.value, unit, node.place)
+
+
+def _triple(node: _Node, unit: str) -> t.Triple:
+    x, y, z = (_number(item, unit) for item in node.items(3, "three numbers"))
+    return x, y, z
+
+
+def _tensor(node: _Node, unit: str) -> t.Tensor:
+    x, y, z = (_triple(row, unit) for row in node.items(3, "three rows"))
+    for i, j, one, other in ((0, 1, x[1], y[0]), (0, 2, x[2], z[0]), (1, 2, y[2], z[1])):
+        if one.value != other.value:
+            problem = f"the tensor is not symmetric: {one.text} against {other.text}"
+            raise PublishedDataError(f"{node.place}[{i}][{j}]", problem)
+    return x, y, z
+
+
+def _bounds(node: _Node, unit: str) -> Any:
+    pairs = []
+    for item in node.items(3, "three [min, max] pairs"):
+        low, high = (_number(end, unit) for end in item.items(2, "a [min, max] pair"))
+        if low.value >= high.value:
+            raise item.fail("min must be below max")
+        pairs.append((low, high))
+    return tuple(pairs)
+
+
+def _sourced(node: _Node, unit: str) -> t.SourcedQuantity:
+    node.table("value", "unit", "status", "source")["unit"].expect(unit)
+    return t.SourcedQuantity(_number(node["value"], unit), _status(node), node["source"].text())
+
+
+def _status(node: _Node) -> str:
+    if (status := node["status"].text()) not in t.STATUSES:
+        choices = ", ".join(t.STATUSES)
+        raise node["status"].fail(f"unknown status {status!r}; choose from {choices}")
+    return status
+
+
+def _integer(node: _Node, unit: None) -> int:
+    if type(node.value) is not int:
+        raise node.fail(f"expected an integer, got {node.value!r}")
+    return node.value
+
+
+#: Type of a field, as annotated -> how it is read.
+_READ: dict[str, Callable[[_Node, Any], Any]] = {
+    "Quantity": _number,
+    "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else _number(node, unit),
+    "Triple": _triple,
+    "Tensor": _tensor,
+    "SourcedQuantity": _sourced,
+    "int": _integer,
+    "str": lambda node, unit: node.text(),
+}
+
+
+def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
+    node.table("number", "section", "caption", "units", "rows", *more)
+    units = _check_units(record, node["units"])
+    rows, first = [], fields(record)[0].name
+    for i, row in enumerate(node["rows"].items(5, "5 rows")):
+        rows.append(_record(record, row))
+        row[first].expect(str(i), " (rows from base to tip)")
+    origins = node["origins"].table(*units) if "origins" in more else None
+    said = {name: origins[name].text() for name in units} if origins else {}
+    return t.Table(_source(head, node), tuple(rows), said)
+
+
+def _check_units(record: type[Any], node: _Node) -> list[str]:
+    units = _units(record)
+    node.table(*units)
+    for name, unit in units.items():
+        node[name].expect(unit)
+    return list(units)
+
+
+def _source(head: _Node, node: _Node) -> t.Source:
+    title, publisher, version, date = (
+        head[key].text() for key in ("title", "publisher", "version", "date")
+    )
+    number = node["number"]
+    return t.Source(
+        *(title, publisher, version, date, node["section"].text()),
+        table="" if number.value == "" else number.text(),
+        caption=node["caption"].text(),
+    )
+
+
+def _supplementary(root: _Node) -> t.Supplementary:
+    root.table("joints", "jaws", "bodies")
+    joints, jaws = root["joints"].table(*t.JOINT_NAMES), root["jaws"].table(*t.JAW_UNITS)
+    rows = []
+    for name in t.JOINT_NAMES:
+        row: t.JointRow = _record(t.JointRow, joints[name], rod=name == "axis_a", name=name)
+        lower, upper = row.lower.quantity, row.upper.quantity
+        if lower.value >= upper.value:
+            raise joints[name]["upper"].fail(f"{upper} is not above lower, {lower}")
+        rows.append(row)
+    bodies = root["bodies"].table("unit", "status", "source", *t.BODY_NAMES)
+    bodies["unit"].expect("mm")
+    return t.Supplementary(
+        joints=tuple(rows),
+        jaws={key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()},
         bodies=tuple(
-            BodyBounds(name, bodies.bounds(name, unit), bodies.status(), bodies.text("source"))
-            for name in BODY_NAMES
+            t.BodyBounds(n, _bounds(bodies[n], "mm"), _status(bodies), bodies["source"].text())
+            for n in t.BODY_NAMES
         ),
     )
-    root.finish()
-    return result

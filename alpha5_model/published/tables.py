@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from alpha5_model.published.quantity import Quantity
 
@@ -13,7 +13,20 @@ RowT = TypeVar("RowT")
 
 STATUSES = ("supplementary", "measured", "placeholder", "estimated")
 JOINT_NAMES = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
+_LENGTHS = ("collar_base", "pivot_height", "pivot_offset", "finger_length", "finger_width")
+#: Quantity of the jaws -> its unit.
+JAW_UNITS: dict[str, str] = {
+    **dict.fromkeys((*_LENGTHS, "rod_length", "rod_diameter"), "mm"),
+    **dict.fromkeys(("finger_density", "rod_density"), "kg/m^3"),
+    "finger_volume": "L",
+    "finger_turn": "rad/m",
+}
 BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
+
+
+def printed(unit: str, of_rod: str | None = None) -> Any:
+    """A field that is printed in a unit; the jaw rod's may be another."""
+    return field(metadata={"unit": unit if of_rod is None else (unit, of_rod)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +84,10 @@ class DHRow:
     """
 
     link: str
-    d: Quantity
-    theta: str
-    a: Quantity | str
-    alpha: str
+    d: Quantity = printed("mm")
+    theta: str = printed("rad")
+    a: Quantity | str = printed("mm")
+    alpha: str = printed("rad")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +99,8 @@ class Elbow:
         adjacent: 145.3 in it [mm].
     """
 
-    opposite: Quantity
-    adjacent: Quantity
+    opposite: Quantity = printed("mm")
+    adjacent: Quantity = printed("mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,9 +115,9 @@ class WorkspaceNumbers:
     """
 
     source: Source
-    inner_offset: Quantity
-    inner_length: Quantity
-    downward_drop: Quantity
+    inner_offset: Quantity = printed("mm")
+    inner_length: Quantity = printed("mm")
+    downward_drop: Quantity = printed("mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,10 +133,10 @@ class InertialRow:
     """
 
     link: str
-    mass: Quantity
-    com: Triple
-    inertia_com: Tensor
-    inertia_link: Tensor
+    mass: Quantity = printed("kg")
+    com: Triple = printed("mm")
+    inertia_com: Tensor = printed("kg.mm^2")
+    inertia_link: Tensor = printed("kg.mm^2")
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +150,8 @@ class BuoyancyRow:
     """
 
     link: str
-    volume: Quantity
-    cob: Triple
+    volume: Quantity = printed("L")
+    cob: Triple = printed("mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,14 +168,14 @@ class ActuatorRow:
     """
 
     actuator: str
-    resistance: Quantity
-    inductance: Quantity
-    friction: Quantity
-    friction_tolerance: Quantity
-    efficiency: Quantity
-    torque_constant: Quantity
-    voltage_constant: Quantity
-    gear_ratio: Quantity
+    resistance: Quantity = printed("Ohm")
+    inductance: Quantity = printed("uH")
+    friction: Quantity = printed("Nmm")
+    friction_tolerance: Quantity = printed("%")
+    efficiency: Quantity = printed("%")
+    torque_constant: Quantity = printed("Nm/A")
+    voltage_constant: Quantity = printed("V/rad/s")
+    gear_ratio: Quantity = printed("")
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,10 +209,10 @@ class JointRow:
     name: str
     dh_variable: str
     device_id: int
-    lower: SourcedQuantity
-    upper: SourcedQuantity
-    velocity: SourcedQuantity
-    effort: SourcedQuantity
+    lower: SourcedQuantity = printed("rad", "m")
+    upper: SourcedQuantity = printed("rad", "m")
+    velocity: SourcedQuantity = printed("deg/s", "mm/s")
+    effort: SourcedQuantity = printed("Nm", "N")
 
 
 @dataclass(frozen=True, slots=True)
