@@ -10,16 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.inertia import flip_products
-from alpha5_model.published import published, tables
-from alpha5_model.published.tables import BuoyancyRow, InertialRow
-from alpha5_model.published.toml_table import TomlTable
+from alpha5_model.published import published
+from alpha5_model.published.reading import earlier_revision
+from alpha5_model.published.tables import BuoyancyRow, EarlierRow, InertialRow
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,38 +46,15 @@ class Revision:
 @cache
 def revisions() -> tuple[Revision, Revision]:
     """Version 7, then the earlier revision."""
-    document = published()
+    document, earlier = published(), earlier_revision()
     return (
         _revision("Table 2's numbers", document.table_2.rows, document.table_3.rows),
-        _revision("an earlier revision's numbers", *_earlier()),
+        _revision("an earlier revision's numbers", earlier, earlier),
     )
 
 
-def _earlier() -> tuple[list[InertialRow], list[BuoyancyRow]]:
-    file = Path(tables.__file__).with_name("earlier_revision.toml")
-    content = TomlTable.root(file.name, file.read_text(encoding="utf-8"))
-    content.status(), content.text("source")
-    table = content.table("table")
-    inertial, buoyancy = [], []
-    for i, row in enumerate(table.rows(5)):
-        link = row.name("link", i)
-        inertial.append(
-            InertialRow(
-                link=link,
-                mass=row.quantity("mass", table, "kg"),
-                com=row.triple("com", table, "mm"),
-                inertia_com=row.tensor("inertia_com", table, "kg.mm^2"),
-                inertia_link=row.tensor("inertia_link", table, "kg.mm^2"),
-            )
-        )
-        volume, cob = row.quantity("volume", table, "L"), row.triple("cob", table, "mm")
-        buoyancy.append(BuoyancyRow(link, volume, cob))
-    content.finish()
-    return inertial, buoyancy
-
-
 def _revision(
-    numbers: str, inertial: Iterable[InertialRow], buoyancy: Iterable[BuoyancyRow]
+    numbers: str, inertial: Iterable[InertialRow], buoyancy: Iterable[BuoyancyRow | EarlierRow]
 ) -> Revision:
     def column(rows: Iterable[Any], name: str) -> FloatArray:
         return np.array([_si(getattr(row, name)) for row in rows])

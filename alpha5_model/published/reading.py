@@ -50,6 +50,16 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     )
 
 
+def earlier_revision() -> tuple[t.EarlierRow, ...]:
+    """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
+    path = Path(__file__).with_name("earlier_revision.toml")
+    root = _root(path.name, path.read_text(encoding="utf-8")).table("status", "source", "table")
+    _status(root), root["source"].text()
+    table = root["table"].table("units", "rows")
+    _check_units(t.EarlierRow, table["units"])
+    return _rows(t.EarlierRow, table["rows"])
+
+
 @dataclass(frozen=True)
 class _Node:
     """A value of a data file that knows its place."""
@@ -175,13 +185,18 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
     node.table("number", "section", "caption", "units", "rows", *more)
     units = _check_units(record, node["units"])
-    rows, first = [], fields(record)[0].name
-    for i, row in enumerate(node["rows"].items(5, "5 rows")):
-        rows.append(_record(record, row))
-        row[first].expect(str(i), " (rows from base to tip)")
+    rows = _rows(record, node["rows"])
     origins = node["origins"].table(*units) if "origins" in more else None
     said = {name: origins[name].text() for name in units} if origins else {}
-    return t.Table(_source(head, node), tuple(rows), said)
+    return t.Table(_source(head, node), rows, said)
+
+
+def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
+    rows, number = [], fields(record)[0].name
+    for i, row in enumerate(node.items(5, "5 rows")):
+        rows.append(_record(record, row))
+        row[number].expect(str(i), " (rows from base to tip)")
+    return tuple(rows)
 
 
 def _check_units(record: type[Any], node: _Node) -> list[str]:

@@ -155,6 +155,14 @@ class BuoyancyRow:
 
 
 @dataclass(frozen=True, slots=True)
+class EarlierRow(InertialRow):
+    """A row of the earlier revision's numbers: `InertialRow` and `BuoyancyRow` in one."""
+
+    volume: Quantity = printed("L")
+    cob: Triple = printed("mm")
+
+
+@dataclass(frozen=True, slots=True)
 class ActuatorRow:
     """A row of Table 4. ``friction`` is printed with its tolerance, 3.752 Nmm +- 10 %.
 
