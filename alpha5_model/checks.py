@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,30 +14,40 @@ from alpha5_model.errors import InputError, NonFiniteError, ShapeError, UnknownN
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion from 1, before
+#: it is refused: URDFs and logs print some seven digits.
+ROTATION_TOLERANCE = 1e-6
+#: The largest number that dynamics and inertia compute with, in SI units. No term has more than five such numbers
+#: as factors (energy: mass, length twice, speed twice), so that none overflows; the sixth is for sums.
+LARGEST = sys.float_info.max ** (1 / 6)
+
 
 def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> FloatArray:
     """Check and convert an array whose last axes are fixed and whose leading axes are free.
 
     Args:
         name: Name of the argument, for the message.
-        value: Anything NumPy can read as real numbers.
+        value: Anything NumPy can read as real numbers without losing what else it says: a mask, a unit.
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
         A float64 array of shape (..., \\*trailing); the caller's own array if it already is one.
 
     Raises:
-        InputError: Not real numbers (strings, complex, ragged lists, None).
+        InputError: Not real numbers (strings, complex, truth values, ragged lists, None), or more than
+            numbers (masked arrays and other subclasses of NumPy's, quantities with a unit).
         ShapeError: Wrong trailing shape.
         NonFiniteError: NaN or infinity; the first bad index is named.
     """
     try:
-        array = np.asarray(value)
-    except ValueError:
-        raise InputError(name, value, "an array of real numbers") from None
-    if array.dtype.kind not in "fiu":
-        raise InputError(name, value, "an array of real numbers")
-    array = np.asarray(array, dtype=np.float64)
+        array = np.asarray(value) if _plain(value) else None
+    except Exception:  # __array__ may raise anything
+        array = None
+    if array is None or array.dtype.kind not in "fiu":
+        raise InputError(name, value, "an array of real numbers, without mask or unit")
+    if array.dtype != np.float64:
+        with np.errstate(over="ignore"):  # of long doubles: named below
+            array = array.astype(np.float64)
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
         raise ShapeError(name, array.shape, f"shape {shape}")
@@ -46,6 +57,21 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
     return array
 
 
+def _plain(value: Any) -> bool:
+    """Whether it holds numbers only, at any depth of lists: NumPy drops masks and units without a word."""
+    kind = type(value)
+    if kind in (np.ndarray, np.float64, float, int):
+        return True
+    if isinstance(value, list | tuple):
+        return {*map(type, value)} <= {float, int, np.float64} or all(map(_plain, value))
+    if isinstance(value, np.ndarray):
+        return isinstance(value, np.memmap)
+    lost = bool, np.bool_, bytes, bytearray
+    return (
+        not isinstance(value, lost) and not hasattr(value, "unit") and not hasattr(value, "units")
+    )
+
+
 def _all_finite(array: FloatArray) -> bool:
     """Without a mask as long as the array: a sum is finite only if all its terms are."""
     if array.size > 4096:
@@ -53,6 +79,30 @@ def _all_finite(array: FloatArray) -> bool:
             if np.isfinite(array.sum()):
                 return True
     return bool(np.isfinite(array).all())
+
+
+def shaped(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """`float_array` without leading axes.
+
+    Raises:
+        InputError: Not finite real numbers; ShapeError: not exactly this shape.
+    """
+    array = float_array(name, value, ())
+    if array.shape != shape:
+        raise ShapeError(name, array.shape, f"shape {shape}")
+    return array
+
+
+def bounded(name: str, array: FloatArray) -> FloatArray:
+    """Check that finite numbers are small enough to compute with.
+
+    Raises:
+        InputError: A magnitude above `LARGEST`.
+    """
+    if array.size and max(array.max(), -array.min()) > LARGEST:
+        worst = float(array.flat[np.abs(array).argmax()])
+        raise InputError(name, worst, f"numbers of at most {LARGEST:.1e}, else results overflow")
+    return array
 
 
 def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:
@@ -102,8 +152,15 @@ def frozen(array: ArrayLike) -> FloatArray:
     return copy
 
 
+def is_rotation(matrix: FloatArray) -> BoolArray:
+    """Which of the matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`: (...)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(axis=(-2, -1))
+        return np.asarray((off <= ROTATION_TOLERANCE) & (np.linalg.det(matrix) > 0))
+
+
 def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
-    """Check one homogeneous transform: a rotation within 1e-9, a translation, a last row 0 0 0 1.
+    """Check one homogeneous transform: a rotation (`is_rotation`), a translation, a last row 0 0 0 1.
 
     Returns:
         A read-only copy, (4, 4).
@@ -112,11 +169,9 @@ def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
         InputError: Anything else.
     """
     transform = float_array(name, value, (4, 4))
-    rotation = transform[..., :3, :3]
     if (
         transform.shape != (4, 4)
-        or not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0, atol=1e-9)
-        or np.linalg.det(rotation) < 0
+        or not is_rotation(transform[:3, :3])
         or not np.array_equal(transform[3], (0, 0, 0, 1))
     ):
         raise InputError(name, transform.tolist(), "one rigid transform, (4, 4)")

@@ -7,12 +7,20 @@ names what was given, what was expected and, where there is a choice, the possib
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable
 from typing import Any
 
 
 class Alpha5Error(Exception):
-    """Root of all errors of this package."""
+    """Root of all errors of this package.
+
+    Each one can be copied and pickled, message and attributes included, and so reaches the caller of a
+    worker process; an attribute that cannot be pickled arrives as its printed form.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (type(self), self.args, {k: _sent(v) for k, v in vars(self).items()})
 
 
 class InputError(Alpha5Error, ValueError):
@@ -186,6 +194,25 @@ class MissingDependencyError(Alpha5Error, ImportError):
         super().__init__(f"{needed_for} needs {dependency}, which is not installed: {remedy}")
 
 
+def _restored(kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]) -> Any:
+    """An error without a call of its own ``__init__``, whose arguments are not those of the message."""
+    error = kind.__new__(kind)
+    super(Alpha5Error, error).__init__(*args)  # the built-in's, which also keeps its own fields
+    vars(error).update(attributes)
+    return error
+
+
+def _sent(value: Any) -> Any:
+    try:
+        pickle.loads(pickle.dumps(value))
+    except Exception:
+        return _short(value)
+    return value
+
+
 def _short(value: Any) -> str:
-    text = " ".join(repr(value).split())  # arrays print over several lines
+    try:
+        text = " ".join(repr(value).split())  # arrays print over several lines
+    except Exception:  # of a foreign class; the error being told is the caller's, not this one
+        text = f"a {type(value).__name__}"
     return text if len(text) <= 80 else text[:77] + "..."

@@ -2,7 +2,8 @@
 
 Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative integrals,
 ``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook tensor have it. SolidWorks
-prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg].
+prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg]. What is no such array of
+numbers raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
 
 References:
     [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent inertial
@@ -18,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
-from alpha5_model.errors import InputError
+from alpha5_model.checks import FloatArray, bounded, float_array, is_rotation, real, shaped
+from alpha5_model.errors import InputError, ShapeError
 
 
 def flip_products(inertia: ArrayLike) -> FloatArray:
@@ -50,8 +51,8 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) [kg m^2].
     """
-    p = float_array("position", position, (3,))
-    m = float_array("mass", mass, ())[..., None, None]
+    m, p = _together(mass=(mass, ()), position=(position, (3,)))
+    m = m[..., None, None]
     square = np.einsum("...i,...i->...", p, p)[..., None, None]
     out: FloatArray = m * (square * np.eye(3) - p[..., :, None] * p[..., None, :])
     return out
@@ -68,12 +69,14 @@ def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) ->
     Returns:
         (..., 3, 3) about the origin, same axes [kg m^2].
     """
-    return float_array("inertia_com", inertia_com, (3, 3)) + point_mass_tensor(mass, com)
+    m, c, tensor = _body(mass, com, inertia_com=inertia_com)
+    return tensor + point_mass_tensor(m, c)
 
 
 def tensor_at_com(mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike) -> FloatArray:
     """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
-    return float_array("inertia_origin", inertia_origin, (3, 3)) - point_mass_tensor(mass, com)
+    m, c, tensor = _body(mass, com, inertia_origin=inertia_origin)
+    return tensor - point_mass_tensor(m, c)
 
 
 def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
@@ -85,9 +88,14 @@ def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
 
     Returns:
         (..., 3, 3) in {b} [kg m^2].
+
+    Raises:
+        InputError: ``rotation_a_to_b`` is not a rotation.
     """
-    r = float_array("rotation_a_to_b", rotation_a_to_b, (3, 3))
-    return r @ float_array("inertia", inertia, (3, 3)) @ np.swapaxes(r, -1, -2)
+    r, tensor = _together(rotation_a_to_b=(rotation_a_to_b, (3, 3)), inertia=(inertia, (3, 3)))
+    if not is_rotation(r).all():
+        raise InputError("rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1")
+    return r @ tensor @ np.swapaxes(r, -1, -2)
 
 
 def combine(
@@ -107,13 +115,15 @@ def combine(
     Raises:
         InputError: The masses add up to zero: no COM.
     """
-    m = float_array("masses", masses, ())
-    c = float_array("coms", coms, (3,))
+    n = float_array("masses", masses, ()).size
+    m = bounded("masses", shaped("masses", masses, (n,)))
+    c = bounded("coms", shaped("coms", coms, (n, 3)))
+    tensors = bounded("inertias", shaped("inertias", inertias, (n, 3, 3)))
     mass = float(m.sum())
     if mass == 0:
         raise InputError("masses", m.tolist(), "masses that do not add up to zero")
     com = (m[:, None] * c).sum(axis=0) / mass
-    return mass, com, tensor_at_origin(m, c - com, inertias).sum(axis=0)
+    return mass, com, (tensors + point_mass_tensor(m, c - com)).sum(axis=0)
 
 
 def second_moments(inertia: ArrayLike) -> FloatArray:
@@ -125,7 +135,7 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) about the same point [kg m^2].
     """
-    tensor = float_array("inertia", inertia, (3, 3))
+    (tensor,) = _together(inertia=(inertia, (3, 3)))
     trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
     out: FloatArray = trace / 2 * np.eye(3) - tensor
     return out
@@ -144,8 +154,8 @@ def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> F
     Returns:
         (..., 4, 4).
     """
-    m, c = float_array("mass", mass, ()), float_array("com", com, (3,))
-    sigma = second_moments(tensor_at_origin(m, c, inertia_com))
+    m, c, tensor = _body(mass, com, inertia_com=inertia_com)
+    sigma = second_moments(tensor + point_mass_tensor(m, c))
     out = np.empty((*sigma.shape[:-2], 4, 4))
     out[..., :3, :3] = sigma
     out[..., :3, 3] = out[..., 3, :3] = m[..., None] * c
@@ -155,15 +165,22 @@ def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> F
 
 def principal_moments(inertia: ArrayLike) -> FloatArray:
     """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
-    tensor = float_array("inertia", inertia, (3, 3))
+    (tensor,) = _together(inertia=(inertia, (3, 3)))
     symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
     return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
 
 
 def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
-    """Radii of gyration ``sqrt(I_kk / m)`` about the frame's axes, (..., 3) [m]."""
-    diagonal = np.diagonal(float_array("inertia", inertia, (3, 3)), axis1=-2, axis2=-1)
-    return np.sqrt(diagonal / float_array("mass", mass, ())[..., None])
+    """Radii of gyration ``sqrt(I_kk / m)`` about the frame's axes, (..., 3) [m].
+
+    Raises:
+        InputError: A mass not above 0, or a moment of inertia below 0.
+    """
+    m, tensor = _together(mass=(mass, ()), inertia=(inertia, (3, 3)))
+    diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
+    if not ((m > 0).all() and (diagonal >= 0).all()):
+        raise InputError("mass, inertia", (m, diagonal), "masses above 0, moments of at least 0")
+    return np.sqrt(diagonal / m[..., None])
 
 
 def inconsistencies(
@@ -191,9 +208,13 @@ def inconsistencies(
 
     Returns:
         One short sentence for each violated condition.
+
+    Raises:
+        InputError: Not finite real numbers; ShapeError: of other shapes.
     """
-    c = float_array("com", com, (3,))
-    tensor = float_array("inertia_com", inertia_com, (3, 3))
+    mass, tolerance = real("mass", mass), real("tolerance", tolerance, minimum=0.0)
+    c, tensor = shaped("com", com, (3,)), shaped("inertia_com", inertia_com, (3, 3))
+    _body(mass, c, inertia_com=tensor)
     found = []
     if mass <= 0:
         found.append(f"mass {mass:g} kg is not positive")
@@ -211,7 +232,7 @@ def inconsistencies(
     if not found and np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0] <= 0:
         found.append("the pseudo-inertia is not positive definite")
     if bounds is not None:
-        box = float_array("bounds", bounds, (3, 2))
+        box = bounded("bounds", shaped("bounds", bounds, (3, 2)))
         variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
         for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
             if not low <= position <= high:
@@ -226,3 +247,22 @@ def inconsistencies(
                     f"of this size can, {limit * 1e3:.1f} mm"
                 )
     return tuple(found)
+
+
+def _together(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
+    """Arrays with their trailing shapes, leading axes that broadcast, and no number too large."""
+    arrays, leading = [], []
+    for name, (value, trailing) in given.items():
+        arrays.append(bounded(name, float_array(name, value, trailing)))
+        leading.append(arrays[-1].shape[: arrays[-1].ndim - len(trailing)])
+    try:
+        np.broadcast_shapes(*leading)
+    except ValueError:
+        shapes = tuple(array.shape for array in arrays)
+        raise ShapeError(", ".join(given), shapes, "leading shapes that broadcast") from None
+    return arrays
+
+
+def _body(mass: ArrayLike, com: ArrayLike, **tensor: ArrayLike) -> list[FloatArray]:
+    named = {name: (value, (3, 3)) for name, value in tensor.items()}
+    return _together(mass=(mass, ()), com=(com, (3,)), **named)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -31,8 +32,32 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
+def payload_of_net_weight(ratio: float, density: float) -> dict[str, Any]:
+    """A body whose weight in the fluid is so many times its own weight (below 0) or its displaced one's."""
+    displaced = 0.1 * (1 - min(ratio, 0.0))  # kg
+    cob = PAYLOAD["cob"] if ratio else PAYLOAD["com"]  # neutral in every way
+    volume = displaced / (density or 1000.0)
+    mass = displaced + ratio * 0.1
+    return {"mass": mass, "volume": volume, "com": PAYLOAD["com"], "cob": cob}
+
+
+#: From bodies that float to bodies that sink, in fluids from none to heavier than mercury.
+FLOATING = {
+    f"{gripper}, {'floating' if floating else 'fixed'}, {density:g} kg/m^3, net {ratio:+g}": {
+        "gripper": gripper,
+        "floating_base": floating,
+        "fluid_density": density,
+        "gravity": TILTED,
+        "payload": payload_of_net_weight(ratio, density),
+    }
+    for k, (gripper, floating) in enumerate(product(("locked", "jaws"), (False, True)))
+    for i, density in enumerate((0.0, 1e-3, 1000.0, 1025.0, 5000.0, 2e4))
+    for ratio in [(-5.0, 5.0, -1.0, 0.0, 1.0, -0.2)[(i + 2 * k) % 6]]
+}
+
+
 def make(variant: str) -> a5.Arm:
-    choices = dict(VARIANTS[variant])
+    choices = dict((VARIANTS | FLOATING)[variant])
     payload = choices.pop("payload", None)
     arm = a5.load(**choices)
     return arm.with_payload(**payload) if payload else arm

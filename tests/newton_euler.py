@@ -57,11 +57,21 @@ def newton_euler(
     mass: np.ndarray = MASS,
     volume: np.ndarray = VOLUME,
     cob: np.ndarray = COB,
+    held: tuple[float, np.ndarray, np.ndarray, float, np.ndarray] | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Joint torques (N, 4), and force and moment at the origin that the arm exerts on its mount (N, 3)."""
+    """Joint torques (N, 4), and force and moment at the origin that the arm exerts on its mount (N, 3).
+
+    ``held`` is a body at the tcp, in its axes: mass, COM, tensor at the COM, volume, centre of buoyancy.
+    """
     g = np.asarray(gravity)
     rotations, origins = link_frames(q)
-    tensor = tensors()
+    bodies = list(zip(range(5), mass, COM, tensors(), volume, cob, strict=True))
+    if held is not None:
+        m, com, tensor, v_held, cob_held = held
+        turn = rotation_x(ALPHA[3]) @ rotation_z(np.array(reference.DH[4][1]))
+        tcp = np.array([A[3], 0.0, D[3]])
+        held_tensor = turn @ tensor @ turn.T
+        bodies.append((4, m, tcp + turn @ com, held_tensor, v_held, tcp + turn @ cob_held))
     n = len(q)
     omega, alpha, acceleration = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
     forces, moments, arms = [], [], []
@@ -76,21 +86,26 @@ def newton_euler(
             rate = z * v[:, i - 1, None]
             alpha = alpha + z * a[:, i - 1, None] + np.cross(omega, rate)
             omega = omega + rate
-        to_com, to_cob = rotation @ COM[i], rotation @ cob[i]
-        com_acceleration = (
-            acceleration + np.cross(alpha, to_com) + np.cross(omega, np.cross(omega, to_com))
-        )
-        world_tensor = rotation @ tensor[i] @ np.swapaxes(rotation, 1, 2)
-        spin = np.einsum("nij,nj->ni", world_tensor, omega)
-        weightless = mass[i] * (com_acceleration - g)
-        lift = -density * volume[i] * np.broadcast_to(g, (n, 3))
-        forces.append(weightless - lift)
-        moments.append(
-            np.einsum("nij,nj->ni", world_tensor, alpha)
-            + np.cross(omega, spin)
-            + np.cross(to_com, weightless)
-            - np.cross(to_cob, lift)
-        )
+        total, turning = np.zeros((n, 3)), np.zeros((n, 3))
+        for _, m, com, tensor, displaced, centre in (body for body in bodies if body[0] == i):
+            to_com, to_cob = rotation @ com, rotation @ centre
+            com_acceleration = (
+                acceleration + np.cross(alpha, to_com) + np.cross(omega, np.cross(omega, to_com))
+            )
+            world_tensor = rotation @ tensor @ np.swapaxes(rotation, 1, 2)
+            spin = np.einsum("nij,nj->ni", world_tensor, omega)
+            weightless = m * (com_acceleration - g)
+            lift = -density * displaced * np.broadcast_to(g, (n, 3))
+            total = total + weightless - lift
+            turning = (
+                turning
+                + np.einsum("nij,nj->ni", world_tensor, alpha)
+                + np.cross(omega, spin)
+                + np.cross(to_com, weightless)
+                - np.cross(to_cob, lift)
+            )
+        forces.append(total)
+        moments.append(turning)
         arms.append(origins[i])
     force, moment, tau = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4))
     for i in (4, 3, 2, 1, 0):

@@ -381,6 +381,26 @@ def test_threads_and_copies_have_memory_of_their_own(collisions):
     assert arm.with_payload(1.0).collision_distance(q[0]) == pytest.approx(alone[0], abs=2e-6)
 
 
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_the_answer_at_q_does_not_depend_on_what_was_asked_before(gripper):
+    arm, rng = a5.load(gripper=gripper), np.random.default_rng(12)
+    low, high = arm.model.lowerPositionLimit, arm.model.upperPositionLimit
+    q = rng.uniform(low, high, (60, len(low)))
+    collisions = CollisionModel(arm.model)
+
+    def answers(order):
+        found = {i: collisions.clearance(q[i]) for i in order}
+        return [(found[i].distance, found[i].links, *found[i].points.ravel()) for i in range(60)]
+
+    first = answers(range(60))
+    assert answers(rng.permutation(60)) == first
+    assert answers(range(59, -1, -1)) == first
+    assert [CollisionModel(arm.model).clearance(x).distance for x in q[::10]] == [
+        x[0] for x in first[::10]
+    ]
+    assert [arm.collision_distance(x) for x in q] == [x[0] for x in first]
+
+
 def test_open_jaws_reach_farther():
     """The fingers follow the rod: folded against the upper arm, wide jaws come closer to it."""
     arm = a5.load(gripper="jaws")

@@ -7,14 +7,16 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
-from reference import VOLUME
+from reference import MASS, VOLUME
 
 import alpha5_model as a5
+from alpha5_model.checks import LARGEST
 from alpha5_model.errors import (
     InputError,
     NonFiniteError,
@@ -120,6 +122,80 @@ def test_wrong_input_is_one_clear_error(kind, method, count):
             given[which] = bad
             with pytest.raises(InputError):
                 getattr(arm, method)(*given)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, count):
+    """Up to the bound every result is finite, beyond it there is none: overflow is never an answer."""
+    arm = make(kind)
+    clean = inputs(arm, count)
+    bounds = [np.full(len(x), LARGEST) for x in clean]
+    if kind == "jaws":
+        for bound in bounds:
+            bound[-1] /= 51.0  # the fingers' angles per metre of the rod are bounded, too
+    places = [(i, k) for i, x in enumerate(clean) for k in range(len(x))]
+    for which, place in places:
+        if arm.floating_base and which == 0 and 3 <= place < 7:
+            continue  # a quaternion has its norm
+        for sign in (1.0, -1.0):
+            given = [x.copy() for x in clean]
+            given[which][place] = sign * bounds[which][place] * (1 - 1e-12)
+            if not method.startswith("forward_dynamics_d"):  # the acceleration is beyond the bound
+                assert np.isfinite(numbers(getattr(arm, method)(*given))).all()
+            for bad in (LARGEST * (1 + 1e-12), 1e200, 1.7e308):
+                given[which][place] = sign * bad
+                with pytest.raises(InputError, match="overflow"):
+                    getattr(arm, method)(*given)
+    if not arm.floating_base:
+        extreme = [0.4 * x for x in bounds]
+        if not method.startswith("forward_dynamics_d"):
+            assert np.isfinite(numbers(getattr(arm, method)(*extreme))).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("method", "count"), METHODS.items())
+def test_masks_and_units_are_not_lost(kind, method, count):
+    arm = make(kind)
+    clean = inputs(arm, count)
+    for which, x in enumerate(clean):
+        given = list(clean)
+        for bad in (np.ma.masked_array(x), np.ma.masked_less(x, 0.0), x.view(np.matrix)[0]):
+            given[which] = bad
+            with pytest.raises(InputError, match=r"without mask or unit|shape"):
+                getattr(arm, method)(*given)
+
+
+def test_an_arm_cannot_be_made_of_what_is_none():
+    arm = a5.load()
+    body = arm.displacements[1]
+    for model, bodies in (
+        (None, []),
+        (pin.Model(), []),
+        ("arm.urdf", arm.displacements),
+        (arm.model, None),
+        (arm.model, "bodies"),
+        (arm.model, [*arm.displacements, 1]),
+    ):
+        with pytest.raises(InputError):
+            a5.Arm(model, bodies)
+    with pytest.raises(UnknownNameError, match="unknown joint 'axis_z'"):
+        a5.Arm(arm.model, [replace(body, joint="axis_z")])
+    for wrong in (
+        {"volume": -1e-9},
+        {"volume": math.nan},
+        {"volume": 1e60},
+        {"volume": True},
+        {"cob": (0.0, 0.0)},
+        {"cob": np.zeros((1, 3))},
+        {"cob": (0.0, 0.0, math.inf)},
+    ):
+        with pytest.raises(InputError, match=next(iter(wrong))):
+            replace(body, **wrong)
+    with pytest.raises(InputError, match="volume above 0"):
+        a5.Arm(arm.model, []).center_of_buoyancy(np.zeros(4))
+    dry = a5.Arm(arm.model, [])
+    assert np.array_equal(dry.hydrostatic_torque(np.ones(4)), arm.gravity_torque(np.ones(4)))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -258,6 +334,8 @@ def test_external_forces_are_checked():
                 call(q, v, a, fext=fext)
         with pytest.raises(NonFiniteError):
             call(q, v, a, fext=[*zero[:-1], bad])
+        with pytest.raises(InputError, match=r"fext\[4\].* overflow"):
+            call(q, v, a, fext=[*zero[:-1], pin.Force(np.full(6, 1e60))])
 
 
 def test_batch_arguments():
@@ -343,6 +421,27 @@ def test_payload_leaves_the_arm_as_it_was_and_adds_up():
     assert load.angular == pytest.approx([0, -0.1 * (1.025 - 1.0) * 9.81, 0], abs=1e-12)
 
 
+def test_payload_defaults_are_a_point_at_the_tcp_that_displaces_nothing():
+    arm, zero = a5.load(), (0.0, 0.0, 0.0)
+    spelt = {"com": zero, "inertia": None, "volume": 0.0, "cob": zero, "frame": "tcp"}
+    for given, same in (
+        ({}, spelt),
+        ({"com": (0.01, 0.02, 0.03)}, spelt | {"com": (0.01, 0.02, 0.03)}),
+        (
+            {"com": (0.01, 0.02, 0.03), "volume": 1e-4},
+            spelt | {"com": (0.01, 0.02, 0.03), "volume": 1e-4, "cob": (0.01, 0.02, 0.03)},
+        ),
+    ):
+        one, two = arm.with_payload(0.3, **given), arm.with_payload(0.3, **same)
+        for method, count in METHODS.items():
+            state = inputs(arm, count)
+            ours, theirs = (numbers(getattr(x, method)(*state)) for x in (one, two))
+            assert np.array_equal(ours, theirs)
+        tip = arm.center_of_mass(np.zeros(4)) * sum(MASS)
+        tip += 0.3 * arm.forward_kinematics(np.zeros(4)).act(np.array(given.get("com", zero)))
+        assert one.center_of_mass(np.zeros(4)) == pytest.approx(tip / (sum(MASS) + 0.3), abs=1e-14)
+
+
 def test_payload_of_any_neutral_body_weighs_nothing():
     arm = a5.load(1000.0)
     loaded = arm.with_payload(0.5, (0.01, 0.02, 0.03), volume=0.5e-3)
@@ -359,6 +458,11 @@ def test_impossible_payloads():
         {"mass": math.nan},
         {"mass": "heavy"},
         {"mass": 1.0, "volume": -1e-3},
+        {"mass": 1e60},
+        {"mass": 1.0, "volume": 1e60},
+        {"mass": 1.0, "com": (1e60, 0.0, 0.0)},
+        {"mass": 1.0, "cob": (1e60, 0.0, 0.0)},
+        {"mass": 1.0, "inertia": 1e60 * np.eye(3)},
         {"mass": 1.0, "com": (0.0, 0.0)},
         {"mass": 1.0, "com": (0.0, 0.0, math.inf)},
         {"mass": 1.0, "cob": (0.0, 0.0, 0.0, 0.0)},
@@ -377,14 +481,14 @@ def test_impossible_payloads():
 
 
 def test_load_refuses_what_it_cannot_use():
-    for bad in (-1.0, math.nan, "sea", None, [1000.0, 1025.0]):
+    for bad in (-1.0, math.nan, "sea", None, [1000.0, 1025.0], 1e60):
         with pytest.raises(InputError):
             a5.load(bad)
     with pytest.raises(UnknownNameError, match="locked, jaws"):
         a5.load(gripper="claw")
     with pytest.raises(UnknownNameError):
         a5.load(corrections=("base",))
-    for gravity in ((0.0, -9.81), 9.81, (0.0, 0.0, math.inf), "down"):
+    for gravity in ((0.0, -9.81), 9.81, (0.0, 0.0, math.inf), "down", (0.0, 0.0, 1e60)):
         with pytest.raises(InputError):
             a5.load(gravity=gravity)
     with pytest.raises(InputError, match="floating_base"):

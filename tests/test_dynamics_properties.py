@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import VARIANTS, central_difference, make, moved, random_q, random_v
+from dynamics_cases import FLOATING, VARIANTS, central_difference, make, moved, random_q, random_v
 
 import alpha5_model as a5
 
 
-@pytest.fixture(scope="module", params=VARIANTS)
+@pytest.fixture(scope="module", params=[*VARIANTS, *FLOATING])
 def arm(request):
     return make(request.param)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import TILTED, make, random_q, random_v
+from dynamics_cases import PAYLOAD, TILTED, make, payload_of_net_weight, random_q, random_v
 from newton_euler import COB, COM, MASS, VOLUME, newton_euler
 
 import alpha5_model as a5
@@ -52,6 +52,32 @@ def test_own_newton_euler_sees_a_wrong_model(states, variant, monkeypatch):
         monkeypatch.setattr(module, "PRINTED", flipped)
     tau, _, _ = newton_euler(q, v, a, 1025.0, **wrong)
     assert np.abs(a5.load().inverse_dynamics_batch(q, v, a) - tau).max() > 1e-3
+
+
+@pytest.mark.parametrize("density", [0.0, 1025.0, 2e4])
+@pytest.mark.parametrize("ratio", [-5.0, -1.0, -1e-9, 0.0, 1.0, 5.0])
+def test_what_the_arm_holds_may_float(states, density, ratio):
+    q, v, a = (x[:100] for x in states)
+    payload = payload_of_net_weight(ratio, density) | {"inertia": PAYLOAD["inertia"]}
+    held = tuple(map(np.array, (payload[k] for k in ("mass", "com", "inertia", "volume", "cob"))))
+    tau, force, moment = newton_euler(q, v, a, density, TILTED, held=held)
+    arm = a5.load(density, gravity=TILTED).with_payload(**payload)
+    scale = max(1.0, np.abs(tau).max())
+    assert np.abs(arm.inverse_dynamics_batch(q, v, a) - tau).max() < EXACT * scale
+    for i, single in enumerate(arm.base_wrench(*state) for state in zip(q, v, a, strict=True)):
+        assert np.abs(single.vector - np.hstack([force[i], moment[i]])).max() < 1e-11 * scale
+        assert np.abs(arm.forward_dynamics(q[i], v[i], tau[i]) - a[i]).max() < 1e-9
+    still = 0 * v
+    held_still = newton_euler(q, still, still, density, TILTED, held=held)[0]
+    step = 1e-5
+    for i in range(0, 100, 10):
+        assert np.abs(arm.hydrostatic_torque(q[i]) - held_still[i]).max() < EXACT * scale
+        ahead, behind = (
+            newton_euler(q[i] + s * step * np.eye(4), 0 * np.eye(4), 0 * np.eye(4), density, TILTED, held=held)[0]
+            for s in (1, -1)
+        )  # fmt: skip
+        slope = (ahead - behind).T / (2 * step)
+        assert np.abs(arm.hydrostatic_torque_derivative(q[i]) - slope).max() < 1e-8 * scale
 
 
 def test_corrections_change_what_they_say(states):

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+import array
+import copy
+import importlib
 import inspect
+import pickle
+import pkgutil
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse
 
-from alpha5_model import checks, errors
+import alpha5_model as a5
+from alpha5_model import checks, errors, inertia
+
+
+def pickled(error: Any) -> Any:
+    return pickle.loads(pickle.dumps(error))
 
 
 def instances() -> list[errors.Alpha5Error]:
@@ -66,6 +81,42 @@ def test_a_value_that_prints_over_several_lines_leaves_the_message_on_one() -> N
     assert "\n" not in str(errors.InputError("q", value, "an array of real numbers"))
 
 
+def every_kind(root: type[errors.Alpha5Error] = errors.Alpha5Error) -> list[type]:
+    return [root, *(kind for child in root.__subclasses__() for kind in every_kind(child))]
+
+
+@pytest.mark.parametrize("error", instances(), ids=lambda e: type(e).__name__)
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
+def test_an_error_survives_copying_and_pickling(error: errors.Alpha5Error, copied: Any) -> None:
+    error.add_note("while testing")
+    twin = copied(error)
+    assert twin is not error
+    assert type(twin) is type(error)
+    assert (str(twin), repr(twin), twin.args) == (str(error), repr(error), error.args)
+    assert vars(twin).keys() == vars(error).keys()
+    assert str(vars(twin)) == str(vars(error))
+    builtin = {"msg", "errno", "strerror", "filename"}
+    assert all(getattr(twin, x, 0) == getattr(error, x, 0) for x in builtin)
+    assert pickled(twin).args == error.args
+
+
+def test_no_kind_of_error_has_a_way_of_its_own() -> None:
+    for info in pkgutil.walk_packages(a5.__path__, "alpha5_model."):
+        if not info.name.endswith("__main__"):
+            importlib.import_module(info.name)
+    for kind in every_kind():
+        assert kind.__reduce__ is errors.Alpha5Error.__reduce__
+        assert {"__reduce_ex__", "__getstate__", "__copy__"}.isdisjoint(vars(kind))
+
+
+def test_an_attribute_that_cannot_be_pickled_arrives_printed() -> None:
+    twin = pickled(errors.InputError("q", (x for x in ()), "numbers"))
+    assert twin.name == "q"
+    assert twin.value.startswith("<generator object")
+    unprintable = type("Odd", (), {"__repr__": lambda self: 1 / 0})()
+    assert str(errors.InputError("q", unprintable, "numbers")) == "q: expected numbers, got a Odd"
+
+
 # --- the checks that raise them ---------------------------------------------------------------
 
 
@@ -75,6 +126,141 @@ def test_what_is_not_real_is_refused(value: object) -> None:
         checks.float_array("q", value, (1,))
     with pytest.raises(errors.InputError, match="q: expected"):
         checks.real("q", value)
+
+
+class Tagged(np.ndarray):
+    """An array that says more than its numbers, as quantities and masked arrays do."""
+
+
+class Quantity:
+    """Numbers with a unit, as pint and astropy have them; NumPy reads the numbers."""
+
+    def __init__(self, unit: str) -> None:
+        setattr(self, unit, "deg")
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return np.array([1.0, 2.0])
+
+    def __len__(self) -> int:
+        return 2
+
+    def __getitem__(self, index: int) -> float:
+        return [1.0, 2.0][index]
+
+
+class Failing:
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        raise RuntimeError("still on the graph")
+
+
+MASKED = np.ma.masked_array([1.0, 2.0], mask=[False, True])
+ENDLESS: list[Any] = []
+ENDLESS.append(ENDLESS)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        MASKED,
+        np.ma.masked_array([1.0, 2.0]),
+        [MASKED, MASKED],
+        [1.0, np.ma.masked],
+        np.matrix([1.0, 2.0]),
+        np.array([1.0, 2.0]).view(Tagged),
+        [1.0, True],
+        (1.0, np.bool_(False)),
+        [[1.0, 2.0], [1.0, False]],
+        ["1", "2"],
+        [1.0, "2"],
+        bytearray(b"12"),
+        b"12",
+        [1.0 + 0j, 2.0],
+        np.array([1, 2], dtype=object),
+        np.array([(1.0, 2.0)], dtype=[("x", float), ("y", float)]),
+        np.array(["2020-01-01", "2020-01-02"], dtype="datetime64[D]"),
+        np.array([1, 2], dtype="timedelta64[s]"),
+        [Fraction(1), Decimal(2)],
+        Quantity("unit"),
+        Quantity("units"),
+        [Quantity("unit")],
+        scipy.sparse.csr_matrix([[1.0, 2.0]]),
+        scipy.sparse.csr_array([[1.0, 2.0]]),
+        Failing(),
+        ENDLESS,
+        {1.0, 2.0},
+        (x for x in (1.0, 2.0)),
+        [10**400, 1],
+    ],
+    ids=str,
+)
+def test_what_says_more_than_its_numbers_is_refused(value: object) -> None:
+    for read in (lambda x: checks.float_array("q", x, ()), lambda x: checks.shaped("q", x, (2,))):
+        with pytest.raises(errors.InputError, match="q: expected an array of real numbers"):
+            read(value)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        [1, 2.0],
+        (np.float32(1.0), np.int8(2)),
+        range(1, 3),
+        array.array("f", [1.0, 2.0]),
+        np.array([1, 2], dtype=np.uint8),
+        np.array([1.0, 2.0], dtype=">f4"),
+        np.array([1.0, 2.0], dtype=np.longdouble),
+        [np.array(1.0), np.array([2.0])[0]],
+    ],
+    ids=str,
+)
+def test_plain_numbers_of_every_kind_are_read(value: Any, tmp_path: Path) -> None:
+    read = checks.float_array("q", value, (2,))
+    assert type(read) is np.ndarray
+    assert read.dtype is np.dtype(np.float64)
+    assert read.tolist() == [1.0, 2.0]
+    mapped = np.memmap(tmp_path / "q", dtype=np.float64, mode="w+", shape=(2,))
+    mapped[:] = 1.0, 2.0
+    assert checks.float_array("q", mapped, (2,)).tolist() == [1.0, 2.0]
+
+
+def test_a_number_beyond_float_is_not_finite() -> None:
+    big = np.full(2, np.finfo(np.longdouble).max)
+    if np.finfo(np.longdouble).max > np.finfo(np.float64).max:
+        with pytest.raises(errors.NonFiniteError, match=r"q\[0\]"):
+            checks.float_array("q", big, (2,))
+
+
+def test_one_tolerance_for_rotations_everywhere() -> None:
+    """Seven printed digits are a rotation, five are none, for whoever asks."""
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    target = np.eye(4)
+
+    def posed(r: Any) -> Any:
+        target[:3, :3], target[:3, 3] = r, (0.25, 0.1, 0.1)
+        return target
+
+    takers = [
+        lambda r: a5.gravity_in_base(r),
+        lambda r: inertia.rotate_tensor(r, np.eye(3)),
+        lambda r: checks.rigid_transform("base", posed(r)),
+        lambda r: a5.inverse_kinematics_pose(posed(r)),
+    ]
+    edge = np.eye(3) * np.sqrt(1 + 0.99 * checks.ROTATION_TOLERANCE)
+    for take in takers:
+        for good in (turn, turn.round(7), edge):
+            take(good)
+        beyond = np.eye(3) * np.sqrt(1 + 1.01 * checks.ROTATION_TOLERANCE)
+        for bad in (
+            turn.round(5),
+            -turn,
+            np.diag([1.0, -1.0, 1.0]),
+            beyond,
+            1e300 * turn,
+            0 * turn,
+        ):
+            with pytest.raises(errors.InputError):
+                take(bad)
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (4, 3), (4, 0)])

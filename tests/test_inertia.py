@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -162,6 +163,85 @@ def test_arguments_are_left_alone_and_checked() -> None:
         mod.inconsistencies(1.0, [0, np.nan, 0], np.eye(3))
     with pytest.raises(InputError, match="add up to zero"):
         mod.combine([1.0, -1.0], np.zeros((2, 3)), np.zeros((2, 3, 3)))
+
+
+ONE, THREE, TENSOR = np.ones(()), np.zeros(3), np.eye(3)
+BODY = {"mass": ONE, "com": THREE, "inertia_com": TENSOR}
+#: Every function with arguments that fit.
+CALLS = {
+    "flip_products": {"inertia": TENSOR},
+    "point_mass_tensor": {"mass": ONE, "position": THREE},
+    "tensor_at_origin": BODY,
+    "tensor_at_com": {"mass": ONE, "com": THREE, "inertia_origin": TENSOR},
+    "rotate_tensor": {"rotation_a_to_b": TENSOR, "inertia": TENSOR},
+    "combine": {
+        "masses": np.ones(2),
+        "coms": np.zeros((2, 3)),
+        "inertias": np.array([TENSOR, TENSOR]),
+    },
+    "second_moments": {"inertia": TENSOR},
+    "pseudo_inertia": BODY,
+    "principal_moments": {"inertia": TENSOR},
+    "radii_of_gyration": {"mass": ONE, "inertia": TENSOR},
+    "inconsistencies": BODY | {"bounds": np.array([[-1.0, 1.0]] * 3), "tolerance": 0.0},
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_wrong_shapes_and_numbers_are_errors_of_the_package(name: str) -> None:
+    function, given = getattr(mod, name), CALLS[name]
+    function(**given)
+    wrong = [None, "abc", {}, [[1], [1, 2]], 1j, np.ma.masked_array([1.0], mask=[True])]
+    for argument, value in given.items():
+        shape = np.shape(value)
+        shapes = [(4,), (2, 4), (5, 3), (3, 4), (4, 3, 3), (3, 3, 3, 2)]
+        others = {k: np.array([v, v]) for k, v in given.items() if k != argument}
+        for bad in [*wrong, np.full(shape, np.nan), *(np.ones(s) for s in shapes)]:
+            for call in (given | {argument: bad}, others | {argument: bad}):
+                # Leading axes that fit one another are no error; a raw NumPy error fails the test.
+                with contextlib.suppress(Alpha5Error):
+                    function(**call)
+                    assert isinstance(bad, np.ndarray) or argument == "bounds"
+                    assert bad is None or np.isfinite(bad).all()
+        if argument != "tolerance" and name != "flip_products":  # which multiply nothing
+            with pytest.raises(InputError):
+                function(**(given | {argument: np.full(shape, 1e200)}))
+
+
+def test_leading_shapes_must_fit_one_another() -> None:
+    two, three = np.ones(2), np.ones(3)
+    for call in (
+        lambda: mod.point_mass_tensor(two, np.zeros((3, 3))),
+        lambda: mod.tensor_at_origin(two, np.zeros(3), np.zeros((3, 3, 3))),
+        lambda: mod.tensor_at_com(two, np.zeros((3, 3)), np.zeros((3, 3))),
+        lambda: mod.rotate_tensor(np.array([np.eye(3)] * 2), np.zeros((3, 3, 3))),
+        lambda: mod.pseudo_inertia(three, np.zeros((2, 3)), np.eye(3)),
+        lambda: mod.radii_of_gyration(three, np.array([np.eye(3)] * 2)),
+    ):
+        with pytest.raises(ShapeError, match="leading shapes that broadcast"):
+            call()
+    bodies = two, np.zeros((2, 3)), np.zeros((2, 3, 3))
+    mod.combine(*bodies)
+    for i, shapes in enumerate(
+        (
+            [(), (1, 2), (3,)],
+            [(3,), (1, 3), (3, 3), (1, 2, 3)],
+            [(3, 3), (1, 3, 3), (3, 3, 3), (1, 2, 3, 3)],
+        )
+    ):
+        for shape in shapes:
+            with pytest.raises(ShapeError):
+                mod.combine(*bodies[:i], np.ones(shape), *bodies[i + 1 :])
+    with pytest.raises(ShapeError, match=r"shape \(3,\)"):
+        mod.inconsistencies(1.0, np.zeros((2, 3)), np.eye(3))
+    with pytest.raises(ShapeError, match=r"shape \(3, 2\)"):
+        mod.inconsistencies(1.0, np.zeros(3), np.eye(3), np.zeros((2, 3, 2)))
+
+
+def test_a_body_without_mass_has_no_radius_of_gyration() -> None:
+    for mass, tensor in ((0.0, np.eye(3)), (-1.0, np.eye(3)), (1.0, -np.eye(3))):
+        with pytest.raises(InputError, match="masses above 0"):
+            mod.radii_of_gyration(mass, tensor)
 
 
 # --- physical consistency ---------------------------------------------------------------------

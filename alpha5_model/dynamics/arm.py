@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from math import isfinite
 from typing import Any, Self
 
 import numpy as np
@@ -31,8 +30,6 @@ from alpha5_model.dynamics.water import SEA_WATER
 # Bound once: where a whole call takes 0.6 us, looking up a module's attribute is seen.
 _rnea, _aba, _crba = pin.rnea, pin.aba, pin.crba
 _gravity, _kinetic_energy = pin.computeGeneralizedGravity, pin.computeKineticEnergy
-
-_FLOAT64 = np.dtype(np.float64)
 
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
@@ -95,20 +92,13 @@ class Arm(Statics):
         Returns:
             tau, (nv,) [N m].
         """
-        own = self._own
-        if fext is None and not self.floating_base:
-            # The fast path of the most used call: Pinocchio itself refuses wrong lengths and types, and NaN
-            # or infinity at any place of q, v or a comes out in tau. Whatever fails is said properly below.
-            try:
-                tau: FloatArray = _rnea(self._model, own.data, q, v, a)
-                tau -= _gravity(self._fluid, own.fluid_data, q)
-                if isfinite(sum(tau.tolist())) and _plain(q, v, a):
-                    return tau
-            except (AttributeError, TypeError, ValueError):
-                pass
         q, v, a = self._clean_qva(q, v, a)
-        outside = () if fext is None else (forces(fext, self._model.njoints),)
-        tau = _rnea(self._model, own.data, q, v, a, *outside)
+        own = self._own
+        tau: FloatArray
+        if fext is None:
+            tau = _rnea(self._model, own.data, q, v, a)
+        else:
+            tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
         tau -= _gravity(self._fluid, own.fluid_data, q)
         return tau
 
@@ -238,7 +228,8 @@ class Arm(Statics):
             q: (N, nq), one state in each row; a single row is used for all states, here and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many to use; None for all that this process may use.
+            threads: How many to use at most; None for all that this process may use. One for each full
+                5000 states is used, and only one in a forked process.
 
         Returns:
             (N, nv).
@@ -315,9 +306,3 @@ class Arm(Statics):
             f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
             f"fluid {self.fluid_density:g} kg/m^3)"
         )
-
-
-def _plain(q: Any, v: Any, a: Any) -> bool:
-    """Vectors of float64, not of truth values, which Pinocchio would take for numbers."""
-    same: bool = q.dtype is v.dtype is a.dtype is _FLOAT64
-    return same and q.ndim == v.ndim == a.ndim == 1

@@ -2,6 +2,9 @@
 
 Pinocchio reads one state from each column; a C-ordered (N, n) array transposed is exactly that, so no state
 is copied.
+
+A forked process computes in one thread: OpenMP's threads are not there after a fork, yet it waits for them.
+Its siblings use the other processors; processes that are spawned use all threads.
 """
 
 from __future__ import annotations
@@ -13,37 +16,40 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, count, float_array
-from alpha5_model.dynamics.vectors import QUATERNION_TOLERANCE
+from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, bounded, count, float_array
 from alpha5_model.errors import InputError, ShapeError
+
+#: States for which a further thread is worth waking: 3 ms of work, what a busy machine takes to run one.
+STATES_PER_THREAD = 5000
+_PROCESS = os.getpid()
 
 
 class Pools:
     """Pinocchio's sets of pin.Data for its parallel algorithms, made when first asked for."""
 
     def __init__(self) -> None:
-        self._pools: dict[tuple[int, int], Any] = {}
+        self._pools: dict[int, Any] = {}
 
     def of(self, model: Any, threads: int) -> Any:
-        """pin.ModelPool of a model that the arm keeps as long as this object lives."""
-        key = (id(model), threads)
-        if key not in self._pools:
-            self._pools[key] = pin.ModelPool(model, threads)
-        return self._pools[key]
+        """pin.ModelPool, for that many threads or more, of a model that lives as long as this object."""
+        pool = self._pools.get(id(model))
+        if pool is None or pool.size() < threads:
+            pool = self._pools[id(model)] = pin.ModelPool(model, threads)
+        return pool
 
 
 def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     """Check and convert states in rows; the first one has nq columns, the others nv.
 
     Raises:
-        InputError: Not real numbers, or a quaternion without unit norm.
+        InputError: Not real numbers, too large ones, or a quaternion without unit norm.
         ShapeError: Wrong number of columns, or of rows.
         NonFiniteError: NaN or infinity.
     """
     columns = [model.nq, *[model.nv] * (len(states) - 1)]
     arrays = {}
     for (name, value), n in zip(states.items(), columns, strict=True):
-        array = float_array(name, value, (n,))
+        array = bounded(name, float_array(name, value, (n,)))
         if array.ndim > 2:
             raise ShapeError(name, array.shape, f"shape (N, {n})")
         arrays[name] = np.atleast_2d(array)
@@ -53,7 +59,7 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
             raise ShapeError(name, array.shape, f"{n_rows} rows, as the others, or one")
     if model.nq > model.nv:
         quaternion = arrays["q"][:, 3:7]
-        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) > QUATERNION_TOLERANCE
+        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) > ROTATION_TOLERANCE
         if off.any():
             row = int(np.argmax(off))
             norm = float(np.linalg.norm(quaternion[row]))
@@ -84,7 +90,7 @@ def inverse_dynamics(
     a: FloatArray,
 ) -> FloatArray:
     """RNEA of each row with the torque of the water taken off, (N, nv)."""
-    n = thread_count(threads)
+    n = thread_count(threads, len(q))
     tau = rnea(model, pools, n, q, v, a)
     tau -= _buoyancy(fluid, n, pools, q)
     return tau
@@ -100,7 +106,7 @@ def forward_dynamics(
     tau: FloatArray,
 ) -> FloatArray:
     """ABA of each row with the torque of the water added, (N, nv)."""
-    n = thread_count(threads)
+    n = thread_count(threads, len(q))
     total = _buoyancy(fluid, n, pools, q)
     total += tau
     a = np.empty_like(v)
@@ -113,9 +119,16 @@ def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArr
     return rnea(fluid, pools, threads, q, still, still)
 
 
-def thread_count(threads: int | None) -> int:
-    """Check a number of threads; None stands for `available_threads`."""
-    return available_threads() if threads is None else count("threads", threads)
+def thread_count(threads: int | None, states: int) -> int:
+    """Threads for a number of states: at most those asked for, None for `available_threads`.
+
+    Raises:
+        InputError: Not a whole number of at least 1.
+    """
+    asked = available_threads() if threads is None else count("threads", threads)
+    if os.getpid() != _PROCESS:
+        return 1
+    return max(1, min(asked, states // STATES_PER_THREAD))
 
 
 def available_threads() -> int:

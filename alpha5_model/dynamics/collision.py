@@ -52,6 +52,9 @@ class CollisionModel:
         self._data = model.createData()
         self.geometry = collision_geometry(model)
         self.data = self.geometry.createData()
+        # Pinocchio has each search start where the last one ended: then the answer at q, a micrometre
+        # of it, depends on what was asked before. coal's own request starts afresh.
+        self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(self.data.distanceRequests)
 
     def in_collision(self, q: FloatArray) -> bool:
         """Whether two links that are not neighbours touch at q, (nq,)."""

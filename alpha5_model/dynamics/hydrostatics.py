@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from alpha5_model.checks import FloatArray, frozen
+from alpha5_model.checks import FloatArray, bounded, choice, frozen, real
+from alpha5_model.dynamics.vectors import vector
+from alpha5_model.errors import InputError
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import Alpha5Parameters
 
@@ -28,12 +30,20 @@ class Displacement:
         joint: Name of the joint that carries it; ``universe`` for a fixed base.
         volume: [m^3].
         cob: Centre of buoyancy in the joint's frame, (3,) [m].
+
+    Raises:
+        InputError: A negative volume, or numbers that cannot be computed with.
     """
 
     body: str
     joint: str
     volume: float
     cob: FloatArray
+
+    def __post_init__(self) -> None:
+        volume = real("volume", self.volume, minimum=0.0)
+        object.__setattr__(self, "volume", float(bounded("volume", np.array(volume))))
+        object.__setattr__(self, "cob", frozen(vector("cob", self.cob, 3)))
 
 
 def displacements(
@@ -55,9 +65,22 @@ def displacements(
 def displacement(model: Any, body: str, frame: str, volume: float, cob: FloatArray) -> Displacement:
     """A volume whose centre is given in a frame, moved to the joint that carries the frame."""
     carrier = model.frames[model.getFrameId(frame)]
-    return Displacement(
-        body, model.names[carrier.parentJoint], volume, frozen(carrier.placement.act(cob))
-    )
+    return Displacement(body, model.names[carrier.parentJoint], volume, carrier.placement.act(cob))
+
+
+def displacement_tuple(bodies: Any) -> tuple[Displacement, ...]:
+    """Check a collection of displacements.
+
+    Raises:
+        InputError: Anything else.
+    """
+    if not isinstance(bodies, Iterable) or isinstance(bodies, str):
+        raise InputError("displacements", bodies, "a collection of Displacement")
+    checked = tuple(bodies)
+    for i, body in enumerate(checked):
+        if not isinstance(body, Displacement):
+            raise InputError(f"displacements[{i}]", body, "a Displacement")
+    return checked
 
 
 def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density: float) -> Any:
@@ -73,6 +96,9 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
 
     Returns:
         pin.Model with the arm's joints, frames and gravity.
+
+    Raises:
+        UnknownNameError: No such joint in the model.
     """
     fluid = model.copy()
     for joint in range(fluid.njoints):
@@ -80,6 +106,7 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
     for frame in fluid.frames:
         frame.inertia = pin.Inertia.Zero()
     for body in displaced:
+        choice("joint", body.joint, fluid.names)
         mass = density * body.volume
         if mass:
             point = pin.Inertia(mass, np.array(body.cob), np.zeros((3, 3)))
@@ -91,8 +118,9 @@ def net_weight_model(model: Any, fluid: Any) -> Any:
     """The arm as its joints feel it at rest in the fluid: weight less buoyancy, in one body each.
 
     A body of mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the moment of both, so
-    one pass over this model gives the hydrostatic torque, its derivative and the potential energy. The
-    model knows weight only; it has no rotational inertia. Joints that displace nothing keep their body.
+    one pass over this model gives the hydrostatic torque and the potential energy. A body that floats has a
+    negative mass: good for sums of forces and energies only, not for algorithms that join bodies, as those of
+    derivatives, inertia and centre of mass do. Joints that displace nothing keep their body.
 
     Args:
         model: pin.Model of the arm; it is not changed.

@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, real
+from alpha5_model.checks import FloatArray, bounded, real, shaped
 from alpha5_model.dynamics.hydrostatics import Displacement, displacement
 from alpha5_model.dynamics.vectors import vector
-from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.errors import InputError
 from alpha5_model.inertia import inconsistencies
 
 _NAME = "payload"
@@ -49,12 +49,12 @@ class Payload:
         m, centre = real("mass", mass, minimum=0.0), vector("com", com, 3)
         tensor = np.zeros((3, 3))
         if inertia is not None:
-            tensor = float_array("inertia", inertia, (3, 3))
-            if tensor.shape != (3, 3):
-                raise ShapeError("inertia", tensor.shape, "shape (3, 3)")
+            tensor = shaped("inertia", inertia, (3, 3))
             wrong = inconsistencies(m, centre, tensor)
             if wrong:
                 raise InputError("inertia", tensor.tolist(), f"a possible body, but {wrong[0]}")
+        for name, number in (("mass", m), ("inertia", tensor)):
+            bounded(name, np.asarray(number))
         return cls(
             mass=m,
             com=centre,

@@ -48,7 +48,7 @@ def torque_terms(
         q: (N, nq), or one row for all states, as in `Arm.inverse_dynamics_batch`.
         v: (N, nv).
         a: (N, nv).
-        threads: How many to use; None for all that this process may use.
+        threads: How many to use at most; see `Arm.inverse_dynamics_batch`.
 
     Raises:
         InputError: An arm on a floating base, or arrays that do not fit.
@@ -56,7 +56,7 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = batch.rows(arm._model, q=q, v=v, a=a)
-    n, pools, still = batch.thread_count(threads), arm._own.pools, np.zeros_like(v)
+    n, pools, still = batch.thread_count(threads, len(q)), arm._own.pools, np.zeros_like(v)
     total = batch.rnea(arm._model, pools, n, q, v, a)
     bias = batch.rnea(arm._model, pools, n, q, v, still)
     weight = batch.rnea(arm._model, pools, n, q, still, still)

@@ -11,12 +11,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, real
+from alpha5_model.checks import FloatArray, bounded, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
     displaced_fluid_model,
+    displacement_tuple,
     net_weight_model,
 )
 from alpha5_model.dynamics.vectors import position_check
@@ -71,13 +72,16 @@ class Statics:
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
     ) -> None:
-        self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
-        self.displacements = tuple(displacements)
+        if not isinstance(model, pin.Model) or not any(i.mass for i in list(model.inertias)[1:]):
+            raise InputError("model", model, "a pin.Model with moving masses")
+        self.displacements = displacement_tuple(displacements)
+        density = real("fluid_density", fluid_density, minimum=0.0)
+        self.fluid_density = float(bounded("fluid_density", np.array(density)))
         self._model = model.copy()
         self._fluid = displaced_fluid_model(model, self.displacements, self.fluid_density)
         self.model = model.copy()
         self.fluid_model = self._fluid.copy()
-        self.floating_base = model.njoints > 1 and model.joints[1].nq == 7
+        self.floating_base = model.joints[1].nq == 7
         self._net = net_weight_model(model, self._fluid)
         self._own = Workspace(self._model, self._fluid, self._net)
         self._users = threading.local()
@@ -212,7 +216,10 @@ class Statics:
             (nv, nv): row = torque, column = coordinate.
         """
         q = self._clean_q(q)
-        out: FloatArray = _gravity_derivative(self._net, self._own.net_data, q)
+        own = self._own
+        # Not of the net weights: Pinocchio joins bodies here, which takes positive masses.
+        out: FloatArray = _gravity_derivative(self._model, own.data, q)
+        out -= _gravity_derivative(self._fluid, own.fluid_data, q)
         return out
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
@@ -257,8 +264,13 @@ class Statics:
         """Centroid of the displaced volume of the whole arm, link_0 included, in base_link, (3,) [m].
 
         It does not depend on the fluid, and is there in air too.
+
+        Raises:
+            InputError: Also for an arm that displaces nothing.
         """
         q = self._in_base(q)
+        if not self._volume:
+            raise InputError("displacements", self.displacements, "a volume above 0")
         data = self._own.data
         _forward_kinematics(self._model, data, q)
         moment = np.zeros(3)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, is_rotation, shaped
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import AIR, FRESH_WATER, GRAVITY, SEA_WATER
 
 __all__ = ["AIR", "FRESH_WATER", "GRAVITY", "SEA_WATER", "gravity_in_base"]
-
-#: How far from a rotation a matrix may be, entrywise, before it is refused.
-_ROTATION_TOLERANCE = 1e-6
 
 
 def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatArray:
@@ -27,12 +23,10 @@ def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatA
         Gravity in base_link, (3,) [m/s^2].
 
     Raises:
-        InputError: ``rotation`` is not a rotation.
+        InputError: ``rotation`` is not a rotation, or gravity not three finite numbers.
     """
-    r = float_array("rotation", rotation, (3, 3))
-    g = float_array("gravity", gravity, (3,))
-    if r.shape != (3, 3) or g.shape != (3,):
-        raise InputError("rotation", r.shape, "one rotation (3, 3) and one gravity vector (3,)")
-    if np.abs(r @ r.T - np.eye(3)).max() > _ROTATION_TOLERANCE or np.linalg.det(r) < 0:
+    r = shaped("rotation", rotation, (3, 3))
+    g = shaped("gravity", gravity, (3,))
+    if not is_rotation(r):
         raise InputError("rotation", r.tolist(), "a rotation: orthonormal rows, determinant +1")
     return r.T @ g

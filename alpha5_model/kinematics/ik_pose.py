@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rotation
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.dh import DHChain
@@ -27,8 +27,6 @@ from alpha5_model.kinematics.ik_choice import candidates, on_axis, pick, require
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position
 #: turns the wrist axis by some 1e-8.
 EXACT_TOLERANCE = 1e-7
-#: How far a matrix may be from a rotation.
-ROTATION_TOLERANCE = 1e-6
 #: Rotation errors that differ by less are equal, and `PoseSolutions.best` goes by joint travel [rad].
 TIE = 1e-7
 
@@ -165,12 +163,8 @@ def _shift(angle: FloatArray, middle: float) -> FloatArray:
 
 
 def _check_rigid(target: FloatArray) -> None:
-    r = target[..., :3, :3]
-    off = np.abs(r @ np.swapaxes(r, -1, -2) - np.eye(3)).max(axis=(-1, -2))
-    rigid = (
-        (off <= ROTATION_TOLERANCE)
-        & (np.linalg.det(r) > 0)
-        & (target[..., 3, :] == (0.0, 0.0, 0.0, 1.0)).all(axis=-1)
+    rigid = is_rotation(target[..., :3, :3]) & (target[..., 3, :] == (0.0, 0.0, 0.0, 1.0)).all(
+        axis=-1
     )
     if not rigid.all():
         index = tuple(int(i) for i in np.argwhere(~rigid)[0])

@@ -83,7 +83,7 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         ("gravity_torque", lambda: arm.gravity_torque(q), "computeGeneralizedGravity", lambda: gravity(model, data, q), WRAPPED),
         ("buoyancy_torque", lambda: arm.buoyancy_torque(q), "computeGeneralizedGravity", lambda: gravity(fluid, fluid_data, q), WRAPPED),
         ("hydrostatic_torque", lambda: arm.hydrostatic_torque(q), "computeGeneralizedGravity, no water", lambda: gravity(model, data, q), WITH_WATER),
-        ("hydrostatic_torque_derivative", lambda: arm.hydrostatic_torque_derivative(q), "computeGeneralizedGravityDerivatives, no water", lambda: derivative(model, data, q), WRAPPED),
+        ("hydrostatic_torque_derivative", lambda: arm.hydrostatic_torque_derivative(q), "computeGeneralizedGravityDerivatives, no water", lambda: derivative(model, data, q), WITH_WATER),
         ("nonlinear_effects", lambda: arm.nonlinear_effects(q, v), "nonLinearEffects - buoyancy", effects, WRAPPED),
         ("inverse_dynamics", lambda: arm.inverse_dynamics(q, v, a), "rnea, no water", lambda: pin.rnea(model, data, q, v, a), WITH_WATER),
         ("forward_dynamics", lambda: arm.forward_dynamics(q, v, a), "aba, no water", lambda: pin.aba(model, data, q, v, a), WRAPPED),
