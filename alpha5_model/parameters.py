@@ -138,6 +138,7 @@ class JawParameters:
         rod_length, rod_diameter: Estimated [m].
         rod_density: Estimated [kg/m^3].
         finger_turn: Turn of each finger per rod travel [rad/m].
+        sdk_plane: Plane of the fingers in the SDK's URDF, from x of link_4 [rad]; not used here.
     """
 
     collar_base: float
@@ -151,6 +152,7 @@ class JawParameters:
     rod_diameter: float
     rod_density: float
     finger_turn: float
+    sdk_plane: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,25 +18,13 @@ from pathlib import Path
 import numpy as np
 
 import alpha5_model as a5
+from alpha5_model.consistency.lecture import PRINTED_TABLE
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.approach import approach_directions
 from alpha5_model.kinematics.arm_types import classify, task_capability
 from alpha5_model.kinematics.dexterous import spatial_conditions
 from alpha5_model.view.planar_plot import new_axes, plot_planar, save
 
-#: The notes' table: l_4, "l_2 + l_3" (meant are the second and third longest), "l_4/2" (meant is L/2).
-PRINTED_TABLE = (
-    (10.0, 9.0, 10.0),
-    (9.0, 9.0, 9.5),
-    (8.0, 9.0, 9.0),
-    (7.0, 9.0, 8.5),
-    (6.0, 9.0, 8.0),
-    (5.0, 9.0, 7.5),
-    (4.0, 8.0, 7.0),
-    (3.0, 7.0, 6.5),
-    (2.0, 6.0, 6.0),
-    (1.9, 5.9, 5.95),
-)
 QUARTER = math.pi / 2
 #: Arms of the section "Workspace", one to four joints, without and with limits.
 PLANAR = {

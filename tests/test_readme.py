@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import alpha5_model as a5
+
 REPOSITORY = Path(__file__).resolve().parents[1]
 DELIMITER = re.compile(r"\|(\s*:?-{3,}:?\s*\|)+")
 
@@ -40,3 +42,51 @@ def test_every_row_stands_in_a_table() -> None:
 )
 def test_a_broken_table_is_seen(text: str, fault: str) -> None:
     assert fault in faults(text)[0]
+
+
+# --- the errata are the audit's ----------------------------------------------------------------
+
+
+def errata() -> dict[str, list[tuple[str, str]]]:
+    """Kind -> (text, name of claim or topic) of each row of README's two tables, as they stand."""
+    text = (REPOSITORY / "README.md").read_text("utf-8").split("## Errata of the documents")[1]
+    blocks = re.findall(r"(?:^\|.*\n)+", text.split("\n## ")[0], re.MULTILINE)
+    assert len(blocks) == 2
+    found = {}
+    for kind, block in zip(("claim", "observation"), blocks, strict=True):
+        rows = [line.rpartition(" | ") for line in block.splitlines()[2:]]
+        found[kind] = [
+            (row, name) for row, _, names in rows for name in re.findall(r"`(.+?)`", names)
+        ]
+    return found
+
+
+def says(text: str, value: float) -> bool:
+    """Whether one of the numbers in a text is this one, to the digits that it has."""
+    for number in re.findall(r"[-−]?\d+(?:\.\d+)?", text):
+        digits = len(number.partition(".")[2])
+        if abs(abs(float(number.replace("−", "-"))) - abs(value)) <= 0.5 * 10**-digits * 1.0001:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("kind", ["claim", "observation"])
+def test_the_errata_are_what_the_audit_measures(kind: str) -> None:
+    rows = {r.claim: r for r in a5.audit() if r.kind == kind and r.verdict != "agrees"}
+    covered = set()
+    for text, name in errata()[kind]:
+        meant = [row for row in rows.values() if name in (row.claim, row.topic)]
+        assert meant, f"{name} differs no more"
+        for row in meant:
+            covered.add(row.claim)
+            figures = [row.measured, row.effect or 0.0, row.standard_error]
+            figures.append(row.bound if row.bound > 1e-6 else 0.0)
+            for figure in figures:
+                assert not figure or says(text, figure), (row.claim, figure)
+    assert covered == set(rows)
+
+
+def test_a_wrong_figure_would_be_seen() -> None:
+    assert says("9.7 ± 0.6 % and −1", 9.675)
+    assert says("9.7 ± 0.6 % and −1", -1)
+    assert not says("9.7 ± 0.6 % and −1", 9.62)

@@ -72,6 +72,16 @@ def test_gazebos_rule_gives_table_3():
         np.testing.assert_allclose(centre * 1000, COB[name], atol=1e-12)
 
 
+def test_boxes_have_the_bodies_proportions():
+    """The graded density of Gazebo's buoyancy system slices the box: its shape counts."""
+    root = ET.fromstring(sdf())
+    for link in parameters().links:
+        size = numbers(root.find(f".//link[@name='{link.name}']/collision/geometry/box/size"))
+        extent = np.diff(link.bounds, axis=1)[:, 0]
+        np.testing.assert_allclose(size / size[0], extent / extent[0], rtol=1e-12)
+        assert size[0] < extent[0]  # the printed volume is less than that of the bounding box
+
+
 def test_gazebos_rule_sees_a_wrong_volume_and_com_for_cob():
     text = sdf()
     root = ET.fromstring(text)

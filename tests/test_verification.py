@@ -385,16 +385,26 @@ def test_the_report_fits_its_width(
     assert main(["check"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= columns
-    counts = {
-        v: sum(r.verdict == v for r in a5.audit()) for v in ("agrees", "differs", "impossible")
-    }
-    assert lines[-1].startswith(
-        f"Documents {counts['agrees']} agree, {counts['differs']} differ, {counts['impossible']} impossible; files "
-    )
+    parts = []
+    for kind, name in (("claim", "Documents"), ("observation", "observations")):
+        found = [r.verdict for r in a5.audit() if r.kind == kind]
+        words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
+        parts.append(
+            f"{name} " + ", ".join(f"{found.count(v)} {w}" for w, v in words if v in found)
+        )
+    assert "; ".join(parts) + "; files " in " ".join(" ".join(lines[-2:]).split())
     text = "\n".join(lines)
     assert not any("…" in line for line in lines)
     for words in ("6.625 kg mm^2", "0 ± 1.4", "0.243 N m", "link 2, 3, 4", "alpha5_jaws.urdf"):
         assert words in text
+    for words in ("81.53 ± 0.61 %", "at least 100  ", "2.72 N m/A", "Section 1.1, Table 1: row i"):
+        assert words in text
+    assert "± 0 " not in text
+    claims, _, observed = text.partition("Observed in their numbers, not claimed by them")
+    assert "motor constants" in claims
+    assert "friction" not in claims
+    for topic in ("friction", "stall torque", "density"):
+        assert f"\n{topic}  " in observed
 
 
 def test_all_shows_every_row(capsys: pytest.CaptureFixture[str]) -> None:

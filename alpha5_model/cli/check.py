@@ -29,6 +29,10 @@ _COLOUR = {
     "not run": "yellow",
 }
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
+_TITLES = {
+    "claim": "The documents against themselves",
+    "observation": "Observed in their numbers, not claimed by them",
+}
 
 
 def register(app: typer.Typer) -> None:
@@ -74,8 +78,9 @@ def check(
         from rich.console import Console
 
         console = Console(highlight=False)
-        if document:
-            _print_document(console, document, every)
+        for kind, title in _TITLES.items():
+            if of_kind := [row for row in document if row.kind == kind]:
+                _print_document(console, title, of_kind, every)
         _print_files(console, files)
         console.print(_summary(document, files))
     return 1 if failed else 0
@@ -93,10 +98,10 @@ def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed
     typer.echo(json.dumps(content, indent=2, allow_nan=False))
 
 
-def _print_document(console: Console, rows: Sequence[AuditRow], every: bool) -> None:
+def _print_document(console: Console, title: str, rows: Sequence[AuditRow], every: bool) -> None:
     from rich.padding import Padding
 
-    console.rule("[bold]The documents against themselves", align="left", style="dim")
+    console.rule(f"[bold]{title}", align="left", style="dim")
     console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
     for topic, of_topic in _grouped(rows, lambda row: row.topic):
         place = _common([row.place for row in of_topic])
@@ -113,6 +118,7 @@ def _print_document(console: Console, rows: Sequence[AuditRow], every: bool) -> 
             console.print(f"  {_coloured('agrees')}     {_subjects(quiet)}")
         for finding, same in _grouped(loud, lambda row: row.finding):
             subject = f"{_subjects(same)}: " if len(loud) > len(same) else ""
+            subject += "" if place else f"{same[0].place}: "
             says = "; ".join(dict.fromkeys(row.says for row in same))
             note = (
                 f"[dim]{_plain(subject)}[/][italic]{_plain(says)}[/][dim] - {_plain(finding)}.[/]"
@@ -157,8 +163,10 @@ def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
 def _figures(row: AuditRow) -> tuple[str, str, str, str]:
     """Verdict, measured, must be, effect as text: rows that read the same share a line."""
     effect = "" if not row.effect else f"{row.effect:.3g} {row.effect_unit}"
-    measured = f"{row.measured:.4g} {row.unit}".rstrip()
-    must_be = f"{_RELATION[row.relation]}{row.expected:.4g} ± {row.bound:.2g}"
+    error = f" ± {row.standard_error:.2g}" if row.standard_error else ""
+    measured = f"{row.measured:.4g}{error} {row.unit}".rstrip()
+    bound = f" ± {row.bound:.2g}" if row.bound else ""
+    must_be = f"{_RELATION[row.relation]}{row.expected:.4g}{bound}"
     return row.verdict, measured, must_be, effect
 
 
@@ -205,10 +213,11 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
     from collections import Counter
 
     parts = []
-    if document:
-        counts = Counter(str(row.verdict) for row in document)
-        words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
-        parts.append("documents " + ", ".join(f"{counts[key]} {word}" for word, key in words))
+    words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
+    for kind, name in (("claim", "documents"), ("observation", "observations")):
+        if counts := Counter(str(row.verdict) for row in document if row.kind == kind):
+            found = (f"{counts[key]} {word}" for word, key in words if counts[key])
+            parts.append(f"{name} " + ", ".join(found))
     verdicts = Counter(str(row.verdict) for row in files)
     shown = ("passed", "failed", "not run") if verdicts["not run"] else ("passed", "failed")
     parts.append("files " + ", ".join(f"{verdicts[word]} {word}" for word in shown))

@@ -29,9 +29,11 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     # Actuator 4 drives the jaw rod; without the screw's lead it has no torque to compare.
     turning = list(zip(rows[:4], p.joints, strict=False))
     supply = _least_supply(printed)
+    origin = printed.table_4.origins["friction"]
     return [
+        _turning(printed),
         *(_motor_constants(row) for row in rows),
-        *(_friction(row, joint.name, peaks) for row, joint in turning),
+        *(_friction(row, joint.name, peaks, origin) for row, joint in turning),
         *(_stall(row, joint.name, joint.effort, supply) for row, joint in turning),
     ]
 
@@ -71,6 +73,21 @@ def _place(row: ActuatorRow) -> str:
     return f"Section 2.2.1, Table 4, actuator {row.actuator}"
 
 
+def _turning(printed: Published) -> AuditRow:
+    variables = [row.theta.startswith("theta_") for row in printed.table_1.rows]
+    return judged(
+        "actuators.turning",
+        "Section 2.2.1, note",
+        "actuators 0-3 turn the frames, actuator 4 slides",
+        sum(variables[:4]) - sum(variables[4:]),
+        "=",
+        4,
+        0.0,
+        "",
+        "rows 0 to 3 of Table 1 that hold a joint angle, less row 4 if it does",
+    )
+
+
 def _motor_constants(row: ActuatorRow) -> AuditRow:
     inputs = [row.torque_constant, row.voltage_constant]
 
@@ -91,11 +108,11 @@ def _motor_constants(row: ActuatorRow) -> AuditRow:
         "K_t / K_v of one motor, 1 in SI units"
         + ("; the effect is the joint torque per ampere that the two disagree about" * turning),
         effect=abs(k_t - k_v) * row.gear_ratio.si * row.efficiency.si if turning else None,
-        effect_unit="N m" if turning else "",
+        effect_unit="N m/A" if turning else "",
     )
 
 
-def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float]) -> AuditRow:
+def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float], origin: str) -> AuditRow:
     inputs = [row.friction, row.gear_ratio]
 
     def at_joint(x: FloatArray) -> float:
@@ -108,16 +125,17 @@ def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float]) -> Audit
     return judged(
         f"friction.actuator_{row.actuator}",
         f"{_place(row)}, {joint}",
-        f"F {row.friction} +-{row.friction_tolerance.text} % at the motor",
+        f"F {row.friction} +-{row.friction_tolerance.text} % at the motor, {origin}",
         value,
         "<=",
         air,
         bound,
         "N m",
         "F Gr, friction seen at the joint, against the largest torque of the arm's own weight about "
-        f"axis_d, {air:.2f} N m in air ({fresh:.2f} in fresh water)",
+        f"axis_d, {air:.2f} N m in air ({fresh:.2f} N m in fresh water)",
         effect=max(value - air, 0.0),
         effect_unit="N m",
+        kind="observation",
     )
 
 
@@ -154,4 +172,5 @@ def _stall(row: ActuatorRow, joint: str, effort: float, supply: list[Quantity]) 
         "the user",
         effect=max(value - effort, 0.0),
         effect_unit="N m",
+        kind="observation",
     )

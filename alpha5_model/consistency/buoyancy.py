@@ -72,7 +72,8 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
         return float(x[0] / x[1])
 
     value = density(np.array([q.si for q in inputs]))
-    heavy = value * LITRE > ALUMINIUM
+    bound = float(rounding_bound(density, inputs))
+    heavy = (value - bound) * LITRE > ALUMINIUM
     return judged(
         f"density.link_{row.link}",
         f"Tables 2 and 3, link {row.link}",
@@ -80,10 +81,11 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
         value * LITRE,
         "<=",
         ALUMINIUM,
-        float(rounding_bound(density, inputs)) * LITRE,
+        bound * LITRE,
         "kg/L",
         "mean density against solid aluminium's"
         + ("; some of the mass sits in volume that the table counts elsewhere" if heavy else ""),
+        kind="observation",
     )
 
 
@@ -122,4 +124,5 @@ def _sinks(printed: Published) -> AuditRow:
         float(rounding_bound(wet, inputs)),
         "N",
         "weight less buoyancy of all five links in sea water",
+        kind="observation",
     )

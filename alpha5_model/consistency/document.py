@@ -31,4 +31,4 @@ def audit() -> tuple[AuditRow, ...]:
     printed, p = published(), parameters()
     topics = (geometry, workspace, inertial, buoyancy, actuation)
     rows = [row for topic in topics for row in topic.audit(printed, p)]
-    return (*rows, *lecture.audit())
+    return (*rows, *lecture.audit(p))

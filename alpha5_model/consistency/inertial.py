@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import AuditRow, judged, rounding_bound
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
 from alpha5_model.consistency.units import GRAVITY, MM, TENSOR_UNIT, excess_of_box
 from alpha5_model.inertia import (
     flip_products,
@@ -40,11 +40,14 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *(_parallel_axis(row) for row, _ in links),
         *(_product_sign(row, fastest) for row, _ in links),
         *_equations(printed.table_2.rows[4]),
+        _any_frame(printed.table_2.rows[4]),
+        *_rotation(printed.table_2.rows[1:], p),
         *(_implied_mass(row) for row, _ in links),
         _total_mass(printed.table_2.rows),
         *(_possible(row, name) for row, _ in links for name in ("com", "link")),
         *(_com_inside(row, link.bounds) for row, link in links),
         *(_mass_spread(row, link.bounds) for row, link in links),
+        *_jaw_plane(printed),
     ]
 
 
@@ -189,6 +192,80 @@ def _equations(row: InertialRow) -> list[AuditRow]:
     return rows
 
 
+def _any_frame(row: InertialRow) -> AuditRow:
+    """The corrected equation from the link frame, which is not at the COM, to the COM."""
+    inputs = _inputs(row)
+
+    def residual(x: FloatArray) -> FloatArray:
+        mass, com, at_com, at_link = _read(x)
+        return tensor_at_origin(mass, com, at_link) - at_com
+
+    value, bound = residual(_si(inputs)), rounding_bound(residual, inputs)
+    i, j = _worst(value, bound)
+    return judged(
+        "equation_1.any_frame",
+        f"Section 2.1, equation (1), on link {row.link}",
+        "I_A is the inertia with respect to {A}, any frame",
+        abs(value[i, j]) / TENSOR_UNIT,
+        "=",
+        0.0,
+        bound[i, j] / TENSOR_UNIT,
+        "kg mm^2",
+        "the theorem starts at the COM: from the link frame to the COM the corrected equation adds the term "
+        "again, where it must be taken away",
+        law=True,
+    )
+
+
+def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditRow]:
+    """I_COM of links 1 to 4 carried from inertial frame {i} into the axes of DH frame {i}.
+
+    The moment about an axis does not ask in which frame it is computed: that is the second route.
+    """
+    misses = np.zeros(2)
+    axes = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
+    axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+    for row, dh in zip(rows, p.dh, strict=False):
+        _, _, tensor, _ = _read(_si(_inputs(row)))
+        c, s = np.cos(dh.alpha), np.sin(dh.alpha)
+        # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
+        turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        true = np.einsum("ni,ij,nj->n", axes, tensor, axes)
+        for k, rotation in enumerate((turn, turn.T)):
+            carried = rotation @ tensor @ rotation.T
+            seen = axes @ turn
+            moments = np.einsum("ni,ij,nj->n", seen, carried, seen)
+            misses[k] = max(misses[k], np.abs(moments - true).max() / TENSOR_UNIT)
+    return [
+        judged(
+            f"equation_1.{name}",
+            "Section 2.1, equation (1), rotation, links 1 to 4",
+            says,
+            float(miss),
+            "=",
+            0.0,
+            ARITHMETIC,
+            "kg mm^2",
+            finding,
+        )
+        for name, says, miss, finding in (
+            (
+                "rotation",
+                "R_A/B is the rotation from {A} to {B}",
+                misses[0],
+                "moment about one axis, from inertial frame {i} to DH frame {i}, with R turning {A} into {B} as "
+                "Section 2 uses the word: the transpose is needed",
+            ),
+            (
+                "rotation_of_coordinates",
+                "R_A/B maps coordinates in {A} to coordinates in {B}",
+                misses[1],
+                "the same with R read so: the equation holds",
+            ),
+        )
+    ]
+
+
 def _implied_mass(row: InertialRow) -> AuditRow:
     inputs = _inputs(row)
     printed, implied = row.mass.si, float(_mass(_si(inputs)))
@@ -313,3 +390,54 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
         f"standard deviation of the mass along {'xyz'[k]} against the most that the body's bounds allow"
         + ("" if fits else "; part of this mass turns inside the neighbour's housing"),
     )
+
+
+def _jaw_plane(printed: Published) -> list[AuditRow]:
+    """In which plane through the wrist axis link 4 has its closed fingers, and how much they weigh."""
+    row, jaws = printed.table_2.rows[4], printed.supplementary.jaws
+    offset, volume, density, sdk = (
+        jaws[name].quantity
+        for name in ("pivot_offset", "finger_volume", "finger_density", "sdk_plane")
+    )
+    xx, yy, xy = row.inertia_com[0][0], row.inertia_com[1][1], row.inertia_com[0][1]
+
+    def direction(x: FloatArray) -> float:
+        """Of the greatest spread of mass, from x of {4} [rad]; products with the document's sign."""
+        return float(np.arctan2(2 * x[2], x[1] - x[0]) / 2)
+
+    def excess(x: FloatArray) -> float:
+        """I_yy - I_xx less that of two points at the pivots."""
+        return float(x[1] - x[0] - 2 * x[2] ** 2 * x[3] * x[4])
+
+    tensor, fingers = [xx, yy, xy], [xx, yy, offset, volume, density]
+    points = 2 * offset.si**2 * volume.si * density.si
+    spread = yy.si - xx.si
+    return [
+        judged(
+            "jaw_plane.direction",
+            _place(row, ", I_COM"),
+            "link 4 includes interlocking jaws in the closed position",
+            np.degrees(direction(_si(tensor))),
+            "=",
+            np.degrees(sdk.si),
+            np.degrees(float(rounding_bound(direction, tensor)) + sdk.rounding),
+            "deg",
+            "direction of the fingers from x of {4} by the principal axes, against the SDK's URDF at equal "
+            "axis_b; no source settles the zero of axis_b against it",
+            kind="observation",
+        ),
+        judged(
+            "jaw_plane.spread",
+            _place(row, ", I_COM"),
+            "link 4 includes interlocking jaws in the closed position",
+            spread / TENSOR_UNIT,
+            "=",
+            points / TENSOR_UNIT,
+            float(rounding_bound(excess, fingers)) / TENSOR_UNIT,
+            "kg mm^2",
+            f"I_yy - I_xx against two points at +-{offset} of the estimated mass of a finger, "
+            f"{1e3 * volume.si * density.si:.3g} g; fingers of {spread / (2 * offset.si**2) * 1e3:.3g} g would "
+            "give it",
+            kind="observation",
+        ),
+    ]

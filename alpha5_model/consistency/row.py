@@ -1,4 +1,8 @@
-"""A row of the audit, how it is judged, and what the rounding of printed digits allows."""
+"""A row of the audit, how it is judged, and what the rounding of printed digits allows.
+
+References:
+    [Cochran1977] Sampling Techniques, section 3.2: standard error of a sampled share.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,12 @@ from typing import Literal
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.published.quantity import Quantity
 
 Relation = Literal["=", "<=", ">="]
 Verdict = Literal["agrees", "differs", "impossible"]
+Kind = Literal["claim", "observation"]
 
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
@@ -20,7 +25,7 @@ ARITHMETIC = 1e-9
 
 @dataclass(frozen=True)
 class AuditRow:
-    """One claim of the documents, measured.
+    """One claim of the documents, or one observation about their numbers, measured.
 
     Attributes:
         claim: Identifier, ``topic.subject``.
@@ -35,7 +40,10 @@ class AuditRow:
             or formula can be so.
         finding: What was found, in one sentence.
         effect: What the difference is worth, in ``effect_unit``; None where that has no meaning.
-        effect_unit: ``N m`` or ``mm``.
+        effect_unit: ``N m``, ``N m/A`` or ``mm``.
+        kind: ``claim``: the documents say so. ``observation``: they do not; their numbers are held
+            against something else, and a difference is no error of theirs.
+        standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it was computed.
     """
 
     claim: str
@@ -50,6 +58,8 @@ class AuditRow:
     finding: str
     effect: float | None = None
     effect_unit: str = ""
+    kind: Kind = "claim"
+    standard_error: float = 0.0
 
     @property
     def topic(self) -> str:
@@ -71,6 +81,8 @@ def judged(
     law: bool = False,
     effect: float | None = None,
     effect_unit: str = "",
+    kind: Kind = "claim",
+    standard_error: float = 0.0,
 ) -> AuditRow:
     """A row with its verdict.
 
@@ -94,7 +106,15 @@ def judged(
         finding,
         None if effect is None else float(effect),
         effect_unit,
+        kind,
+        float(standard_error),
     )
+
+
+def sampled_share(hits: BoolArray) -> tuple[float, float]:
+    """Share of True among independent samples (N,) and its standard error, sqrt(p (1 - p) / N) [%]."""
+    p = float(hits.mean())
+    return 100 * p, 100 * float(np.sqrt(p * (1 - p) / hits.size))
 
 
 def rounding_bound(

@@ -32,7 +32,7 @@ DECIMAL_SHIFT: dict[str, int] = {
     "kg.mm^2": -6,
 }
 #: Units that need more than a shift of the decimal point.
-FACTOR: dict[str, float] = {"deg/s": math.pi / 180.0}
+FACTOR: dict[str, float] = {"deg": math.pi / 180.0, "deg/s": math.pi / 180.0}
 #: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN" and "١٢".
 _PRINTED = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?")
 

@@ -20,6 +20,7 @@ JAW_UNITS: dict[str, str] = {
     **dict.fromkeys(("finger_density", "rod_density"), "kg/m^3"),
     "finger_volume": "L",
     "finger_turn": "rad/m",
+    "sdk_plane": "deg",
 }
 BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
 
