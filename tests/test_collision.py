@@ -22,7 +22,13 @@ from reference import LOWER, UPPER
 from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5
-from alpha5_model.description.poses import ADJACENT_PAIRS, NAMED_POSES, named_pose
+from alpha5_model.description.poses import (
+    ADJACENT_PAIRS,
+    CLOSING_PAIRS,
+    NAMED_POSES,
+    NEVER_PAIRS,
+    named_pose,
+)
 from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
@@ -209,6 +215,19 @@ def _link_pairs(model, geometry) -> dict[frozenset[str], int]:
         if len(names) == 2:
             counts[names] = counts.get(names, 0) + 1
     return counts
+
+
+@pytest.mark.parametrize(("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")])
+def test_every_pair_of_links_is_checked_but_neighbours_and_those_that_cannot_meet(path, gripper):
+    model = pin.buildModelFromUrdf(path)
+    left_out = {frozenset(pair) for pair in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS)}
+    shapes = collision_primitives(gripper)
+    expected = {
+        frozenset((one, other)): len(shapes[one]) * len(shapes[other])
+        for one, other in itertools.combinations(shapes, 2)
+        if frozenset((one, other)) not in left_out
+    }
+    assert _link_pairs(model, collision_geometry(model)) == expected
 
 
 def test_urdf_route_and_package_agree_on_distances(model, collisions):

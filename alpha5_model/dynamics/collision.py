@@ -6,16 +6,15 @@ Pairs of links that turn against each other at a joint are left out, as in ``urd
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import coal
 import pinocchio as pin
 
 from alpha5_model.checks import FloatArray, frozen
-from alpha5_model.description.poses import ADJACENT_PAIRS, CLOSING_PAIRS, NEVER_PAIRS
-from alpha5_model.meshing.collision_shapes import collision_primitives
-from alpha5_model.meshing.primitive import Primitive
-from alpha5_model.spatial import pose
+from alpha5_model.description.srdf import srdf
+from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,36 +91,13 @@ class CollisionModel:
 
 
 def collision_geometry(model: Any) -> Any:
-    """Primitives of the links of a pin.Model as pin.GeometryModel, with the pairs to be checked."""
-    gripper = "jaws" if model.existFrame("finger_1") else "locked"
-    geometry = pin.GeometryModel()
-    members: dict[str, list[int]] = {}
-    for link, shapes in collision_primitives(gripper).items():
-        index = model.getFrameId(link)
-        frame = model.frames[index]
-        members[link] = [
-            geometry.addGeometryObject(
-                pin.GeometryObject(
-                    f"{link}_{i}",
-                    frame.parentJoint,
-                    index,
-                    frame.placement * pin.SE3(pose(shape.xyz, shape.rpy)),
-                    _coal_shape(shape),
-                )
-            )
-            for i, shape in enumerate(shapes)
-        ]
-    excluded = {frozenset(pair) for pair in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS)}
-    links = list(members)
-    for i, one in enumerate(links):
-        for other in links[i + 1 :]:
-            if frozenset((one, other)) not in excluded:
-                for a in members[one]:
-                    for b in members[other]:
-                        geometry.addCollisionPair(pin.CollisionPair(a, b))
+    """Primitives of the links of a pin.Model as pin.GeometryModel, with the pairs to be checked.
+
+    Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
+    """
+    jaws = model.existFrame("finger_1")
+    urdf = Path(JAWS_URDF_PATH if jaws else URDF_PATH).read_text(encoding="utf-8")
+    geometry = pin.buildGeomFromUrdfString(model, urdf, pin.GeometryType.COLLISION)
+    geometry.addAllCollisionPairs()
+    pin.removeCollisionPairsFromXML(model, geometry, srdf("jaws" if jaws else "locked"))
     return geometry
-
-
-def _coal_shape(shape: Primitive) -> Any:
-    kinds = {"box": coal.Box, "cylinder": coal.Cylinder, "sphere": coal.Sphere}
-    return kinds[shape.kind](*shape.size)
