@@ -71,6 +71,9 @@ def _findings(
     yield from _dummies(name, written)
     mass_error = body.mass - link.mass
     mass_cost = cost(index, mass_error, mass_error * link.com)
+    if not written:
+        yield Finding(name, "no link of the other model is this body", True, mass_cost)
+        return
     mass, com, inertia = _instead(link, written)
     if body.mass == 0.0 and bare:
         everything = f"{mass} {com} {inertia}"

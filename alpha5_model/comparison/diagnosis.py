@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from functools import cache
 
 import numpy as np
 
@@ -86,8 +87,7 @@ def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
         if abs(mass - link.mass * factor) <= MASS_TOLERANCE * link.mass * factor:
             return words
     within = _last_digit(MASS_DIGITS, subject, mass)
-    water = _water(link, subject)
-    if water and abs(mass - water.total) <= within:
+    if water := _water(link, subject):
         grams = water.mass * 1e3
         return f"{water.whose} mass and the water's added mass, {grams:.0f} g, of {water.cylinder}"
     fit = _fit(wrong_masses(body), [("", np.array(mass), 0, 1.0)], (within, within))
@@ -134,9 +134,10 @@ def explain_inertia(ours: FourJointArm, link: LinkParameters, subject: Inertial)
 
 
 def _water(link: LinkParameters, subject: Inertial) -> AddedWater | None:
-    """Water in the tensor as it lies, or as it is written where its axes are not ours."""
+    """Water in mass and tensor as they lie, or as it is written where its axes are not ours."""
     tensors = (subject.in_our_frame().inertia, subject.inertia)
-    waters = (added_water(link, tensor, _tensor_digits(subject)) for tensor in tensors)
+    within = (_last_digit(MASS_DIGITS, subject, subject.mass), _tensor_digits(subject))
+    waters = (added_water(link, subject.mass, tensor, within) for tensor in tensors)
     return next(filter(None, waters), None)
 
 
@@ -156,12 +157,17 @@ def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | No
     return "a guess without products of inertia" + (": " if words else "") + "; ".join(words)
 
 
+@cache
+def _stacked(hypotheses: tuple[Hypothesis, ...]) -> tuple[FloatArray, FloatArray]:
+    values = np.array([hypothesis.value for hypothesis in hypotheses])
+    return values, np.array([hypothesis.mistakes for hypothesis in hypotheses])
+
+
 def _fit(
-    hypotheses: Sequence[Hypothesis], views: Sequence[View], within: tuple[float, float]
+    hypotheses: tuple[Hypothesis, ...], views: Sequence[View], within: tuple[float, float]
 ) -> Hypothesis | None:
     """The fewest mistakes that give the number; ``within`` for one mistake and for more."""
-    values = np.array([hypothesis.value for hypothesis in hypotheses])
-    mistakes = np.array([hypothesis.mistakes for hypothesis in hypotheses])
+    values, mistakes = _stacked(hypotheses)
     axes = tuple(range(1, values.ndim))
     errors = [
         np.abs(values * scale - number).max(axis=axes, initial=0.0) for _, number, _, scale in views

@@ -139,7 +139,7 @@ def wrong_tensors(ours: FourJointArm, body: int) -> tuple[Hypothesis, ...]:
     sources = _sources("inertia", body, False)
     for table in revisions():
         own, moved = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
-        for tensor in (own + moved, table.inertia_link[body]):
+        for tensor in (table.inertia_link[body], own + moved):
             sources.append(Hypothesis(f"{table.numbers}, {I_LINK}", tensor, 1))
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append(Hypothesis(words, own - moved, 1))
@@ -199,14 +199,12 @@ class AddedWater:
         words: The tensor it was added to.
         whose: The revision whose body it was added to.
         mass: Added mass across the axis, ``rho pi r^2 L`` [kg].
-        total: With the body's [kg].
         radius, length: Of the cylinder [m].
     """
 
     words: str
     whose: str
     mass: float
-    total: float
     radius: float
     length: float
 
@@ -217,11 +215,14 @@ class AddedWater:
         return f"a cylinder of water of radius {radius:.0f} mm and length {length:.0f} mm"
 
 
-def added_water(link: LinkParameters, tensor: FloatArray, tolerance: float) -> AddedWater | None:
-    """A printed tensor with the added inertia of a cylinder of water of the body's width, if it is one.
+def added_water(
+    link: LinkParameters, mass: float, tensor: FloatArray, within: tuple[float, float]
+) -> AddedWater | None:
+    """A printed mass and tensor with a cylinder of water of the body's width added, if they are that.
 
     Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
-    end (I_Link), ``/ 12`` about its middle (I_COM). Five of six numbers test the one unknown, L.
+    end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in the mass. Six of seven
+    numbers test the one unknown, L. ``within`` is what mass and tensor may be off.
     """
     body, radius = int(link.name[-1]), _radius(link)
     line = FRESH_WATER * np.pi * radius**2
@@ -231,13 +232,17 @@ def added_water(link: LinkParameters, tensor: FloatArray, tolerance: float) -> A
         surplus = tensor - (flip_products(base) if solidworks else base)
         across = float(np.delete(np.diag(surplus), axis).mean())
         rest = surplus - across * np.diag(np.arange(3) != axis)
+        if across <= 5 * within[1] or np.abs(rest).max() > within[1]:
+            continue
         length = float(np.cbrt((3 if about_end else 12) * across / line))
-        fits = across > 5 * tolerance and np.abs(rest).max() <= tolerance
-        if fits and length <= SIZE_SLACK * np.ptp(link.bounds, axis=1).max():
+        water = line * length
+        # The tensor tells L to a third of its own relative error.
+        allowed = within[0] + water * within[1] / (3 * across)
+        longest = SIZE_SLACK * np.ptp(link.bounds, axis=1).max()
+        if length <= longest and abs(mass - table.mass[body] - water) <= allowed:
             words = f"{table.numbers}, {I_LINK if about_end else 'I_COM'}"
             words += f", {SOLIDWORKS}" if solidworks else ""
-            whose, mass = table.numbers.removesuffix(" numbers"), line * length
-            return AddedWater(words, whose, mass, table.mass[body] + mass, radius, length)
+            return AddedWater(words, table.numbers.removesuffix(" numbers"), water, radius, length)
     return None
 
 
