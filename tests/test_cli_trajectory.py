@@ -65,6 +65,34 @@ def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFi
     assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
 
 
+def test_defaults_are_those_of_the_library(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    expected = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file))
+    got = summary_of(capsys, str(motion_file))
+    assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
+    assert (got["smoothing"]["method"], got["smoothing"]["bandwidth_hz"]) == ("spline", 2.0)
+
+
+def test_milliseconds_are_said(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    header, *rows = motion_file.read_text().split()
+    cells = [row.split(",", 1) for row in rows]
+    scaled = [f"{1e3 * float(time)!r},{rest}" for time, rest in cells]
+    plain = summary_of(capsys, str(motion_file))
+    for name, said in (("time", "warning: time read as ms"), ("time_ms", "(time column in ms)")):
+        motion_file.write_text("\n".join([header.replace("time", name), *scaled]))
+        assert main(["trajectory", str(motion_file)]) == 0
+        out = capsys.readouterr().out
+        assert "300 samples, 5.98 s (time column in ms)" in out
+        assert said in out
+        assert ("warning" in out) == (name == "time")
+        got = summary_of(capsys, str(motion_file))
+        assert got["energy"]["drawn_j"] == pytest.approx(plain["energy"]["drawn_j"], rel=1e-9)
+    motion_file.write_text("\n".join([header.replace("time", "time_secs"), *scaled]))
+    assert main(["trajectory", str(motion_file)]) == 2
+    assert "is the time in seconds?" in capsys.readouterr().err
+
+
 def test_fluids_and_grippers(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for text, density in (("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("870.5", 870.5)):
         got = summary_of(capsys, str(motion_file), "--fluid", text)
@@ -104,6 +132,8 @@ def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFi
         (["--gripper", "open"], "auto, locked, jaws"),
         (["--smoothing", "magic"], "spline, savgol, interpolate"),
         (["--bandwidth", "500"], "half the sample rate"),
+        (["--bandwidth", "1e-100"], "at least 0.0001 of the sample rate"),
+        (["--bandwidth", "1e-100", "--smoothing", "savgol"], "at least 0.0001 of the sample rate"),
         (["--velocities", "file"], "no velocities"),
         (["--constants", "both"], "printed, torque, voltage"),
         (["--supply-voltage", "24"], "both or neither"),

@@ -212,9 +212,144 @@ def test_summary_holds_the_peaks_and_margins() -> None:
         }
         other = a5.trajectory.summary(a5.trajectory.analyse(motion, actuators=extreme))["energy"]
         assert energy == pytest.approx(other["drawn_j"], rel=1e-9)
+        # By definition, from the curves: root mean squares over time, peaks with their times.
+        for key, curve in (
+            ("torque", r.torque[:, k]),
+            ("velocity", r.smooth.velocity[:, k]),
+            ("acceleration", r.smooth.acceleration[:, k]),
+            ("voltage", r.voltage[:, k]),
+            ("power", r.electrical_power[:, k]),
+        ):
+            at = np.flatnonzero(r.smooth.time == j[f"{key}_peak"]["time_s"])[0]
+            assert j[f"{key}_peak"]["value"] == curve[at]
+            assert abs(curve[at]) == np.abs(curve).max()
+        for key, curve in (("torque", r.torque[:, k]), ("current", r.current[:, k])):
+            mean_square = np.trapezoid(curve**2, r.smooth.time) / 6.0
+            assert j[f"{key}_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-12)
+        used = np.clip(r.electrical_power[:, k], 0, None)
+        assert j["energy_drawn_j"] == pytest.approx(np.trapezoid(used, r.smooth.time), rel=1e-12)
+        assert j["voltage_margin"] == pytest.approx(24.0 - np.abs(r.voltage[:, k]).max())
+        assert j["position_range"] == [motion.position[:, k].min(), motion.position[:, k].max()]
+        assert j["smoothing_deviation"] == r.smooth.deviation[k]
+        for cause in ("inertia", "coriolis", "weight", "buoyancy", "friction"):
+            assert j["causes_peak"][cause] == np.abs(getattr(r, cause)[:, k]).max()
+        left = np.minimum(r.torque_limits.upper - r.torque, r.torque - r.torque_limits.lower)
+        assert j["drive_torque_margin"] == np.nanmin(left[:, k])
+        assert j["units"] == {"position": "rad", "velocity": "rad/s", "torque": "N m"}
     text = a5.trajectory.text(s)
     assert "K_t/K_v: axis_e 1.155" in text
     assert "beyond the speed-torque limit" in text
+
+
+def test_summary_of_the_whole_motion() -> None:
+    """Every figure beside the joints', by its definition."""
+    t = np.concatenate([[3.0], np.arange(3.5, 9.0, 0.01), [10.25]])
+    start, way = np.array([1.0, 0.4, 0.5, 2.0, 0.003]), np.array([1.4, 1.5, 1.5, 1.5, 0.009])
+    q = start + np.outer((t - 3) / 7.25, way)
+    motion = a5.trajectory.motion(t, q)
+    arm = a5.load(fluid_density=1003.0, gripper="jaws", gravity=(0.5, 0, -9.7))
+    r = a5.trajectory.analyse(motion, arm, bandwidth=3.0, constants="torque")
+    s = a5.trajectory.summary(r)
+    assert (s["source"], s["samples"], s["start_s"], s["duration_s"]) == (
+        "arrays",
+        t.size,
+        3.0,
+        7.25,
+    )
+    assert s["sample_time_s"] == {
+        "median": pytest.approx(0.01),
+        "longest": pytest.approx(10.25 - 8.99),
+    }
+    assert s["time_unit_of_file"] == "s"
+    assert s["model"] == {"gripper": "jaws", "fluid_density": 1003.0, "gravity": [0.5, 0.0, -9.7]}
+    assert s["smoothing"] == {
+        "method": "spline",
+        "bandwidth_hz": 3.0,
+        "derivatives_from": "positions",
+    }
+    assert s["motors"]["constants"] == "torque"
+    assert s["motors"]["supply_voltage"] is s["motors"]["current_limit"] is None
+    power = np.nansum(r.electrical_power, axis=1)
+    energy = s["energy"]
+    assert energy["electrical_peak_w"] == power.max()
+    assert energy["fed_back_j"] == pytest.approx(np.trapezoid(np.clip(-power, 0, None), t))
+    work = np.trapezoid(r.mechanical_power.sum(axis=1), t)
+    assert energy["mechanical_j"] == pytest.approx(work, rel=1e-12)
+    for key, columns_ in (("force_peak_n", slice(0, 3)), ("moment_peak_nm", slice(3, 6))):
+        size = np.linalg.norm(r.base_wrench[:, columns_], axis=1)
+        assert s["mount"][key] == {"value": size.max(), "time_s": t[size.argmax()]}
+    tcp = s["tcp"]
+    first, last = (
+        dh_frames(x[:4])[5][:3, 3] for x in (r.smooth.position[0], r.smooth.position[-1])
+    )
+    np.testing.assert_allclose(tcp["first_m"], first, atol=1e-14)
+    np.testing.assert_allclose(tcp["last_m"], last, atol=1e-14)
+    np.testing.assert_array_equal(tcp["lowest_m"], r.tcp.min(axis=0))
+    np.testing.assert_array_equal(tcp["highest_m"], r.tcp.max(axis=0))
+    way_gone = sum(np.linalg.norm(b - a) for a, b in zip(r.tcp[:-1], r.tcp[1:], strict=True))
+    assert tcp["path_length_m"] == pytest.approx(way_gone, rel=1e-12)
+    [gap] = s["warnings"]
+    assert (gap["kind"], gap["count"], gap["first"]) == ("gap", 2, "sample 1")
+    assert gap["text"] == "more than 0.1 s without a sample, bridged"
+    text = a5.trajectory.text(s)
+    points = [
+        "({:.3f}, {:.3f}, {:.3f})".format(*(x + 0.0 for x in p.round(3))) for p in (first, last)
+    ]
+    assert f"from {points[0]} to {points[1]} m" in text
+    assert f"within ({r.tcp[:, 0].min():.3f}, " in text
+    assert f"arrays: {t.size} samples, 7.25 s\n" in text
+
+
+def test_the_jaw_rod_has_its_own_units() -> None:
+    t = np.linspace(0, 4, 201)
+    rod = 0.0073 + 0.0055 * np.sin(t)
+    motion = a5.trajectory.motion(t, np.column_stack([np.full((201, 4), 1.2), rod]))
+    s = a5.trajectory.summary(a5.trajectory.analyse(motion))
+    jaw = s["joints"]["axis_a"]
+    assert jaw["units"] == {"position": "m", "velocity": "m/s", "torque": "N"}
+    lines = a5.trajectory.text(s).splitlines()
+    [at] = [i for i, line in enumerate(lines) if "force [N]" in line and "speed" in line]
+    for unit in ("speed [m/s]", "range margin [m]"):
+        assert unit in lines[at]
+    assert lines[at + 1].split()[:2] == ["axis_a", f"{jaw['torque_peak']['value']:+.4g}"]
+    [arm] = [i for i, line in enumerate(lines) if "torque [N m]  margin" in line]
+    assert {line.split()[0] for line in lines[arm + 1 : arm + 5]} == set(s["joints"]) - {"axis_a"}
+    for unit in ("speed [rad/s]", "range margin [rad]"):
+        assert unit in lines[arm]
+    [cause] = [i for i, line in enumerate(lines) if "peak force by cause [N]" in line]
+    assert lines[cause + 1].split()[0] == "axis_a"
+    locked = a5.trajectory.text(a5.trajectory.summary(a5.trajectory.analyse(motion, a5.load())))
+    assert "[N]" not in locked
+    assert "[m/s]" not in locked
+
+
+def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
+    t = np.linspace(0, 1, 101)
+    speed = np.array([0.6, 0.5, 0.52, 0.88])
+    motion = a5.trajectory.motion(t, 1.2 + np.outer(t, speed), np.ones((101, 1)) * speed)
+    r = a5.trajectory.analyse(motion, method="interpolate")
+    s = a5.trajectory.summary(r)
+    over = {name: j["beyond_rated_velocity"] for name, j in s["joints"].items()}
+    assert over == {"axis_e": 101, "axis_d": 0, "axis_c": 0, "axis_b": 101}
+    text = a5.trajectory.text(s)
+    assert (
+        "limit: axis_e is beyond its rated speed of 0.5236 rad/s in 101 samples, up to 0.6\n"
+        in text
+    )
+    assert text.count("is beyond its rated speed") == 2
+
+
+@pytest.mark.parametrize(
+    ("beyond", "margin", "warned"),
+    [(-1e-6, 1e-6, 0), (9e-7, 0.0, 0), (1.1e-5, 0.0, 0), (1.3e-5, -1.3e-5, 1)],
+)
+def test_a_margin_within_the_slack_is_none(beyond: float, margin: float, warned: int) -> None:
+    """The rod rests 0.9 micrometres past its printed limit in the recordings; a thousandth of the range counts."""
+    rod = np.full(50, JAW_LOWER - beyond)
+    q = np.column_stack([np.full((50, 4), 1.2), rod])
+    s = a5.trajectory.summary(a5.trajectory.analyse(a5.trajectory.motion(np.arange(50) / 50, q)))
+    assert s["joints"]["axis_a"]["position_margin"] == pytest.approx(margin, abs=1e-12)
+    assert [w["kind"] for w in s["warnings"]] == ["outside_limits"] * warned
 
 
 def test_constants_change_what_they_should() -> None:

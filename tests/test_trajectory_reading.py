@@ -188,6 +188,146 @@ def test_arrays_of_another_shape_are_refused(position: object, velocity: object)
         a5.trajectory.motion(np.arange(10.0), position, velocity)  # type: ignore[arg-type]
 
 
+def in_unit(per_second: float, step: float = 0.1, count: int = 30) -> list[list[str]]:
+    rows = table(count)
+    for k, row in enumerate(rows):
+        row[0] = repr(k * step * per_second)
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "per_second"),
+    [
+        ("time_ms", "ms", 1e3),
+        ("time [ms]", "ms", 1e3),
+        ("Time (msecs)", "ms", 1e3),
+        ("time_us", "us", 1e6),
+        ("TIME [ns]", "ns", 1e9),
+        ("time (s)", "s", 1.0),
+        ("time_secs", "s", 1.0),
+        ("time", "s", 1.0),
+    ],
+)
+def test_unit_of_the_time_in_its_name(
+    name: str, unit: str, per_second: float, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "m.csv", [name, *HEADER[1:]], in_unit(per_second))
+    motion = a5.trajectory.read_motion(path)
+    np.testing.assert_allclose(motion.time, 0.1 * np.arange(30), rtol=1e-15)
+    assert (motion.time_unit, motion.warnings, motion.ignored) == (unit, (), ())
+
+
+@pytest.mark.parametrize(("unit", "per_second"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+def test_time_without_a_unit_is_judged_by_steps_and_speeds(
+    unit: str, per_second: float, tmp_path: Path
+) -> None:
+    header = ["time", *HEADER[1:]]
+    motion = a5.trajectory.read_motion(write(tmp_path / "m.csv", header, in_unit(per_second)))
+    np.testing.assert_allclose(motion.time, 0.1 * np.arange(30), rtol=1e-15)
+    assert motion.time_unit == unit
+    [warning] = motion.warnings
+    assert (warning.kind, warning.count, warning.first) == (
+        "time_unit",
+        1,
+        "line 2, column 1 (time)",
+    )
+    assert warning.text.startswith(f"time read as {unit}, ")
+    # A name that says seconds is believed, but the doubt is said.
+    header = ["time_secs", *HEADER[1:]]
+    motion = a5.trajectory.read_motion(write(tmp_path / "n.csv", header, in_unit(per_second)))
+    assert (motion.time[1], motion.time_unit) == (0.1 * per_second, "s")
+    assert f"is it time_{unit}?" in motion.warnings[0].text
+    # So is one that says anything else, as long as it is no second.
+    header = ["time_us", *HEADER[1:]]
+    motion = a5.trajectory.read_motion(write(tmp_path / "o.csv", header, in_unit(per_second)))
+    assert (motion.time[1], motion.warnings) == (pytest.approx(0.1 * per_second / 1e6), ())
+
+
+def test_plans_of_few_points_stay_in_seconds(tmp_path: Path) -> None:
+    """Steps of a second: in milliseconds joints would be far too fast; a shade below that they would not."""
+    rated = {"axis_e": 0.5235988, "axis_d": 0.5235988, "axis_c": 0.5235988, "axis_b": 0.8726646}
+    for column, name in enumerate(HEADER[1:], start=1):
+        for share, unit in ((1.99, "ms"), (2.01, "s")):
+            rows = [[repr(1.0 * k), "1.5", "1.5", "1.5", "1.5"] for k in range(6)]
+            for k, row in enumerate(rows):
+                row[column] = repr(1.5 + share * rated[name.removesuffix("_pos")] * 1e-3 * k)
+            path = write(tmp_path / "plan.csv", ["time", *HEADER[1:]], rows)
+            assert a5.trajectory.read_motion(path).time_unit == unit
+    for step, unit in ((0.999, "s"), (1.0, "ms"), (999.0, "ms"), (1000.0, "us")):
+        path = write(tmp_path / "m.csv", ["time", *HEADER[1:]], in_unit(1.0, step))
+        still = [[row[0], "1", "1", "1", "1"] for row in in_unit(1.0, step)]
+        path = write(tmp_path / "m.csv", ["time", *HEADER[1:]], still)
+        assert a5.trajectory.read_motion(path).time_unit == unit
+
+
+def test_two_names_for_the_time(tmp_path: Path) -> None:
+    """A second column of time in another unit is ignored as before; two of them alone are refused."""
+    rows = [[*row, row[0]] for row in table()]
+    path = write(tmp_path / "m.csv", [*HEADER, "time_ms"], rows)
+    motion = a5.trajectory.read_motion(path)
+    assert (motion.ignored, motion.time[1]) == (("time_ms",), 0.1)
+    path = write(tmp_path / "m.csv", ["time_us", *HEADER[1:], "time_ms"], rows)
+    with pytest.raises(FileFormatError, match="two columns for the time: time_us, time_ms"):
+        a5.trajectory.read_motion(path)
+
+
+def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
+    """The csv module takes 131 072 characters in a field; longer numbers are numbers all the same."""
+    long = "1." + "0" * 140_000
+    rows = table()
+    rows[3][1] = long
+    path = write(tmp_path / "m.csv", HEADER, rows)
+    assert a5.trajectory.read_motion(path).position[3, 3] == 1.0
+    rows[4][1] = "?" * 140_000
+    with pytest.raises(FileFormatError, match="line 5: is not a table of numbers"):
+        a5.trajectory.read_motion(write(tmp_path / "m.csv", HEADER, rows))
+    for header in ([*HEADER[:-1], "x" * 140_000], [*HEADER[:-1], "x" * 100_000]):
+        with pytest.raises(FileFormatError, match="line 1") as caught:
+            a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
+        assert len(str(caught.value)) < 600
+    header = [*HEADER, "y" * 1000, "y" * 1000]
+    with pytest.raises(FileFormatError, match=r"line 1, column 7: column 'y{40}' stands twice"):
+        a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
+    for name in (None, 3.5, "a\0b"):
+        with pytest.raises(InputError, match="path"):
+            a5.trajectory.read_motion(name)  # type: ignore[arg-type]
+    with pytest.raises(FileFormatError, match="name too long"):
+        a5.trajectory.read_motion("x" * 5000)
+
+
+@pytest.mark.parametrize("size", [1.01e9, 1e300])
+def test_what_would_overflow_is_refused(size: float, tmp_path: Path) -> None:
+    time, q = np.arange(10.0), np.ones((10, 4))
+    for argument in ("position", "velocity"):
+        arrays = {"position": q.copy(), "velocity": q.copy()}
+        arrays[argument][6, 2] = -size
+        with pytest.raises(
+            InputError, match=rf"axis_c\[6\]: expected a {argument} of at most 1e\+09"
+        ):
+            a5.trajectory.motion(time, **arrays)
+        arrays[argument][6, 2] = -1e9
+        a5.trajectory.motion(time, **arrays)
+    with pytest.raises(InputError, match=r"time\[9\]: expected a time of at most 1e\+12"):
+        a5.trajectory.motion([*range(9), size * 1e3], q)
+    path = write(tmp_path / "m.csv", HEADER, with_cell(4, 2, repr(size)))
+    with pytest.raises(FileFormatError, match=r"line 6, column 3 \(axis_e_pos\)"):
+        a5.trajectory.read_motion(path)
+    path = write(tmp_path / "m.csv", ["time", *HEADER[1:]], in_unit(1e300, 1e6, 12))
+    with pytest.raises(FileFormatError, match=r"column 1 \(time\)"):
+        a5.trajectory.read_motion(path)
+
+
+def test_times_nearer_than_a_nanosecond_are_the_same() -> None:
+    time, q = np.arange(10.0), np.ones((10, 4))
+    for step, dropped in ((0.99e-9, 1), (1.01e-9, 0), (0.0, 1)):
+        near = np.concatenate([[-step], time])
+        motion = a5.trajectory.motion(near, np.ones((11, 4)))
+        assert motion.time.size == 11 - dropped
+        assert len(motion.warnings) == dropped
+    with pytest.raises(InputError, match="5 samples with different times"):
+        a5.trajectory.motion(time * 1e-10, q)
+
+
 @needs_recordings
 @pytest.mark.parametrize("path", JOINT_STATES, ids=lambda p: p.stem)
 def test_recordings_are_read_to_the_last_digit(path: Path) -> None:

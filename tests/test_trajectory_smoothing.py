@@ -10,7 +10,12 @@ from scipy.interpolate import make_smoothing_spline
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.trajectory.smoothing import METHODS, savitzky_golay, smoothing_spline
+from alpha5_model.trajectory.smoothing import (
+    LEAST_BANDWIDTH,
+    METHODS,
+    savitzky_golay,
+    smoothing_spline,
+)
 
 
 def uneven(count: int, mean_step: float, seed: int) -> np.ndarray:
@@ -100,6 +105,31 @@ def test_velocities_of_the_motion_are_used_when_asked(method: str) -> None:
     assert not slope.from_velocity
 
 
+@pytest.mark.parametrize("jitter", [0.0, 0.5])
+def test_the_least_bandwidth_is_as_good_as_it_says(jitter: float) -> None:
+    """A sine at the least bandwidth comes out at 1/sqrt(2) of its amplitude, to 0.1 %."""
+    steps = 1 + jitter * np.random.default_rng(1).uniform(-1, 1, 60_000)
+    time = 0.02 * np.cumsum(steps)
+    width = LEAST_BANDWIDTH / float(np.median(np.diff(time)))
+    sine = np.sin(2 * math.pi * width * time)[:, None]
+    value, _, _ = smoothing_spline(time, sine, width)
+    middle = slice(15_000, -15_000)
+    np.testing.assert_allclose(value[middle], math.sqrt(0.5) * sine[middle], atol=1e-3)
+    q = 1.5 + 0.1 * sine * np.ones(4)
+    motion = a5.trajectory.motion(time, q)
+    assert a5.trajectory.smooth(motion, "spline", width).bandwidth == width
+    with pytest.raises(InputError, match="at least"):
+        a5.trajectory.smooth(motion, "spline", width * (1 - 1e-12))
+
+
+def test_default_bandwidth() -> None:
+    """Documented in the head of the module and in --help: the spline at 2 Hz."""
+    motion, _, _ = cubic_motion()
+    s = a5.trajectory.smooth(motion)
+    assert (s.method, s.bandwidth) == ("spline", 2.0)
+    assert a5.trajectory.analyse(motion).smooth.bandwidth == 2.0
+
+
 def test_noise_is_taken_out() -> None:
     time = uneven(3000, 0.02, seed=8)
     truth = 1.5 + np.sin(0.5 * time)[:, None] * np.ones(4)
@@ -121,6 +151,10 @@ def test_what_cannot_be_smoothed_is_refused() -> None:
         a5.trajectory.smooth(motion, "spline", 50.0)
     with pytest.raises(InputError, match="above 0"):
         a5.trajectory.smooth(motion, "spline", 0.0)
+    for method in ("spline", "savgol"):
+        for width in (1e-5, 1e-100, 1e-300):
+            with pytest.raises(InputError, match=r"at least 0\.0001 of the sample rate, 0\.00"):
+                a5.trajectory.smooth(motion, method, width)
     with pytest.raises(InputError, match="window of at most"):
         a5.trajectory.smooth(motion, "savgol", 0.01)
     with pytest.raises(InputError, match="no velocities"):

@@ -36,7 +36,7 @@ def trajectory(
     file: Annotated[
         Path,
         typer.Argument(
-            help="CSV with a header, columns in any order: time_secs or time (s); axis_e_pos, axis_d_pos, "
+            help="CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
             "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel and so on "
             "if recorded."
         ),

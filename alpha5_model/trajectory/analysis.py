@@ -16,6 +16,7 @@ from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning
 from alpha5_model.trajectory.reading import Progress
 from alpha5_model.trajectory.smoothing import (
     DEFAULT_BANDWIDTH,
+    LEAST_BANDWIDTH,
     SmoothMotion,
     smooth,
 )
@@ -246,7 +247,8 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     """Joints whose velocities are not the slope of their positions, by slow parts of both."""
     if motion.velocity is None:
         return ()
-    bandwidth = min(0.5, 0.1 / float(np.median(np.diff(motion.time))))
+    rate = 1 / float(np.median(np.diff(motion.time)))
+    bandwidth = max(min(0.5, 0.1 * rate), LEAST_BANDWIDTH * rate)
     slope = smooth(motion, "spline", bandwidth, use_velocity=False).velocity
     given = smooth(motion, "spline", bandwidth, use_velocity=True).velocity
     found = []

@@ -19,8 +19,16 @@ JOINTS = JOINT_NAMES
 MINIMUM_SAMPLES = 5
 #: A step is a jump beyond this share of the joint's range plus twice its rated speed.
 JUMP_SHARE = 0.1
+#: A position beyond a limit by less than this share of the joint's range is at the limit.
+LIMIT_SLACK = 1e-3
 #: A gap is longer than this many median sample times.
 GAP_FACTOR = 10.0
+
+#: Larger positions [rad], velocities and times [s] are no motion, and their derivatives would overflow.
+_MOST = 1e9
+_MOST_TIME = 1e12
+#: Times nearer than this are the same [s].
+_LEAST_STEP = 1e-9
 
 #: (sample, joint or None for the time) -> where that number stands, for messages.
 Place = Callable[[int, "str | None"], str]
@@ -33,7 +41,8 @@ class MotionWarning:
     """Something odd in a motion that does not stop the computation.
 
     Attributes:
-        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"`` or ``"velocity"``.
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``, ``"velocity"`` or
+            ``"time_unit"``.
         count: How often.
         first: Where it happens first.
         text: What it is, and what is done about it.
@@ -60,6 +69,7 @@ class Motion:
         warnings: What was found odd.
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
+        time_unit: Of the file's time column, ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; `time` is in seconds.
     """
 
     time: FloatArray
@@ -69,6 +79,7 @@ class Motion:
     warnings: tuple[MotionWarning, ...] = ()
     source: str = "arrays"
     ignored: tuple[str, ...] = ()
+    time_unit: str = "s"
 
 
 def motion(
@@ -131,11 +142,17 @@ def checked(
             time.size,
             f"at least {MINIMUM_SAMPLES} samples",
         )
+    tables = (("time", time[:, None], _MOST_TIME), ("position", position, _MOST))
+    for what, table, most in (*tables, ("velocity", velocity, _MOST)):
+        if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
+            sample, k = (int(i) for i in beyond[0])
+            joint = None if what == "time" else joints[k]
+            raise refuse(sample, joint, f"a {what} of at most {most:g} in size")
     steps = np.diff(time)
     if (steps < 0).any():
         k = int(np.argmax(steps < 0)) + 1
         raise refuse(k, None, f"a time of at least {time[k - 1]:.9g} s: time runs back")
-    keep = np.concatenate([[True], steps > 0])
+    keep = np.concatenate([[True], steps >= _LEAST_STEP])
     samples = np.flatnonzero(keep)
     found: list[MotionWarning] = []
 
@@ -153,18 +170,18 @@ def checked(
     warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")
     bounds = {j.name: j for j in parameters().joints}
     for column, name in enumerate(joints):
-        joint = bounds[name]
-        span = joint.upper - joint.lower
+        bound = bounds[name]
+        span = bound.upper - bound.lower
         unit = "m" if name == "axis_a" else "rad"
-        jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * joint.velocity * steps
+        jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * bound.velocity * steps
         warn("jump", samples[1:][jump], name, f"{name} jumps farther than it can move")
-        slack = 1e-3 * span
-        outside = (q[:, column] < joint.lower - slack) | (q[:, column] > joint.upper + slack)
+        slack = LIMIT_SLACK * span
+        outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
         warn(
             "outside_limits",
             samples[outside],
             name,
-            f"{name} outside its range {joint.lower:.6g} to {joint.upper:.6g} {unit}",
+            f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}",
         )
     return Motion(
         frozen(t),

@@ -5,17 +5,23 @@ from __future__ import annotations
 import csv
 import math
 import os
+import re
 from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import NoReturn
+from dataclasses import replace
+from typing import Any, NoReturn
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError
-from alpha5_model.trajectory.motion import JOINTS, Motion, checked
+from alpha5_model.errors import Alpha5Error, FileFormatError
+from alpha5_model.files import read_named
+from alpha5_model.parameters import parameters
+from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, checked
 
 TIME_COLUMNS = ("time_secs", "time")
+#: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
+_TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
+_PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 POSITION_SUFFIXES = ("_pos", "_position", "")
 VELOCITY_SUFFIXES = ("_vel", "_velocity")
 #: Lines parsed between two reports of progress.
@@ -27,21 +33,24 @@ Progress = Callable[[str, float], None]
 def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) -> Motion:
     """Read joint motion from a CSV file with a header line.
 
-    Columns stand in any order: ``time_secs`` or ``time`` [s]; ``axis_b_pos`` (also ``axis_b_position``,
-    ``axis_b``) and the like for ``axis_e, axis_d, axis_c, axis_b`` [rad] and, optionally, for the jaw
-    rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``) and the like, optional, for all of
-    these joints or none. Other columns are ignored and named in `Motion.ignored`.
+    Columns stand in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and the like;
+    ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and the like for ``axis_e, axis_d, axis_c, axis_b``
+    [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``) and the
+    like, optional, for all of these joints or none. Other columns are ignored and named in
+    `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
+    smaller unit if the joints can be so fast; a warning says so.
 
     Args:
         path: The file.
         progress: Called with a stage's name and the part done, 0 to 1.
 
     Raises:
+        InputError: Not a path, or fewer than 5 samples.
         MissingFileError: No such file.
         FileFormatError: A missing or doubled column, another separator, an empty file, a line of
             another length, text or NaN in place of a number, time that runs back; with line and column.
     """
-    lines = _lines(Path(path))
+    lines = _lines(path)
     header = _header(path, lines[0])
     time_column, joints, positions, velocities = _columns(path, header)
     used = [time_column, *positions, *velocities]
@@ -63,8 +72,12 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
         return FileFormatError(path, f"expected {problem}", place(sample, joint))
 
     n = len(joints)
-    return checked(
-        table[:, 0],
+    name = header[time_column]
+    guess = _likely_unit(table[:, 0], joints, table[:, 1 : 1 + n])
+    stated = _TIME_WITH_UNIT.fullmatch(name)
+    unit = guess if stated is None else stated[1].lower()
+    motion = checked(
+        table[:, 0] / _PER_SECOND[unit],
         joints,
         table[:, 1 : 1 + n],
         table[:, 1 + n :] if velocities else None,
@@ -73,25 +86,54 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
         source=str(path),
         ignored=tuple(name for k, name in enumerate(header) if k not in used),
     )
+    warnings = motion.warnings
+    if guess != "s" and (unit == "s" or stated is None):
+        text = (
+            f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
+            if stated is None
+            else f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
+        )
+        warnings = (MotionWarning("time_unit", 1, place(0, None), text), *warnings)
+    return replace(motion, time_unit=unit, warnings=warnings)
 
 
-def _lines(path: Path) -> list[str]:
-    if path.is_dir():
-        raise FileFormatError(path, "is a folder, a CSV file is expected")
+def _likely_unit(time: FloatArray, joints: tuple[str, ...], position: FloatArray) -> str:
+    """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
+
+    Seconds where some joint's mean speed would be beyond twice its rating, as in a plan of few points.
+    """
+    with np.errstate(over="ignore"):
+        steps, way = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
+    steps = steps[steps > 0]
+    if not steps.size or float(np.median(steps)) < 1.0:
+        return "s"
+    unit = next((u for u, n in _PER_SECOND.items() if float(np.median(steps)) < n), "ns")
+    rated = {joint.name: joint.velocity for joint in parameters().joints}
+    fast = way / (steps / _PER_SECOND[unit]).sum() > 2 * np.array([rated[j] for j in joints])
+    return "s" if fast.any() else unit
+
+
+def _lines(path: Any) -> list[str]:
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise MissingFileError(path, "a CSV file of joint motion") from None
+        text = read_named(path, "a CSV file of joint motion").decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be read: {error.strerror}") from None
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     lines = [line.strip() for line in text.rstrip().split("\n")]
     if not lines[0]:
         raise FileFormatError(
             path, "is empty" if len(lines) == 1 else "no column names in line 1", "line 1"
         )
     return lines
+
+
+def _fields(path: Any, line: str, number: int) -> list[str]:
+    try:
+        return next(csv.reader([line]))
+    except csv.Error as error:  # a field of more than 131 072 characters
+        raise FileFormatError(
+            path, f"is not a table of numbers: {error}", f"line {number}"
+        ) from None
 
 
 def _header(path: str | os.PathLike[str], line: str) -> list[str]:
@@ -101,12 +143,13 @@ def _header(path: str | os.PathLike[str], line: str) -> list[str]:
                 raise FileFormatError(
                     path, f"columns are separated by {name}, expected ','", "line 1"
                 )
-    header = [name.strip() for name in next(csv.reader([line]))]
+    header = [name.strip() for name in _fields(path, line, 1)]
     if _is_number(header[0]):
         raise FileFormatError(path, "starts with numbers, expected column names", "line 1")
     for k, name in enumerate(header):
         if name and name in header[:k]:
-            raise FileFormatError(path, f"column {name!r} stands twice", f"line 1, column {k + 1}")
+            problem = f"column {name[:40]!r} stands twice"
+            raise FileFormatError(path, problem, f"line 1, column {k + 1}")
     return header
 
 
@@ -126,7 +169,7 @@ def _columns(
         if column is None:
             raise FileFormatError(
                 path,
-                f"no column for {what}: expected {' or '.join(names)}, got {', '.join(header)}",
+                f"no column for {what}: expected {' or '.join(names)}, got {', '.join(header)[:200]}",
                 "line 1",
             )
         return column
@@ -134,7 +177,10 @@ def _columns(
     def names(joint: str, suffixes: Sequence[str]) -> list[str]:
         return [joint + suffix for suffix in suffixes]
 
-    time_column = need(TIME_COLUMNS, "the time")
+    time_column = find(TIME_COLUMNS, "the time")
+    if time_column is None:
+        with_unit = [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
+        time_column = need(with_unit or (*TIME_COLUMNS, "time_ms"), "the time")
     joints: tuple[str, ...] = JOINTS[:4]
     if find(names("axis_a", POSITION_SUFFIXES), "the position of axis_a") is not None:
         joints = JOINTS
@@ -173,7 +219,7 @@ def _complain(
     for number, line in enumerate(lines[1:], start=2):
         if not line:
             continue
-        fields = next(csv.reader([line]))
+        fields = _fields(path, line, number)
         if len(fields) != len(header):
             problem = f"{len(fields)} fields, expected {len(header)} as in line 1"
             raise FileFormatError(path, problem, f"line {number}")

@@ -40,6 +40,9 @@ DEFAULT_BANDWIDTH = 2.0
 REST_SHARE = 0.002
 #: Noise in velocities hides the direction of slow motion; the way gone in this time shows it [s].
 DIRECTION_WINDOW = 0.5
+#: Least bandwidth as a share of the sample rate: below it the spline's equations, whose condition grows with
+#: its inverse to the fourth power, lose the 0.1 % to which a sine's amplitude is right at it.
+LEAST_BANDWIDTH = 1e-4
 _DEGREE = 3
 
 
@@ -108,12 +111,19 @@ def smooth(
     reached: float | None = None
     if method != "interpolate":
         bandwidth = real("bandwidth", bandwidth, minimum=0.0, strict=True)
-        nyquist = 0.5 / float(np.median(np.diff(t)))
-        if bandwidth >= nyquist:
+        rate = 1 / float(np.median(np.diff(t)))
+        if bandwidth >= rate / 2:
             raise InputError(
                 "bandwidth",
                 bandwidth,
-                f"less than half the sample rate, {nyquist:.4g} Hz (or method interpolate)",
+                f"less than half the sample rate, {rate / 2:.4g} Hz (or method interpolate)"
+                + (": is the time in seconds?" if rate < 1 else ""),
+            )
+        if bandwidth < LEAST_BANDWIDTH * rate:
+            raise InputError(
+                "bandwidth",
+                bandwidth,
+                f"at least {LEAST_BANDWIDTH:g} of the sample rate, {LEAST_BANDWIDTH * rate:.4g} Hz",
             )
     signals = motion.position
     if use_velocity:

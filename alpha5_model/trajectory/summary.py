@@ -9,6 +9,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import JointParameters, parameters
 from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.motion import LIMIT_SLACK
 from alpha5_model.trajectory.smoothing import REST_SHARE
 
 CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
@@ -17,9 +18,9 @@ CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
 def summary(analysis: Analysis) -> dict[str, Any]:
     """Peaks, margins, energies and warnings, made of what JSON knows.
 
-    Units: s, rad, rad/s, N m, A, V, W, J, N, m; for the jaw rod ``axis_a`` m, m/s and N in place of rad,
-    rad/s and N m. A margin is what is left to a limit, negative beyond it. ``null`` where a motor
-    cannot be computed or a limit is not given.
+    Units: s, A, V, W, J, N, m; of a joint's position, velocity and torque as its ``units`` say: rad, rad/s,
+    N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what is left to a limit, negative beyond it.
+    ``null`` where a motor cannot be computed or a limit is not given.
     """
     a, s = analysis, analysis.smooth
     bounds = {joint.name: joint for joint in parameters().joints}
@@ -42,6 +43,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "samples": int(s.time.size),
         "start_s": float(s.time[0]),
         "duration_s": float(s.time[-1] - s.time[0]),
+        "time_unit_of_file": a.motion.time_unit,
         "sample_time_s": {"median": float(np.median(steps)), "longest": float(steps.max())},
         "model": {
             "gripper": "jaws" if "axis_a" in s.joints else "locked",
@@ -73,6 +75,8 @@ def summary(analysis: Analysis) -> dict[str, Any]:
             "moment_peak_nm": _peak_norm(a.base_wrench[:, 3:], s.time),
         },
         "tcp": {
+            "first_m": [float(x) for x in a.tcp[0]],
+            "last_m": [float(x) for x in a.tcp[-1]],
             "lowest_m": [float(x) for x in a.tcp.min(axis=0)],
             "highest_m": [float(x) for x in a.tcp.max(axis=0)],
             "path_length_m": float(path.sum()),
@@ -87,11 +91,17 @@ def summary(analysis: Analysis) -> dict[str, Any]:
 def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     s = a.smooth
     q = a.motion.position[:, k]
+    margin = float(min(q.min() - joint.lower, joint.upper - q.max()))
+    if -LIMIT_SLACK * (joint.upper - joint.lower) <= margin < 0:
+        margin = 0.0  # at the limit, as the warnings have it
+    speed = np.abs(s.velocity[:, k])
     out: dict[str, Any] = {
+        "units": dict(zip(("position", "velocity", "torque"), _units(joint.name), strict=True)),
         "position_range": [float(q.min()), float(q.max())],
-        "position_margin": float(min(q.min() - joint.lower, joint.upper - q.max())),
+        "position_margin": margin,
         "velocity_peak": _peak(s.velocity[:, k], s.time),
-        "velocity_margin": float(joint.velocity - np.abs(s.velocity[:, k]).max()),
+        "velocity_margin": float(joint.velocity - speed.max()),
+        "beyond_rated_velocity": int(np.count_nonzero(speed > joint.velocity)),
         "acceleration_peak": _peak(s.acceleration[:, k], s.time),
         "smoothing_deviation": float(s.deviation[k]),
         "torque_peak": _peak(a.torque[:, k], s.time),
@@ -152,23 +162,76 @@ def _power_interval(a: Analysis) -> tuple[FloatArray, FloatArray]:
     return np.minimum(*ends).sum(axis=0), np.maximum(*ends).sum(axis=0)
 
 
+_FORCE = {"N m": "torque", "N": "force"}
+
+
+def _units(joint: str) -> tuple[str, str, str]:
+    """Of position, velocity and torque."""
+    return ("m", "m/s", "N") if joint == "axis_a" else ("rad", "rad/s", "N m")
+
+
 def text(record: dict[str, Any]) -> str:
     """The record of `summary` as lines for a terminal."""
     model, smoothing, motors = record["model"], record["smoothing"], record["motors"]
     width = smoothing["bandwidth_hz"]
     gravity = ", ".join(f"{g:g}" for g in model["gravity"])
+    unit = record["time_unit_of_file"]
     lines = [
-        f"{record['source']}: {record['samples']} samples, {record['duration_s']:.2f} s",
+        f"{record['source']}: {record['samples']} samples, {record['duration_s']:.2f} s"
+        + ("" if unit == "s" else f" (time column in {unit})"),
         f"  model: {model['gripper']} gripper, fluid {model['fluid_density']:g} kg/m^3, "
         f"gravity ({gravity}) m/s^2",
         f"  smoothing: {smoothing['method']}"
         + (f", {width:.3g} Hz (-3 dB)" if width is not None else "")
         + f"; derivatives from {smoothing['derivatives_from']}",
+    ]
+    groups: dict[tuple[str, ...], dict[str, Any]] = {}
+    for name, j in record["joints"].items():
+        groups.setdefault(tuple(j["units"].values()), {})[name] = j
+    for units, joints in groups.items():
+        lines += _joint_lines(joints, *units)
+    for units, joints in groups.items():
+        title = f"  peak {_FORCE[units[2]]} by cause [{units[2]}]"
+        lines += ["", f"{title:28}" + "".join(f"{c:>11}" for c in CAUSES)]
+        for name, j in joints.items():
+            lines.append(f"  {name:26}" + "".join(_cause(j["causes_peak"][c]) for c in CAUSES))
+    energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
+    least, most = energy["drawn_interval_j"]
+    lines += [
         "",
-        "  joint     torque [N m]  margin   current [A], interval     margin  "
-        "speed [rad/s]  margin   range margin [rad]",
+        f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J "
+        f"({least:.4g} .. {most:.4g}), fed back {energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
+        f"  mount: force up to {mount['force_peak_n']['value']:.4g} N, moment up to "
+        f"{mount['moment_peak_nm']['value']:.4g} N m",
+        f"  TCP: path {tcp['path_length_m']:.4g} m, from {_point(tcp['first_m'])} to "
+        f"{_point(tcp['last_m'])} m, within {_point(tcp['lowest_m'])} .. {_point(tcp['highest_m'])} m",
     ]
     for name, j in record["joints"].items():
+        if j["beyond_rated_velocity"]:
+            peak = abs(j["velocity_peak"]["value"])
+            lines.append(
+                f"  limit: {name} is beyond its rated speed of {peak + j['velocity_margin']:.4g} "
+                f"{j['units']['velocity']} in {j['beyond_rated_velocity']} samples, up to {peak:.4g}"
+            )
+        if j["beyond_drive_limits"]:
+            lines.append(
+                f"  limit: {name} is beyond the speed-torque limit in {j['beyond_drive_limits']} samples"
+            )
+    for w in record["warnings"]:
+        lines.append(f"  warning: {w['text']}: {w['count']} x, first: {w['first']}")
+    lines += [f"  note: {note}" for note in _notes(record, motors)]
+    return "\n".join(lines)
+
+
+def _joint_lines(joints: dict[str, Any], position: str, velocity: str, torque: str) -> list[str]:
+    """Peaks and margins of joints that share their units."""
+    head = f"{_FORCE[torque]} [{torque}]"
+    lines = [
+        "",
+        f"  joint  {head:>15}  margin   current [A], interval     margin {f'speed [{velocity}]':>14}  "
+        f"margin {f'range margin [{position}]':>20}",
+    ]
+    for name, j in joints.items():
         current = "       (needs --screw-lead)   "
         if j["current_peak"] is not None:
             low, high = j["current_peak"]["interval"]
@@ -179,33 +242,7 @@ def text(record: dict[str, Any]) -> str:
             f"{j['velocity_peak']['value']:+14.4g} {j['velocity_margin']:+7.3g} "
             f"{j['position_margin']:+20.4g}"
         )
-    lines += ["", "  peak torque by cause [N m]" + "".join(f"{c:>11}" for c in CAUSES)]
-    for name, j in record["joints"].items():
-        causes = (j["causes_peak"][c] for c in CAUSES)
-        lines.append(f"  {name:26}" + "".join(_cause(c) for c in causes))
-    energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
-    least, most = energy["drawn_interval_j"]
-    lines += [
-        "",
-        f"  power: peak {energy['electrical_peak_w']:.3g} W; drawn {energy['drawn_j']:.4g} J "
-        f"({least:.4g} .. {most:.4g}), fed back {energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J",
-        f"  mount: force up to {mount['force_peak_n']['value']:.4g} N, moment up to "
-        f"{mount['moment_peak_nm']['value']:.4g} N m",
-        f"  TCP: path {tcp['path_length_m']:.4g} m, from ("
-        + ", ".join(f"{x:.3f}" for x in tcp["lowest_m"])
-        + ") to ("
-        + ", ".join(f"{x:.3f}" for x in tcp["highest_m"])
-        + ") m",
-    ]
-    for name, j in record["joints"].items():
-        if j["beyond_drive_limits"]:
-            lines.append(
-                f"  limit: {name} is beyond the speed-torque limit in {j['beyond_drive_limits']} samples"
-            )
-    for w in record["warnings"]:
-        lines.append(f"  warning: {w['text']}: {w['count']} x, first: {w['first']}")
-    lines += [f"  note: {note}" for note in _notes(record, motors)]
-    return "\n".join(lines)
+    return lines
 
 
 def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
@@ -225,8 +262,6 @@ def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
             else ""
         ),
     ]
-    if "axis_a" in record["joints"]:
-        notes.append("for the jaw rod axis_a read N, m/s and m in place of N m, rad/s and rad")
     if motors["supply_voltage"] is None:
         notes.append(
             "current margins need --supply-voltage and --current-limit; neither is published"
@@ -238,6 +273,11 @@ def _cause(value: float | None) -> str:
     if value is None:
         return f"{'-':>11}"
     return f"{0.0 if value < 1e-12 else value:11.4g}"  # rounding is no torque
+
+
+def _point(position: list[float]) -> str:
+    # Adding zero turns the -0.0 of rounding into 0.0.
+    return "(" + ", ".join(f"{round(x, 3) + 0.0:.3f}" for x in position) + ")"
 
 
 def _or_dash(value: float | None) -> str:
