@@ -49,38 +49,25 @@ if TYPE_CHECKING:
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
 
-#: Public name -> module that defines it; None where the name is the module itself.
-_PUBLIC: dict[str, tuple[str, str | None]] = {
-    "BRANCHES": ("alpha5_model.kinematics.ik", "BRANCHES"),
-    "AIR": ("alpha5_model.dynamics.water", "AIR"),
-    "Arm": ("alpha5_model.dynamics.arm", "Arm"),
-    "FRESH_WATER": ("alpha5_model.dynamics.water", "FRESH_WATER"),
-    "compare": ("alpha5_model.comparison.report", "compare"),
-    "PACKAGE_PATH": ("alpha5_model.paths", "PACKAGE_PATH"),
-    "REPOSITORY_PATH": ("alpha5_model.paths", "REPOSITORY_PATH"),
-    "SEA_WATER": ("alpha5_model.dynamics.water", "SEA_WATER"),
-    "URDF_PATH": ("alpha5_model.paths", "URDF_PATH"),
-    "audit": ("alpha5_model.consistency.document", "audit"),
-    "dh": ("alpha5_model.kinematics.dh", None),
-    "distance_to_reach": ("alpha5_model.kinematics.reach", "distance_to_reach"),
-    "inverse_kinematics": ("alpha5_model.kinematics.ik", "inverse_kinematics"),
-    "inverse_kinematics_path": ("alpha5_model.kinematics.ik_path", "inverse_kinematics_path"),
-    "inverse_kinematics_pose": ("alpha5_model.kinematics.ik_pose", "inverse_kinematics_pose"),
-    "nearest_reachable": ("alpha5_model.kinematics.reach", "nearest_reachable"),
-    "published_inverse_kinematics": (
-        "alpha5_model.kinematics.ik_published",
-        "published_inverse_kinematics",
-    ),
-    "reachable": ("alpha5_model.kinematics.reach", "reachable"),
-    "workspace": ("alpha5_model.kinematics.workspace", None),
-    "gravity_in_base": ("alpha5_model.dynamics.water", "gravity_in_base"),
-    "named_pose": ("alpha5_model.description.poses", "named_pose"),
-    "load": ("alpha5_model.dynamics.loading", "load"),
-    "robot_wrapper": ("alpha5_model.dynamics.loading", "robot_wrapper"),
-    "planar": ("alpha5_model.kinematics.planar", None),
-    "actuators": ("alpha5_model.actuators", None),
-    "trajectory": ("alpha5_model.trajectory", None),
+#: Module -> the public names that it defines.
+_DEFINED = {
+    "comparison.report": ("compare",),
+    "consistency.document": ("audit",),
+    "description.poses": ("named_pose",),
+    "dynamics.arm": ("Arm",),
+    "dynamics.loading": ("load", "robot_wrapper"),
+    "dynamics.water": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
+    "kinematics.ik": ("BRANCHES", "inverse_kinematics"),
+    "kinematics.ik_path": ("inverse_kinematics_path",),
+    "kinematics.ik_pose": ("inverse_kinematics_pose",),
+    "kinematics.ik_published": ("published_inverse_kinematics",),
+    "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
+    "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
 }
+#: Public modules.
+_MODULES = ("actuators", "kinematics.dh", "kinematics.planar", "kinematics.workspace", "trajectory")
+_PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
+_PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
 
 __all__ = [
     "Alpha5Error",
@@ -97,8 +84,8 @@ def __getattr__(name: str) -> Any:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module_name, attribute = _PUBLIC[name]
-    module = import_module(module_name)
-    value = module if attribute is None else getattr(module, attribute)
+    module = import_module(f"alpha5_model.{module_name}")
+    value = getattr(module, attribute) if attribute else module
     globals()[name] = value
     return value
 

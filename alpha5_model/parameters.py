@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -278,25 +278,13 @@ def _links(
 
 
 def _joint(row: JointRow) -> JointParameters:
+    si = {key: getattr(row, key).quantity.si for key in ("lower", "upper", "velocity", "effort")}
     return JointParameters(
-        name=row.name,
-        dh_variable=row.dh_variable,
-        device_id=row.device_id,
-        lower=row.lower.quantity.si,
-        upper=row.upper.quantity.si,
-        velocity=row.velocity.quantity.si,
-        effort=row.effort.quantity.si,
+        name=row.name, dh_variable=row.dh_variable, device_id=row.device_id, **si
     )
 
 
 def _actuator(row: ActuatorRow) -> ActuatorParameters:
     return ActuatorParameters(
-        resistance=row.resistance.si,
-        inductance=row.inductance.si,
-        friction=row.friction.si,
-        friction_tolerance=row.friction_tolerance.si,
-        efficiency=row.efficiency.si,
-        torque_constant=row.torque_constant.si,
-        voltage_constant=row.voltage_constant.si,
-        gear_ratio=row.gear_ratio.si,
+        **{f.name: getattr(row, f.name).si for f in fields(ActuatorParameters)}
     )

@@ -13,8 +13,7 @@ from reference import LOWER, UPPER, configurations
 from water_reference import URDF, VOLUME, Reference
 
 from alpha5_model.cli import main
-from alpha5_model.description.mjcf import mjcf, mjcf_files
-from alpha5_model.description.mjcf_options import MjcfOptions
+from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.files import atomic_write
 from alpha5_model.jaws import split_link_4

@@ -99,8 +99,7 @@ def generate(
     chosen_corrections = correction_names(corrections)
     _refuse_options_of_other_formats(context, choice("format", description_format, FORMATS))
     if description_format == "mjcf":
-        from alpha5_model.description.mjcf import mjcf_files
-        from alpha5_model.description.mjcf_options import MjcfOptions
+        from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 
         options = MjcfOptions(
             gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections

@@ -11,29 +11,32 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
-from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
+from alpha5_model.checks import FloatArray, choice, real
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.bodies import Body, Mesh, arm_bodies
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.mjcf_control import (
+    ACTUATORS,
     add_actuators,
     add_equality,
     add_keyframes,
 )
-from alpha5_model.description.mjcf_options import MjcfOptions
 from alpha5_model.description.mjcf_texts import SCENE, mjcf_readme
-from alpha5_model.description.number_text import numbers_text
 from alpha5_model.description.poses import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
     NEVER_PAIRS,
 )
-from alpha5_model.fluids import GRAVITY
-from alpha5_model.jaws import FingerJoint
+from alpha5_model.description.variants import COLLISIONS
+from alpha5_model.description.xml_text import add, add_provenance, serialized, text_of
+from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.materials import MATERIALS
 from alpha5_model.meshing.primitive import Primitive
 from alpha5_model.parameters import parameters
@@ -43,6 +46,36 @@ from alpha5_model.parameters import parameters
 DILUTION = 1e9
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
+#: Boxes and cylinders are given by half their lengths.
+_HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
+
+
+@dataclass(frozen=True)
+class MjcfOptions:
+    """What can be chosen about the MuJoCo model.
+
+    Attributes:
+        gripper: ``locked`` or ``jaws``.
+        fluid_density: [kg/m^3]; 0 is air. Adjustable at run time too, see the folder's README.
+        actuators: ``position``, ``velocity`` or ``motor``.
+        drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
+        collision: ``primitives`` or ``none``.
+        corrections: Recorded corrections to apply.
+    """
+
+    gripper: str = "locked"
+    fluid_density: float = SEA_WATER
+    actuators: str = "position"
+    drag: bool = False
+    collision: str = "primitives"
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS
+
+    def __post_init__(self) -> None:
+        choice("gripper", self.gripper, GRIPPERS)
+        choice("actuators", self.actuators, ACTUATORS)
+        choice("collision", self.collision, COLLISIONS)
+        real("fluid_density", self.fluid_density, minimum=0.0)
+        object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
 
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
@@ -78,27 +111,15 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     joints = [body.joint for body in bodies if body.joint is not None]
 
     root = ET.Element("mujoco", model="alpha5")
-    source = provenance(values)
-    root.append(ET.Comment(f" Generated from: {source['document']}. "))
-    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
-    ET.SubElement(
-        root,
-        "compiler",
-        # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
-        {"angle": "radian", "eulerseq": "XYZ", "autolimits": "true", "meshdir": "assets"},
-    )
-    fluid = {"density": numbers_text(chosen.fluid_density), "viscosity": numbers_text(VISCOSITY)}
+    add_provenance(root, values)
+    # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
+    add(root, "compiler", angle="radian", eulerseq="XYZ", autolimits="true", meshdir="assets")
+    option = add(root, "option", integrator="implicitfast", gravity=GRAVITY)
     if chosen.drag:
-        root.append(ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. "))
-    ET.SubElement(
-        root,
-        "option",
-        {
-            "integrator": "implicitfast",
-            "gravity": numbers_text(*GRAVITY),
-            **(fluid if chosen.drag else {}),
-        },
-    )
+        comment = ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. ")
+        root.insert(len(root) - 1, comment)
+        option.set("density", text_of(chosen.fluid_density))
+        option.set("viscosity", text_of(VISCOSITY))
     _defaults(root)
     _assets(root, shown)
     _worldbody(root, values, bodies, files, chosen)
@@ -108,135 +129,73 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         add_equality(root, joints)
     add_actuators(root, joints, chosen.actuators)
     add_keyframes(root, joints, chosen.actuators)
-    ET.indent(root)
-    return ET.tostring(root, encoding="unicode") + "\n"
+    return serialized(root)
 
 
 def _defaults(root: ET.Element) -> None:
-    top = ET.SubElement(ET.SubElement(root, "default"), "default", {"class": "alpha5"})
-    visual = ET.SubElement(top, "default", {"class": "visual"})
-    ET.SubElement(
-        visual, "geom", type="mesh", contype="0", conaffinity="0", group="2", mass="0", density="0"
-    )
-    collision = ET.SubElement(top, "default", {"class": "collision"})
-    ET.SubElement(collision, "geom", group="3", mass="0")
+    top = add(add(root, "default"), "default", "alpha5")
+    untouched = {"contype": "0", "conaffinity": "0"}
+    visual = add(top, "default", "visual")
+    add(visual, "geom", type="mesh", **untouched, group="2", mass="0", density="0")
+    add(add(top, "default", "collision"), "geom", group="3", mass="0")
     # Without a geom of its own, MuJoCo's drag would take a buoyancy body for a box of decimetres.
-    no_drag = ET.SubElement(top, "default", {"class": "no_drag"})
-    ET.SubElement(
-        no_drag,
-        "geom",
-        {
-            "type": "sphere",
-            "size": "1e-6",
-            "fluidshape": "ellipsoid",
-            "fluidcoef": "0 0 0 0 0",
-            "contype": "0",
-            "conaffinity": "0",
-            "group": "4",
-            "mass": "0",
-        },
-    )
+    shape = {"type": "sphere", "size": "1e-6"}
+    fluid = {"fluidshape": "ellipsoid", "fluidcoef": "0 0 0 0 0"}
+    no_drag = add(top, "default", "no_drag")
+    add(no_drag, "geom", **shape, **fluid, **untouched, group="4", mass="0")
 
 
 def _assets(root: ET.Element, shown: list[Mesh]) -> None:
-    asset = ET.SubElement(root, "asset")
+    asset = add(root, "asset")
     for material in MATERIALS:
-        rgba, metallic = numbers_text(*material.rgba), numbers_text(material.metallic)
-        roughness = numbers_text(material.roughness)
-        ET.SubElement(
-            asset,
-            "material",
-            name=material.name,
-            rgba=rgba,
-            metallic=metallic,
-            roughness=roughness,
-        )
+        add(asset, "material", **vars(material))
     for mesh in shown:
-        ET.SubElement(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
+        add(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
 
 
 def _worldbody(
     root: ET.Element, values: Any, bodies: tuple[Body, ...], files: set[str], options: MjcfOptions
 ) -> None:
-    world = ET.SubElement(root, "worldbody")
-    base = ET.SubElement(world, "body", {"name": "base_link", "childclass": "alpha5"})
+    base = add(add(root, "worldbody"), "body", name="base_link", childclass="alpha5")
     elements = {base_placement(values).parent: base}
     for body in bodies:
-        element = ET.SubElement(
-            elements[body.placement.parent], "body", {"name": body.name, **_pose(body.placement)}
-        )
-        elements[body.name] = element
-        if body.joint is not None:
-            attributes = {"name": body.joint.name, "axis": "0 0 1"}
-            attributes["type"] = "hinge" if body.joint.kind == "revolute" else "slide"
-            if not isinstance(
-                body.joint, FingerJoint
-            ):  # limits of a follower would fight its equality
-                attributes["range"] = numbers_text(body.joint.lower, body.joint.upper)
-            ET.SubElement(element, "joint", attributes)
-        moments, quaternion = _principal(body.inertia)
-        ET.SubElement(
-            element,
-            "inertial",
-            pos=numbers_text(*body.com),
-            quat=numbers_text(*quaternion),
-            mass=numbers_text(body.mass),
-            diaginertia=numbers_text(*moments),
-        )
+        parent = elements[body.placement.parent]
+        element = elements[body.name] = add(parent, "body", name=body.name, **_pose(body.placement))
+        if (joint := body.joint) is not None:
+            # limits of a follower would fight its equality
+            limits = None if isinstance(joint, FingerJoint) else (joint.lower, joint.upper)
+            kind = "hinge" if joint.kind == "revolute" else "slide"
+            add(element, "joint", name=joint.name, axis="0 0 1", type=kind, range=limits)
+        moments, quat = _principal(body.inertia)
+        add(element, "inertial", pos=body.com, quat=quat, mass=body.mass, diaginertia=moments)
         for mesh in body.meshes:
             if mesh.name in files:
-                _visual(element, mesh)
-        if options.collision == "primitives":
-            for shape in body.shapes:
-                _collision(element, shape)
+                look = {"mesh": mesh.name, "material": mesh.material.name}
+                add(element, "geom", "visual", **look, **_pose(mesh.placement))
+        for shape in body.shapes if options.collision == "primitives" else ():
+            size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
+            add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))
         if body.volume > 0:
             _buoyancy(element, body, options)
     tip = tcp_placement(values)
-    ET.SubElement(
-        elements[tip.parent], "site", {"name": "tcp", "size": "0.005", "group": "4", **_pose(tip)}
-    )
-
-
-def _visual(element: ET.Element, mesh: Mesh) -> None:
-    pose = _pose(mesh.placement)
-    attributes = {"class": "visual", "mesh": mesh.name, "material": mesh.material.name, **pose}
-    ET.SubElement(element, "geom", attributes)
-
-
-def _collision(element: ET.Element, shape: Primitive) -> None:
-    # Boxes and cylinders are given by half their lengths.
-    halves = {
-        "box": (0.5, 0.5, 0.5),
-        "cylinder": (1.0, 0.5),
-        "sphere": (1.0,),
-        "capsule": (1.0, 0.5),
-    }
-    size = numbers_text(*(s * h for s, h in zip(shape.size, halves[shape.kind], strict=True)))
-    pose = _pose(shape)
-    ET.SubElement(element, "geom", {"class": "collision", "type": shape.kind, "size": size, **pose})
+    add(elements[tip.parent], "site", name="tcp", size="0.005", group="4", **_pose(tip))
 
 
 def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
     compensation = options.fluid_density * DILUTION + 1.0
-    child = ET.SubElement(
-        element,
-        "body",
-        name=f"{body.name}_buoyancy",
-        pos=numbers_text(*body.cob),
-        gravcomp=numbers_text(compensation),
-    )
-    mass = numbers_text(body.volume / DILUTION)
-    ET.SubElement(child, "inertial", pos="0 0 0", mass=mass, diaginertia="0 0 0")
+    name = f"{body.name}_buoyancy"
+    child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
+    add(child, "inertial", pos="0 0 0", mass=body.volume / DILUTION, diaginertia="0 0 0")
     if options.drag:
-        ET.SubElement(child, "geom", {"class": "no_drag"})
+        add(child, "geom", "no_drag")
 
 
 def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
-    contact = ET.SubElement(root, "contact")
+    contact = add(root, "contact")
     names = {body.name for body in bodies}
     for one, other in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS):
         if {one, other} <= names:
-            ET.SubElement(contact, "exclude", body1=one, body2=other)
+            add(contact, "exclude", body1=one, body2=other)
 
 
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
@@ -257,6 +216,6 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     return moments.tolist(), (unit if unit[0] >= 0 else -unit).tolist()
 
 
-def _pose(placement: Placement | Primitive) -> dict[str, str]:
+def _pose(placement: Placement | Primitive) -> dict[str, tuple[float, ...] | None]:
     pose = {"pos": placement.xyz, "euler": placement.rpy}
-    return {name: numbers_text(*values) for name, values in pose.items() if any(values)}
+    return {name: values if any(values) else None for name, values in pose.items()}

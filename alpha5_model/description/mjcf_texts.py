@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from alpha5_model.description.bodies import provenance
-from alpha5_model.description.mjcf_options import MjcfOptions
 from alpha5_model.parameters import parameters
+
+if TYPE_CHECKING:
+    from alpha5_model.description.mjcf import MjcfOptions
 
 #: Light, a sea bed below the arm's reach, a camera angle.
 SCENE = """\

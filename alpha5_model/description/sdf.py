@@ -17,10 +17,10 @@ import numpy as np
 
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
+from alpha5_model.description.bodies import Body, Mesh, arm_bodies
 from alpha5_model.description.frames import Placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
-from alpha5_model.description.number_text import numbers_text
+from alpha5_model.description.xml_text import add, add_provenance, serialized, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import JointRange, parameters
@@ -75,7 +75,7 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         meshes: File names of the meshes that will be in ``meshes/``; others are left out.
     """
     root, _ = _document(options or SdfOptions(), meshes)
-    return _serialized(root)
+    return _HEAD + serialized(root)
 
 
 def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -86,30 +86,22 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     chosen = options or SdfOptions()
     root, arm = _document(chosen, meshes)
     root.remove(arm)
-    frame = ET.fromstring(_WORLD.format(density=numbers_text(chosen.fluid_density)))
+    frame = ET.fromstring(_WORLD.format(density=text_of(chosen.fluid_density)))
     mounted = frame.find("model")
     assert mounted is not None
     mounted.insert(0, arm)
     root.append(frame)
-    return _serialized(root)
-
-
-def _serialized(root: ET.Element) -> str:
-    ET.indent(root)
-    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return _HEAD + serialized(root)
 
 
 def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
     values = parameters(options.corrections)
     files = {name.removesuffix(".obj") for name in meshes}
     root = ET.Element("sdf", version=SDF_VERSION)
-    source = provenance(values)
-    root.append(ET.Comment(f" Generated from: {source['document']}. "))
-    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
+    add_provenance(root, values)
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
-    model = ET.SubElement(
-        root, "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
-    )
+    names = {"canonical_link": "link_0", "placement_frame": "base_link"}
+    model = add(root, "model", name="alpha5", **names)
     _frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0)))
     for body in arm_bodies(values, options.gripper):
         _link(model, body, files)
@@ -127,48 +119,45 @@ def buoyancy_box(body: Body) -> tuple[float, float, float]:
 
 
 def _frame(model: ET.Element, name: str, placement: Placement) -> None:
-    frame = ET.SubElement(model, "frame", name=name, attached_to=placement.parent)
-    _pose(frame, placement)
+    _pose(add(model, "frame", name=name, attached_to=placement.parent), placement)
 
 
 def _link(model: ET.Element, body: Body, files: set[str]) -> None:
-    link = ET.SubElement(model, "link", name=body.name)
+    link = add(model, "link", name=body.name)
     if body.joint is not None:
-        pose = _pose(link, body.placement)
-        pose.set("relative_to", body.placement.parent)
-    inertial = ET.SubElement(link, "inertial")
+        _pose(link, body.placement).set("relative_to", body.placement.parent)
+    inertial = add(link, "inertial")
     _pose(inertial, _at(body.com))
     _value(inertial, "mass", body.mass)
-    inertia = ET.SubElement(inertial, "inertia")
+    inertia = add(inertial, "inertia")
     for i, j in zip(*np.triu_indices(3), strict=True):
         _value(inertia, f"i{'xyz'[i]}{'xyz'[j]}", body.inertia[i, j])
     if body.volume > 0:
-        collision = ET.SubElement(link, "collision", name="displaced_volume")
+        collision = add(link, "collision", name="displaced_volume")
         _pose(collision, _at(body.cob))
-        box = ET.SubElement(ET.SubElement(collision, "geometry"), "box")
-        _value(box, "size", *buoyancy_box(body))
+        box = add(add(collision, "geometry"), "box")
+        _value(box, "size", buoyancy_box(body))
     for mesh in body.meshes:
         if mesh.name in files:
             _visual(link, mesh)
 
 
 def _visual(link: ET.Element, mesh: Mesh) -> None:
-    visual = ET.SubElement(link, "visual", name=mesh.name)
+    visual = add(link, "visual", name=mesh.name)
     _pose(visual, mesh.placement)
-    shape = ET.SubElement(ET.SubElement(visual, "geometry"), "mesh")
-    ET.SubElement(shape, "uri").text = f"meshes/{mesh.name}.obj"
-    material = ET.SubElement(visual, "material")
+    _value(add(add(visual, "geometry"), "mesh"), "uri", f"meshes/{mesh.name}.obj")
+    material = add(visual, "material")
     for light in ("ambient", "diffuse"):
-        _value(material, light, *mesh.material.rgba)
+        _value(material, light, mesh.material.rgba)
 
 
 def _joint(model: ET.Element, joint: JointRange, body: Body) -> None:
-    element = ET.SubElement(model, "joint", name=joint.name, type=joint.kind)
-    ET.SubElement(element, "parent").text = body.placement.parent
-    ET.SubElement(element, "child").text = body.name
-    axis = ET.SubElement(element, "axis")
-    ET.SubElement(axis, "xyz").text = "0 0 1"
-    limit = ET.SubElement(axis, "limit")
+    element = add(model, "joint", name=joint.name, type=joint.kind)
+    _value(element, "parent", body.placement.parent)
+    _value(element, "child", body.name)
+    axis = add(element, "axis")
+    _value(axis, "xyz", "0 0 1")
+    limit = add(axis, "limit")
     for name in ("lower", "upper", "effort", "velocity"):
         _value(limit, name, getattr(joint, name))
 
@@ -179,15 +168,16 @@ def _at(point: Iterable[float]) -> Placement:
 
 
 def _pose(parent: ET.Element, placement: Placement) -> ET.Element:
-    return _value(parent, "pose", *placement.xyz, *placement.rpy)
+    return _value(parent, "pose", (*placement.xyz, *placement.rpy))
 
 
-def _value(parent: ET.Element, name: str, *values: float) -> ET.Element:
-    element = ET.SubElement(parent, name)
-    element.text = numbers_text(*values)
+def _value(parent: ET.Element, name: str, value: str | float | Iterable[float]) -> ET.Element:
+    element = add(parent, name)
+    element.text = text_of(value)
     return element
 
 
+_HEAD = '<?xml version="1.0"?>\n'
 _CONFIG = """\
 <?xml version="1.0"?>
 <model>

@@ -1,0 +1,43 @@
+"""XML elements whose numbers keep all their digits."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+
+from alpha5_model.description.bodies import provenance
+from alpha5_model.parameters import Alpha5Parameters
+
+#: What an attribute may be: a text, a number, or numbers; None is left out.
+Value = str | float | Iterable[float] | None
+
+
+def numbers_text(*values: float) -> str:
+    """The values, separated by spaces, each so that it reads back as the same double."""
+    return " ".join(repr(float(value)) for value in values)
+
+
+def text_of(value: str | float | Iterable[float]) -> str:
+    """A text as it is, a number or numbers as `numbers_text`."""
+    if isinstance(value, str):
+        return value
+    return numbers_text(*value) if isinstance(value, Iterable) else numbers_text(value)
+
+
+def add(parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value) -> ET.Element:
+    """A new child element with these attributes, ``class`` first."""
+    given = {"class": class_, **attributes}
+    return ET.SubElement(parent, tag, {k: text_of(v) for k, v in given.items() if v is not None})
+
+
+def add_provenance(root: ET.Element, values: Alpha5Parameters) -> None:
+    """Comments that say where the numbers are from."""
+    source = provenance(values)
+    root.append(ET.Comment(f" Generated from: {source['document']}. "))
+    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
+
+
+def serialized(root: ET.Element) -> str:
+    """The indented text of a document."""
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
