@@ -76,25 +76,22 @@ def _findings(
         return
     mass, com, inertia = _instead(link, written)
     if body.mass == 0.0 and bare:
-        everything = f"{mass} {com} {inertia}"
+        everything = " ".join((mass, com.partition(": ")[2], inertia.partition(": ")[2]))
         yield Finding(name, f"no <inertial> in {', '.join(bare)}", True, mass_cost, everything)
         return
     if bare:
         text = f"no <inertial> in {', '.join(bare)}: some tools take 1 kg for it"
         yield Finding(name, text, serious=False)
     wrong_mass = abs(mass_error) > MASS_TOLERANCE * link.mass
+    if body.mass == 0.0:
+        yield Finding(name, f"no mass in place of {link.mass:g} kg", True, mass_cost, mass)
+        return
     if wrong_mass:
-        text = (
-            f"mass {body.mass:.4g} kg in place of {link.mass:g} kg"
-            if body.mass
-            else (f"no mass in place of {link.mass:g} kg")
-        )
-        reason = _reason(written, lambda s: explain_mass(link, s)) if body.mass else ""
-        text += reason or (f" ({body.mass / link.mass:.3g} times)" if body.mass else "")
+        text = f"mass {body.mass:.4g} kg in place of {link.mass:g} kg"
+        reason = _reason(written, lambda s: explain_mass(link, s))
+        text += reason or f" ({body.mass / link.mass:.3g} times)"
         text += ": the jaws are counted twice" if index == 4 and "; beside it" in reason else ""
         yield Finding(name, text, True, mass_cost, mass)
-    if body.mass == 0.0:
-        return
     wrong_com = body.com_error > COM_TOLERANCE
     if wrong_com:
         text = f"COM {body.com_error * 1e3:.1f} mm off"

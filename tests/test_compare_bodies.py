@@ -1,0 +1,328 @@
+"""`compare` on whole files: what a wrong body costs, what to write instead, and how both sides are shown."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import reference
+
+from alpha5_model.cli import main
+from alpha5_model.comparison.report import compare_robots
+from alpha5_model.description.urdf_reading import parse_urdf
+from alpha5_model.description.variants import urdf
+
+OWN = urdf()
+SAMPLES = 40
+
+
+def inertial(root: ET.Element, link: str) -> ET.Element:
+    return root.find(f"link[@name='{link}']/inertial")
+
+
+def edited(*edits: tuple[str, str, dict[str, str]], root: ET.Element | None = None) -> ET.Element:
+    """Our URDF with attributes of inertials set: (link, "mass" or "origin" or "inertia", attributes)."""
+    root = ET.fromstring(OWN) if root is None else root
+    for link, tag, attributes in edits:
+        inertial(root, link).find(tag).attrib.update(attributes)
+    return root
+
+
+def compared(root: ET.Element, samples: int = SAMPLES):
+    return compare_robots(parse_urdf(ET.tostring(root)), samples=samples)
+
+
+def found(comparison, link: str, words: str):
+    """The one finding of a body that has these words."""
+    (one,) = [f for f in comparison.findings if f.where == link and words in f.text]
+    return one
+
+
+HEAVY = ("link_2", "mass", {"value": "0.5"})
+ASIDE = ("link_3", "origin", {"xyz": "0.011188 -0.046 0.000148"})
+OTHER_SIDE = ("link_4", "origin", {"xyz": "-3e-05 -0.001482 0.100881"})
+ROUND = ("link_4", "inertia", {"ixx": "0.0013", "iyy": "0.0013", "izz": "0.00036"})
+
+
+def gravity_difference(root: ET.Element) -> float:
+    """Second route: Pinocchio parses both files; the seeded positions are drawn again."""
+    texts = (OWN, ET.tostring(root, encoding="unicode"))
+    models = [pin.buildModelFromXML(text) for text in texts]
+    q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (SAMPLES, 4))
+    torques = [
+        [pin.computeGeneralizedGravity(model, model.createData(), row) for row in q]
+        for model in models
+    ]
+    return float(np.abs(np.subtract(*torques)).max())
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"), [(HEAVY, "mass"), (ASIDE, "COM"), (OTHER_SIDE, "COM")], ids=lambda x: str(x)
+)
+def test_a_finding_costs_what_it_alone_changes_in_the_torque(edit, words):
+    alone = gravity_difference(edited(edit))
+    assert alone > 0.01
+    for edits in ([edit], [HEAVY, ASIDE, OTHER_SIDE, ROUND]):
+        cost = found(compared(edited(*edits)), edit[0], words + " ").cost
+        assert cost == pytest.approx(alone, rel=1e-9)
+
+
+def test_a_wrong_mass_and_com_of_one_body_cost_each_their_own():
+    mass, com = ("link_3", "mass", {"value": "0.3"}), ASIDE
+    both = compared(edited(mass, com))
+    for edit, words in ((mass, "mass "), (com, "COM ")):
+        expected = gravity_difference(edited(edit))
+        assert found(both, "link_3", words).cost == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_no_joint_carries_costs_nothing():
+    base = compared(edited(("link_0", "mass", {"value": "0.9"})))
+    assert found(base, "link_0", "mass").cost == 0.0
+    assert found(compared(edited(ROUND)), "link_4", "inertia").cost == 0.0
+
+
+def test_findings_come_in_the_order_of_their_cost():
+    comparison = compared(
+        edited(HEAVY, ASIDE, OTHER_SIDE, ROUND, ("link_0", "mass", {"value": "0.9"}))
+    )
+    costs = [f.cost for f in comparison.findings]
+    assert costs == sorted(costs, reverse=True)
+    assert [f.where for f in comparison.findings[:3]] == ["link_4", "link_2", "link_3"]
+    free = [f for f in comparison.findings if f.cost == 0]
+    assert [f.serious for f in free] == sorted((f.serious for f in free), reverse=True)
+    bodies = [f.where for f in free if f.serious]
+    assert bodies == sorted(bodies)
+    assert {"link_0", "link_3", "link_4"} == set(bodies)
+
+
+# ------------------------------------------------------------------------- what to write instead
+
+
+def write_instead(root: ET.Element, finding) -> None:
+    """Do what the finding says: one element of one link, and nothing in the links it names."""
+    pattern = r"(\S+): ((?:<[^>]+/> ?)+)(?:\(nothing in (.+)\))?"
+    link, elements, empty = re.fullmatch(pattern, finding.instead).groups()
+    node = root.find(f"link[@name='{link}']")
+    body = node.find("inertial")
+    body = ET.SubElement(node, "inertial") if body is None else body
+    for element in ET.fromstring(f"<x>{elements}</x>"):
+        for old in body.findall(element.tag):
+            body.remove(old)
+        body.append(element)
+    for name in (empty or "").split(", ") if empty else ():
+        other = root.find(f"link[@name='{name}']")
+        for old in other.findall("inertial"):
+            other.remove(old)
+
+
+def test_what_to_write_instead_mends_the_file():
+    root = edited(HEAVY, ASIDE, OTHER_SIDE, ROUND)
+    comparison = compared(root)
+    for finding in comparison.findings:
+        if finding.instead:
+            write_instead(root, finding)
+    assert compared(root).findings == ()
+
+
+def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
+    root = edited()
+    node = root.find("link[@name='link_3']")
+    node.remove(node.find("inertial"))
+    for name, mass in (("shell", "0.2"), ("motor", "0.1")):
+        part = ET.SubElement(root, "link", name=name)
+        body = ET.SubElement(part, "inertial")
+        ET.SubElement(body, "origin", xyz="0.01 0.02 0.03", rpy="0.3 0.2 0.1")
+        ET.SubElement(body, "mass", value=mass)
+        ET.SubElement(
+            body, "inertia", ixx="1e-4", iyy="2e-4", izz="2e-4", ixy="0", ixz="0", iyz="0"
+        )
+        joint = ET.SubElement(root, "joint", name=f"{name}_fixed", type="fixed")
+        ET.SubElement(joint, "origin", xyz="0.02 -0.01 0.005", rpy="0.7 -0.4 1.9")
+        ET.SubElement(joint, "parent", link="link_3")
+        ET.SubElement(joint, "child", link=name)
+    wrong = [f for f in compared(root).findings if f.instead]
+    assert len(wrong) == 3
+    for finding in wrong:
+        assert finding.instead.startswith("shell: <")
+        assert finding.instead.endswith("/> (nothing in motor)")
+        write_instead(root, finding)
+    after = compared(root)
+    assert [f.text for f in after.findings if f.serious] == []
+    np.testing.assert_allclose(after.bodies[3].com, np.array(reference.COM[3]) / 1e3, atol=1e-6)
+
+
+def test_a_missing_inertial_is_given_whole():
+    root = edited()
+    node = root.find("link[@name='link_2']")
+    node.remove(node.find("inertial"))
+    comparison = compared(root)
+    finding = found(comparison, "link_2", "no <inertial> in link_2")
+    assert finding.serious
+    light = gravity_difference(edited(("link_2", "mass", {"value": "1e-9"})))
+    assert finding.cost == pytest.approx(light, rel=1e-6)
+    write_instead(root, finding)
+    assert compared(root).findings == ()
+
+
+# --------------------------------------------------------------------------------- single texts
+
+
+def test_a_body_without_mass_has_no_com_and_no_tensor_to_judge():
+    comparison = compared(edited(("link_3", "mass", {"value": "0"})))
+    texts = [f.text for f in comparison.findings if f.where == "link_3"]
+    assert texts == ["no mass in place of 0.142 kg"]
+    body = comparison.as_dict()["bodies"][3]
+    assert body["com_m"] is None
+    assert body["com_error_m"] is None
+    assert body["ours"]["com_m"] is not None
+    assert json.loads(json.dumps(comparison.as_dict(), allow_nan=False))
+
+
+@pytest.mark.parametrize(("z", "wrong"), [("-0.09", False), ("0.001", True), ("0.1", True)])
+def test_the_wrists_com_on_the_wrong_side_is_said_in_these_words(z, wrong):
+    comparison = compared(edited(("link_4", "origin", {"xyz": f"0.001 0.002 {z}"})))
+    text = found(comparison, "link_4", "COM ").text
+    assert ("the wrist's COM is on the wrong side" in text) == wrong
+    assert (f"(z = {float(z) * 1e3:+.1f} mm)" in text) == wrong
+
+
+def test_no_other_body_has_a_wrong_side():
+    comparison = compared(edited(("link_1", "origin", {"xyz": "0.007746 0.000112 0.035"})))
+    assert "side" not in found(comparison, "link_1", "COM ").text
+
+
+def test_the_inertia_has_a_factor_for_each_axis():
+    text = found(compared(edited(ROUND)), "link_4", "inertia").text
+    xx, yy, zz = (a / b for a, b in zip((1300, 1300, 360), reference.INERTIA[4][:3], strict=True))
+    assert f"{xx:.3g}, {yy:.3g}, {zz:.3g} times about x, y, z (z is the wrist's roll)" in text
+    other = compared(edited(("link_1", "inertia", {"izz": "1e-4"})))
+    assert "1, 1, 2.27 times about x, y, z" in found(other, "link_1", "inertia").text
+    assert "roll" not in found(other, "link_1", "inertia").text
+
+
+def add_link(root: ET.Element, name: str, mass: str, inertia: str, parent: str = "link_4"):
+    part = ET.SubElement(root, "link", name=name)
+    body = ET.SubElement(part, "inertial")
+    ET.SubElement(body, "mass", value=mass)
+    ET.SubElement(body, "inertia", ixx=inertia, iyy=inertia, izz=inertia, ixy="0", ixz="0", iyz="0")
+    joint = ET.SubElement(root, "joint", name=f"{name}_fixed", type="fixed")
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=name)
+
+
+def test_dummies_are_named_together():
+    root = edited()
+    for name in ("tool", "rod"):
+        add_link(root, name, "0.0001", "0.0001")
+    add_link(root, "camera", "0.1", "0.05")
+    comparison = compared(root)
+    two = found(comparison, "link_4", "dummy link")
+    assert two.text == (
+        "dummy links tool, rod have 0.1 g and 0.0001 kg m^2: a radius of gyration of 1.00 m, more "
+        "than the whole arm"
+    )
+    assert two.instead == "no <inertial> in tool, rod"
+    one = found(comparison, "link_4", "camera has 100 g and 0.05 kg m^2")
+    assert "a radius of gyration of 0.71 m" in one.text
+    assert "dummy" not in one.text
+    # 0.6 m is the arm's reach: 0.36 m^2
+    for inertia, named in (("3.5e-5", False), ("3.7e-5", True)):
+        root = edited()
+        add_link(root, "tool", "0.0001", inertia)
+        assert any("dummy link tool" in f.text for f in compared(root).findings) == named
+
+
+def test_jaws_beside_a_whole_wrist_are_counted_twice():
+    root = edited()
+    for name in ("left_jaw", "right_jaw"):
+        add_link(root, name, "0.05", "1e-5")
+    text = found(compared(root), "link_4", "mass ").text
+    assert text == (
+        "mass 0.455 kg in place of 0.355 kg: link_4 has the mass of Table 2; beside it left_jaw, "
+        "right_jaw with 100 g: the jaws are counted twice"
+    )
+    root = edited()
+    add_link(root, "motor", "0.05", "1e-5", parent="link_3")
+    text = found(compared(root), "link_3", "mass ").text
+    assert text.endswith("link_3 has the mass of Table 2; beside it motor with 50 g")
+
+
+def test_a_mass_that_nothing_explains_is_given_as_a_factor():
+    text = found(compared(edited(("link_2", "mass", {"value": "0.95"}))), "link_2", "mass ").text
+    assert text == "mass 0.95 kg in place of 0.38 kg (2.5 times)"
+
+
+@pytest.mark.parametrize(
+    ("edit", "words", "just", "over"),
+    [
+        ("mass", "mass ", {"value": "0.38037"}, {"value": "0.38039"}),
+        (
+            "origin",
+            "COM ",
+            {"xyz": "0.073653 -9e-05 -0.000734"},
+            {"xyz": "0.073673 -9e-05 -0.000734"},
+        ),
+        ("inertia", "inertia ", {"izz": "0.00087265"}, {"izz": "0.00087295"}),
+    ],
+)
+def test_what_agrees_and_what_differs(edit, words, just, over):
+    """A thousandth of the mass, a tenth of a millimetre, half a per cent of the largest moment."""
+    for attributes, wrong in ((just, False), (over, True)):
+        comparison = compared(edited(("link_2", edit, attributes)), 5)
+        assert [words in f.text for f in comparison.findings] == [True] * wrong
+
+
+# ------------------------------------------------------------------------------ both sides shown
+
+
+def test_json_holds_both_sides():
+    body = compared(edited(HEAVY, ROUND)).as_dict()["bodies"][4]
+    xx, yy, zz, xy, xz, yz = reference.INERTIA[4]
+    ours = np.array([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]) * 1e-6
+    theirs = ours.copy()
+    np.fill_diagonal(theirs, [1.3e-3, 1.3e-3, 3.6e-4])
+    for side, tensor in ((body, theirs), (body["ours"], ours)):
+        assert side["mass_kg"] == 0.355
+        np.testing.assert_allclose(side["com_m"], np.array(reference.COM[4]) / 1e3, atol=1e-15)
+        np.testing.assert_allclose(side["inertia_kgm2"], tensor, atol=1e-15)
+        moments = np.linalg.eigvalsh(tensor)
+        np.testing.assert_allclose(side["principal_moments_kgm2"], moments, rtol=1e-9)
+    assert body["inertia_error_kgm2"] == pytest.approx(np.abs(theirs - ours).max())
+
+
+def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    path = tmp_path / "other.urdf"
+    root = edited(HEAVY, OTHER_SIDE, ("link_3", "mass", {"value": "0"}))
+    path.write_text(ET.tostring(root, encoding="unicode"))
+    assert main(["compare", str(path), "--samples", "5"]) == 1
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert max(len(line) for line in out.splitlines()) <= 80
+    assert "…" not in out
+    for unit, count in (("[g]", 1), ("[mm]", 3), ("[kg mm²]", 3)):
+        assert out.count(unit) == count
+    rows = [
+        line.split()
+        for line in out.splitlines()
+        if re.match(r" (link_\d)? +(theirs|ours|diff) ", line)
+    ]
+    rows = [row[1:] if row[0].startswith("link") else row for row in rows]
+    assert [row[0] for row in rows] == ["theirs", "ours", "diff"] * 5
+    for theirs, ours, diff in zip(rows[::3], rows[1::3], rows[2::3], strict=True):
+        assert len(theirs) == len(ours) == len(diff) == 8
+        for a, b, c in zip(theirs[1:], ours[1:], diff[1:], strict=True):
+            if a == "-":
+                assert c == "-"
+                continue
+            assert c[0] in "+-"
+            assert float(c) == pytest.approx(float(a) - float(b), abs=0.011)
+    assert rows[6][:5] == ["theirs", "500.00", "73.56", "-0.09", "-0.73"]
+    assert rows[9][:5] == ["theirs", "0.00", "-", "-", "-"]
+    assert rows[10][:5] == ["ours", "142.00", "11.19", "-16.66", "0.15"]
+    assert rows[12][4] == "100.88"
+    assert rows[13][5:] == ["62.46", "616.03", "625.31"]
