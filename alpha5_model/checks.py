@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from alpha5_model.errors import InputError, NonFiniteError, ShapeError, UnknownN
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+Kind = TypeVar("Kind")
 
 #: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion from 1, before
 #: it is refused: URDFs and logs print some seven digits.
@@ -123,13 +124,73 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
     return number
 
 
+def flag(name: str, value: Any) -> bool:
+    """Check True or False; 1, "no" and arrays have no truth that a caller can rely on.
+
+    Raises:
+        InputError: Anything else.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(name, value, "True or False")
+    return bool(value)
+
+
+def instance(name: str, value: Any, kind: type[Kind]) -> Kind:
+    """Check that a value is of a class.
+
+    Raises:
+        InputError: It is not.
+    """
+    if not isinstance(value, kind):
+        raise InputError(name, value, f"a {kind.__name__}")
+    return value
+
+
+def listed(name: str, value: Any, expected: str) -> list[Any]:
+    """The items of anything that has some.
+
+    Raises:
+        InputError: It has none: a number, None.
+    """
+    try:
+        return list(value)
+    except TypeError:
+        raise InputError(name, value, expected) from None
+
+
+def together(**values: ArrayLike) -> list[FloatArray]:
+    """Arrays of real numbers, broadcast to one shape.
+
+    Raises:
+        InputError: Not finite real numbers, or shapes that do not broadcast.
+    """
+    arrays = [float_array(name, value, ()) for name, value in values.items()]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = tuple(array.shape for array in arrays)
+        raise InputError(", ".join(values), shapes, "shapes that broadcast together") from None
+
+
+def generator(seed: Any) -> np.random.Generator:
+    """A generator of random numbers.
+
+    Raises:
+        InputError: Not a seed that NumPy takes: a whole number, not negative.
+    """
+    try:
+        return np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise InputError("seed", seed, "a whole number, not negative") from None
+
+
 def count(name: str, value: Any) -> int:
     """Check a whole number of at least 1.
 
     Raises:
         InputError: Anything else, True and 1.0 included.
     """
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= sys.maxsize:
         raise InputError(name, value, "a whole number of at least 1")
     return value
 

@@ -65,7 +65,7 @@ class UnknownNameError(Alpha5Error, ValueError):
         self.kind = kind
         self.name = name
         self.choices = tuple(choices)
-        super().__init__(f"unknown {kind} {name!r}; choose from {', '.join(self.choices)}")
+        super().__init__(f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}")
 
 
 class PublishedDataError(Alpha5Error, ValueError):

@@ -126,6 +126,16 @@ def test_planar_as_json(capsys) -> None:
     assert data["necessary_conditions"]["satisfied"] is False
 
 
+def test_planar_does_not_contradict_itself(capsys) -> None:
+    limits = ("-l", "-2.967 2.967") * 3
+    _, out, _ = run(capsys, "planar", "5", "4", "1", *limits)
+    assert "about 155.8 m^2" in out
+    assert "necessary conditions satisfied" in out
+    _, out, _ = run(capsys, "planar", "5", "4", "1", *("-l", "-1 1") * 3)
+    assert "about 0 m^2" in out
+    assert "not every orientation occurs" in out
+
+
 def test_planar_with_limits_states_its_resolution(capsys) -> None:
     args = ("planar", "5", "4", "1", "-l", "none", "-l", "-2.5 2.5", "-l", "none")
     status, out, _ = run(capsys, *args)

@@ -142,7 +142,9 @@ def test_on_and_close_to_the_yaw_axis(radius: float) -> None:
         assert s.exists.all()
         assert s.singular.all() == (radius <= 1e-9)
         target = np.broadcast_to(position[:, None], (73, 4, 3))
-        assert np.linalg.norm(tip(s.q) - target, axis=-1).max() < 1e-12
+        # On the axis, within a nanometre, the tcp stands on the axis itself.
+        exact = 1e-12 + (radius if radius <= 1e-9 else 0.0)
+        assert np.linalg.norm(tip(s.q) - target, axis=-1).max() < exact
         assert s.within_limits.any(axis=-1).all() == (z > 0)
 
 

@@ -252,3 +252,226 @@ def test_path_shapes_and_bad_input() -> None:
         a5.inverse_kinematics_path([[0.2, 0.0, 0.1]], max_step=0.0)
     with pytest.raises(a5.Alpha5Error, match=r"positions\[1, 2\]"):
         a5.inverse_kinematics_path([[0.2, 0.0, 0.1], [0.2, 0.0, math.nan]])
+
+
+def travel_of(path: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=-1).sum())
+
+
+def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None = None) -> float:
+    """By brute force: every choice of branches, theta_0 on the axis by constrained minimisation."""
+    from scipy.optimize import LinearConstraint, minimize
+
+    free = np.hypot(target[:, 0], target[:, 1]) < 1e-9
+    s = a5.inverse_kinematics(target)
+    options = [s.q[k][s.within_limits[k]] for k in range(len(target))]
+    options = [
+        o[np.unique(np.round(o[:, 1:], 9), axis=0, return_index=True)[1]] if f else o
+        for o, f in zip(options, free, strict=True)
+    ]
+    best = math.inf
+    for choice in itertools.product(*options):
+        q = np.array(choice) if start is None else np.vstack([start, *choice])
+        loose = free if start is None else np.append(False, free)
+        others = np.diff(q[:, 1:], axis=0)
+        if np.abs(others).max() > max_step or math.sqrt((others**2).sum()) > best:
+            continue
+
+        def cost(yaw: np.ndarray, q: np.ndarray = q, loose: np.ndarray = loose) -> float:
+            q = q.copy()
+            q[loose, 0] = yaw
+            return travel_of(q)
+
+        # Differences of theta_0 within max_step: linear in the free values.
+        difference = np.diff(np.eye(len(q)), axis=0)
+        fixed = difference[:, ~loose] @ q[~loose, 0]
+        limit = LinearConstraint(difference[:, loose], -max_step - fixed, max_step - fixed)
+        index = np.arange(len(q))
+        guess = np.interp(index[loose], index[~loose], q[~loose, 0])
+        found = minimize(
+            cost,
+            guess,
+            method="SLSQP",
+            bounds=[(LOWER[0], UPPER[0])] * int(loose.sum()),
+            constraints=limit,
+            options={"ftol": 1e-14, "maxiter": 500},
+        )
+        if found.success and np.abs(difference[:, loose] @ found.x + fixed).max() < max_step + 1e-7:
+            best = min(best, found.fun)
+    return best
+
+
+def along_axis(first: float, last: float, heights: list[float], radius: float = 0.02) -> np.ndarray:
+    """In from one azimuth, along the axis, out to another."""
+    inwards = [radius * math.cos(first), radius * math.sin(first), heights[0]]
+    outwards = [radius * math.cos(last), radius * math.sin(last), heights[-1]]
+    return np.array([inwards, *([0.0, 0.0, z] for z in heights), outwards])
+
+
+@pytest.mark.parametrize(
+    ("turn", "heights"),
+    [
+        (0.9, [0.3, 0.3, 0.3]),  # dwelling: one pose of the other joints, theta_0 turns
+        (0.9, [0.28, 0.30, 0.33]),  # moving up
+        (-1.1, [0.28, 0.29, 0.33]),
+        (1.9, [0.30, 0.30, 0.31]),  # some steps at max_step
+        (math.pi - 0.4, [0.30, 0.31]),  # turned about: the other pose leaves
+        (0.0, [0.25, 0.26, 0.3]),
+        (0.3, [0.27]),
+    ],
+)
+def test_theta_0_on_the_axis_has_the_least_travel(turn: float, heights: list[float]) -> None:
+    for first in (0.6, 2.0, -1.2):
+        target = along_axis(first, first + turn, heights)
+        path = a5.inverse_kinematics_path(target)
+        np.testing.assert_allclose(tip(path), target, rtol=0, atol=1e-12)
+        assert np.abs(np.diff(path, axis=0)).max() <= 0.5 + 1e-12
+        assert ((path >= LOWER) & (path <= UPPER)).all()
+        # The path is one of the candidates, so it cannot be shorter than the least; it is not longer.
+        least = least_travel(target, 0.5)
+        assert least - 1e-3 < travel_of(path) <= least + 1e-9
+
+
+def test_random_paths_across_the_axis_have_the_least_travel() -> None:
+    rng = np.random.default_rng(84)
+    compared = refused = 0
+    for _ in range(40):
+        heights = rng.uniform(0.2, 0.36) + rng.uniform(-0.02, 0.02, rng.integers(1, 4))
+        target = along_axis(*rng.uniform(-3, 3, 2), heights.tolist(), rng.uniform(0.01, 0.03))
+        least = least_travel(target, 0.5)
+        if least < math.inf:
+            path = a5.inverse_kinematics_path(target)
+            assert np.abs(np.diff(path, axis=0)).max() <= 0.5 + 1e-12
+            assert least - 1e-3 < travel_of(path) <= least + 1e-9
+            compared += 1
+        else:
+            with pytest.raises((DiscontinuousPathError, a5.UnreachableError)):
+                a5.inverse_kinematics_path(target)
+            refused += 1
+    assert compared > 15
+    assert refused > 5
+
+
+def test_dwelling_on_the_axis_turns_in_equal_steps() -> None:
+    """Nothing else moves: theta_0 shares its turn evenly and the rest stands still."""
+    target = along_axis(0.5, 1.1, [0.3] * 9, radius=1e-3)
+    path = a5.inverse_kinematics_path(target)
+    assert np.ptp(path[1:-1, 1:]) > 0
+    assert np.ptp(path[1:-1, 1:], axis=0).max() == 0.0
+    assert path[-1, 0] - path[0, 0] == pytest.approx(0.6, abs=1e-12)
+    assert (np.diff(path[:, 0]) >= 0).all()
+
+
+def test_theta_0_moves_with_the_other_joints_in_proportion() -> None:
+    target = along_axis(0.5, 1.1, np.linspace(0.25, 0.34, 30).tolist(), radius=5e-3)
+    step = np.diff(a5.inverse_kinematics_path(target), axis=0)
+    ratio = step[:, 0] / np.linalg.norm(step[:, 1:], axis=-1)
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+    assert ratio[0] > 0.1
+
+
+def test_a_path_that_starts_or_ends_on_the_axis() -> None:
+    target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32])
+    inwards, outwards = target[:-1], target[1:]
+    assert np.ptp(a5.inverse_kinematics_path(inwards)[:, 0]) == 0.0
+    assert np.ptp(a5.inverse_kinematics_path(outwards)[:, 0]) == 0.0
+    only = a5.inverse_kinematics_path(target[1:-1])
+    np.testing.assert_array_equal(only[:, 0], (LOWER[0] + UPPER[0]) / 2)
+    start = a5.inverse_kinematics(inwards[1]).best([2.0, 1, 1, 0])
+    assert np.ptp(a5.inverse_kinematics_path(inwards[1:], start)[:, 0]) == 0.0
+    # With a start, theta_0 turns from there to where the path leaves.
+    path = a5.inverse_kinematics_path(outwards, start)
+    least = least_travel(outwards, 0.5, start)
+    assert least - 1e-3 < travel_of(np.vstack([start, path])) <= least + 1e-9
+    assert path[1, 0] != start[0]
+
+
+def test_a_start_beyond_the_limit_of_theta_0_comes_back_first() -> None:
+    target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32])[1:-1]
+    start = a5.inverse_kinematics(target[0]).best([0.1, 1, 1, 0])
+    start[0] = LOWER[0] - 0.2
+    np.testing.assert_array_equal(a5.inverse_kinematics_path(target, start)[:, 0], LOWER[0])
+    with pytest.raises(DiscontinuousPathError, match=r"positions\[0\].*0\.2 rad.*0\.1 rad"):
+        a5.inverse_kinematics_path(target, start, max_step=0.1)
+
+
+def test_too_few_points_on_the_axis_to_turn() -> None:
+    """1.5 rad in four steps of 0.3 at most, whichever pose leaves."""
+    target = along_axis(0.5, 2.0, [0.3] * 3)
+    with pytest.raises(DiscontinuousPathError, match=r"positions\[4\]") as caught:
+        a5.inverse_kinematics_path(target, max_step=0.3)
+    assert caught.value.step == pytest.approx(1.5 - 3 * 0.3, abs=1e-9)
+    assert a5.inverse_kinematics_path(target, max_step=0.38).shape == (5, 4)
+
+
+def test_a_jump_on_the_axis_and_what_lies_behind_it() -> None:
+    target = along_axis(0.5, 1.0, [0.30, 0.12, 0.30])
+    with pytest.raises(DiscontinuousPathError, match=r"positions\[2\]"):
+        a5.inverse_kinematics_path(target, max_step=0.3)
+    target[4] = [1.0, 0, 0]  # beyond the jump, out of reach
+    with pytest.raises(DiscontinuousPathError, match=r"positions\[2\]"):
+        a5.inverse_kinematics_path(target, max_step=0.3)
+    target[2] = [0, 0, 0.9]
+    with pytest.raises(a5.UnreachableError, match="row 2"):
+        a5.inverse_kinematics_path(target, max_step=0.3)
+
+
+@pytest.mark.parametrize("noise", [1e-15, 1e-12, 4e-10])
+def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
+    """One tolerance: within a nanometre a target is on the axis, for flags, poses and paths alike."""
+    from alpha5_model.kinematics.approach import approach_directions
+
+    target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32, 0.33])
+    target[1:-1, :2] += np.random.default_rng(85).uniform(-noise, noise, (4, 2))
+    s = a5.inverse_kinematics(target)
+    on = np.array([False, True, True, True, True, False])
+    assert np.array_equal(s.singular, on)
+    assert np.array_equal(approach_directions(target).any_azimuth, on)
+    np.testing.assert_array_equal(s.best([1.0, 1, 1, 0])[on, 0], 1.0)
+    path = a5.inverse_kinematics_path(target)
+    assert np.abs(np.diff(path[:, 0])).max() < 0.3
+    assert np.linalg.norm(tip(path) - target, axis=-1).max() < 2e-9
+
+
+def test_beyond_the_tolerance_a_target_is_off_the_axis() -> None:
+    from alpha5_model.kinematics.approach import approach_directions
+
+    target = np.array([[1.1e-9, 0.0, 0.3], [0.0, 0.9e-9, 0.3]])
+    assert a5.inverse_kinematics(target).singular.tolist() == [False, True]
+    assert approach_directions(target).any_azimuth.tolist() == [False, True]
+
+
+def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None:
+    rng = np.random.default_rng(86)
+    rotation = Rotation.random(40, random_state=86).as_matrix()
+    # A quarter of them ask for the wrist where its range has a gap and theta_0 has none, and so on.
+    yaw = np.linspace(LOWER[0], UPPER[0], 121)
+    wrist = np.linspace(LOWER[3], UPPER[3], 121)
+    at_limit = 0
+    for k in range(40):
+        pose = np.eye(4)
+        pose[:3, 3] = [0, 0, rng.uniform(0.2, 0.36)]
+        pose[:3, :3] = rotation[k]
+        if k % 2:
+            q = a5.inverse_kinematics(pose[:3, 3]).best([1, 1, 1, 1])
+            q[0], q[3] = rng.choice([-0.1, 0.0, -0.05]), rng.choice([-0.04, 6.24])
+            small = Rotation.from_rotvec(rng.uniform(-0.05, 0.05, 3)).as_matrix()
+            pose[:3, :3] = small @ fk(q)[:3, :3]
+        s = a5.inverse_kinematics_pose(pose)
+        for branch in np.flatnonzero(s.exists):
+            q = s.q[branch]
+            reached = fk(q)
+            np.testing.assert_allclose(reached[:3, 3], pose[:3, 3], rtol=0, atol=1e-12)
+            error = s.rotation_error[branch]
+            assert angle_between(reached[:3, :3], pose[:3, :3]) == pytest.approx(error, abs=1e-7)
+            assert LOWER[0] <= q[0] <= UPPER[0]
+            assert LOWER[3] <= q[3] <= UPPER[3]
+            grid = np.tile(q, (121, 121, 1))
+            grid[..., 0], grid[..., 3] = yaw[:, None], wrist
+            turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], pose[:3, :3])
+            cosine = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
+            scanned = math.acos(min(1.0, cosine.max()))
+            assert error <= scanned + 1e-9
+            assert error >= scanned - 0.06  # as far as a step of the grid
+            at_limit += q[0] in (LOWER[0], UPPER[0]) or q[3] in (LOWER[3], UPPER[3])
+    assert at_limit > 20

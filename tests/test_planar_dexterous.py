@@ -293,10 +293,38 @@ def test_necessary_conditions() -> None:
     assert not two.satisfied
     assert "takes two" in two.reasons[0]
     limited = necessary_conditions(PlanarArm((5, 4, 1), [(0, 1)] * 3))
-    assert [*limited.reasons] == ["no revolute joint without limits: not every orientation occurs"]
+    assert [*limited.reasons] == [
+        "the revolute joints together turn 3 rad, less than 2 pi: not every orientation occurs"
+    ]
     # They speak of an interior: this arm has one dexterous point, and no more.
     assert dexterous_radii(PlanarArm((5, 5))) == ((0, 0),)
     assert dexterous_radii(PlanarArm((5, 4))) == ()
+
+
+@pytest.mark.parametrize("limit", [0.9, 1.0, math.pi / 3, 2.2, 2.967, 3.2])
+def test_conditions_never_deny_an_orientation_that_occurs(limit: float) -> None:
+    """The notes ask for a joint without limits; the orientations say otherwise."""
+    arm = PlanarArm((5, 4, 1), [(-limit, limit)] * 3)
+    turn = np.linspace(-limit, limit, 61)
+    # Sums of three ranges: the widest gap between orientations, round the circle.
+    seen = np.sort(np.mod(np.add.outer(np.add.outer(turn, turn), turn).ravel(), 2 * math.pi))
+    gap = np.diff(np.append(seen, seen[0] + 2 * math.pi)).max()
+    assert necessary_conditions(arm).satisfied == (gap < 0.25)
+    found = dexterity_map(arm, resolution=21, orientations=60)
+    assert necessary_conditions(arm).satisfied or found.area == 0
+
+
+def test_limits_short_of_a_turn_leave_a_dexterous_workspace() -> None:
+    """155.8 of dexterous workspace with every joint limited to 170 degrees either way."""
+    arm = PlanarArm((5, 4, 1), [(-2.967, 2.967)] * 3)
+    assert dexterity_map(arm).area == pytest.approx(155.8, abs=0.05)
+    assert necessary_conditions(arm).satisfied
+    # One joint that turns fully does as well as three that share the turn.
+    assert necessary_conditions(PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.2)])).satisfied
+    assert not necessary_conditions(PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.0)])).satisfied
+    # What a prismatic joint slides is no turn.
+    sliding = necessary_conditions(PlanarArm((1, 1, 1), [(0, 9), (0, 9), (0, 1)], "PPR"))
+    assert "turn 1 rad" in sliding.reasons[0]
 
 
 @pytest.mark.parametrize(

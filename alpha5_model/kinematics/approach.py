@@ -26,9 +26,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.ik import inverse_kinematics
-
-#: Distance from the yaw axis below which theta_0 counts as free [m].
-AXIS_TOLERANCE = 1e-9
+from alpha5_model.kinematics.ik_choice import on_axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +66,10 @@ def approach_directions(position: ArrayLike) -> ApproachDirections:
     _, axes = chain.joint_axes(q)
     # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
     outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
-    point = solutions.position
     return ApproachDirections(
         directions=np.where(solutions.exists[..., None], outwards, np.nan),
         exists=solutions.exists,
         within_limits=solutions.within_limits,
-        any_azimuth=np.asarray(np.hypot(point[..., 0], point[..., 1]) <= AXIS_TOLERANCE),
+        any_azimuth=on_axis(solutions.position),
         roll=(chain.links[3].lower, chain.links[3].upper),
     )

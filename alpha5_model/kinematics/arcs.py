@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray
+from alpha5_model.checks import BoolArray, FloatArray, float_array
 
 #: Step to either side of an arc when asking which side belongs to a region [m].
 _STEP = 1e-7
@@ -38,6 +38,7 @@ class Arc(NamedTuple):
 
     def points(self, angle: ArrayLike) -> FloatArray:
         """(R, z) at angles, (..., 2) [m]."""
+        angle = float_array("angle", angle, ())
         return np.stack(
             [
                 self.center[0] + self.radius * np.cos(angle),

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, float_array, generator, instance
+from alpha5_model.checks import count as whole_number
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.dh import DHChain
 
@@ -85,7 +86,7 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
         vertical: Direction of the vertical in the world, (3,).
     """
     up = _unit_vector("vertical", vertical)
-    points, z = chain.joint_axes(chain.home)
+    points, z = instance("chain", chain, DHChain).joint_axes(chain.home)
     joints = "".join("RP"[s] for s in chain.sigma)
     along = np.linalg.norm(np.cross(z, up), axis=1) <= ANGLE_TOLERANCE
     horizontal = bool(along.all())
@@ -104,8 +105,7 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     axes = points[:major][turning[:major]]
     apart = len(axes) >= 2 and (np.linalg.norm(np.cross(axes - axes[0], up), axis=1) > 0).any()
     if apart and sliding[:major].any():
-        count = len(axes)
-        reason = f"{count} vertical revolute axes apart and a vertical prismatic one: the major links move in a horizontal plane"
+        reason = f"{len(axes)} vertical revolute axes apart and a vertical prismatic one: the major links move in a horizontal plane"
         return ArmType("scara", joints, horizontal, reason)
     if not turning.any():
         reason = f"{chain.n} prismatic joints, not three perpendicular ones"
@@ -140,9 +140,10 @@ def task_capability(
         seed: Of the samples.
     """
     up = _unit_vector("vertical", vertical)
+    instance("chain", chain, DHChain)
     axis = _last_axis(chain) if tool_axis is None else _unit_vector("tool_axis", tool_axis)
-    rng = np.random.default_rng(seed)
-    q = sample_configurations(chain, samples, rng)
+    rng = generator(seed)
+    q = sample_configurations(chain, whole_number("samples", samples), rng)
     jacobian = chain.jacobian(q) / _row_scale(chain)
     dimension = int(matrix_rank(jacobian).max())
     position, orientation = (
@@ -179,6 +180,8 @@ def task_capability(
 
 def sample_configurations(chain: DHChain, count: int, rng: np.random.Generator) -> FloatArray:
     """Uniform joint positions within the limits, (count, N); see `task_capability`."""
+    whole_number("count", count)
+    instance("rng", rng, np.random.Generator)
     size = chain_size(chain)
     span = np.where(np.array(chain.sigma) == 0, math.pi, size)
     # A joint limited on one side is sampled over the same width from that side.
@@ -193,7 +196,7 @@ def sample_configurations(chain: DHChain, count: int, rng: np.random.Generator) 
 
 def chain_size(chain: DHChain) -> float:
     """A length of the order of the arm's reach, to compare metres with radians [m]."""
-    total = float(np.linalg.norm(chain.tool[:3, 3]))
+    total = float(np.linalg.norm(instance("chain", chain, DHChain).tool[:3, 3]))
     for link in chain.links:
         travel = (link.lower, link.upper, link.d) if link.sigma else (link.d,)
         total += abs(link.a) + max(abs(x) for x in travel if math.isfinite(x))
@@ -269,7 +272,8 @@ def _last_axis(chain: DHChain) -> FloatArray:
 
 def _unit_vector(name: str, value: ArrayLike) -> FloatArray:
     v = float_array(name, value, (3,))
-    length = float(np.linalg.norm(v))
-    if v.ndim != 1 or length == 0:
+    largest = float(np.abs(v).max(initial=0.0))
+    if v.ndim != 1 or largest == 0:
         raise InputError(name, value, "one direction that is not zero")
-    return v / length
+    v = v / largest  # squares of large numbers overflow
+    return np.asarray(v / np.linalg.norm(v))

@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 
-from alpha5_model.checks import BoolArray, FloatArray, choice
+from alpha5_model.checks import BoolArray, FloatArray, choice, flag, together
 from alpha5_model.kinematics.arcs import Arc, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.ik_batch import reached
@@ -27,7 +27,6 @@ from alpha5_model.kinematics.ik_batch import reached
 SIDES = ("underarm", "overarm", "both")
 
 
-@cache
 def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
     """Boundary arcs of the reachable part of a half-plane.
 
@@ -41,8 +40,13 @@ def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
 
     Raises:
         UnknownNameError: Another side.
+        InputError: Limits that are neither True nor False.
     """
-    choice("side", side, SIDES)
+    return _boundary(choice("side", side, SIDES), flag("limits", limits))
+
+
+@cache
+def _boundary(side: str, limits: bool) -> tuple[Arc, ...]:
     sides = SIDES[:2] if side == "both" else (side,)
     curves = [curve for name in sides for curve in side_curves(name, limits)]
     return trace(curves, lambda radius, z: in_half_plane(radius, z, side, limits))
@@ -59,7 +63,10 @@ def in_half_plane(
         side, limits: As for `boundary`.
     """
     g = arm_plane()
-    out = np.zeros(np.shape(radius), np.bool_)
+    choice("side", side, SIDES)
+    limits = flag("limits", limits)
+    radius, z = together(radius=radius, z=z)
+    out = np.zeros(radius.shape, np.bool_)
     for pair, name in enumerate(SIDES[:2]):
         if side in (name, "both"):
             azimuth = g.middle[0] + g.azimuth_offset - pair * math.pi

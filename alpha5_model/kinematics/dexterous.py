@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray, count, float_array
+from alpha5_model.checks import FloatArray, count, float_array, generator, instance
 from alpha5_model.kinematics.arm_types import (
     GENERAL,
     chain_size,
@@ -61,7 +61,7 @@ def spatial_conditions(chain: DHChain) -> Conditions:
     Three revolute joints to turn the end effector and three more joints to place it. Without the
     second, single points can still be dexterous: three axes through the tool's origin.
     """
-    revolute = chain.sigma.count(0)
+    revolute = instance("chain", chain, DHChain).sigma.count(0)
     reasons = []
     if revolute < 3:
         reasons.append(f"{revolute} revolute where turning the end effector takes three")
@@ -109,9 +109,10 @@ def spatial_dexterity(
         seed: Of the starts.
     """
     p = float_array("positions", positions, (3,))
+    instance("chain", chain, DHChain)
     starts, steps = count("starts", starts), count("steps", steps)
     rotations = even_rotations(count("orientations", orientations))
-    rng = np.random.default_rng(seed)
+    rng = generator(seed)
     where = np.repeat(p.reshape(-1, 3), orientations, axis=0)
     turned = np.tile(rotations, (len(where) // orientations, 1, 1))
     reached = np.zeros(len(where), dtype=bool)
@@ -120,7 +121,8 @@ def spatial_dexterity(
         if left.size == 0:
             break
         q = sample_configurations(chain, left.size, rng)
-        reached[left] = _solve(chain, q, where[left], turned[left], steps)
+        with np.errstate(over="ignore", invalid="ignore"):  # so far away that squares overflow
+            reached[left] = _solve(chain, q, where[left], turned[left], steps)
     table = reached.reshape(*p.shape[:-1], orientations)
     capability = task_capability(chain)
     return DexterityEstimate(
@@ -134,7 +136,7 @@ def spatial_dexterity(
 
 def even_rotations(number: int) -> FloatArray:
     """Rotation matrices spread evenly over SO(3) (super-Fibonacci spiral [Alexa2022]), (number, 3, 3)."""
-    s = np.arange(number) + 0.5
+    s = np.arange(count("number", number)) + 0.5
     r, big_r = np.sqrt(s / number), np.sqrt(1 - s / number)
     first, second = 2 * math.pi * s / math.sqrt(2), 2 * math.pi * s / 1.533751168755204288118041
     x, y = r * np.sin(first), r * np.cos(first)

@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, rigid_transform
+from alpha5_model.checks import FloatArray, float_array, instance, listed, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.kinematics.dh_link import DHLink, dh_transform
@@ -60,14 +60,18 @@ class DHChain:
     joint_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        links: Any = self.links
-        if not isinstance(links, Iterable) or not (links := tuple(links)):
+        links = tuple(listed("links", self.links, "at least one DHLink"))
+        if not links:
             raise InputError("links", self.links, "at least one DHLink")
         for link in links:
             if not isinstance(link, DHLink):
                 raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
-        names = tuple(self.joint_names) or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
-        if len(set(names)) != len(links):
+        instance("name", self.name, str)
+        names = tuple(listed("joint_names", self.joint_names, f"{len(links)} different names"))
+        names = names or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
+        if not all(isinstance(n, str) for n in names) or not len(set(names)) == len(names) == len(
+            links
+        ):
             raise InputError("joint_names", names, f"{len(links)} different names")
         object.__setattr__(self, "links", links)
         object.__setattr__(self, "joint_names", names)
@@ -77,7 +81,8 @@ class DHChain:
     @classmethod
     def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
         """A chain from rows ``[theta, d, a, alpha, sigma]``; options as for `DHChain`."""
-        return cls(tuple(DHLink.from_vector(row) for row in rows), **options)
+        table = listed("rows", rows, "rows [theta, d, a, alpha, sigma]")
+        return cls(tuple(DHLink.from_vector(row) for row in table), **options)
 
     @classmethod
     def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
@@ -216,8 +221,9 @@ class DHChain:
         return out
 
     def _index(self, frame: Frame) -> int:
-        if frame == "tool":
+        if isinstance(frame, str) and frame == "tool":
             return self.n + 1
-        if isinstance(frame, bool) or frame not in range(self.n + 1):
+        number = isinstance(frame, int | np.integer) and not isinstance(frame, bool)
+        if not number or not 0 <= int(frame) <= self.n:
             raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
         return int(frame)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, real
+from alpha5_model.checks import FloatArray, float_array, real, together
 from alpha5_model.errors import InputError
 
 
@@ -27,16 +27,8 @@ def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike)
     Raises:
         InputError: Not finite real numbers, or shapes that do not broadcast.
     """
-    values = [
-        float_array(name, value, ())
-        for name, value in (("theta", theta), ("d", d), ("a", a), ("alpha", alpha))
-    ]
-    try:
-        shape = np.broadcast_shapes(*(value.shape for value in values))
-    except ValueError:
-        shapes = tuple(value.shape for value in values)
-        raise InputError("theta, d, a, alpha", shapes, "shapes that broadcast together") from None
-    return _transform(shape, *values)
+    values = together(theta=theta, d=d, a=a, alpha=alpha)
+    return _transform(values[0].shape, *values)
 
 
 def _transform(
@@ -85,14 +77,14 @@ class DHLink:
     def __post_init__(self) -> None:
         for name in ("theta", "d", "a", "alpha", "offset"):
             object.__setattr__(self, name, real(name, getattr(self, name)))
-        if isinstance(self.sigma, bool) or self.sigma not in (0, 1):
+        sigma = None if isinstance(self.sigma, bool | np.bool_) else real("sigma", self.sigma)
+        if sigma not in (0.0, 1.0):
             raise InputError("sigma", self.sigma, "0 (revolute) or 1 (prismatic)")
-        object.__setattr__(self, "sigma", int(self.sigma))
+        object.__setattr__(self, "sigma", int(sigma))
         for name in ("lower", "upper"):
             value = getattr(self, name)
-            if value not in (-math.inf, math.inf):
-                value = real(name, value)
-            object.__setattr__(self, name, float(value))
+            infinite = isinstance(value, float) and math.isinf(value)
+            object.__setattr__(self, name, float(value) if infinite else real(name, value))
         if not self.lower <= self.upper or self.lower == math.inf or self.upper == -math.inf:
             raise InputError("lower, upper", (self.lower, self.upper), "lower <= upper")
 

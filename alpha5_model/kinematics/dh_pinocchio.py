@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model.checks import instance
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.files import read_named
 from alpha5_model.kinematics.dh import DHChain
@@ -32,11 +33,11 @@ def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1
     """
     import pinocchio as pin
 
-    names = [f.name for f in model.frames]
+    names = [f.name for f in instance("model", model, pin.Model).frames]
     if frame is None:
         last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
         frame = last[-1].name
-    if frame not in names:
+    if not isinstance(frame, str) or frame not in names:
         raise UnknownNameError("frame", frame, names)
     tip = model.getFrameId(frame)
     path = [j for j in model.supports[model.frames[tip].parentJoint] if j != 0]

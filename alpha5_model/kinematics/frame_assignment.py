@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, real, rigid_transform
+from alpha5_model.checks import FloatArray, float_array, listed, real, rigid_transform
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.kinematics.dh import DHChain, DHLink
 
@@ -67,14 +67,18 @@ def assign_frames(
     z = float_array("directions", directions, (3,))
     if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
         raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
-    length = np.linalg.norm(z, axis=1)
-    if (length == 0).any():
+    largest = np.abs(z).max(axis=1, keepdims=True)
+    if (largest == 0).any():
         raise InputError("directions", z.tolist(), "directions that are not zero")
-    z = z / length[:, None]
+    z = z / largest  # squares of large numbers overflow
+    z = z / np.linalg.norm(z, axis=1, keepdims=True)
     n = len(p)
-    types = [0] * n if sigma is None else list(sigma)
-    bounds = [(-math.inf, math.inf)] * n if limits is None else list(limits)
-    drawn = [0.0] * n if q is None else float_array("q", q, (n,)).tolist()
+    pairs = "(lower, upper) of each joint"
+    types = [0] * n if sigma is None else listed("sigma", sigma, "0 or 1 for each joint")
+    bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
+    drawn = np.zeros(n) if q is None else float_array("q", q, (n,))
+    if drawn.ndim != 1:
+        raise ShapeError("q", drawn.shape, f"shape ({n},)")
     if len(types) != n or len(bounds) != n:
         raise ShapeError("sigma, limits", (len(types), len(bounds)), f"{n} joints each")
     tolerance = real("tolerance", tolerance, minimum=0.0)
@@ -96,9 +100,12 @@ def assign_frames(
         theta, d, a, alpha = _row(np.linalg.inv(frames[j]) @ frames[j + 1])
         offset = 0.0
         if q is not None:
-            value, offset = drawn[j], (d if types[j] else theta) - drawn[j]
+            value, offset = float(drawn[j]), (d if types[j] else theta) - drawn[j]
             theta, d = (theta, value) if types[j] else (value, d)
-        links.append(DHLink(theta, d, a, alpha, types[j], offset, *bounds[j]))
+        bound = listed("limits", bounds[j], pairs)
+        if len(bound) != 2:
+            raise ShapeError("limits", (len(bound),), pairs)
+        links.append(DHLink(theta, d, a, alpha, types[j], offset, *bound))
     tool = np.eye(4) if end is None else np.linalg.inv(frames[n]) @ end
     return DHChain(tuple(links), base=frames[0], tool=_orthonormal(tool), **options)
 
@@ -117,6 +124,9 @@ def common_normal(
     """
     p1, z1 = float_array("point_1", point_1, (3,)), float_array("direction_1", direction_1, (3,))
     p2, z2 = float_array("point_2", point_2, (3,)), float_array("direction_2", direction_2, (3,))
+    shapes = tuple(v.shape for v in (p1, z1, p2, z2))
+    if set(shapes) != {(3,)}:
+        raise ShapeError("points and directions", shapes, "shape (3,) each")
     cross = np.cross(z1, z2)
     square = cross @ cross
     if square == 0:

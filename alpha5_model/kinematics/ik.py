@@ -84,8 +84,8 @@ class Solutions(NamedTuple):
 def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions:
     """Every joint position that puts the tcp at a point.
 
-    On the yaw axis theta_0 is free: the middle of its range is returned and ``singular`` is set. A
-    batch of N targets needs its output, 137 bytes per target, and a fixed scratch.
+    On the yaw axis (within 1e-9 m of it) theta_0 is free: the middle of its range is returned, the tcp
+    comes to stand on the axis itself and ``singular`` is set. A batch of N targets needs its output, 137 bytes per target, and a fixed scratch.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].

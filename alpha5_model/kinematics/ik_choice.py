@@ -56,15 +56,18 @@ def candidates(solutions: HasBranches, q_reference: ArrayLike) -> tuple[FloatArr
 
 def pick(q: FloatArray, reference: FloatArray, allowed: BoolArray) -> FloatArray:
     """The allowed solution nearest to the reference, (..., 4)."""
-    travel = np.square(q - reference[..., None, :]).sum(axis=-1)
+    with np.errstate(over="ignore"):
+        travel = np.square(q - reference[..., None, :]).sum(axis=-1)
+    travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
     index = np.where(allowed, travel, np.inf).argmin(axis=-1)
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
 
 
 def on_axis(position: FloatArray) -> BoolArray:
     """Targets on the yaw axis, where theta_0 is free, (...)."""
-    out: BoolArray = np.hypot(position[..., 0], position[..., 1]) <= AXIS_TOLERANCE
-    return out
+    x, y = position[..., 0], position[..., 1]
+    with np.errstate(over="ignore"):
+        return np.asarray(np.sqrt(x * x + y * y) <= AXIS_TOLERANCE)  # as `solve_one` has it
 
 
 def require_solution(solutions: HasBranches) -> None:

@@ -12,10 +12,11 @@ from alpha5_model.kinematics.arm_plane import arm_plane
 EDGE_TOLERANCE = 1e-10
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
 LIMIT_TOLERANCE = 1e-12
-#: ``singular`` within this distance of the yaw axis, the stretched or the folded arm [m].
+#: ``singular`` within this distance of the stretched or the folded arm [m].
 SINGULAR_TOLERANCE = 1e-9
-#: Closer to the yaw axis than this [m], theta_0 is free and the middle of its range is returned.
-AXIS_TOLERANCE = 1e-13
+#: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0 is free, and the
+#: tcp is put on the axis itself.
+AXIS_TOLERANCE = 1e-9
 
 #: Closer than this to the yaw axis [m], to the edge of reach [m^2, in rho^2] or to a joint limit
 #: [rad], rounding decides and the faster routes hand a target to `solve_one`. Farther away, rounding
@@ -82,7 +83,9 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
     theta_3, wrist_fits = _into_range(wrist - turns * math.tau, limits[3], LIMIT_TOLERANCE)
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
-    singular = radius <= SINGULAR_TOLERANCE
+    singular = on_axis = radius <= AXIS_TOLERANCE
+    if on_axis:
+        radius = 0.0
     q = [math.nan] * 16
     exists = within = 0
     for pair in (0, 1):
@@ -94,7 +97,7 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
             continue
         if above <= c.singular or below <= c.singular_folded:
             singular = True
-        if radius <= AXIS_TOLERANCE:
+        if on_axis:
             theta_0, fits_0 = limits[0][2], True
         else:
             # The azimuth of a point at distance R is known to rounding / R.

@@ -5,6 +5,11 @@ found by dynamic programming [Bellman1957], as for redundant arms [Guigue2007]. 
 are shorter than a turn, so each solution has one place in its range; a step across the closed wedge of
 theta_0, or onto another branch away from where the branches meet, is a jump and is not taken.
 
+On the yaw axis theta_0 is free. Between two points off the axis, steps s_k of the other joints and d_k of
+theta_0 cost ``sum sqrt(s_k^2 + d_k^2)``. The d_k add up to what lies between the two, so by Minkowski's
+inequality the sum is least where they are in proportion to the s_k: the way is straight when s and
+theta_0 are drawn against each other. A d_k that would pass the largest step is that step.
+
 References:
     [Bellman1957] Dynamic Programming, Princeton University Press.
     [Guigue2007] Guigue, Ahmadi, Hayes, Langlois, Tang: A dynamic programming approach to redundancy
@@ -14,7 +19,7 @@ References:
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
@@ -25,6 +30,11 @@ from alpha5_model.kinematics.ik_choice import on_axis, require_solution
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
 MAX_STEP = 0.5
 
+#: Ways to get to the solutions of a point: rows (M, L, 4), travel so far (M,), where each comes from (M,).
+_Ways = tuple[FloatArray, FloatArray, NDArray[np.intp]]
+#: Where the path may be: joint positions (M, 4), travel so far (M,); None before a free start.
+_Frontier = tuple[FloatArray, FloatArray] | None
+
 
 def inverse_kinematics_path(
     positions: ArrayLike,
@@ -34,8 +44,10 @@ def inverse_kinematics_path(
 ) -> FloatArray:
     """Joint positions along a path of points, continuous and within the limits.
 
-    The sum of the Euclidean joint steps is the least possible. Where the tcp is on the yaw axis,
-    theta_0 is chosen among its values at the neighbouring points.
+    The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0 turns from its
+    value before to its value after, together with the other joints where they move; with neither before
+    nor after it is the middle of its range. Only where ``max_step`` holds theta_0 back and is also wide
+    enough to change the elbow on the axis, the elbow is chosen by the travel of the other joints alone.
 
     Args:
         positions: tcp in ``base_link``, (N, 3) [m].
@@ -69,61 +81,152 @@ def inverse_kinematics_path(
     if angle.shape not in ((), (len(target),)):
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
     solutions = inverse_kinematics(target, angle)
-    free = on_axis(target)
+    off_axis = np.append(np.flatnonzero(~on_axis(target)), len(target))
 
-    nodes: list[FloatArray] = []
-    parents: list[np.ndarray] = []
-    at = np.zeros((1, 4)) if start is None else start[None]
-    travel = np.zeros(1)
-    for k in range(len(target)):
-        options = _options(solutions, free, k, start)
-        if not len(options):
-            _explain(solutions, k)
-        step = options[:, None, :] - at
-        largest = np.abs(step).max(axis=-1)
-        if k == 0 and start is None:
-            largest[...] = 0.0
-            step[...] = 0.0
-        cost = np.where(largest <= max_step, travel + np.sqrt(np.square(step).sum(-1)), np.inf)
-        parent = cost.argmin(axis=1)
-        cost = cost[np.arange(len(options)), parent]
-        kept = np.isfinite(cost)
-        if not kept.any():
-            raise DiscontinuousPathError(k, target[k], float(largest.min()), max_step)
-        at, travel = options[kept], cost[kept]
-        nodes.append(at)
-        parents.append(parent[kept])
+    frontier = None if start is None else (start[None], np.zeros(1))
+    stages: list[tuple[int, FloatArray, NDArray[np.intp]]] = []
+    k = 0
+    while k < len(target):
+        stop = int(off_axis[np.searchsorted(off_axis, k)])
+        if stop == k:
+            rows, travel, parent = _step(solutions, k, frontier, max_step)
+        else:
+            rows, travel, parent = _along_axis(solutions, k, stop, frontier, max_step)
+        stages.append((k, rows, parent))
+        frontier = rows[:, -1], travel
+        k += rows.shape[1]
     out = np.empty((len(target), 4))
-    index = int(travel.argmin()) if len(target) else 0
-    for k in reversed(range(len(target))):
-        out[k] = nodes[k][index]
-        index = int(parents[k][index])
+    index = int(travel.argmin()) if stages else 0
+    for k, rows, parent in reversed(stages):
+        out[k : k + rows.shape[1]] = rows[index]
+        index = int(parent[index])
     return out
 
 
-def _options(
-    solutions: Solutions, free: np.ndarray, k: int, start: FloatArray | None
-) -> FloatArray:
-    """Solutions of point k within the limits, (M, 4); on the yaw axis with each theta_0 worth trying."""
-    options: FloatArray = solutions.q[k][solutions.within_limits[k]]
-    if not free[k] or not len(options):
-        return options
+def _step(solutions: Solutions, k: int, frontier: _Frontier, max_step: float) -> _Ways:
+    """From the frontier to the solutions of point k."""
+    options = _options(solutions, k)
+    if frontier is None:
+        return options[:, None], np.zeros(len(options)), np.zeros(len(options), np.intp)
+    at, travel = frontier
+    size, largest = _sizes(options[:, None, :] - at)
+    cost = np.where(largest <= max_step, travel + size, np.inf)
+    parent = cost.argmin(axis=1)
+    cost = cost[np.arange(len(options)), parent]
+    kept = np.isfinite(cost)
+    if not kept.any():
+        raise DiscontinuousPathError(k, solutions.position[k], float(largest.min()), max_step)
+    return options[kept][:, None], cost[kept], parent[kept]
+
+
+def _along_axis(
+    solutions: Solutions, k: int, stop: int, frontier: _Frontier, max_step: float
+) -> _Ways:
+    """From the frontier along points k to stop - 1 on the axis to the solutions of point stop, if any."""
     g = arm_plane()
-    off_axis = np.flatnonzero(~free)
-    before, after = off_axis[off_axis < k][-1:], off_axis[off_axis > k][:1]
-    values = [np.array([g.middle[0]])]
-    if start is not None:
-        values.append(np.clip(start[:1], g.lower[0], g.upper[0]))
-    for row in (*before, *after):
-        values.append(solutions.q[row][solutions.within_limits[row], 0])
-    theta_0 = np.unique(np.concatenate(values))
-    spread = np.repeat(options, len(theta_0), axis=0)
-    spread[:, 0] = np.tile(theta_0, len(options))
-    return spread
+    missing = np.full((1, 4), np.nan)
+    starts, travel = (missing, np.zeros(1)) if frontier is None else frontier
+    # A start beyond the limits of theta_0 is back within them with the first step.
+    inside = np.clip(starts[:, 0], g.lower[0], g.upper[0])
+    gap = np.nan_to_num(np.abs(inside - starts[:, 0]))
+
+    # Least travel of the other joints from each start to each elbow, point by point, (starts, elbows).
+    elbows, parents = [], []
+    for i in range(k, stop):
+        elbows.append(np.unique(_options(solutions, i)[:, 1:], axis=0))
+        if i == k:
+            size, largest = _sizes(elbows[0] - starts[:, None, 1:])
+            largest = np.maximum(largest, gap[:, None])
+            length = np.where(largest <= max_step, size, np.inf)
+        else:
+            size, largest = _sizes(elbows[-1] - elbows[-2][:, None])
+            ways = length[:, :, None] + np.where(largest <= max_step, size, np.inf)
+            largest = largest[np.isfinite(length).any(axis=0)]
+            parents.append(ways.argmin(axis=1))
+            length = ways.min(axis=1)
+        if not np.isfinite(length).any():
+            raise DiscontinuousPathError(i, solutions.position[i], float(largest.min()), max_step)
+
+    ends = _options(solutions, stop) if stop < len(solutions.position) else missing
+    found: dict[int, tuple[float, FloatArray, int]] = {}
+    least = np.inf
+    for start, elbow in np.argwhere(np.isfinite(length)).tolist():
+        chosen = [elbow]
+        for parent in reversed(parents):
+            chosen.append(int(parent[start, chosen[-1]]))
+        way = [rows[i] for rows, i in zip(elbows, reversed(chosen), strict=True)]
+        for j, end in enumerate(ends):
+            joints = np.array([starts[start, 1:], *way, end[1:]])
+            size, largest = _sizes(np.diff(joints, axis=0))
+            first, last = starts[start, 0], end[0]
+            if np.isnan(first):
+                first = g.middle[0] if np.isnan(last) else last
+            if np.isnan(last):
+                last = np.clip(first, g.lower[0], g.upper[0])
+            turn = abs(last - first)
+            needed = max(float(largest[-1]), turn - max_step * (len(size) - 1))
+            least = min(least, needed)
+            if needed > max_step:
+                continue
+            step = shared_turn(size, turn, gap[start], max_step)
+            cost = float(travel[start] + np.sqrt(size**2 + step**2).sum())
+            if j not in found or cost < found[j][0]:
+                theta_0 = first + np.copysign(np.append(0.0, np.cumsum(step)), last - first)
+                theta_0[-1] = last
+                theta_0 = np.clip(theta_0, g.lower[0], g.upper[0])  # rounding
+                rows = np.column_stack([theta_0, joints])[1:]
+                found[j] = cost, rows[: len(way) + (stop < len(solutions.position))], start
+    if not found:
+        raise DiscontinuousPathError(stop, solutions.position[stop], least, max_step)
+    costs, ways_found, origins = zip(*found.values(), strict=True)
+    return np.array(ways_found), np.array(costs), np.array(origins)
 
 
-def _explain(solutions: Solutions, k: int) -> None:
-    """Raise for point k, the first without a solution."""
-    q, exists, within, singular, position = solutions
-    end = slice(k + 1)
-    require_solution(Solutions(q[end], exists[end], within[end], singular[end], position[end]))
+def shared_turn(size: FloatArray, turn: float, first: float, most: float) -> FloatArray:
+    """Steps of theta_0 that add up to a turn, for the least ``sum sqrt(size^2 + step^2)``.
+
+    Args:
+        size: Steps of the other joints, (N,) [rad].
+        turn: At most N times ``most`` [rad].
+        first: The first step is at least this [rad].
+        most: No step is larger [rad].
+
+    Returns:
+        (N,) [rad].
+    """
+    step = np.zeros(len(size))
+    left, order = turn, np.argsort(-size)
+    for done, k in enumerate(order):
+        rest = order[done:]
+        total = size[rest].sum()
+        share = size[rest] / total if total > 0.0 else np.full(len(rest), 1 / len(rest))
+        if left * share[0] <= most:
+            step[rest] = left * share
+            break
+        step[k] = most
+        left -= most
+    if step[0] < first:
+        step = np.append(first, shared_turn(size[1:], turn - first, 0.0, most))
+    return step
+
+
+def _sizes(step: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Euclidean norm and largest joint of steps (..., J), (...) each; 0 where there is no step."""
+    with np.errstate(over="ignore"):
+        return np.nan_to_num(np.sqrt(np.square(step).sum(-1)), posinf=np.inf), np.nan_to_num(
+            np.abs(step).max(axis=-1)
+        )
+
+
+def _options(solutions: Solutions, k: int) -> FloatArray:
+    """Solutions of point k within the limits, (M, 4).
+
+    Raises:
+        UnreachableError, JointLimitError: There is none.
+    """
+    options: FloatArray = solutions.q[k][solutions.within_limits[k]]
+    if not len(options):
+        q, exists, within, singular, position = solutions
+        end = slice(k + 1)
+        require_solution(Solutions(q[end], exists[end], within[end], singular[end], position[end]))
+    return options

@@ -78,7 +78,8 @@ class PoseSolutions(NamedTuple):
 def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     """Joint positions that reach a position exactly and an orientation as closely as possible.
 
-    On the yaw axis, theta_0 is free and turns the wrist axis towards the target's.
+    On the yaw axis theta_0 is free: it and theta_3 are chosen together, for the least rotation error
+    within the limits of both.
 
     Args:
         transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.
@@ -98,12 +99,39 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     chain = DHChain.alpha5()
     axis = _wrist_axis(chain)
 
+    q, error = _turn_wrist(q, rotation, chain, axis)
     free = on_axis(position)
     if free.any():
-        reached = chain.forward_kinematics(q)[..., :3, :3] @ axis
-        q[..., 0] = np.where(
-            free[..., None], _turn_to(q[..., 0], reached, rotation @ axis), q[..., 0]
-        )
+        at, wanted = q[free], rotation[free]
+        for theta_0 in _yaw_candidates(at, wanted, chain, axis):
+            trial = np.concatenate([theta_0[..., None], at[..., 1:]], axis=-1)
+            trial, missed = _turn_wrist(trial, wanted, chain, axis)
+            better = missed < error[free]
+            q[free] = np.where(better[..., None], trial, q[free])
+            error[free] = np.where(better, missed, error[free])
+    missing = ~solutions.exists
+    q[missing] = np.nan
+    error[missing] = np.nan
+    exact = error <= EXACT_TOLERANCE
+    for array in (q, error, exact):
+        array.flags.writeable = False
+    return PoseSolutions(
+        q=q,
+        exists=solutions.exists,
+        within_limits=solutions.within_limits,
+        singular=solutions.singular,
+        position=solutions.position,
+        rotation_error=error,
+        exact=exact,
+    )
+
+
+def _turn_wrist(
+    q: FloatArray, rotation: FloatArray, chain: DHChain, axis: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """theta_3 that comes closest to rotations (..., 3, 3): q (..., 4, 4), and the error (..., 4)."""
+    g = arm_plane()
+    q = q.copy()
     q[..., 3] = 0.0
     # Rotation that is left over, in the axes of the tcp: a turn about the wrist axis, and a swing.
     rest = np.swapaxes(chain.forward_kinematics(q)[..., :3, :3], -1, -2) @ rotation[..., None, :, :]
@@ -123,22 +151,7 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     q[..., 3] = np.clip(wanted, g.lower[3], g.upper[3])
     # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small angles.
     s, m = np.sin(swing / 2) ** 2, np.sin((q[..., 3] - wanted) / 2) ** 2
-    error = 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
-    missing = ~solutions.exists
-    q[missing] = np.nan
-    error = np.where(missing, np.nan, error)
-    exact = error <= EXACT_TOLERANCE
-    for array in (q, error, exact):
-        array.flags.writeable = False
-    return PoseSolutions(
-        q=q,
-        exists=solutions.exists,
-        within_limits=solutions.within_limits,
-        singular=solutions.singular,
-        position=solutions.position,
-        rotation_error=error,
-        exact=exact,
-    )
+    return q, 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
 
 
 def _wrist_axis(chain: DHChain) -> FloatArray:
@@ -147,13 +160,30 @@ def _wrist_axis(chain: DHChain) -> FloatArray:
     return np.asarray(chain.forward_kinematics(np.zeros(4))[:3, :3].T @ axes[3])
 
 
-def _turn_to(theta_0: FloatArray, reached: FloatArray, wanted: FloatArray) -> FloatArray:
-    """theta_0 in its range that turns horizontal parts of directions onto each other."""
+def _yaw_candidates(
+    q: FloatArray, rotation: FloatArray, chain: DHChain, axis: FloatArray
+) -> list[FloatArray]:
+    """Where theta_0 is free: values of which one is best, (N, 4) each, for q (N, 4, 4).
+
+    cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one maximum has the wrist
+    axis at the target's azimuth; where that is beyond a limit, one of the two joints is at a limit.
+    """
     g = arm_plane()
-    off = np.arctan2(wanted[..., 1], wanted[..., 0])[..., None] - np.arctan2(
-        reached[..., 1], reached[..., 0]
-    )
-    return np.clip(_shift(theta_0 + off, g.middle[0]), g.lower[0], g.upper[0])
+    azimuth = np.arctan2(*np.moveaxis((rotation @ axis)[:, 1::-1], -1, 0))[:, None]
+    reached = chain.forward_kinematics(q)[..., :3, :3] @ axis
+    turns = [azimuth - np.arctan2(reached[..., 1], reached[..., 0])]
+    for end in (g.lower[3], g.upper[3]):
+        at_end = np.concatenate([q[..., :3], np.full((*q.shape[:-1], 1), end)], axis=-1)
+        # The turn about z that is nearest to the rotation left over.
+        left = rotation[:, None] @ np.swapaxes(
+            chain.forward_kinematics(at_end)[..., :3, :3], -1, -2
+        )
+        turns.append(
+            np.arctan2(left[..., 1, 0] - left[..., 0, 1], left[..., 0, 0] + left[..., 1, 1])
+        )
+    wanted = [_shift(q[..., 0] + turn, g.middle[0]) for turn in turns]
+    ends = [np.full(q.shape[:-1], end) for end in (g.lower[0], g.upper[0])]
+    return [*(np.clip(theta_0, g.lower[0], g.upper[0]) for theta_0 in wanted), *ends]
 
 
 def _shift(angle: FloatArray, middle: float) -> FloatArray:

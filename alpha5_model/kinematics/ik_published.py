@@ -29,11 +29,11 @@ def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
     dh = parameters().dh
     a_0, a_1, a_2, d_0, d_3 = dh[0].a, dh[1].a, dh[2].a, dh[0].d, dh[3].d
     x, y, z = np.moveaxis(target, -1, 0)
-    R = np.sqrt(x**2 + y**2)
     l_1 = a_1
     l_2 = np.sqrt(a_2**2 + d_3**2)
     out = np.empty((*target.shape[:-1], 2, 3))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        R = np.sqrt(x**2 + y**2)
         l_3 = np.sqrt((R - a_0) ** 2 + (z - d_0) ** 2)
         out[..., 0, 0] = np.arctan2(y, x) + np.pi
         out[..., 0, 1] = (

@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, flag, float_array
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
 from alpha5_model.kinematics.ik_batch import reached
@@ -38,9 +38,10 @@ def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
         (...) bool; the boundary belongs to the set.
 
     Raises:
-        InputError: Not real numbers of that shape; `NonFiniteError` names a bad row.
+        InputError: Not real numbers of that shape (`NonFiniteError` names a bad row), or limits that
+            are neither True nor False.
     """
-    target = float_array("positions", positions, (3,))
+    target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
     rows = target.reshape(-1, 3)
     out = np.empty(len(rows), np.bool_)
     for start in range(0, len(rows), _BLOCK):
@@ -76,7 +77,7 @@ def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
 
 
 def _nearest(positions: ArrayLike, limits: bool) -> tuple[FloatArray, FloatArray]:
-    target = float_array("positions", positions, (3,))
+    target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
     rows = target.reshape(-1, 3)
     out = rows.copy()
     for start in range(0, len(rows), _BLOCK):

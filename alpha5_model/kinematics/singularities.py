@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, float_array
+from alpha5_model.checks import BoolArray, FloatArray, float_array, real
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.spatial import wrap
 
@@ -44,6 +44,7 @@ class Singularities(NamedTuple):
 
     def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
         """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
+        angle, distance = real("angle", angle, 0.0), real("distance", distance, 0.0)
         return np.asarray(
             (np.abs(self.stretched) < angle)
             | (np.abs(self.folded) < angle)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, choice, float_array
+from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
 from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
@@ -139,6 +139,7 @@ def volume(limits: bool = True) -> float:
         limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge of azimuths
             belongs to the overarm pose alone, and the opposite one to the underarm pose alone.
     """
+    limits = flag("limits", limits)
     return _revolved({side: first_moment(boundary(side, limits)) for side in SIDES}, limits)
 
 
@@ -160,26 +161,31 @@ def published_errors() -> PublishedErrors:
     )
 
 
-@cache
 def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
     """Boundary of what the document claims and no joint position within the limits reaches.
 
     Args:
         side: As for `boundary`.
     """
-    choice("side", side, SIDES)
-    return trace(_all_curves(), lambda R, z: in_tori(R, z) & ~in_half_plane(R, z, side))
+    return _difference(choice("side", side, SIDES), True)
 
 
-@cache
 def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
     """Boundary of what can be reached and the document leaves out.
 
     Args:
         side: As for `boundary`.
     """
-    choice("side", side, SIDES)
-    return trace(_all_curves(), lambda R, z: in_half_plane(R, z, side) & ~in_tori(R, z))
+    return _difference(choice("side", side, SIDES), False)
+
+
+@cache
+def _difference(side: str, published: bool) -> tuple[Arc, ...]:
+    """Boundary of what one of the two has, published or reached, and the other lacks."""
+    return trace(
+        _all_curves(),
+        lambda R, z: (in_tori(R, z) == published) & (in_half_plane(R, z, side) != published),
+    )
 
 
 def _printed_curves() -> list[Arc]:
@@ -195,9 +201,11 @@ def _all_curves() -> list[Arc]:
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     """Which points of a half-plane (R, z) [m] satisfy the three inequalities of Section 1.2."""
-    inside = np.ones(np.shape(radius), np.bool_)
+    radius, z = together(radius=radius, z=z)
+    inside = np.ones(radius.shape, np.bool_)
     for torus in published_tori():
-        squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2
+        with np.errstate(over="ignore"):  # infinitely far is outside as well
+            squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2
         inside &= squared <= torus.radius**2 if torus.inside else squared >= torus.radius**2
     return inside
 

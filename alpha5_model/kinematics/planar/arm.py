@@ -15,12 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import index
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, float_array, listed
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 
 if TYPE_CHECKING:
@@ -70,9 +71,12 @@ class PlanarArm:
                 bound = "positive" if kind == "R" else "not negative"
                 raise InputError("lengths", value, f"a length that is {bound}")
         turn = np.zeros(n) if angles is None else float_array("angles", angles, (n,))
-        ranges = [None] * n if limits is None else list(limits)
+        if turn.ndim != 1:
+            raise ShapeError("angles", turn.shape, f"shape ({n},)")
+        expected = f"one (lower, upper) or None for {n} joints"
+        ranges = [None] * n if limits is None else listed("limits", limits, expected)
         if len(ranges) != n:
-            raise ShapeError("limits", (len(ranges),), f"one (lower, upper) or None for {n} joints")
+            raise ShapeError("limits", (len(ranges),), expected)
         checked = tuple(_range(*pair) for pair in zip(ranges, kinds, strict=True))
         object.__setattr__(self, "lengths", tuple(values.tolist()))
         object.__setattr__(self, "limits", checked)
@@ -118,7 +122,10 @@ class PlanarArm:
 
     def part(self, start: int, stop: int | None = None) -> PlanarArm:
         """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
-        cut = slice(start, stop)
+        try:
+            cut = slice(index(start), None if stop is None else index(stop))
+        except TypeError:
+            raise InputError("start, stop", (start, stop), "whole numbers") from None
         return PlanarArm(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
 
     def poses(self, q: ArrayLike) -> FloatArray:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, count, float_array
+from alpha5_model.checks import FloatArray, count, float_array, instance
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.curves import TURN
@@ -108,7 +108,7 @@ def dexterity(
 
 
 def _check_arm(arm: PlanarArm) -> None:
-    if arm.n < 3 or arm.joints[-1] != "R":
+    if instance("arm", arm, PlanarArm).n < 3 or arm.joints[-1] != "R":
         raise InputError("arm", arm.joints, "three joints or more, the last one R")
 
 

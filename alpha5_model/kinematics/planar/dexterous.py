@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from alpha5_model.checks import real
+from alpha5_model.checks import instance, real
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.workspace import annulus
@@ -158,16 +158,21 @@ def dexterous_area(arm: PlanarArm) -> float:
 
 
 def necessary_conditions(arm: PlanarArm) -> Conditions:
-    """The notes' necessary conditions for planar arms.
+    """Necessary conditions for a dexterous workspace with an interior, for planar arms.
 
-    A revolute joint without limits, and two more joints to place the end effector. They are necessary
-    for a dexterous workspace with an interior: a 2R arm of equal lengths reaches its own base with
-    every orientation, a single dexterous point. They are not sufficient.
+    The ranges of the revolute joints add up to a full turn, for the orientation is the sum of their
+    angles, and two joints beside one of them place the end effector. The notes ask for a revolute joint
+    without limits in place of the first, which is not necessary: with +-2.967 rad on every joint the
+    notes' arm (5, 4, 1) has a dexterous workspace of 155.8. Both speak of an interior: a 2R arm of equal
+    lengths reaches its own base with every orientation, a single dexterous point. They are not
+    sufficient.
     """
     reasons = []
-    free = [k for k, r in zip(arm.joints, arm.limits, strict=True) if k == "R" and r is None]
-    if not free:
-        reasons.append("no revolute joint without limits: not every orientation occurs")
+    rows = zip(instance("arm", arm, PlanarArm).joints, arm.limits, strict=True)
+    turn = sum(math.inf if r is None else r[1] - r[0] for kind, r in rows if kind == "R")
+    if turn < math.tau * (1 - ROUNDING):
+        short = f"the revolute joints together turn {turn:.4g} rad, less than 2 pi"
+        reasons.append(f"{short}: not every orientation occurs")
     if arm.n < 3:
         reasons.append(f"{arm.n - 1} more, beside it, where placing the end effector takes two")
     return Conditions(not reasons, tuple(reasons))
@@ -175,7 +180,7 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
 
 def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
     """Annulus that the arm without its last link reaches, and the range of the last link's length."""
-    ranges = arm.length_ranges
+    ranges = instance("arm", arm, PlanarArm).length_ranges
     if ranges is None:
         raise InputError(
             "arm",

@@ -29,7 +29,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, float_array, instance, listed
+from alpha5_model.errors import ShapeError
 from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.arrangement import cut, joined, united
 from alpha5_model.kinematics.planar.curves import (
@@ -173,7 +174,7 @@ def workspace(arm: PlanarArm) -> Workspace:
 
     Features closer together than 1e-7 of the reach are not told apart.
     """
-    scale = arm.reach
+    scale = instance("arm", arm, PlanarArm).reach
     return _build(arm, RELATIVE_TOLERANCE * scale, RELATIVE_STEP * scale)
 
 
@@ -190,7 +191,11 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
     Returns:
         Inner and outer radius [m].
     """
-    ranges = list(length_ranges)
+    pairs = "(least, greatest) length of each link"
+    table = float_array("length_ranges", listed("length_ranges", length_ranges, pairs), (2,))
+    if table.ndim != 2 or not len(table):
+        raise ShapeError("length_ranges", table.shape, pairs)
+    ranges = table.tolist()
     outer = math.fsum(high for _, high in ranges)
     inner = max(
         low - math.fsum(r[1] for k, r in enumerate(ranges) if k != j)
