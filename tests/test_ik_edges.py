@@ -215,5 +215,5 @@ def test_property_of_any_point(position: tuple[float, float, float], wrist: floa
     assert not (s.within_limits & ~s.exists).any()
     if s.exists.any():
         target = np.broadcast_to(position, (4, 3))[s.exists]
-        assert np.linalg.norm(tip(s.q[s.exists]) - target, axis=-1).max() < 1e-9
+        assert np.linalg.norm(tip(s.q[s.exists]) - target, axis=-1).max() < 1e-9 + 1e-15
     assert bool(a5.reachable(position)) == (float(a5.distance_to_reach(position)) == 0.0)

@@ -11,7 +11,6 @@ References:
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +22,7 @@ from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.ik_choice import candidates, on_axis, pick, require_solution
+from alpha5_model.spatial import wrap
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position
 #: turns the wrist axis by some 1e-8.
@@ -147,7 +147,7 @@ def _turn_wrist(
         axis=-1,
     )
     turn = np.arctan2(antisymmetric @ axis, np.trace(rest, axis1=-2, axis2=-1) - along)
-    wanted = _shift(turn, g.middle[3])
+    wanted = wrap(turn, g.middle[3])
     q[..., 3] = np.clip(wanted, g.lower[3], g.upper[3])
     # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small angles.
     s, m = np.sin(swing / 2) ** 2, np.sin((q[..., 3] - wanted) / 2) ** 2
@@ -181,15 +181,9 @@ def _yaw_candidates(
         turns.append(
             np.arctan2(left[..., 1, 0] - left[..., 0, 1], left[..., 0, 0] + left[..., 1, 1])
         )
-    wanted = [_shift(q[..., 0] + turn, g.middle[0]) for turn in turns]
+    wanted = [wrap(q[..., 0] + turn, g.middle[0]) for turn in turns]
     ends = [np.full(q.shape[:-1], end) for end in (g.lower[0], g.upper[0])]
     return [*(np.clip(theta_0, g.lower[0], g.upper[0]) for theta_0 in wanted), *ends]
-
-
-def _shift(angle: FloatArray, middle: float) -> FloatArray:
-    """By full turns, into the turn around the middle of a range."""
-    turn = 2 * math.pi
-    return np.asarray(angle - turn * np.rint((angle - middle) / turn))
 
 
 def _check_rigid(target: FloatArray) -> None:
