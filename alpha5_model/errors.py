@@ -11,6 +11,9 @@ import pickle
 from collections.abc import Iterable
 from typing import Any
 
+#: Letters of a message; beyond, its middle is left out.
+_LONGEST = 1000
+
 
 class Alpha5Error(Exception):
     """Root of all errors of this package.
@@ -18,6 +21,12 @@ class Alpha5Error(Exception):
     Each one can be copied and pickled, message and attributes included, and so reaches the caller of a
     worker process; an attribute that cannot be pickled arrives as its printed form.
     """
+
+    def __init__(self, message: str) -> None:
+        line = " ".join(
+            message.split()
+        )  # names and paths may hold newlines, or thousands of letters
+        super().__init__(line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (type(self), self.args, {k: _sent(v) for k, v in vars(self).items()})

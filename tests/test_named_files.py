@@ -46,11 +46,13 @@ def test_paths_that_lead_to_no_file(tmp_path, reader):
         (tmp_path / "none", MissingFileError),
         (tmp_path / "file" / "below", MissingFileError),
         (tmp_path / "\udcff", MissingFileError),
+        (tmp_path / "a\nb\u2028c", MissingFileError),
     ):
         with pytest.raises(error) as caught:
             read(path)
         assert caught.value.path == path
-        assert str(caught.value).count("\n") == 0
+        assert len(str(caught.value)) <= 1000
+        assert len(str(caught.value).splitlines()) == 1
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
@@ -78,6 +80,20 @@ def test_a_broken_urdf_names_its_line(tmp_path, read):
             read(tmp_path / "arm.urdf")
         # a joint without a parent is said of the joint, which begins a line or two above
         assert 0 <= k + 1 - int(caught.value.place.removeprefix("line ")) <= 2
+
+
+@pytest.mark.parametrize("digits", ["٣", "1_0"])
+def test_numbers_of_a_urdf_are_what_its_readers_take_for_numbers(tmp_path, digits):
+    (tmp_path / "arm.urdf").write_text(TEXT.replace('mass value="', f'mass value="{digits}', 1))
+    with pytest.raises(FileFormatError, match="finite number"):
+        read_urdf(tmp_path / "arm.urdf")
+
+
+def test_dh_reads_what_moves_and_says_nothing_else(tmp_path, capfd):
+    """urdfdom complains on stderr of a colour; nobody asked for the colour."""
+    (tmp_path / "arm.urdf").write_text(TEXT.replace('rgba="', 'rgba="x', 1))
+    assert main(["dh", "--urdf", str(tmp_path / "arm.urdf")]) == 0
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])

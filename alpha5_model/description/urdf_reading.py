@@ -151,6 +151,8 @@ class _Reader:
             values = [float(part) for part in text.split()]
         except ValueError:
             values = []
+        if not text.isascii() or "_" in text:  # numbers to Python, to no reader of URDFs
+            values = []
         if len(values) != count or not all(v == 0 or TINY < abs(v) < ABSURD for v in values):
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."

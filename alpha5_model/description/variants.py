@@ -11,7 +11,7 @@ from alpha5_model.checks import choice, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.expand import expand_xacro
 from alpha5_model.description.parameter_file import parameter_yaml
-from alpha5_model.errors import InputError
+from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import XACRO_PATH
@@ -53,8 +53,12 @@ class Variant:
     def __post_init__(self) -> None:
         choice("gripper", self.gripper, GRIPPERS)
         choice("collision", self.collision, COLLISIONS)
-        float_array("xyz", self.xyz, (3,))
-        float_array("rpy", self.rpy, (3,))
+        for name in ("xyz", "rpy"):
+            mount = float_array(name, getattr(self, name), (3,))
+            if mount.ndim != 1:
+                raise ShapeError(name, mount.shape, "three numbers")
+            if self.parent == "" and mount.any():
+                raise InputError(name, getattr(self, name), "a parent link to mount on")
         for name in ("prefix", "parent", "mesh_prefix", "ros2_control_plugin"):
             text = getattr(self, name)
             # xacro would evaluate ${...} and $(...), XML escapes would hide in names, and neither UTF-8
@@ -65,9 +69,6 @@ class Variant:
                 )
             if name in ("prefix", "parent") and " " in text:
                 raise InputError(name, text, "a name without spaces")
-        for name in ("xyz", "rpy"):
-            if self.parent == "" and any(getattr(self, name)):
-                raise InputError(name, getattr(self, name), "a parent link to mount on")
         if self.ros2_control_plugin != _PLUGIN and not self.ros2_control:
             raise InputError(
                 "ros2_control_plugin", self.ros2_control_plugin, "ros2_control with it"

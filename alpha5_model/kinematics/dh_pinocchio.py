@@ -15,6 +15,9 @@ from alpha5_model.files import read_named
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.frame_assignment import assign_frames
 
+#: What a joint of a URDF needs in order to move.
+_MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
+
 
 def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1e-9) -> DHChain:
     """The DH table of the serial chain from a model's root to one of its frames.
@@ -94,8 +97,14 @@ def dh_from_urdf(
 
     text = read_named(path, "a URDF file")
     parse_urdf(text, str(path))
-    try:  # written anew: Pinocchio reads no UTF-16
-        model = pin.buildModelFromXML(ET.tostring(ET.fromstring(text), encoding="unicode"))
+    # Written anew, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
+    # complain of a picture's colour on stderr.
+    tree = ET.fromstring(text)
+    for element in tree:
+        kept = _MOVING if element.tag == "joint" else ()
+        element[:] = [child for child in element if child.tag in kept]
+    try:
+        model = pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise FileFormatError(path, " ".join(str(error).split())) from None
     return dh_from_pinocchio(model, frame, tolerance)
