@@ -39,7 +39,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice, float_array, real
+from alpha5_model.checks import LARGEST, FloatArray, bounded, choice, float_array, real
 from alpha5_model.errors import MissingParameterError, ShapeError
 from alpha5_model.parameters import ActuatorParameters, parameters
 
@@ -247,8 +247,8 @@ class Actuator:
         low = np.maximum((-supply - back_emf) / self.parameters.resistance, -limit)
         high = np.minimum((supply - back_emf) / self.parameters.resistance, limit)
         possible = low <= high
-        lower, upper = self.torque(low, v), self.torque(high, v)
-        return Interval(np.where(possible, lower, np.nan), np.where(possible, upper, np.nan))
+        ends = (self.torque(np.where(possible, i, 0.0), v) for i in (low, high))
+        return Interval(*(np.where(possible, end, np.nan) for end in ends))
 
     def speed_limits(
         self, torque: ArrayLike, supply_voltage: float, current_limit: float
@@ -361,14 +361,14 @@ def actuator(
     if rotor_inertia is not None:
         rotor_inertia = real("rotor_inertia", rotor_inertia, minimum=0.0)
     if screw_lead is not None:
-        screw_lead = real("screw_lead", screw_lead, minimum=0.0, strict=True)
+        screw_lead = real("screw_lead", screw_lead, minimum=1 / LARGEST)
     return Actuator(joint, row, constants, rotor_inertia, screw_lead)
 
 
 def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
     """Checked arrays that broadcast with one another; None, which is left out, as zero."""
     arrays = {
-        name: float_array(name, 0.0 if value is None else value, ())
+        name: bounded(name, float_array(name, 0.0 if value is None else value, ()))
         for name, value in values.items()
     }
     try:

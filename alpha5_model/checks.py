@@ -18,7 +18,7 @@ Kind = TypeVar("Kind")
 #: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion from 1, before
 #: it is refused: URDFs and logs print some seven digits.
 ROTATION_TOLERANCE = 1e-6
-#: The largest number that dynamics and inertia compute with, in SI units. No term has more than five such numbers
+#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has more than five such numbers
 #: as factors (energy: mass, length twice, speed twice), so that none overflows; the sixth is for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
 
@@ -107,16 +107,16 @@ def bounded(name: str, array: FloatArray) -> FloatArray:
 
 
 def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:
-    """Check and convert one finite real number, optionally bounded below.
+    """Check and convert one finite real number that can be computed with, optionally bounded below.
 
     Raises:
-        InputError: Not a real number, or below ``minimum`` (at it, if ``strict``).
+        InputError: Not a real number, too large, or below ``minimum`` (at it, if ``strict``).
         NonFiniteError: NaN or infinity.
     """
     array = float_array(name, value, ())
     if array.ndim != 0:
         raise InputError(name, value, "one real number")
-    number = float(array)
+    number = float(bounded(name, array))
     if minimum is not None and (number < minimum or (strict and number == minimum)):
         raise InputError(
             name, value, f"a number {'above' if strict else 'of at least'} {minimum:g}"

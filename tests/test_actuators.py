@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -236,3 +238,43 @@ def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
 def test_what_cannot_be_used_is_refused(call, error) -> None:
     with pytest.raises(error):
         call()
+
+
+@pytest.mark.parametrize("joint", ["axis_e", "axis_a"])
+@pytest.mark.parametrize("screw_lead", [1e-51, 1e-3, 2e51])
+@pytest.mark.parametrize("rotor_inertia", [0.0, 1e-6, 2e51])
+def test_no_number_overflows(joint: str, screw_lead: float, rotor_inertia: float) -> None:
+    motor = actuators.actuator(joint, rotor_inertia=rotor_inertia, screw_lead=screw_lead)
+    numbers = [0.0, 1.0, -1e-300, 2e51, -2e51]
+    rows = np.array(np.meshgrid(numbers, numbers, numbers)).reshape(3, -1)
+    answers = 0
+    for state in rows.T:
+        for method, count in (
+            (motor.current, 3),
+            (motor.torque, 3),
+            (motor.voltage, 3),
+            (motor.speed, 2),
+            (motor.holding_current, 1),
+            (motor.holding_torque, 1),
+            (motor.power, 3),
+        ):
+            with contextlib.suppress(InputError):  # a quotient of two that is itself too large
+                result = method(*state[:count])
+                parts = (
+                    tuple(vars(result).values())
+                    if isinstance(result, actuators.ActuatorPower)
+                    else result
+                )
+                assert np.isfinite(parts).all()
+                answers += 1
+    assert answers > len(rows.T)
+    for method in (motor.current, motor.torque, motor.voltage, motor.power):
+        for place in range(3):
+            given = [1.0, 1.0, 1.0]
+            given[place] = 1e52
+            with pytest.raises(InputError, match="overflow"):
+                method(*given)
+    for limits in (motor.torque_limits, motor.speed_limits):
+        for number in numbers:
+            with contextlib.suppress(InputError):
+                assert not np.isinf(limits(number, 24.0, 2.0)).any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import pickle
 import subprocess
@@ -17,6 +18,9 @@ from reference import MASS, VOLUME
 
 import alpha5_model as a5
 from alpha5_model.checks import LARGEST
+from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.dynamics.payload import Payload
+from alpha5_model.dynamics.series import torque_terms
 from alpha5_model.errors import (
     InputError,
     NonFiniteError,
@@ -164,6 +168,21 @@ def test_masks_and_units_are_not_lost(kind, method, count):
             given[which] = bad
             with pytest.raises(InputError, match=r"without mask or unit|shape"):
                 getattr(arm, method)(*given)
+
+
+def test_records_that_hold_arrays_compare_by_identity():
+    arm = a5.load()
+    q = np.ones((1, 4))
+    for record in (
+        arm.displacements[0],
+        torque_terms(arm, q, q, q),
+        CollisionModel(arm.model).clearance(q[0]),
+        Payload.checked(1.0, (0, 0, 0), None, 0.0, None),
+    ):
+        twin = copy.copy(record)
+        assert record == record
+        assert record != twin
+        assert len({record, twin}) == 2
 
 
 def test_an_arm_cannot_be_made_of_what_is_none():

@@ -294,6 +294,10 @@ def test_real_and_its_bounds() -> None:
         checks.real("mass", [1.0])
     with pytest.raises(errors.NonFiniteError):
         checks.real("mass", float("nan"))
+    for far in (2e51, -2e51):
+        assert checks.real("mass", far) == far
+        with pytest.raises(errors.InputError, match=r"at most 2\.4e\+51"):
+            checks.real("mass", 2 * far)
 
 
 @pytest.mark.parametrize("name", ["b", None, 3, ["a"]])

@@ -58,6 +58,15 @@ def test_terms_are_for_a_fixed_base_and_known_frames() -> None:
         torque_terms(floating, np.zeros((2, 11)), np.zeros((2, 10)), np.zeros((2, 10)))
     with pytest.raises(UnknownNameError, match="tcp"):
         frame_positions(a5.load(), np.zeros((2, 4)), "hand")
+    for bad in (np.zeros((2, 2, 4)), np.zeros(3), np.full((2, 4), np.nan), "q", np.full(4, 1e200)):
+        with pytest.raises(InputError):
+            frame_positions(a5.load(), bad)
+    assert frame_positions(a5.load(), np.zeros(4)).shape == (1, 3)
+    arm = a5.load()
+    arm.model.jointPlacements[1].translation[:] = 1.0  # the caller's own to change
+    assert np.array_equal(
+        frame_positions(arm, np.zeros(4))[0], arm.forward_kinematics(np.zeros(4)).translation
+    )
 
 
 def planned(count: int = 4001, duration: float = 6.0) -> a5.trajectory.Motion:

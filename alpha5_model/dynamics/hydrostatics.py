@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from alpha5_model.checks import FloatArray, bounded, choice, frozen, real
+from alpha5_model.checks import FloatArray, choice, frozen, real
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.errors import InputError
 from alpha5_model.jaws import split_link_4
@@ -41,8 +41,7 @@ class Displacement:
     cob: FloatArray
 
     def __post_init__(self) -> None:
-        volume = real("volume", self.volume, minimum=0.0)
-        object.__setattr__(self, "volume", float(bounded("volume", np.array(volume))))
+        object.__setattr__(self, "volume", real("volume", self.volume, minimum=0.0))
         object.__setattr__(self, "cob", frozen(vector("cob", self.cob, 3)))
 
 

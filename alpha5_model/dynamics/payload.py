@@ -49,12 +49,10 @@ class Payload:
         m, centre = real("mass", mass, minimum=0.0), vector("com", com, 3)
         tensor = np.zeros((3, 3))
         if inertia is not None:
-            tensor = shaped("inertia", inertia, (3, 3))
+            tensor = bounded("inertia", shaped("inertia", inertia, (3, 3)))
             wrong = inconsistencies(m, centre, tensor)
             if wrong:
                 raise InputError("inertia", tensor.tolist(), f"a possible body, but {wrong[0]}")
-        for name, number in (("mass", m), ("inertia", tensor)):
-            bounded(name, np.asarray(number))
         return cls(
             mass=m,
             com=centre,

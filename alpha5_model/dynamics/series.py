@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice, float_array
+from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
 from alpha5_model.errors import InputError
 
@@ -76,15 +76,15 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         (N, 3) [m].
 
     Raises:
+        InputError: q that cannot be used.
         UnknownNameError: No such frame.
     """
-    names = tuple(f.name for f in arm.model.frames)
-    index = names.index(choice("frame", frame, names))
-    configurations = np.atleast_2d(float_array("q", q, (arm.model.nq,)))
-    data = arm.model.createData()
+    model, index = arm._model, arm._frame(frame)
+    (configurations,) = batch.rows(model, q=q)
+    data = model.createData()
     placement = data.oMf[index]  # refers to the data, no copy in the loop
     out = np.empty((len(configurations), 3))
     for k, configuration in enumerate(configurations):
-        pin.framesForwardKinematics(arm.model, data, configuration)
+        pin.framesForwardKinematics(model, data, configuration)
         out[k] = placement.translation
     return out

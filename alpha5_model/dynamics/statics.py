@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, real
+from alpha5_model.checks import FloatArray, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import (
@@ -75,8 +75,7 @@ class Statics:
         if not isinstance(model, pin.Model) or not any(i.mass for i in list(model.inertias)[1:]):
             raise InputError("model", model, "a pin.Model with moving masses")
         self.displacements = displacement_tuple(displacements)
-        density = real("fluid_density", fluid_density, minimum=0.0)
-        self.fluid_density = float(bounded("fluid_density", np.array(density)))
+        self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
         self._model = model.copy()
         self._fluid = displaced_fluid_model(model, self.displacements, self.fluid_density)
         self.model = model.copy()
