@@ -1,6 +1,6 @@
 """Does the model know where the arm's weight is? Recordings of a real arm on a floating vehicle answer.
 
-    python scripts/validate_recordings.py FOLDER [--plot PAGE.png] [--json]
+    python scripts/validate_recordings.py FOLDER [--fit FOLDER] [--plot PAGE.png] [--json]
 
 FOLDER holds pairs ``NAME_joint_states.csv`` (joint positions) and ``NAME_mocap.csv`` (attitude of the vehicle,
 quaternion ``x_ori y_ori z_ori w_ori``, same clock), as published with arXiv 2209.13577 (repository
@@ -13,11 +13,17 @@ over all recordings:
 - moment: `Arm.base_wrench` at rest of the moving links in fresh water, about the axes of base_link, which
   are parallel to the vehicle's (z up). It is linear in gravity: computed for gravity along each axis, then
   combined with gravity as the tilted vehicle sees it, from the quaternions;
-- both signals averaged over 1.5 s, the moment 0.3 s earlier (the vehicle's lag);
-- the mean of each recording is taken off both: trim and ballast are not known;
-- recordings in which no joint moves by more than 0.1 rad say nothing and are left out;
-- the rest is halved by turns in the order of names; stiffnesses are fitted on one half by least squares and
-  scored on the other, and the other way round. R^2 is of all held-out samples.
+- both signals averaged over 1.5 s, the moment earlier by the vehicle's lag, one for all recordings;
+- the mean of each recording is taken off both: trim and ballast are not known.
+
+Recordings are taken as they come: what is left out, sample by sample or whole, goes by `RULES`, the same
+for all files, none of which looks at a moment or a score; the output says for each recording what was
+left out by which rule.
+
+R^2 is of recordings that neither stiffnesses nor lag were fitted to, by least squares: the trajectories
+(``traj003`` of ``traj003-0`` and ``traj003-0-test``) are halved by turns in the order of names, each half is
+scored with what was fitted on the other. With ``--fit`` everything is fitted on that folder and FOLDER is only
+scored. The length of the average and the rules are fixed above.
 
 Controls go through the same procedure with their own stiffnesses: the wrist's COM on the wrong side of its
 frame and products of inertia with SolidWorks' sign (a static moment knows of the COM only); no buoyancy;
@@ -29,10 +35,12 @@ those of the model).
 from __future__ import annotations
 
 import argparse
+import csv
 import json
+import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,15 +50,37 @@ import pinocchio as pin
 import alpha5_model as a5
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError
+from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError, OutputError
+from alpha5_model.files import STDOUT, atomic_write, check_outputs, read_named
 from alpha5_model.inertia import flip_products
-from alpha5_model.trajectory import Motion, read_motion
+from alpha5_model.trajectory import Motion, motion
+from alpha5_model.view.figures import FORMATS
 
-AVERAGE, DELAY, STEP = 1.5, 0.3, 0.05  # [s]
+AVERAGE, STEP = 1.5, 0.05  # [s]
+LAGS = np.arange(0.0, 1.001, 0.05)  # [s]
 MOVES = 0.1  # [rad]
+NORM = 0.01
+JUMP, TURN = np.radians(5), np.radians(60)  # [rad], [rad/s]
+RUN, GAP, LEAST = 1.0, 0.5, 5.0  # [s]
+APART = np.radians(20)
+#: Why samples, times or recordings are left out; the same for every file.
+RULES = {
+    "cells": "rows in which the time, a joint position or a part of the quaternion is empty or no number",
+    "norm": f"rows whose quaternion's length is not 1 within {NORM:g}",
+    "order": "rows whose time is not later than that of the row before",
+    "jump": f"tracking jumps: where the vertical turns by more than {np.degrees(JUMP):g} degrees plus "
+    f"{np.degrees(TURN):g} degrees/s between two rows the recording is cut; pieces shorter than {RUN:g} s, and "
+    f"those more than {np.degrees(APART):g} degrees from the longest on the average, are left out",
+    "gap": f"times whose {AVERAGE:g} s of average hold {GAP:g} s or more without a row",
+    "short": f"recordings of which less than {LEAST:g} s are left",
+    "rest": f"recordings in which no joint moves by {MOVES:g} rad",
+    "file": "recordings of which a file or a column is missing or cannot be read",
+}
 AXES = ("roll", "pitch")  # moments about x and y
 GRAVITY = 9.81
+JOINTS = ("axis_e_pos", "axis_d_pos", "axis_c_pos", "axis_b_pos")
 QUATERNION = ("x_ori", "y_ori", "z_ori", "w_ori")
+SUFFIXES = ("_joint_states.csv", "_mocap.csv")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +93,7 @@ class Recording:
         time: (N,) of the motion capture [s].
         tilt: Roll and pitch of the vehicle, (N, 2) [rad].
         gravity: Gravity in the vehicle's axes, (N, 3) [m/s^2].
+        grid: Times to compare at, (M,) [s].
     """
 
     name: str
@@ -70,43 +101,147 @@ class Recording:
     time: FloatArray
     tilt: FloatArray
     gravity: FloatArray
+    grid: FloatArray
 
 
-def read(folder: Path) -> tuple[list[Recording], list[str]]:
-    """The recordings in which the arm moves, by name, and the names of those in which it rests."""
+@dataclass
+class Report:
+    """What became of a recording.
+
+    Attributes:
+        name: Of the recording.
+        left_out: Rule -> how many rows of which file, or seconds, or what is wrong with the whole.
+        used: Whether anything is used.
+        seconds: Time used, and time that both files cover [s].
+    """
+
+    name: str
+    left_out: dict[str, str] = field(default_factory=dict)
+    used: bool = False
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+    def leave(self, rule: str, what: str) -> None:
+        """Note what is left out by a rule."""
+        assert rule in RULES
+        self.left_out[rule] = ", ".join(filter(None, (self.left_out.get(rule), what)))
+
+    def __str__(self) -> str:
+        notes = "; ".join(f"{rule}: {what}" for rule, what in self.left_out.items())
+        used = f"used {self.seconds[0]:.1f} of {self.seconds[1]:.1f} s" if self.used else "left out"
+        return f"  {self.name:38}{used}" + (f"  ({notes})" if notes else "")
+
+
+def read(folder: Path) -> tuple[list[Recording], list[str], list[Report]]:
+    """The recordings in which the arm moves, by name; the names of those in which it rests; all reports."""
     if not folder.is_dir():
         raise MissingFileError(folder, "a folder of recordings")
-    moving, resting = [], []
-    for path in sorted(folder.glob("*_mocap.csv")):
-        name = path.name.removesuffix("_mocap.csv")
-        motion = read_motion(path.with_name(f"{name}_joint_states.csv"))
-        if np.ptp(motion.position[:, :4], axis=0).max() < MOVES:
-            resting.append(name)
-            continue
-        time, quaternion = _mocap(path)
-        x, y, z, w = (quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)).T
-        # Rows of the rotation vehicle -> world: the last one is world z in the vehicle's axes.
-        up = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1)
-        tilt = np.stack([np.arctan2(up[:, 1], up[:, 2]), -np.arcsin(up[:, 0])], axis=1)
-        moving.append(Recording(name, motion, time, tilt, -GRAVITY * up))
-    if len(moving) < 2:
-        raise FileFormatError(
-            folder, f"{len(moving)} recordings of a moving arm, at least 2 needed"
+    names = {
+        path.name.removesuffix(suffix) for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")
+    }
+    reports = [Report(name) for name in sorted(names)]
+    moving = [r for report in reports if (r := _recording(folder, report)) is not None]
+    return moving, [report.name for report in reports if "rest" in report.left_out], reports
+
+
+def _recording(folder: Path, report: Report) -> Recording | None:
+    """One recording, or None with the reason in the report."""
+    try:
+        arm, vehicle = (
+            _table(folder / f"{report.name}{suffix}", columns, report)
+            for suffix, columns in zip(SUFFIXES, (JOINTS, QUATERNION), strict=True)
         )
-    return moving, resting
+        moved = motion(arm[:, 0], arm[:, 1:])
+    except Alpha5Error as error:
+        report.leave("file", " ".join(str(error).replace(f"{folder}/", "").split()))
+        return None
+    if np.ptp(moved.position, axis=0).max() < MOVES:
+        report.leave("rest", "all")
+        return None
+    norm = np.linalg.norm(vehicle[:, 1:], axis=1)
+    unit = np.abs(norm - 1) <= NORM
+    if not unit.all():
+        report.leave("norm", f"{np.count_nonzero(~unit)} rows")
+    time, (x, y, z, w) = vehicle[unit, 0], (vehicle[unit, 1:] / norm[unit, None]).T
+    # Rows of the rotation vehicle -> world: the last one is world z in the vehicle's axes.
+    up = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    tracked = _tracked(time, up)
+    if not tracked.all():
+        report.leave("jump", f"{np.count_nonzero(~tracked)} rows")
+    time, up = time[tracked], up[tracked]
+    grid = _grid(moved.time, time, report)
+    if report.seconds[0] < LEAST:
+        report.leave("short", f"{report.seconds[0]:.1f} s are left")
+        return None
+    report.used = True
+    tilt = np.stack([np.arctan2(up[:, 1], up[:, 2]), -np.arcsin(np.clip(up[:, 0], -1, 1))], axis=1)
+    return Recording(report.name, moved, time, tilt, -GRAVITY * up, grid)
 
 
-def _mocap(path: Path) -> tuple[FloatArray, FloatArray]:
-    header = path.read_text(encoding="utf-8").split("\n", 1)[0].strip().split(",")
-    for name in ("time_secs", *QUATERNION):
+def _table(path: Path, names: Sequence[str], report: Report) -> FloatArray:
+    """Time and the named columns of the rows that are whole and in order, (N, 1 + k)."""
+    try:
+        text = read_named(path, "a CSV file of a recording").decode("utf-8-sig")
+        header, *rows = csv.reader(text.splitlines())
+    except (UnicodeDecodeError, csv.Error, ValueError) as error:
+        raise FileFormatError(path, f"is no table of numbers: {error}") from None
+    header = [name.strip() for name in header]
+    for name in ("time_secs", *names):
         if name not in header:
             raise FileFormatError(path, f"no column {name!r}", "line 1")
-    columns = [header.index(name) for name in ("time_secs", *QUATERNION)]
-    try:
-        table = np.loadtxt(path, delimiter=",", skiprows=1, usecols=columns, ndmin=2)
-    except ValueError as error:
-        raise FileFormatError(path, str(error)) from None
-    return table[:, 0], table[:, 1:]
+    columns = [header.index(name) for name in ("time_secs", *names)]
+    whole, cells, order = [], 0, 0
+    for row in filter(None, rows):
+        try:
+            numbers = [float(row[column]) for column in columns]
+        except (ValueError, IndexError):
+            numbers = [np.nan]
+        if not np.isfinite(numbers).all():
+            cells += 1
+        elif whole and numbers[0] <= whole[-1][0]:
+            order += 1
+        else:
+            whole.append(numbers)
+    kind = path.name.removeprefix(f"{report.name}_").removesuffix(".csv")
+    for rule, count in (("cells", cells), ("order", order)):
+        if count:
+            report.leave(rule, f"{count} rows of {kind}")
+    return np.array(whole).reshape(-1, len(columns))
+
+
+def _tracked(time: FloatArray, up: FloatArray) -> Any:
+    """Rows that no tracking jump parts from the longest stretch of the recording, (N,) bool."""
+    if time.size < 2:
+        return np.ones(time.size, dtype=bool)
+    turn = np.arctan2(
+        np.linalg.norm(np.cross(up[1:], up[:-1]), axis=1), (up[1:] * up[:-1]).sum(axis=1)
+    )
+    run = np.concatenate([[0], np.cumsum(turn > JUMP + TURN * np.diff(time))])
+    first, last = (np.searchsorted(run, np.arange(run[-1] + 1), side) for side in ("left", "right"))
+    lasts = time[last - 1] - time[first]
+    mean = np.stack([up[i:j].mean(axis=0) for i, j in zip(first, last, strict=True)])
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    near = mean @ mean[lasts.argmax()] >= np.cos(APART)
+    return (near & ((lasts >= RUN) | (lasts == lasts.max())))[run]
+
+
+def _grid(arm: FloatArray, vehicle: FloatArray, report: Report) -> FloatArray:
+    """Times whose averages, at any lag, meet no gap of either file."""
+    if not vehicle.size:
+        return np.empty(0)
+    # The moment is averaged up to a lag earlier.
+    reach = ((arm, AVERAGE / 2 + LAGS[-1], AVERAGE / 2), (vehicle, AVERAGE / 2, AVERAGE / 2))
+    start = max(times[0] + before for times, before, _ in reach)
+    end = min(times[-1] - after for times, _, after in reach)
+    grid = np.arange(start, end, STEP)
+    whole = np.ones(grid.size, dtype=bool)
+    for times, before, after in reach:
+        for k in np.flatnonzero(np.diff(times) >= GAP):
+            whole &= (grid + after <= times[k]) | (grid - before >= times[k + 1])
+    if not whole.all():
+        report.leave("gap", f"{np.count_nonzero(~whole) * STEP:.1f} s")
+    common = min(arm[-1], vehicle[-1]) - max(arm[0], vehicle[0])
+    report.seconds = (np.count_nonzero(whole) * STEP, max(common, 0.0))
+    return grid[whole]
 
 
 def moving_links(
@@ -153,20 +288,15 @@ def moments(arms: Sequence[Arm], recording: Recording, level: bool = False) -> F
     return np.asarray(np.einsum("nk,knj->nj", gravity, per_axis))
 
 
-def signals(recording: Recording, moment: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Common times (N,), averaged moment (N, 2) and tilt (N, 2), each without its mean."""
-    late = recording.motion.time + DELAY
-    margin = AVERAGE / 2
-    start, end = (
-        max(late[0], recording.time[0]) + margin,
-        min(late[-1], recording.time[-1]) - margin,
+def signals(recording: Recording, moment: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Averaged moment at each of `LAGS` (L, M, 2) and tilt (M, 2) on the grid, each without its mean."""
+    r = recording
+    pair = (
+        np.stack([_average(r.grid - lag, r.motion.time, moment) for lag in LAGS]),
+        _average(r.grid, r.time, r.tilt),
     )
-    time = np.arange(start, end, STEP)
-    if time.size < 2:
-        raise FileFormatError(recording.name, "the two files have no time in common")
-    pair = [_average(time, late, moment), _average(time, recording.time, recording.tilt)]
-    m, a = (signal - signal.mean(axis=0) for signal in pair)
-    return time, m, a
+    m, a = (signal - signal.mean(axis=-2, keepdims=True) for signal in pair)
+    return m, a
 
 
 def _average(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
@@ -189,38 +319,56 @@ class Score:
     Attributes:
         r2: Of roll and pitch over all held-out samples, (2,).
         recordings: The same for each recording, (M, 2).
-        stiffness: From the first and the second half, for roll and pitch, (2, 2) [N m/rad].
+        stiffness: From each fit, for roll and pitch, (F, 2) [N m/rad].
+        lag: From each fit, (F,) [s].
         predicted: Held-out tilt of each recording, (N, 2) [rad].
     """
 
     r2: FloatArray
     recordings: FloatArray
     stiffness: FloatArray
+    lag: FloatArray
     predicted: list[FloatArray]
 
 
-def score(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> Score:
-    """Fit compliances on each half of the (moment, tilt) pairs, score them on the other."""
-    half = [k % 2 for k in range(len(pairs))]
-    compliance = np.empty((2, 2))
-    for side in (0, 1):
-        fitted = [pair for pair, h in zip(pairs, half, strict=True) if h == side]
-        compliance[side] = sum((m * a).sum(axis=0) for m, a in fitted) / sum(
-            (m * m).sum(axis=0) for m, _ in fitted
-        )
-    predicted = [m * compliance[1 - h] for (m, _), h in zip(pairs, half, strict=True)]
+def fit(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[int, FloatArray]:
+    """Index of the lag, and the compliances (2,) [rad/(N m)], that leave the least of the tilt."""
+    tilted = sum((m * a).sum(axis=1) for m, a in pairs)  # (L, 2)
+    square = sum((m * m).sum(axis=1) for m, _ in pairs)
+    best = int(np.argmax((tilted**2 / square).sum(axis=1)))
+    return best, tilted[best] / square[best]
+
+
+def score(
+    pairs: Sequence[tuple[FloatArray, FloatArray]],
+    fits: Sequence[Sequence[tuple[FloatArray, FloatArray]]],
+    of: Sequence[int],
+) -> Score:
+    """Score (moment, tilt) pairs, each with what was fitted on ``fits[of[k]]``."""
+    fitted = [fit(group) for group in fits]
+    predicted = [m[fitted[k][0]] * fitted[k][1] for (m, _), k in zip(pairs, of, strict=True)]
     left = np.array(
         [((a - p) ** 2).sum(axis=0) for (_, a), p in zip(pairs, predicted, strict=True)]
     )
     total = np.array([(a**2).sum(axis=0) for _, a in pairs])
     return Score(
-        1 - left.sum(axis=0) / total.sum(axis=0), 1 - left / total, 1 / compliance, predicted
+        1 - left.sum(axis=0) / total.sum(axis=0),
+        1 - left / total,
+        np.array([1 / compliance for _, compliance in fitted]),
+        LAGS[[lag for lag, _ in fitted]],
+        predicted,
     )
 
 
-def validate(folder: Path) -> dict[str, Any]:
+def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
     """Score the model and its controls on a folder of recordings; also what a plot needs."""
-    recordings, resting = read(folder)
+    recordings, resting, reports = read(folder)
+    trajectories = {r.name: re.sub(r"-\d.*$", "", r.name) for r in recordings}
+    order = sorted(set(trajectories.values()))
+    halves = [order.index(trajectories[r.name]) % 2 for r in recordings]
+    others = recordings if fit_folder is None else read(fit_folder)[0]
+    _enough(folder, order, reports, 1 if fit_folder else 2)
+    _enough(fit_folder or folder, others, [], 1)
     models: dict[str, tuple[list[Arm], bool]] = {
         "model": (moving_links(), False),
         "COM and products wrong": (moving_links(change_body=_wrong_body), False),
@@ -231,18 +379,38 @@ def validate(folder: Path) -> dict[str, Any]:
     series, scores, course = {}, {}, {}
     for name, (arms, level) in models.items():
         series[name] = [signals(r, moments(arms, r, level)) for r in recordings]
-        scores[name] = score([(m, a) for _, m, a in series[name]])
-        ours, theirs = (np.vstack([m for _, m, _ in series[key]]) for key in ("model", name))
-        course[name] = (ours * theirs).sum(axis=0) / np.sqrt(
-            (ours**2).sum(axis=0) * (theirs**2).sum(axis=0)
+        if fit_folder is None:
+            fits = [
+                [pair for pair, half in zip(series[name], halves, strict=True) if half != side]
+                for side in (0, 1)
+            ]
+            scores[name] = score(series[name], fits, halves)
+        else:
+            theirs = [signals(r, moments(arms, r, level)) for r in others]
+            scores[name] = score(series[name], [theirs], [0] * len(recordings))
+        ours, alike = (np.concatenate([m[0] for m, _ in series[key]]) for key in ("model", name))
+        course[name] = (ours * alike).sum(axis=0) / np.sqrt(
+            (ours**2).sum(axis=0) * (alike**2).sum(axis=0)
         )
     return {
         "recordings": [r.name for r in recordings],
         "resting": resting,
+        "reports": reports,
+        "fitted_on": None if fit_folder is None else [r.name for r in others],
         "scores": scores,
         "course": course,
-        "series": series["model"],
+        "series": [(r.grid, a) for r, (_, a) in zip(recordings, series["model"], strict=True)],
     }
+
+
+def _enough(folder: Path, found: Sequence[Any], reports: Sequence[Report], needed: int) -> None:
+    if len(found) < needed:
+        why = "; ".join(str(report).strip() for report in reports if not report.used)
+        raise FileFormatError(
+            folder,
+            f"{len(found)} trajectories of a moving arm, at least {needed} needed"
+            + (f" ({' '.join(why.split())})" if why else ""),
+        )
 
 
 def record(result: dict[str, Any]) -> dict[str, Any]:
@@ -250,12 +418,19 @@ def record(result: dict[str, Any]) -> dict[str, Any]:
     return {
         "recordings": result["recordings"],
         "resting": result["resting"],
+        "fitted_on": result["fitted_on"],
+        "rules": RULES,
+        "files": {
+            r.name: {"used": r.used, "seconds": list(r.seconds), "left_out": r.left_out}
+            for r in result["reports"]
+        },
         "models": {
             name: {
                 axis: {
                     "r2": float(s.r2[k]),
                     "r2_of_recordings": [float(x) for x in s.recordings[:, k]],
                     "stiffness_nm_per_rad": [float(x) for x in s.stiffness[:, k]],
+                    "lag_s": [float(x) for x in s.lag],
                     "course": float(result["course"][name][k]),
                 }
                 for k, axis in enumerate(AXES)
@@ -267,19 +442,26 @@ def record(result: dict[str, Any]) -> dict[str, Any]:
 
 def text(result: dict[str, Any]) -> str:
     """The figures of `validate` as a table."""
+    fitted = result["fitted_on"]
+    by = "the other half" if fitted is None else f"{len(fitted)} recordings of another folder"
     lines = [
-        f"{len(result['recordings'])} recordings of a moving arm"
-        + (f" ({len(result['resting'])} at rest left out)" if result["resting"] else ""),
+        f"{len(result['recordings'])} of {len(result['reports'])} recordings used; stiffnesses and lag fitted "
+        f"on {by}",
+        *map(str, result["reports"]),
+    ]
+    rules = {rule for report in result["reports"] for rule in report.left_out}
+    lines += [f"  {rule}: {words}" for rule, words in RULES.items() if rule in rules]
+    lines += [
         "",
-        f"{'':24}{'held-out R^2':>16}   {'stiffness of the halves [Nm/rad]':>34}   {'course':>14}",
-        f"{'':24}{'roll':>8}{'pitch':>8}   {'roll':>17}{'pitch':>17}   {'roll':>7}{'pitch':>7}",
+        f"{'':24}{'held-out R^2':>16}   {'stiffness [Nm/rad]':>34}   {'lag [s]':>10}   {'course':>14}",
+        f"{'':24}{'roll':>8}{'pitch':>8}   {'roll':>17}{'pitch':>17}   {'':>10}   {'roll':>7}{'pitch':>7}",
     ]
     for name, s in result["scores"].items():
-        stiff = [f"{s.stiffness[0, k]:.2f}, {s.stiffness[1, k]:.2f}" for k in (0, 1)]
         roll, pitch = result["course"][name]
         lines.append(
-            f"{name:24}{s.r2[0]:8.3f}{s.r2[1]:8.3f}   {stiff[0]:>17}{stiff[1]:>17}   "
-            f"{roll:7.3f}{pitch:7.3f}"
+            f"{name:24}{s.r2[0]:8.3f}{s.r2[1]:8.3f}   "
+            + "".join(f"{', '.join(f'{x:.2f}' for x in s.stiffness[:, k]):>17}" for k in (0, 1))
+            + f"   {', '.join(f'{x:.2f}' for x in s.lag):>10}   {roll:7.3f}{pitch:7.3f}"
         )
     lines += ["", f"{'held-out R^2 of the model':40}{'roll':>8}{'pitch':>8}"]
     for name, row in zip(result["recordings"], result["scores"]["model"].recordings, strict=True):
@@ -296,7 +478,7 @@ def plot(result: dict[str, Any], path: Path) -> None:
     page = new_figure(15, 2.3 * len(shown) + 3.4)
     grid = page.add_gridspec(len(shown) + 1, 2, height_ratios=[1.0] * len(shown) + [1.35])
     for row, index in enumerate(shown):
-        time, _, tilt = result["series"][index]
+        time, tilt = result["series"][index]
         predicted = scores["model"].predicted[index]
         for k, axis in ((0, 1), (1, 0)):  # pitch left, roll right
             axes = page.add_subplot(grid[row, k])
@@ -311,7 +493,7 @@ def plot(result: dict[str, Any], path: Path) -> None:
             axes.set_ylabel(f"{AXES[axis]} [°]")
             axes.margins(x=0.01)
             if row == 0:
-                labels = ["measured by motion capture", "model, stiffness from the other half"]
+                labels = ["measured by motion capture", "model, fitted on other recordings"]
                 labels.append("the wrist's COM on the wrong side")
                 axes.legend(labels, fontsize=8, frameon=False, loc="best" if k else "lower left")
             if row == len(shown) - 1:
@@ -344,18 +526,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the script; 0, or 2 with one line on stderr for a folder that cannot be used."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--fit", type=Path, metavar="FOLDER", help="fit on these recordings")
     parser.add_argument("--plot", type=Path, help="page of curves, .png, .pdf or .svg")
     parser.add_argument("--json", action="store_true", help="figures as JSON")
     options = parser.parse_args(arguments)
     try:
-        result = validate(options.folder)
+        read = [path for folder in (options.folder, options.fit) for path in _csv_files(folder)]
+        check_outputs(read, plot=(options.plot, FORMATS))
+        result = validate(options.folder, options.fit)
         if options.plot:
             plot(result, options.plot)
+        said = json.dumps(record(result), indent=2) if options.json else text(result)
+        atomic_write(STDOUT, said + "\n")
+    except OutputError as error:
+        if isinstance(error.__context__, BrokenPipeError):  # the reader has left, as `head` does
+            return 0
+        print(f"validate_recordings: {error}", file=sys.stderr)
+        return 2
     except Alpha5Error as error:
         print(f"validate_recordings: {error}", file=sys.stderr)
         return 2
-    print(json.dumps(record(result), indent=2) if options.json else text(result))
     return 0
+
+
+def _csv_files(folder: Path | None) -> list[Path]:
+    return [] if folder is None or not folder.is_dir() else list(folder.glob("*.csv"))
 
 
 if __name__ == "__main__":
