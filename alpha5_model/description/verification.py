@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -60,38 +61,29 @@ class FileCheck:
     Attributes:
         file: Name of the file.
         check: What was checked.
+        verdict: ``passed``, ``failed`` or ``not run``.
+        finding: What was found, in one sentence.
         measured: The largest deviation, in ``unit``; None where there is no figure.
         bound: The largest deviation that passes.
         unit: Of both.
-        verdict: ``passed``, ``failed`` or ``not run``.
-        finding: What was found, in one sentence.
     """
 
     file: str
     check: str
-    measured: float | None
-    bound: float | None
-    unit: str
     verdict: Verdict
     finding: str
+    measured: float | None = None
+    bound: float | None = None
+    unit: str = ""
 
 
 def verify_generated() -> tuple[FileCheck, ...]:
     """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
-    stale = [file.path for file in stale_files()]
-    fresh = FileCheck(
-        "generated files",
-        "fresh",
-        None,
-        None,
-        "",
-        "failed" if stale else "passed" if can_draw() else "not run",
-        f"stale: {', '.join(stale)}"
-        if stale
-        else "every file is what the generator writes now"
-        if can_draw()
-        else NOT_DRAWN,
-    )
+    verdict: Verdict = "passed" if can_draw() else "not run"
+    finding = "every file is what the generator writes now" if can_draw() else NOT_DRAWN
+    if stale := [file.path for file in stale_files()]:
+        verdict, finding = "failed", f"stale: {', '.join(stale)}"
+    fresh = FileCheck("generated files", "fresh", verdict, finding)
     return (*_verify_committed(URDF_PATH), *_verify_committed(JAWS_URDF_PATH), fresh)
 
 
@@ -100,7 +92,7 @@ def _verify_committed(path: str) -> tuple[FileCheck, ...]:
     try:
         return verify_urdf(path)
     except (FileFormatError, MissingFileError) as error:
-        return (FileCheck(Path(path).name, "readable", None, None, "", "failed", str(error)),)
+        return (FileCheck(Path(path).name, "readable", "failed", str(error)),)
 
 
 def verify_urdf(
@@ -125,53 +117,35 @@ def verify_urdf(
     text, p = Subject.read(path), parameters(corrections)
     jaws = any(text.prefix + name in text.links for name in _JAW_LINKS)
     q = configurations(p, samples)
-    rows = [
-        _listed("names", text, _missing_names(text, p, jaws), "links and joints of the arm"),
-        _listed("joints", text, _joint_differences(text, p), "parents, axes, types and limits"),
-        _listed(
+    lists = [
+        ("names", _missing_names(text, p, jaws), "links and joints of the arm"),
+        ("joints", _joint_differences(text, p), "parents, axes, types and limits"),
+        (
             "inertias",
-            text,
             inertial_differences(text, jaws),
             "masses, COMs and tensors are Table 2's, to the last bit",
         ),
-        _listed(
-            "stray masses",
-            text,
-            stray_masses(text, jaws),
-            "massless frames say that they are massless",
-        ),
-        _listed("physics", text, impossible_links(text), "every link with mass is a possible body"),
+        ("stray masses", stray_masses(text, jaws), "massless frames say that they are massless"),
+        ("physics", impossible_links(text), "every link with mass is a possible body"),
+    ]
+    rows = [
+        *(_listed(text, *entry) for entry in lists),
         _check_urdf(text),
         _frames("Pinocchio", text, p, q, pinocchio_frames, FRAME_BOUND),
         _frames("yourdfpy", text, p, q[:: max(1, len(q) // 100)], yourdfpy_frames, YOURDFPY_BOUND),
     ]
     if jaws:
         rows.append(_closed_jaws(text))
-        rows.append(
-            _listed(
-                "jaw limits", text, jaw_limit_differences(text, p), "rod and finger limits agree"
-            )
-        )
+        problems = jaw_limit_differences(text, p)
+        rows.append(_listed(text, "jaw limits", problems, "rod and finger limits agree"))
     return tuple(rows)
 
 
-def _row(
-    check: str,
-    text: Subject,
-    verdict: Verdict,
-    finding: str,
-    measured: float | None = None,
-    bound: float | None = None,
-    unit: str = "",
-) -> FileCheck:
-    return FileCheck(text.path.name, check, measured, bound, unit, verdict, finding)
-
-
-def _listed(check: str, text: Subject, problems: list[str], claim: str) -> FileCheck:
+def _listed(text: Subject, check: str, problems: list[str], claim: str) -> FileCheck:
     if not problems:
-        return _row(check, text, "passed", claim)
+        return FileCheck(text.path.name, check, "passed", claim)
     more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
-    return _row(check, text, "failed", "; ".join(problems[:3]) + more)
+    return FileCheck(text.path.name, check, "failed", "; ".join(problems[:3]) + more)
 
 
 def _missing_names(text: Subject, p: Alpha5Parameters, jaws: bool) -> list[str]:
@@ -189,18 +163,13 @@ def _joint_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
         given = text.joints.get(text.prefix + joint.name)
         if given is None:
             continue
-        rod = joint.name == "axis_a"
-        child = "jaw_rod" if rod else f"link_{i + 1}"
+        child = "jaw_rod" if joint.name == "axis_a" else f"link_{i + 1}"
         for what, ours, theirs in (
-            ("type", "prismatic" if rod else "revolute", given.kind),
+            ("type", joint.kind, given.kind),
             ("parent", text.prefix + f"link_{i}", given.parent),
             ("child", text.prefix + child, given.child),
             ("axis", [0.0, 0.0, 1.0], given.axis.tolist()),
-            (
-                "limits",
-                {k: getattr(joint, k) for k in LIMITS},
-                {k: getattr(given, k) for k in LIMITS},
-            ),
+            ("limits", *({k: getattr(j, k) for k in LIMITS} for j in (joint, given))),
         ):
             if ours != theirs:
                 found.append(f"{given.name}: {what} {theirs}, expected {ours}")
@@ -208,21 +177,20 @@ def _joint_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
 
 
 def _check_urdf(text: Subject) -> FileCheck:
-    program = shutil.which("check_urdf") or _beside_python("check_urdf")
+    row = partial(FileCheck, text.path.name, "check_urdf")
+    # also beside the interpreter that runs: its environment may not be activated
+    program = shutil.which("check_urdf") or shutil.which(
+        "check_urdf", path=str(Path(sys.executable).parent)
+    )
     if program is None:
-        return _row("check_urdf", text, "not run", "the program check_urdf is not installed")
+        return row("not run", "the program check_urdf is not installed")
     done = subprocess.run(
         [program, str(text.path)], capture_output=True, text=True, errors="replace", check=False
     )
     if done.returncode == 0:
-        return _row("check_urdf", text, "passed", "urdfdom reads it as one tree")
+        return row("passed", "urdfdom reads it as one tree")
     words = " ".join((done.stderr + done.stdout).split())
-    return _row("check_urdf", text, "failed", words[:200] or f"exit status {done.returncode}")
-
-
-def _beside_python(program: str) -> str | None:
-    """A program of the environment whose interpreter runs, activated or not."""
-    return shutil.which(program, path=str(Path(sys.executable).parent))
+    return row("failed", words[:200] or f"exit status {done.returncode}")
 
 
 _Frames = Callable[[Subject, list[str], list[str], FloatArray], dict[str, FloatArray]]
@@ -232,43 +200,31 @@ def _frames(
     tool: str, text: Subject, p: Alpha5Parameters, q: FloatArray, compute: _Frames, bound: float
 ) -> FileCheck:
     """Forward kinematics of every frame by another tool against `dh_product`."""
-    check = f"frames, {tool}"
+    row = partial(FileCheck, text.path.name, f"frames, {tool}")
     expected = dh_product(p, q)
     wanted = [n for n in expected if n in _LINKS or text.prefix + n in text.links]
     joints = [joint.name for joint in p.joints[:4]]
     if absent := [n for n in wanted if text.prefix + n not in text.links]:
-        return _row(check, text, "failed", f"no link {', '.join(absent)} to compute")
+        return row("failed", f"no link {', '.join(absent)} to compute")
     try:
         given = compute(text, wanted, joints, q)
     except NotInstalledError:
-        return _row(check, text, "not run", f"{tool} is not installed")
+        return row("not run", f"{tool} is not installed")
     except Exception as error:  # whatever a foreign parser raises means that it cannot load it
-        return _row(check, text, "failed", f"{tool}: {' '.join(str(error).split())[:200]}")
+        return row("failed", f"{tool}: {' '.join(str(error).split())[:200]}")
     away = np.array([frame_error(given[name], expected[name]) for name in wanted])
-    worst = wanted[int(np.argmax(away))]
-    return _row(
-        check,
-        text,
-        "passed" if away.max() <= bound else "failed",
+    finding = (
         f"{len(wanted)} frames at {len(q)} joint positions against Table 1's DH product [m, rad]; "
-        f"largest at {worst}",
-        float(away.max()),
-        bound,
-        "m, rad",
+        f"largest at {wanted[int(np.argmax(away))]}"
     )
+    verdict: Verdict = "passed" if away.max() <= bound else "failed"
+    return row(verdict, finding, float(away.max()), bound, "m, rad")
 
 
 def _closed_jaws(text: Subject) -> FileCheck:
-    check = "closed jaws"
+    row = partial(FileCheck, text.path.name, "closed jaws")
     if not link_4_is_split(text):
-        return _row(
-            check, text, "failed", "wrist, rod and fingers are not all there, with their joints"
-        )
-    return _row(
-        check,
-        text,
-        "passed" if (away := closed_jaws(text)) <= FRAME_BOUND else "failed",
-        "wrist, rod and fingers have link 4's mass, first and second moments (relative)",
-        away,
-        FRAME_BOUND,
-    )
+        return row("failed", "wrist, rod and fingers are not all there, with their joints")
+    away = closed_jaws(text)
+    finding = "wrist, rod and fingers have link 4's mass, first and second moments (relative)"
+    return row("passed" if away <= FRAME_BOUND else "failed", finding, away, FRAME_BOUND)
