@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,16 @@ def test_judging() -> None:
     assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == ["agrees"] * 3
 
 
+def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
+    words = tomllib.loads((Path(workspace.__file__).parent / "rows.toml").read_text("utf-8"))
+    for topic, text in words.items():
+        subjects = [name for name, value in text.items() if isinstance(value, dict)]
+        claims = [f"{topic}.{name}" for name in subjects]
+        assert claims or any(row.topic == topic for row in rows.values()), topic
+        assert set(claims) <= set(rows)
+    assert not any("$" in row.says + row.place + row.finding for row in rows.values())
+
+
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
     """The documents do not speak of these: their numbers are held against something else."""
     observed = {claim for claim, row in rows.items() if row.kind == "observation"}
@@ -117,7 +128,7 @@ def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
 
 def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -> None:
     share, error = sampled_share(np.arange(200) < 50)
-    assert (share, error) == (25.0, pytest.approx(100 * math.sqrt(0.25 * 0.75 / 200)))
+    assert (share, error) == (0.25, pytest.approx(math.sqrt(0.25 * 0.75 / 200)))
     sampled = {claim for claim, row in rows.items() if row.standard_error}
     assert sampled == {
         "inverse_kinematics.branches",

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import AuditRow, judged, rounding_bound
+from alpha5_model.consistency.row import AuditRow, audited, figure
 from alpha5_model.consistency.units import GRAVITY
 from alpha5_model.fluids import AIR, FRESH_WATER
 from alpha5_model.kinematics.dh import DHChain
@@ -69,73 +69,46 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
     return float(np.hypot(torque[0], torque[1]).max())
 
 
-def _place(row: ActuatorRow) -> str:
-    return f"Section 2.2.1, Table 4, actuator {row.actuator}"
-
-
 def _turning(printed: Published) -> AuditRow:
-    variables = [row.theta.startswith("theta_") for row in printed.table_1.rows]
-    return judged(
-        "actuators.turning",
-        "Section 2.2.1, note",
-        "actuators 0-3 turn the frames, actuator 4 slides",
-        sum(variables[:4]) - sum(variables[4:]),
-        "=",
-        4,
-        0.0,
-        "",
-        "rows 0 to 3 of Table 1 that hold a joint angle, less row 4 if it does",
-    )
+    turns = [row.theta.startswith("theta_") for row in printed.table_1.rows]
+    return audited("actuators.turning", sum(turns[:4]) - sum(turns[4:]), 4)
 
 
 def _motor_constants(row: ActuatorRow) -> AuditRow:
-    inputs = [row.torque_constant, row.voltage_constant]
-
-    def ratio(x: FloatArray) -> float:
-        return float(x[0] / x[1])
-
-    k_t, k_v = (q.si for q in inputs)
+    k_t, k_v = row.torque_constant, row.voltage_constant
+    value, bound = figure(lambda x: x[0] / x[1], [k_t, k_v])
     turning = row.actuator != "4"
-    return judged(
+    at_joint = row.gear_ratio.si * row.efficiency.si
+    return audited(
         f"motor_constants.actuator_{row.actuator}",
-        _place(row),
-        f"K_t {row.torque_constant}, K_v {row.voltage_constant}",
-        ratio(np.array([k_t, k_v])),
-        "=",
+        value,
         1.0,
-        float(rounding_bound(ratio, inputs)),
-        "",
-        "K_t / K_v of one motor, 1 in SI units"
-        + ("; the effect is the joint torque per ampere that the two disagree about" * turning),
-        effect=abs(k_t - k_v) * row.gear_ratio.si * row.efficiency.si if turning else None,
-        effect_unit="N m/A" if turning else "",
+        bound,
+        effect=abs(k_t.si - k_v.si) * at_joint if turning else None,
+        actuator=row.actuator,
+        k_t=k_t,
+        k_v=k_v,
+        more="; the effect is the joint torque per ampere that the two disagree about" * turning,
     )
 
 
 def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float], origin: str) -> AuditRow:
-    inputs = [row.friction, row.gear_ratio]
-
-    def at_joint(x: FloatArray) -> float:
-        return float(x[0] * x[1])
-
-    value = at_joint(np.array([q.si for q in inputs]))
-    # The printed tolerance is the document's own, and wider than its rounding.
-    bound = value * row.friction_tolerance.si + float(rounding_bound(at_joint, inputs))
+    value, rounding = figure(lambda x: x[0] * x[1], [row.friction, row.gear_ratio])
     air, fresh = peaks
-    return judged(
+    return audited(
         f"friction.actuator_{row.actuator}",
-        f"{_place(row)}, {joint}",
-        f"F {row.friction} +-{row.friction_tolerance.text} % at the motor, {origin}",
         value,
-        "<=",
         air,
-        bound,
-        "N m",
-        "F Gr, friction seen at the joint, against the largest torque of the arm's own weight about "
-        f"axis_d, {air:.2f} N m in air ({fresh:.2f} N m in fresh water)",
+        # The printed tolerance is the document's own, and wider than its rounding.
+        value * row.friction_tolerance.si + rounding,
         effect=max(value - air, 0.0),
-        effect_unit="N m",
-        kind="observation",
+        actuator=row.actuator,
+        joint=joint,
+        friction=row.friction,
+        tolerance=row.friction_tolerance.text,
+        origin=origin,
+        air=f"{air:.2f}",
+        fresh=f"{fresh:.2f}",
     )
 
 
@@ -150,27 +123,19 @@ def _least_supply(printed: Published) -> list[Quantity]:
 
 
 def _stall(row: ActuatorRow, joint: str, effort: float, supply: list[Quantity]) -> AuditRow:
-    inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency, *supply]
-
     def torque(x: FloatArray) -> float:
         k_t, resistance, ratio, efficiency, *voltage = x
         return float(k_t / resistance * ratio * efficiency * np.prod(voltage))
 
-    value = torque(np.array([q.si for q in inputs]))
-    volts = math.prod(q.si for q in supply)
-    return judged(
+    inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency, *supply]
+    value, bound = figure(torque, inputs)
+    return audited(
         f"stall_torque.actuator_{row.actuator}",
-        f"{_place(row)}, {joint}",
-        "no current limit is printed",
         value,
-        "<=",
         effort,
-        float(rounding_bound(torque, inputs)),
-        "N m",
-        f"K_t U / R Gr eta at {volts:.1f} V, the least supply that turns every joint at its rated speed, "
-        "against the effort that every public URDF copies: a current limit exists and must be given by "
-        "the user",
+        bound,
         effect=max(value - effort, 0.0),
-        effect_unit="N m",
-        kind="observation",
+        actuator=row.actuator,
+        joint=joint,
+        volts=f"{math.prod(q.si for q in supply):.1f}",
     )

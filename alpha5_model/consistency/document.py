@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import (
-    actuation,
-    buoyancy,
-    geometry,
-    inertial,
-    lecture,
-    workspace,
-)
+from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, lecture, workspace
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -21,9 +14,11 @@ from alpha5_model.published import published
 def audit() -> tuple[AuditRow, ...]:
     """Every consistency check of the documents, measured against its bound.
 
-    One row per claim of the manufacturer's document (and of the lecture on planar arms): its words in short, the figure that follows from its other numbers,
-    what the rounding of printed digits allows, a verdict, and what the difference is worth. The rows
-    say how the document stands, not this package: a row that differs is a finding.
+    One row per claim of the manufacturer's document and of the lecture on planar arms: its words in
+    short, the figure that follows from its other numbers, what the rounding of printed digits allows,
+    a verdict, and what the difference is worth. The rows say how the documents stand, not this
+    package: a row that differs is a finding. Rows of the kind ``observation`` hold their numbers
+    against something that they do not claim.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.

@@ -8,12 +8,14 @@ References:
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
-from alpha5_model.consistency.units import GRAVITY, MM, TENSOR_UNIT, excess_of_box
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, rounding_bound, si
+from alpha5_model.consistency.units import GRAVITY, excess_of_box
 from alpha5_model.inertia import (
     flip_products,
     point_mass_tensor,
@@ -28,8 +30,6 @@ from alpha5_model.published.tables import InertialRow, Published
 from alpha5_model.spatial import cross_matrix
 
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
-_ENTRY = ("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz")
-_Form = Callable[[float, FloatArray], FloatArray]
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
@@ -40,7 +40,6 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *(_parallel_axis(row) for row, _ in links),
         *(_product_sign(row, fastest) for row, _ in links),
         *_equations(printed.table_2.rows[4]),
-        _any_frame(printed.table_2.rows[4]),
         *_rotation(printed.table_2.rows[1:], p),
         *(_implied_mass(row) for row, _ in links),
         _total_mass(printed.table_2.rows),
@@ -71,150 +70,62 @@ def _residual(x: FloatArray) -> FloatArray:
     return at_link - tensor_at_origin(mass, com, at_com)
 
 
-def _si(inputs: list[Quantity]) -> FloatArray:
-    return np.array([q.si for q in inputs])
+def _worst(
+    residual: Callable[[FloatArray], FloatArray], row: InertialRow
+) -> tuple[float, float, str, int]:
+    """The largest entry of a tensor, among those beyond their bound if there are any.
 
-
-def _worst(residual: FloatArray, bound: FloatArray) -> tuple[int, int]:
-    """The largest entry, among those beyond their bound if there are any."""
-    size = np.abs(residual)
+    Returns:
+        Its size, what rounding allows, its name, and how many of the six entries are beyond.
+    """
+    inputs = _inputs(row)
+    size, bound = np.abs(residual(si(inputs))), rounding_bound(residual, inputs)
     beyond = size > bound
-    k = int(np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size))
-    return k // 3, k % 3
-
-
-def _place(row: InertialRow, more: str = "") -> str:
-    return f"Section 2.1, Table 2, link {row.link}{more}"
+    i, j = np.unravel_index(
+        np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size), (3, 3)
+    )
+    count = int(beyond[np.triu_indices(3)].sum())
+    return float(size[i, j]), float(bound[i, j]), "xyz"[i] + "xyz"[j], count
 
 
 def _parallel_axis(row: InertialRow) -> AuditRow:
-    inputs = _inputs(row)
-    residual, bound = _residual(_si(inputs)), rounding_bound(_residual, inputs)
-    i, j = _worst(residual, bound)
-    beyond = int((np.abs(residual) > bound)[np.triu_indices(3)].sum())
-    return judged(
-        f"parallel_axis.link_{row.link}",
-        _place(row),
-        "I_COM and I_Link are one tensor in two frames",
-        abs(residual[i, j]) / TENSOR_UNIT,
-        "=",
-        0.0,
-        bound[i, j] / TENSOR_UNIT,
-        "kg mm^2",
-        f"{beyond} of 6 entries are further apart than rounding allows"
-        + f"; the largest is {_ENTRY[3 * i + j]}",
-    )
+    size, bound, entry, beyond = _worst(_residual, row)
+    claim = f"parallel_axis.link_{row.link}"
+    return audited(claim, size, bound=bound, link=row.link, beyond=beyond, entry=entry)
 
 
 def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
     """The control: with the products read in URDF sign, the same residual must be out of bounds."""
-    inputs = _inputs(row)
 
     def opposite(x: FloatArray) -> FloatArray:
         mass, com, at_com, at_link = _read(x)
         return flip_products(at_link) - tensor_at_origin(mass, com, flip_products(at_com))
 
-    residual, bound = opposite(_si(inputs)), rounding_bound(opposite, inputs)
-    i, j = _worst(residual, bound)
-    off = _si(inputs)[[5, 6, 8]]
-    return judged(
-        f"product_sign.link_{row.link}",
-        _place(row),
-        "products of inertia are positive (SolidWorks)",
-        abs(residual[i, j]) / TENSOR_UNIT,
-        ">=",
-        bound[i, j] / TENSOR_UNIT,
-        0.0,
-        "kg mm^2",
-        "with the opposite sign the two tensors are this far apart, so the sign is settled; "
-        "the effect is what a wrong sign does at the fastest joint's rated speed",
-        effect=2 * np.abs(off).max() * fastest**2,
-        effect_unit="N m",
-    )
+    size, bound, _, _ = _worst(opposite, row)
+    effect = 2 * np.abs(si(_inputs(row))[[5, 6, 8]]).max() * fastest**2
+    return audited(f"product_sign.link_{row.link}", size, bound, effect=effect, link=row.link)
 
 
 def _equations(row: InertialRow) -> list[AuditRow]:
     """Equations (1) and (2), as printed and as they must be, on the link with the longest lever."""
-    inputs = _inputs(row)
-    forms: tuple[tuple[str, str, str, _Form, str], ...] = (
-        (
-            "equation_1.printed",
-            "equation (1)",
-            "I_Link = I_COM + m[(P.P)E - (P.P)^T]",
-            lambda m, p: m * ((p @ p) * np.eye(3) - np.transpose(p @ p) * np.eye(3)),
-            "(P.P)^T is a number where a matrix must stand; read as (P.P) E the term vanishes",
-        ),
-        (
-            "equation_1.corrected",
-            "equation (1)",
-            "the same with the outer product P P^T",
-            lambda m, p: m * ((p @ p) * np.eye(3) - np.outer(p, p)),
-            "with the outer product the printed tensors agree",
-        ),
-        (
-            "equation_2.printed",
-            "equation (2)",
-            "I_Link = I_COM + m SKEW(P)^2",
-            lambda m, p: m * cross_matrix(p) @ cross_matrix(p),
-            "SKEW(P)^2 is negative, so the printed sign takes the term away instead of adding it",
-        ),
-        (
-            "equation_2.corrected",
-            "equation (2)",
-            "the same with - m SKEW(P)^2",
-            lambda m, p: -m * cross_matrix(p) @ cross_matrix(p),
-            "with the minus sign the printed tensors agree",
-        ),
-    )
-    rows = []
-    for claim, equation, says, form, finding in forms:
+    forms: dict[str, Callable[[float, FloatArray], FloatArray]] = {
+        "equation_1.printed": lambda m, p: m * ((p @ p) * np.eye(3) - (p @ p).T * np.eye(3)),
+        "equation_1.corrected": lambda m, p: m * ((p @ p) * np.eye(3) - np.outer(p, p)),
+        "equation_2.printed": lambda m, p: m * cross_matrix(p) @ cross_matrix(p),
+        "equation_2.corrected": lambda m, p: -m * cross_matrix(p) @ cross_matrix(p),
+    }
 
-        def residual(x: FloatArray, form: _Form = form) -> FloatArray:
-            mass, com, at_com, at_link = _read(x)
-            return at_link - at_com - form(mass, com)
-
-        value, bound = residual(_si(inputs)), rounding_bound(residual, inputs)
-        i, j = _worst(value, bound)
-        rows.append(
-            judged(
-                claim,
-                f"Section 2.1, {equation}, on link {row.link}",
-                says,
-                abs(value[i, j]) / TENSOR_UNIT,
-                "=",
-                0.0,
-                bound[i, j] / TENSOR_UNIT,
-                "kg mm^2",
-                finding,
-                law=True,
-            )
-        )
-    return rows
-
-
-def _any_frame(row: InertialRow) -> AuditRow:
-    """The corrected equation from the link frame, which is not at the COM, to the COM."""
-    inputs = _inputs(row)
-
-    def residual(x: FloatArray) -> FloatArray:
+    def residual(x: FloatArray, claim: str) -> FloatArray:
         mass, com, at_com, at_link = _read(x)
-        return tensor_at_origin(mass, com, at_link) - at_com
+        if claim == "equation_1.any_frame":  # {A} at the link frame, {B} at the COM
+            return tensor_at_origin(mass, com, at_link) - at_com
+        return at_link - at_com - forms[claim](mass, com)
 
-    value, bound = residual(_si(inputs)), rounding_bound(residual, inputs)
-    i, j = _worst(value, bound)
-    return judged(
-        "equation_1.any_frame",
-        f"Section 2.1, equation (1), on link {row.link}",
-        "I_A is the inertia with respect to {A}, any frame",
-        abs(value[i, j]) / TENSOR_UNIT,
-        "=",
-        0.0,
-        bound[i, j] / TENSOR_UNIT,
-        "kg mm^2",
-        "the theorem starts at the COM: from the link frame to the COM the corrected equation adds the term "
-        "again, where it must be taken away",
-        law=True,
-    )
+    rows = []
+    for claim in (*forms, "equation_1.any_frame"):
+        size, bound, _, _ = _worst(partial(residual, claim=claim), row)
+        rows.append(audited(claim, size, bound=bound, link=row.link))
+    return rows
 
 
 def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditRow]:
@@ -226,7 +137,7 @@ def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditR
     axes = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
     axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
     for row, dh in zip(rows, p.dh, strict=False):
-        _, _, tensor, _ = _read(_si(_inputs(row)))
+        _, _, tensor, _ = _read(si(_inputs(row)))
         c, s = np.cos(dh.alpha), np.sin(dh.alpha)
         # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
         turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
@@ -235,55 +146,26 @@ def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditR
             carried = rotation @ tensor @ rotation.T
             seen = axes @ turn
             moments = np.einsum("ni,ij,nj->n", seen, carried, seen)
-            misses[k] = max(misses[k], np.abs(moments - true).max() / TENSOR_UNIT)
+            misses[k] = max(misses[k], np.abs(moments - true).max())
+    names = ("rotation", "rotation_of_coordinates")
     return [
-        judged(
-            f"equation_1.{name}",
-            "Section 2.1, equation (1), rotation, links 1 to 4",
-            says,
-            float(miss),
-            "=",
-            0.0,
-            ARITHMETIC,
-            "kg mm^2",
-            finding,
-        )
-        for name, says, miss, finding in (
-            (
-                "rotation",
-                "R_A/B is the rotation from {A} to {B}",
-                misses[0],
-                "moment about one axis, from inertial frame {i} to DH frame {i}, with R turning {A} into {B} as "
-                "Section 2 uses the word: the transpose is needed",
-            ),
-            (
-                "rotation_of_coordinates",
-                "R_A/B maps coordinates in {A} to coordinates in {B}",
-                misses[1],
-                "the same with R read so: the equation holds",
-            ),
-        )
+        audited(f"equation_1.{name}", miss, bound=ARITHMETIC, link="1 to 4")
+        for name, miss in zip(names, misses, strict=True)
     ]
 
 
 def _implied_mass(row: InertialRow) -> AuditRow:
     inputs = _inputs(row)
-    printed, implied = row.mass.si, float(_mass(_si(inputs)))
-    bound = float(rounding_bound(lambda x: _mass(x) - x[0], inputs))
-    lever = float(np.linalg.norm([c.si for c in row.com]))
-    return judged(
+    implied = _mass(si(inputs))
+    lever = float(np.linalg.norm(si(row.com)))
+    return audited(
         f"implied_mass.link_{row.link}",
-        _place(row, ", mass"),
-        f"mass {row.mass}",
         implied,
-        "=",
-        printed,
-        bound,
-        "kg",
-        "the mass that best carries I_COM to I_Link (least squares); the effect is the weight of "
-        "the difference at the COM's distance from the link frame",
-        effect=abs(implied - printed) * GRAVITY * lever,
-        effect_unit="N m",
+        row.mass.si,
+        float(rounding_bound(lambda x: _mass(x) - x[0], inputs)),
+        effect=abs(implied - row.mass.si) * GRAVITY * lever,
+        link=row.link,
+        mass=row.mass,
     )
 
 
@@ -296,99 +178,57 @@ def _mass(x: FloatArray) -> float:
 
 def _total_mass(rows: tuple[InertialRow, ...]) -> AuditRow:
     inputs = [q for row in rows for q in _inputs(row)]
-    implied = sum(_mass(_si(_inputs(row))) for row in rows)
+    implied = sum(_mass(si(_inputs(row))) for row in rows)
 
     def difference(x: FloatArray) -> float:
         return float(sum(_mass(y) - y[0] for y in x.reshape(len(rows), -1)))
 
     total = sum((row.mass.value for row in rows), start=rows[0].mass.value * 0)
-    return judged(
-        "total.mass",
-        "Section 2.1, Table 2, mass",
-        f"the masses add up to {total} kg",
-        implied,
-        "=",
-        float(total),
-        float(rounding_bound(difference, inputs)),
-        "kg",
-        "the sum of the masses that the two tensors of each link imply",
-    )
+    bound = float(rounding_bound(difference, inputs))
+    return audited("total.mass", implied, float(total), bound, total=total)
 
 
 def _possible(row: InertialRow, name: str) -> AuditRow:
-    inputs = _inputs(row)
-
     def smallest(x: FloatArray) -> float:
         mass, com, at_com, at_link = _read(x)
         tensor = at_com if name == "com" else tensor_at_com(mass, com, at_link)
         return float(principal_moments(second_moments(tensor))[0])
 
-    label = "I_COM" if name == "com" else "I_Link"
-    return judged(
-        f"possible_{name}.link_{row.link}",
-        _place(row, f", {label}"),
-        f"{label} is the tensor of a body",
-        smallest(_si(inputs)) / TENSOR_UNIT,
-        ">=",
-        0.0,
-        float(rounding_bound(smallest, inputs)) / TENSOR_UNIT,
-        "kg mm^2",
-        "smallest principal second moment of mass about the COM: positive means a positive definite "
-        "tensor, the triangle inequality and a positive definite pseudo-inertia",
-        law=True,
-    )
+    value, bound = figure(smallest, _inputs(row))
+    return audited(f"possible_{name}.link_{row.link}", value, bound=bound, link=row.link)
 
 
 def _com_inside(row: InertialRow, bounds: FloatArray) -> AuditRow:
-    def excess(x: FloatArray) -> float:
-        return excess_of_box(x, bounds)
-
-    return judged(
-        f"com_inside.link_{row.link}",
-        _place(row, ", COM"),
-        "COM in the inertial frame of Section 2",
-        excess(np.array([c.si for c in row.com])) / MM,
-        "<=",
-        0.0,
-        float(rounding_bound(excess, row.com)) / MM,
-        "mm",
-        "distance of the COM from the body's outer bounds, 0 inside",
-    )
-
-
-def _spread(mass: float, at_com: FloatArray) -> FloatArray:
-    """Standard deviation of the mass along each axis [m]; 0 where the tensor is impossible."""
-    out: FloatArray = np.sqrt(np.maximum(np.diag(second_moments(at_com)) / mass, 0.0))
-    return out
+    value, bound = figure(lambda x: excess_of_box(x, bounds), row.com)
+    return audited(f"com_inside.link_{row.link}", value, bound=bound, link=row.link)
 
 
 def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     """Along each axis the standard deviation of the mass is at most sqrt((max-c)(c-min))."""
     inputs = _inputs(row)
 
-    def excess(x: FloatArray) -> FloatArray:
-        mass, com, at_com, _ = _read(x)
-        spread = _spread(mass, at_com)
-        low, high = np.maximum(com - bounds[:, 0], 0.0), np.maximum(bounds[:, 1] - com, 0.0)
-        out: FloatArray = spread - np.sqrt(low * high)
-        return out
+    def spread(x: FloatArray) -> FloatArray:
+        """Standard deviation of the mass along each axis [m]; 0 where the tensor is impossible."""
+        mass, _, at_com, _ = _read(x)
+        return np.asarray(np.sqrt(np.maximum(np.diag(second_moments(at_com)) / mass, 0.0)))
 
-    value, bound = excess(_si(inputs)), rounding_bound(excess, inputs)
+    def excess(x: FloatArray) -> FloatArray:
+        low, high = np.maximum(x[1:4] - bounds[:, 0], 0.0), np.maximum(bounds[:, 1] - x[1:4], 0.0)
+        return np.asarray(spread(x) - np.sqrt(low * high))
+
+    value, bound = excess(si(inputs)), rounding_bound(excess, inputs)
     k = int(np.argmax(value - bound))
-    mass, _, at_com, _ = _read(_si(inputs))
-    spread = float(_spread(mass, at_com)[k])
+    size = float(spread(si(inputs))[k])
     fits = value[k] <= bound[k]
-    return judged(
+    more = "" if fits else "; part of this mass turns inside the neighbour's housing"
+    return audited(
         f"mass_spread.link_{row.link}",
-        _place(row, ", I_COM"),
-        "I_COM fits a body of this size",
-        spread / MM,
-        "<=",
-        (spread - value[k]) / MM,
-        bound[k] / MM,
-        "mm",
-        f"standard deviation of the mass along {'xyz'[k]} against the most that the body's bounds allow"
-        + ("" if fits else "; part of this mass turns inside the neighbour's housing"),
+        size,
+        size - value[k],
+        bound[k],
+        link=row.link,
+        axis="xyz"[k],
+        more=more,
     )
 
 
@@ -405,39 +245,17 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
         """Of the greatest spread of mass, from x of {4} [rad]; products with the document's sign."""
         return float(np.arctan2(2 * x[2], x[1] - x[0]) / 2)
 
-    def excess(x: FloatArray) -> float:
-        """I_yy - I_xx less that of two points at the pivots."""
-        return float(x[1] - x[0] - 2 * x[2] ** 2 * x[3] * x[4])
+    def points(x: FloatArray) -> float:
+        """I_yy - I_xx of two points of a finger's mass at the pivots."""
+        return float(2 * x[0] ** 2 * x[1] * x[2])
 
-    tensor, fingers = [xx, yy, xy], [xx, yy, offset, volume, density]
-    points = 2 * offset.si**2 * volume.si * density.si
-    spread = yy.si - xx.si
+    angle, rounding = figure(direction, [xx, yy, xy])
+    spread, digits = figure(lambda x: x[1] - x[0], [xx, yy])
+    finger = [offset, volume, density]
+    expected, bound = figure(points, finger)
+    words: dict[str, Any] = {"offset": offset, "estimated": f"{1e3 * volume.si * density.si:.3g}"}
+    words["implied"] = f"{1e3 * spread / (2 * offset.si**2):.3g}"
     return [
-        judged(
-            "jaw_plane.direction",
-            _place(row, ", I_COM"),
-            "link 4 includes interlocking jaws in the closed position",
-            np.degrees(direction(_si(tensor))),
-            "=",
-            np.degrees(sdk.si),
-            np.degrees(float(rounding_bound(direction, tensor)) + sdk.rounding),
-            "deg",
-            "direction of the fingers from x of {4} by the principal axes, against the SDK's URDF at equal "
-            "axis_b; no source settles the zero of axis_b against it",
-            kind="observation",
-        ),
-        judged(
-            "jaw_plane.spread",
-            _place(row, ", I_COM"),
-            "link 4 includes interlocking jaws in the closed position",
-            spread / TENSOR_UNIT,
-            "=",
-            points / TENSOR_UNIT,
-            float(rounding_bound(excess, fingers)) / TENSOR_UNIT,
-            "kg mm^2",
-            f"I_yy - I_xx against two points at +-{offset} of the estimated mass of a finger, "
-            f"{1e3 * volume.si * density.si:.3g} g; fingers of {spread / (2 * offset.si**2) * 1e3:.3g} g would "
-            "give it",
-            kind="observation",
-        ),
+        audited("jaw_plane.direction", angle, sdk.si, rounding + sdk.rounding),
+        audited("jaw_plane.spread", spread, expected, bound + digits, **words),
     ]

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, sampled_share
-from alpha5_model.consistency.units import MM
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share
 from alpha5_model.kinematics.planar import PlanarArm, dexterity, dexterous_area, theorem_row
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.spatial import rotation_about, transform
@@ -37,8 +37,6 @@ PRINTED_TABLE = (
 )
 #: Limits to try the lecture's arms with [rad]: 170 deg either way, as far as many industrial joints turn.
 LIMIT = 2.967
-#: Last word of the claim, what is said, measured, expected, finding.
-_Statement = tuple[str, str, float, float, str]
 #: Points and orientations that the dexterous workspace with limits is sampled with.
 POINTS, ORIENTATIONS = 4000, 120
 
@@ -48,56 +46,31 @@ def audit(p: Alpha5Parameters) -> list[AuditRow]:
     return [*_workspaces(), *_dexterity(), *_theorem(), *_experiment(), *_relative_pose(p)]
 
 
-def _row(
-    claim: str, place: str, says: str, measured: float, expected: float, finding: str
-) -> AuditRow:
-    """A row of a statement on lengths or areas that holds exactly or not at all."""
-    return judged(
-        claim, f"Lecture 7.1, {place}", says, measured, "=", expected, ARITHMETIC, "", finding
-    )
-
-
 def _workspaces() -> list[AuditRow]:
     """The shapes that the lecture gives, each by its measure: length of a curve, area, radius of a hole."""
     one, two = EXPERIMENT[:1], EXPERIMENT[:2]
     limit = (-LIMIT, LIMIT)
     reach, hole = sum(two), abs(two[0] - two[1])
+    ring = math.pi * (reach**2 - hole**2)
     limited = PlanarArm(two, [limit] * 2).workspace()
-    rows: tuple[_Statement, ...] = (
-        ("1r", "S1", _length(PlanarArm(one)), 2 * math.pi * one[0], "length of a whole circle"),
-        (
-            "1r_limits",
-            "I with joint limits",
-            _length(PlanarArm(one, [limit])),
-            2 * LIMIT * one[0],
-            "length of an arc",
-        ),
-        ("1p", "I", _length(PlanarArm([0], [(1, 3)], "P")), 2.0, "length of the joint's travel"),
-        (
-            "2r",
-            "2R without limits: disc with a hole",
-            PlanarArm(two).workspace().area,
-            math.pi * (reach**2 - hole**2),
-            "area, link lengths 5 and 4",
-        ),
-        (
-            "2r_limits",
-            "2R with joint limits: disc",
-            limited.radii[0],
-            0.0,
-            f"radius of the hole, link lengths 5 and 4, limits +-{LIMIT} rad: limits fill no hole, they take "
-            f"points away, here {math.pi * (reach**2 - hole**2) - limited.area:.1f} of the ring's area; a "
-            "topological disc is left where they cut the ring open",
-        ),
-        (
-            "3r",
-            "3R is similar",
-            PlanarArm(EXPERIMENT).workspace().area,
-            math.pi * sum(EXPERIMENT) ** 2,
-            "area, link lengths 5, 4 and 1, whose hole has closed",
-        ),
-    )
-    return [_row(f"planar_workspace.{row[0]}", "Workspace", *row[1:]) for row in rows]
+    words: dict[str, Any] = {"limit": LIMIT, "lost": f"{ring - limited.area:.1f}"}
+    figures = {
+        "1r": (_length(PlanarArm(one)), 2 * math.pi * one[0]),
+        "1r_limits": (_length(PlanarArm(one, [limit])), 2 * LIMIT * one[0]),
+        "1p": (_length(PlanarArm([0], [(1, 3)], "P")), 2.0),
+        "2r": (PlanarArm(two).workspace().area, ring),
+        "2r_limits": (limited.radii[0], 0.0),
+        "3r": (PlanarArm(EXPERIMENT).workspace().area, math.pi * sum(EXPERIMENT) ** 2),
+    }
+    return _exact("planar_workspace", figures, **words)
+
+
+def _exact(topic: str, figures: dict[str, tuple[float, float]], **words: Any) -> list[AuditRow]:
+    """Rows of statements on lengths or areas that hold exactly or not at all: measured, expected."""
+    return [
+        audited(f"{topic}.{name}", measured, expected, ARITHMETIC, **words)
+        for name, (measured, expected) in figures.items()
+    ]
 
 
 def _length(arm: PlanarArm) -> float:
@@ -114,35 +87,13 @@ def _dexterity() -> list[AuditRow]:
         dexterity(PlanarArm(EXPERIMENT, [(-a, a)] * 3), points, ORIENTATIONS) == 1
         for a in (LIMIT, 0.75 * math.pi)
     ]
-    disc = math.pi * reach**2 / 100
+    disc = math.pi * reach**2
     (area, error), (least, _) = (tuple(disc * x for x in sampled_share(hits)) for hits in shares)
     free = dexterous_area(PlanarArm(EXPERIMENT))
-    limits = f"l = (5, 4, 1) with +-{LIMIT} rad on every joint"
+    words: dict[str, Any] = {"limit": LIMIT, "least": f"{least:.0f}"}
     return [
-        judged(
-            "dexterous_workspace.necessary",
-            "Lecture 7.1, Dexterous Workspace",
-            "necessary: a revolute joint without limits",
-            area,
-            "=",
-            0.0,
-            0.0,
-            "",
-            f"dexterous area of {limits}, where the condition leaves none; with +-135 deg it is still {least:.0f}",
-            standard_error=error,
-        ),
-        judged(
-            "dexterous_workspace.limits",
-            "Lecture 7.1, Dexterous Workspace",
-            "joint limits reduce the dexterous workspace",
-            area,
-            "<=",
-            free,
-            0.0,
-            "",
-            f"dexterous area of {limits} against that without limits",
-            standard_error=error,
-        ),
+        audited(f"dexterous_workspace.{name}", area, expected, standard_error=error, **words)
+        for name, expected in (("necessary", 0.0), ("limits", free))
     ]
 
 
@@ -152,59 +103,20 @@ def _theorem() -> list[AuditRow]:
     rows = [(values, theorem_row(*map(float, values))) for values in lengths]
     promised = [row for _, row in rows if row.theorem]
     turning = [(values, row) for values, row in rows if row.exact]
-    broken = sum(not row.exact for row in promised)
     missed = [values for values, row in turning if not row.theorem]
-    longer = sum(values[2] > min(values) for values, _ in turning)
-    strict = sum(row.pair == row.half for row in promised)
-    example = ", ".join(map(str, missed[-1])) if missed else "none"
-    sets = f"sets of whole lengths up to {LONGEST}"
+    counts: dict[str, tuple[int, list[Any]]] = {
+        "sufficient": (sum(not row.exact for row in promised), promised),
+        "necessary": (len(missed), turning),
+        "shortest": (sum(values[2] > min(values) for values, _ in turning), turning),
+        "strict": (sum(row.pair == row.half for row in promised), promised),
+    }
+    words: dict[str, Any] = {
+        "longest": LONGEST,
+        "example": ", ".join(map(str, missed[-1])) if missed else "none",
+    }
     return [
-        judged(
-            f"lecture.{name}",
-            f"Lecture 7.1, {place}",
-            says,
-            100 * count / whole,
-            "=",
-            0.0,
-            0.0,
-            "%",
-            f"share of the {whole} {sets} {finding}",
-        )
-        for name, place, says, count, whole, finding in (
-            (
-                "sufficient",
-                "theorem",
-                "if l_i + l_j >= L/2, link 3 turns fully",
-                broken,
-                len(promised),
-                "that the theorem promises and that do not turn",
-            ),
-            (
-                "necessary",
-                "theorem",
-                "only if l_i + l_j >= L/2",
-                len(missed),
-                len(turning),
-                f"that turn fully and that the theorem rules out, such as l = ({example}): those where l_4 is the "
-                "shortest",
-            ),
-            (
-                "shortest",
-                "experiment",
-                "l_3 must be the shortest link",
-                longer,
-                len(turning),
-                "that turn fully with a link shorter than l_3: it follows from the theorem, not from the arm",
-            ),
-            (
-                "strict",
-                "experiment",
-                "lambda_2 + lambda_3 > L/2",
-                strict,
-                len(promised),
-                "that the theorem promises with its >= and that the strict sign would rule out",
-            ),
-        )
+        audited(f"lecture.{name}", count / len(sets), whole=len(sets), **words)
+        for name, (count, sets) in counts.items()
     ]
 
 
@@ -214,39 +126,15 @@ def _experiment() -> list[AuditRow]:
     links = np.array([[*EXPERIMENT, value] for value in l_4])
     middle = np.sort(links)[:, 1:3].sum(axis=1)
     low, high = PlanarArm(EXPERIMENT).workspace().radii
-    rows: tuple[_Statement, ...] = (
-        ("least", "0 <= l_4", low, 0.0, "least distance of the tip from the base"),
-        ("most", "l_4 <= 10", high, 10.0, "greatest distance of the tip from the base"),
-        (
-            "middle_links",
-            "column l_2 + l_3",
-            _apart(pair, middle),
-            0.0,
-            "largest difference of the column from lambda_2 + lambda_3, second and third longest link",
-        ),
-        (
-            "middle_links_head",
-            "column l_2 + l_3, its head",
-            _apart(pair, sum(EXPERIMENT[1:])),
-            0.0,
-            "largest difference of the column from l_2 + l_3 = 5: lambda is meant",
-        ),
-        (
-            "half",
-            "column l_4/2, its head",
-            _apart(half, l_4 / 2),
-            0.0,
-            "largest difference of the column from l_4/2",
-        ),
-        (
-            "half_of_all",
-            "the same column as L/2",
-            _apart(half, (total + l_4) / 2),
-            0.0,
-            "largest difference of the column from L/2, half the sum of all four: that is meant",
-        ),
-    )
-    return [_row(f"experiment.{row[0]}", "experiment", *row[1:]) for row in rows]
+    figures = {
+        "least": (low, 0.0),
+        "most": (high, 10.0),
+        "middle_links": (_apart(pair, middle), 0.0),
+        "middle_links_head": (_apart(pair, sum(EXPERIMENT[1:])), 0.0),
+        "half": (_apart(half, l_4 / 2), 0.0),
+        "half_of_all": (_apart(half, (total + l_4) / 2), 0.0),
+    }
+    return _exact("experiment", figures)
 
 
 def _apart(column: FloatArray, values: FloatArray | float) -> float:
@@ -265,39 +153,12 @@ def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
     ]
     product = [_product(*row) for row in table]
     rows = []
-    for name, sign, says, finding in (
-        (
-            "printed",
-            1,
-            "row 2 of A_j: [s_theta, c_theta c_alpha, c_theta s_alpha, a s_theta]",
-            "largest difference from the product of the four factors, rows of Table 1 at the middle of the ranges: "
-            "the printed matrix is no rotation; the effect is the tcp's",
-        ),
-        (
-            "corrected",
-            -1,
-            "the same with - c_theta s_alpha",
-            "with the minus sign the matrix is the product",
-        ),
-    ):
+    for name, sign in (("printed", 1), ("corrected", -1)):
         form = [_matrix(*row, sign) for row in table]
         tips = [np.linalg.multi_dot(factors)[:3, 3] for factors in (form, product)]
-        rows.append(
-            judged(
-                f"relative_pose.{name}",
-                "Lecture 7.1, standard DH, A_j",
-                says,
-                float(np.abs(np.subtract(form, product)).max()),
-                "=",
-                0.0,
-                ARITHMETIC,
-                "",
-                finding,
-                law=True,
-                effect=float(np.linalg.norm(tips[0] - tips[1])) / MM,
-                effect_unit="mm",
-            )
-        )
+        apart = float(np.abs(np.subtract(form, product)).max())
+        effect = float(np.linalg.norm(tips[0] - tips[1]))
+        rows.append(audited(f"relative_pose.{name}", apart, bound=ARITHMETIC, effect=effect))
     return rows
 
 

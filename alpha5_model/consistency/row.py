@@ -6,9 +6,14 @@ References:
 
 from __future__ import annotations
 
+import math
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from functools import cache
+from pathlib import Path
+from string import Template
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +26,15 @@ Kind = Literal["claim", "observation"]
 
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
+#: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not listed.
+PER_SI = {
+    "mm": 1e3,
+    "kg mm^2": 1e6,
+    "L": 1e3,
+    "kg/L": 1e-3,
+    "%": 1e2,
+    "deg": 180 / math.pi,
+}
 
 
 @dataclass(frozen=True)
@@ -67,6 +81,54 @@ class AuditRow:
         return self.claim.partition(".")[0]
 
 
+@cache
+def _words() -> dict[str, Any]:
+    return tomllib.loads((Path(__file__).parent / "rows.toml").read_text("utf-8"))
+
+
+def audited(
+    claim: str,
+    measured: float,
+    expected: float = 0.0,
+    bound: float = 0.0,
+    *,
+    effect: float | None = None,
+    standard_error: float = 0.0,
+    **words: Any,
+) -> AuditRow:
+    """A row in the words of ``rows.toml``, its figures given in SI units, its verdict judged.
+
+    Args:
+        claim: ``topic.subject``; the words stand under both or under the topic alone.
+        measured, expected, bound, effect, standard_error: See `AuditRow`, in SI units; a bound of
+            `ARITHMETIC` is in the row's own unit.
+        words: What the text leaves open.
+    """
+    topic, _, subject = claim.partition(".")
+    text: dict[str, Any] = {**_words()[topic], **_words()[topic].get(subject, {})}
+    place, says, finding = (
+        Template(text[key]).substitute(words) for key in ("place", "says", "finding")
+    )
+    unit, effect_unit = text.get("unit", ""), text.get("effect_unit", "")
+    scale = PER_SI.get(unit, 1.0)
+    return judged(
+        claim,
+        place,
+        says,
+        float(f"{measured * scale:.15g}"),  # a decimal number in SI units and back is the same one
+        text.get("must", "="),
+        float(f"{expected * scale:.15g}"),
+        bound if bound == ARITHMETIC else bound * scale,
+        unit,
+        finding,
+        law=text.get("law", False),
+        effect=None if effect is None else effect * PER_SI.get(effect_unit, 1.0),
+        effect_unit="" if effect is None else effect_unit,
+        kind=text.get("kind", "claim"),
+        standard_error=standard_error * scale,
+    )
+
+
 def judged(
     claim: str,
     place: str,
@@ -93,18 +155,16 @@ def judged(
     excess = measured - expected
     holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[relation]
     verdict: Verdict = "agrees" if holds else "impossible" if law else "differs"
+    figures = float(measured), relation, float(expected), float(bound), unit
+    worth = None if effect is None else float(effect)
     return AuditRow(
         claim,
         place,
         says,
-        float(measured),
-        relation,
-        float(expected),
-        float(bound),
-        unit,
+        *figures,
         verdict,
         finding,
-        None if effect is None else float(effect),
+        worth,
         effect_unit,
         kind,
         float(standard_error),
@@ -112,9 +172,21 @@ def judged(
 
 
 def sampled_share(hits: BoolArray) -> tuple[float, float]:
-    """Share of True among independent samples (N,) and its standard error, sqrt(p (1 - p) / N) [%]."""
+    """Share of True among independent samples (N,) and its standard error, sqrt(p (1 - p) / N)."""
     p = float(hits.mean())
-    return 100 * p, 100 * float(np.sqrt(p * (1 - p) / hits.size))
+    return p, float(np.sqrt(p * (1 - p) / hits.size))
+
+
+def si(printed: Sequence[Quantity]) -> FloatArray:
+    """Printed numbers in SI units, (N,)."""
+    return np.array([q.si for q in printed])
+
+
+def figure(
+    function: Callable[[FloatArray], float], printed: Sequence[Quantity]
+) -> tuple[float, float]:
+    """The function's value at the printed numbers and its `rounding_bound`."""
+    return float(function(si(printed))), float(rounding_bound(function, printed))
 
 
 def rounding_bound(
@@ -132,7 +204,7 @@ def rounding_bound(
     Returns:
         Of the result's shape, not negative.
     """
-    centre = np.array([q.si for q in printed])
+    centre = si(printed)
     value = np.asarray(function(centre), dtype=np.float64)
     total = np.zeros_like(value)
     for k, quantity in enumerate(printed):

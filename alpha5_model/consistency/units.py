@@ -1,4 +1,4 @@
-"""Units in which rows are shown, and what several topics share."""
+"""What several topics share."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from alpha5_model.checks import FloatArray
 
 MM = 1e-3
-LITRE = 1e-3
-TENSOR_UNIT = 1e-6  # kg mm^2
 GRAVITY = abs(DOWN[2])  # m/s^2
 
 

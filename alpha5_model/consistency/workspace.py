@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, judged, rounding_bound
-from alpha5_model.consistency.units import MM
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, rounding_bound, si
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.reach import reachable
 from alpha5_model.kinematics.workspace import published_errors
@@ -29,18 +28,14 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
 
 def _inner_offset(printed: Published) -> AuditRow:
     ours, theirs = printed.elbow.opposite, printed.workspace.inner_offset
-    return judged(
+    return audited(
         "workspace.inner_offset",
-        "Section 1.2, inner torus, against Table 1",
-        f"{theirs.text} where Table 1 has {ours.text}",
-        float(theirs.value),
-        "=",
-        float(ours.value),
-        (theirs.rounding + ours.rounding) / MM,
-        "mm",
-        f"{theirs.text} rounds to {ours.text}: the torus has the finer number, Table 1 the rounded one",
-        effect=abs(theirs.si - ours.si) / MM,
-        effect_unit="mm",
+        theirs.si,
+        ours.si,
+        theirs.rounding + ours.rounding,
+        effect=abs(theirs.si - ours.si),
+        theirs=theirs.text,
+        ours=ours.text,
     )
 
 
@@ -76,57 +71,33 @@ def _tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     caption = [printed.elbow.opposite, printed.elbow.adjacent]
     elbow = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
     offset = float(np.hypot(*elbow[:2])) - p.dh[0].a
-    lower_link = [a_2_printed, d_3_printed]
+    lower = float(np.hypot(a_2, d_3))
+    inner_measured = inner_radius(si(inner))
     return [
-        judged(
-            "workspace.outer_torus",
-            "Section 1.2, outer torus",
-            "radius a_1 + sqrt(d_3^2 + a_2^2)",
-            reach[best] / MM,
-            "=",
-            outer / MM,
-            ARITHMETIC,
-            "mm",
-            "longest distance from shoulder to tcp within the limits of theta_2, by forward kinematics",
-        ),
-        judged(
+        audited("workspace.outer_torus", reach[best], outer, ARITHMETIC),
+        audited(
             "workspace.inner_torus",
-            "Section 1.2, inner torus",
-            f"radius sqrt(({numbers.inner_offset.text} + a_2)^2 + ({numbers.inner_length.text} + d_3)^2)",
-            inner_radius(np.array([q.si for q in inner])) / MM,
-            "=",
-            folded / MM,
-            float(rounding_bound(inner_shift, [*inner, *caption])) / MM,
-            "mm",
-            "against the distance from shoulder to tcp at theta_2 = 0; it holds for the underarm pose only",
-            effect=abs(inner_radius(np.array([q.si for q in inner])) - folded) / MM,
-            effect_unit="mm",
+            inner_measured,
+            folded,
+            float(rounding_bound(inner_shift, [*inner, *caption])),
+            effect=abs(inner_measured - folded),
+            offset=numbers.inner_offset.text,
+            length=numbers.inner_length.text,
         ),
-        judged(
+        audited(
             "workspace.downward_centre",
-            "Section 1.2, downward torus",
-            f"centre {numbers.downward_drop.text} below the shoulder",
-            offset / MM,
-            "=",
+            offset,
             0.0,
-            _length(printed, 0, "a").rounding / MM + printed.elbow.opposite.rounding / MM,
-            "mm",
-            "horizontal distance of the elbow from the shoulder at theta_1 = 0, which the formula drops",
-            effect=offset / MM,
-            effect_unit="mm",
+            _length(printed, 0, "a").rounding + printed.elbow.opposite.rounding,
+            effect=offset,
+            drop=numbers.downward_drop.text,
         ),
-        judged(
+        audited(
             "workspace.downward_radius",
-            "Section 1.2, downward torus",
-            "radius -d_3",
-            float(np.hypot(a_2, d_3)) / MM,
-            "=",
-            -d_3 / MM,
-            float(rounding_bound(lambda x: np.hypot(*x) - abs(x[1]), lower_link)) / MM,
-            "mm",
-            "distance from elbow to tcp, sqrt(a_2^2 + d_3^2): the formula drops a_2",
-            effect=(float(np.hypot(a_2, d_3)) + d_3) / MM,
-            effect_unit="mm",
+            lower,
+            -d_3,
+            float(rounding_bound(lambda x: np.hypot(*x) - abs(x[1]), [a_2_printed, d_3_printed])),
+            effect=lower + d_3,
         ),
     ]
 
@@ -178,33 +149,11 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         return float((reached & ~published(x)).sum() / reached.sum())
 
     exact = published_errors()
+    beyond, missed = exact.unreachable_area, exact.missed_area
     return [
-        judged(
-            f"workspace.{name}",
-            "Section 1.2, Figure 2",
-            says,
-            100 * measured,
-            "=",
-            0.0,
-            100 * float(rounding_bound(share, inputs)),
-            "%",
-            finding,
-        )
-        for name, says, measured, share, finding in (
-            (
-                "beyond_reach",
-                "all points between the tori are reached",
-                exact.unreachable_area / exact.published_area,
-                beyond_reach,
-                "share of the published region, by area in the half-plane, that no joint position within "
-                "the limits reaches: the tori ignore joint limits",
-            ),
-            (
-                "left_out",
-                "no point outside the tori is reached",
-                exact.missed_area / exact.reachable_area,
-                left_out,
-                "share of what can be reached, by area in the half-plane, that lies outside the tori",
-            ),
+        audited(f"workspace.{name}", measured, bound=float(rounding_bound(share, inputs)))
+        for name, measured, share in (
+            ("beyond_reach", beyond / exact.published_area, beyond_reach),
+            ("left_out", missed / exact.reachable_area, left_out),
         )
     ]
