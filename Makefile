@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test lint format benchmark conformance clean
+.PHONY: demo test lint format benchmark conformance fuzz mutation clean
 
 demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
 	$(BIN)/alpha5 demo
@@ -30,6 +30,12 @@ benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
 conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the README
 	$(BIN)/python scripts/conformance.py --readme README.md
 
+fuzz: $(VENV)/.test ## 100 000 inputs to the package, its readers and its command line
+	$(BIN)/python scripts/fuzz.py
+
+mutation: $(VENV)/.mutation ## do the tests see a random change of the code?
+	$(BIN)/python scripts/mutation.py
+
 clean:
 	rm -rf $(VENV) build dist demo
 
@@ -46,6 +52,10 @@ $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'
+	touch $@
+
+$(VENV)/.mutation: pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[mutation]'
 	touch $@
 
 $(VENV)/.conformance: pyproject.toml constraints.txt | $(BIN)/python

@@ -126,7 +126,13 @@ class Workspace:
         """
         p = float_array("points", points, (2,))
         tolerance = _tolerance(self.arm)
-        return self._contains(p.reshape(-1, 2), tolerance).reshape(p.shape[:-1])
+        flat = p.reshape(-1, 2)
+        # Farther than the arm is long nothing needs computing, and squares may overflow.
+        inside: np.ndarray = (
+            np.abs(flat).max(axis=1) <= (self.arm.reach if self.arm else 0.0) + tolerance
+        )
+        inside[inside] = self._contains(flat[inside], tolerance)
+        return inside.reshape(p.shape[:-1])
 
     def _contains(self, p: FloatArray, tolerance: float) -> np.ndarray:
         arm = self.arm

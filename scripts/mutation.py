@@ -1,0 +1,452 @@
+"""Mutation testing: are the tests sharp enough to see a random change of one operator or number?
+
+    python scripts/mutation.py                                  # 300 mutants of all rooms
+    python scripts/mutation.py --count 30 --seed 7 description kinematics
+    python scripts/mutation.py --at dynamics/statics.py:79      # every mutant of one line
+
+cosmic-ray says where a mutant can be made and makes it; one drawing takes one operator at one place, each
+place with the same chance. Here is only what a session of it would cost minutes for: a process that holds
+the third-party packages forks once per mutant, in a copy of the checkout, and the child runs the tests that
+coverage saw on the changed line, cheapest first, until one fails.
+
+Left out by rule, because they change nothing that a test could see: annotations (compared as syntax
+trees), and a cache taken off a function.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import difflib
+import itertools
+import os
+import pickle
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+
+import coverage
+import pytest
+from cosmic_ray.ast import get_ast
+from cosmic_ray.mutating import MutationVisitor
+from cosmic_ray.plugins import get_operator, operator_names
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+PACKAGE = REPOSITORY / "alpha5_model"
+#: The files as they are when the run starts: whoever edits meanwhile does not disturb it.
+SOURCES = {
+    f.relative_to(PACKAGE): f.read_text(encoding="utf-8") for f in sorted(PACKAGE.rglob("*.py"))
+}
+ROOMS = ("comparison", "consistency", "description", "dynamics", "kinematics", "trajectory")
+#: Tests that drive a browser, a clock or a picture: no room of these is theirs.
+NOT_ASKED = ("test_view_", "test_benchmark", "test_demo")
+#: Imported before the forks; the package itself is not, each child imports its own.
+WARM = (
+    "numpy",
+    "scipy.spatial.transform",
+    "scipy.interpolate",
+    "scipy.optimize",
+    "pinocchio",
+    "coal",
+    "matplotlib.pyplot",
+    "rich.console",
+    "typer",
+    "xacro",
+    "trimesh",
+    "mujoco",
+)
+#: A mutant may take this many times what its tests took unchanged, and this much more [s].
+SLOWER, GRACE = 5.0, 60.0
+#: Tests of one mutant, in seconds of the unchanged run.
+BUDGET = 60.0
+_DATES = itertools.count(1_000_000_000)
+#: The harness proves itself first: file, line's part, what it becomes, what must come of it.
+PROOFS = (
+    ("consistency/units.py", "MM = 1e-3", "MM = 2e-3", "killed"),
+    ("consistency/units.py", "norm(outside)", "norm(-outside)", "survived"),
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change: ``text`` is the whole file with it, ``line`` where it starts."""
+
+    file: Path
+    line: int
+    operator: str
+    text: str
+    status: str = "not run"
+    seconds: float = 0.0
+
+    @property
+    def place(self) -> str:
+        return f"{self.file}:{self.line}"
+
+    def diff(self) -> str:
+        old = SOURCES[self.file]
+        lines = difflib.unified_diff(old.splitlines(), self.text.splitlines(), n=0, lineterm="")
+        return "\n".join(line for line in list(lines)[2:] if not line.startswith("@@"))
+
+
+@dataclass(frozen=True)
+class Site:
+    """A place where a kind of mutant can be made, and the operators that make one."""
+
+    file: Path
+    position: tuple[int, int]
+    choices: tuple[tuple[str, int], ...]
+
+    def mutants(self) -> Iterator[Mutant]:
+        source = SOURCES[self.file]
+        for name, occurrence in self.choices:
+            text = MutationVisitor.mutate_code(source, get_operator(name)(), occurrence)
+            if _meaning(text) != _meaning(source):
+                yield Mutant(self.file, self.position[0], name.split("/")[-1], text)
+
+
+def sites(file: Path) -> list[Site]:
+    """All places of a file, in its order."""
+    tree = get_ast(SOURCES[file])
+    found: dict[tuple[tuple[int, int], str], list[tuple[str, int]]] = defaultdict(list)
+    for name in sorted(operator_names()):
+        if "Variable" in name:  # these need arguments
+            continue
+        operator, occurrence = get_operator(name)(), 0
+        kind = name.split("/")[-1].split("_")[0]
+        for node in _nodes(tree):
+            for start, _ in operator.mutation_positions(node):
+                if not (kind == "RemoveDecorator" and "cache" in node.get_code()):
+                    found[start, kind].append((name, occurrence))
+                occurrence += 1
+    return [Site(file, start, tuple(choices)) for (start, _), choices in sorted(found.items())]
+
+
+def draw(files: Sequence[Path], count: int, seed: int) -> list[Mutant]:
+    """``count`` mutants at different places, every place with the same chance."""
+    chance = random.Random(seed)
+    places = [site for file in files for site in sites(file)]
+    chance.shuffle(places)
+    drawn: list[Mutant] = []
+    for site in places:
+        if len(drawn) == count:
+            break
+        if mutants := list(site.mutants()):
+            drawn.append(chance.choice(mutants))
+    return drawn
+
+
+class _Bare(ast.NodeTransformer):
+    """A syntax tree without annotations."""
+
+    def visit_arg(self, node: ast.arg) -> ast.arg:
+        node.annotation = None
+        return node
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AnnAssign:
+        node.annotation = ast.Constant(None)
+        self.generic_visit(node)
+        return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        node.returns = None
+        self.generic_visit(node)
+        return node
+
+
+def _meaning(source: str) -> str:
+    return ast.dump(_Bare().visit(ast.parse(source)))
+
+
+def _nodes(node: object) -> Iterator[object]:
+    """In the order of cosmic-ray's own walk: a node, then its children."""
+    yield node
+    for child in getattr(node, "children", ()):
+        yield from _nodes(child)
+
+
+def sandbox(folder: Path) -> Path:
+    """A copy of the checkout's files to change and to run tests in."""
+    names = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=REPOSITORY, check=True, capture_output=True, text=True,
+    ).stdout  # fmt: skip
+    copy = folder / "checkout"
+    for name in filter(None, names.split("\0")):
+        if (REPOSITORY / name).is_file():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(REPOSITORY / name, copy / name)
+    beside = REPOSITORY.parent / "shared"
+    if beside.exists():
+        (folder / "shared").symlink_to(beside.resolve())
+    subprocess.run(["git", "init", "-q"], cwd=copy, check=True)
+    return copy
+
+
+class Tests:
+    """Which test files pass a line, and how much processor time each takes.
+
+    By file, not by function: what a module or a cache computes once belongs to all tests that use it.
+    """
+
+    def __init__(self, copies: Sequence[Path], only: Sequence[str] = ()) -> None:
+        asked = list(only) or [
+            str(file.relative_to(copies[0]))
+            for file in sorted((copies[0] / "tests").glob("test_*.py"))
+            if not file.name.startswith(NOT_ASKED)
+        ]
+        self.seconds: dict[str, float] = {}
+        self.lines: dict[tuple[Path, str], set[int]] = {}
+
+        def done(job: Job, status: str, seconds: float, copy: Path) -> None:
+            test = job.tests[0]
+            if status != "survived":
+                said = (copy.parent / "output").read_text()[-3000:]
+                raise SystemExit(f"{test} fails without any mutant:\n{said}")
+            self.seconds[test] = seconds
+            measured = coverage.CoverageData(str(copy.parent / "coverage"))
+            measured.read()
+            for path in measured.measured_files():
+                file = Path(path).relative_to(copy / "alpha5_model")
+                self.lines[file, test] = set(measured.lines(path) or ())
+
+        run([Job(None, (test,), 900.0) for test in asked], copies, done)
+
+    def job(self, mutant: Mutant) -> Job:
+        """Those that pass the mutant's statement: first what passes most of its file, within the budget."""
+        at = _statement(SOURCES[mutant.file], mutant.line)
+        passing = [t for (f, t), lines in self.lines.items() if f == mutant.file and lines & at]
+        passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), self.seconds[t]))
+        ordered, total = [], 0.0
+        for test in passing:
+            if not ordered or total + self.seconds[test] < BUDGET:
+                total += self.seconds[test]
+                ordered.append(test)
+        return Job(mutant, tuple(ordered), GRACE + SLOWER * total)
+
+
+def _statement(source: str, line: int) -> set[int]:
+    """Lines of the statement around a line, of a compound one its head: coverage skips folded constants."""
+    spans = [
+        range(node.lineno, (node.body[0].lineno if body else (node.end_lineno or node.lineno) + 1))
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.stmt)
+        for body in [isinstance(getattr(node, "body", None), list)]
+    ]
+    around = [span for span in spans if line in span]
+    return {line, *min(around, key=len, default=())}
+
+
+@dataclass(frozen=True)
+class Job:
+    """One forked child: these test files with this mutant, or with none and coverage measured."""
+
+    mutant: Mutant | None
+    tests: tuple[str, ...]
+    limit: float
+
+
+def _environment(copy: Path) -> dict[str, str]:
+    alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    return {
+        **os.environ,
+        **alone,
+        "PYTHONPATH": str(copy),
+        "MPLBACKEND": "agg",
+    }
+
+
+def _write(copy: Path, file: Path, text: str) -> None:
+    """With a date of its own, by which Python knows compiled files that are stale."""
+    path = copy / "alpha5_model" / file
+    path.write_text(text, encoding="utf-8")
+    os.utime(path, (date := next(_DATES), date))
+
+
+def _test(copy: Path, job: Job) -> None:
+    """In the forked child: run the tests in the copy, leave with pytest's status."""
+    os.setsid()
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(os.open(copy.parent / "output", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
+    os.dup2(1, 2)
+    os.chdir(copy)
+    os.environ.update(_environment(copy))
+    own = (REPOSITORY, REPOSITORY / "scripts")
+    sys.path[:] = [str(copy), *(p for p in sys.path if Path(p).resolve() not in own)]
+    measure = coverage.Coverage(copy.parent / "coverage", source=[str(copy / "alpha5_model")])
+    if job.mutant is None:
+        measure.start()
+    status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *job.tests])
+    if job.mutant is None:
+        measure.stop()
+        measure.save()
+    sys.stdout.flush()
+    os._exit(status)
+
+
+def run(
+    jobs: Sequence[Job], copies: Sequence[Path], done: Callable[[Job, str, float, Path], None]
+) -> None:
+    """One child per copy at a time; ``done`` hears of each job as it ends."""
+    waiting, free = list(jobs)[::-1], list(copies)
+    busy: dict[int, tuple[Job, Path, float]] = {}
+    while waiting or busy:
+        while waiting and free:
+            job, copy = waiting.pop(), free.pop()
+            if job.mutant:
+                _write(copy, job.mutant.file, job.mutant.text)
+            child = os.fork()
+            if child == 0:
+                try:
+                    _test(copy, job)
+                except BaseException:
+                    traceback.print_exc()
+                    sys.stderr.flush()
+                os._exit(99)
+            busy[child] = (job, copy, time.monotonic())
+        time.sleep(0.05)
+        for child, (job, copy, start) in list(busy.items()):
+            ended, status, used = os.wait4(child, os.WNOHANG)
+            if not ended and time.monotonic() - start < job.limit:
+                continue
+            outcome = "killed (time)"
+            if ended:
+                outcome = {0: "survived", 5: "no test"}.get(
+                    os.waitstatus_to_exitcode(status), "killed"
+                )
+            else:
+                os.killpg(child, signal.SIGKILL)
+                _, _, used = os.wait4(child, 0)
+            del busy[child]
+            if job.mutant:
+                _write(copy, job.mutant.file, SOURCES[job.mutant.file])
+            free.append(copy)
+            done(job, outcome, used.ru_utime + used.ru_stime, copy)
+
+
+def proved(copies: Sequence[Path], tests: Tests) -> bool:
+    """One mutant dies, and one that changes nothing lives."""
+    wrong = []
+    for name, old, new, expected in PROOFS:
+        text = SOURCES[Path(name)]
+        line = text[: text.index(old)].count("\n") + 1
+        mutant = Mutant(Path(name), line, "proof", text.replace(old, new, 1))
+
+        def done(
+            job: Job, status: str, seconds: float, copy: Path, expected: str = expected
+        ) -> None:
+            if status != expected:
+                said = (copy.parent / "output").read_text()[-3000:]
+                wrong.append(f"{job.mutant} {status}, expected {expected}\n{said}")
+
+        run([tests.job(mutant)], copies[:1], done)
+    print(*wrong, sep="\n", end="")
+    return not wrong
+
+
+def table(results: Sequence[Mutant]) -> str:
+    """Markdown: counts per room, then every mutant that lives with its diff, then all."""
+    rows = ["| room | mutants | killed | alive | |", "| --- | ---: | ---: | ---: | ---: |"]
+    for room in (*ROOMS, "all"):
+        own = [m for m in results if room in ("all", m.file.parts[0])]
+        killed = sum(m.status.startswith("killed") for m in own)
+        if own:
+            rows.append(
+                f"| {room} | {len(own)} | {killed} | {len(own) - killed} | {killed / len(own):.1%} |"
+            )
+    alive = [
+        f"\n`{m.place}` {m.operator}, {m.status}\n\n```diff\n{m.diff()}\n```"
+        for m in results
+        if not m.status.startswith("killed")
+    ]
+    every = [f"| {m.place} | {m.operator} | {m.status} | {m.seconds:.1f} |" for m in results]
+    return "\n".join(
+        [
+            *rows,
+            *alive,
+            "",
+            "| mutant | operator | status | s |",
+            "| --- | --- | --- | ---: |",
+            *every,
+            "",
+        ]
+    )
+
+
+def main() -> int:
+    """Status 1 if the harness disproves itself or fewer than ``--least`` percent die."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("rooms", nargs="*", default=ROOMS, help=f"of {', '.join(ROOMS)}")
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--least", type=float, default=95.0, help="percent that must be killed")
+    parser.add_argument(
+        "--at", nargs="*", default=(), metavar="FILE:LINE", help="these lines, all mutants of each"
+    )
+    parser.add_argument(
+        "--map", type=Path, help="keep what the tests pass in this file, or take it from there"
+    )
+    parser.add_argument("--tests", nargs="*", default=(), help="only these test files")
+    parser.add_argument("--output", type=Path, default=REPOSITORY / "build" / "mutation.md")
+    chosen = parser.parse_args()
+    os.nice(19)
+    if chosen.at:
+        at = {tuple(place.split(":")) for place in chosen.at}
+        mutants = [
+            m for name in {Path(f) for f, _ in at} for site in sites(name)
+            if (str(name), str(site.position[0])) in at for m in site.mutants()
+        ]  # fmt: skip
+    else:
+        files = [file for file in SOURCES if file.parts[0] in chosen.rooms]
+        mutants = draw(files, chosen.count, chosen.seed)
+    with tempfile.TemporaryDirectory() as name:
+        folders = [Path(name) / str(k) for k in range(max(chosen.jobs, 1))]
+        copies = [sandbox(folder) for folder in folders]
+        print(f"{len(mutants)} mutants", flush=True)
+        for module in WARM:
+            import_module(module)
+        if chosen.map and chosen.map.exists():
+            tests = pickle.loads(chosen.map.read_bytes())
+        else:
+            tests = Tests(copies, chosen.tests)
+            if chosen.map:
+                chosen.map.write_bytes(pickle.dumps(tests))
+        if not proved(copies, tests):
+            return 1
+        results: list[Mutant] = []
+
+        def done(job: Job, status: str, seconds: float, copy: Path) -> None:
+            assert job.mutant is not None
+            results.append(mutant := replace(job.mutant, status=status, seconds=seconds))
+            if not status.startswith("killed"):
+                print(f"[{len(results)}] {mutant.place} {status}\n{mutant.diff()}", flush=True)
+
+        jobs = [tests.job(mutant) for mutant in mutants]
+        # A line that no test file passes at all: no need to ask.
+        for job in jobs:
+            if not job.tests:
+                done(job, "no test", 0.0, copies[0])
+        run([job for job in jobs if job.tests], copies, done)
+    chosen.output.parent.mkdir(parents=True, exist_ok=True)
+    chosen.output.write_text(table(results), encoding="utf-8")
+    killed = sum(m.status.startswith("killed") for m in results)
+    print(
+        f"{killed} of {len(results)} killed ({killed / max(len(results), 1):.1%}); see {chosen.output}"
+    )
+    return 0 if results and 100 * killed >= chosen.least * len(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
