@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
+    from alpha5_model.dynamics.self_collision import (
+        without_self_collision as without_self_collision,
+    )
     from alpha5_model.dynamics.water import AIR as AIR
     from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
     from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
@@ -56,6 +59,7 @@ _DEFINED = {
     "description.poses": ("named_pose",),
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),
+    "dynamics.self_collision": ("without_self_collision",),
     "dynamics.water": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics"),
     "kinematics.ik_path": ("inverse_kinematics_path",),

@@ -3,8 +3,9 @@
     python scripts/make_figures.py [FOLDER]
 
 ``arm.png``: the arm with its frames and centres. ``workspace.png``: the published region against the exact
-one. ``torque.png``: the torque over a recorded trajectory, split into its terms; the recording is the first
-one found beside the checkout or in ALPHA5_RECORDINGS, and without one this figure is left as it is.
+one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the torque over a recorded
+trajectory, split into its terms; the recording is the first one found beside the checkout or in
+ALPHA5_RECORDINGS, and without one this figure is left as it is.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ def main(folder: Path) -> None:
     for name, content in (
         ("arm.png", arm_picture()),
         ("workspace.png", workspace_figure()),
+        ("self_collision.png", _png(workspace_plot.self_collision_figure(samples=100_000))),
         ("torque.png", torque_figure()),
     ):
         if content is None:

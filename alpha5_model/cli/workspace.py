@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from alpha5_model.cli.options import words_beside
+from alpha5_model.cli.options import spinner, words_beside
+
+if TYPE_CHECKING:
+    from alpha5_model.kinematics.workspace import SampledShare
 
 
 def register(app: typer.Typer) -> None:
@@ -19,34 +22,59 @@ def register(app: typer.Typer) -> None:
 
 def workspace(
     plot: Annotated[Path | None, typer.Option(help="Write a picture: .png, .pdf or .svg.")] = None,
+    self_collision: Annotated[
+        bool,
+        typer.Option(
+            "--self-collision", help="Also what is reached in self-collision only; --plot draws it."
+        ),
+    ] = False,
+    samples: Annotated[int, typer.Option(help="Points that --self-collision tries.")] = 20_000,
     as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
 ) -> int:
     """The exact workspace, and how much of the published one is wrong.
 
-    Example: alpha5 workspace --plot workspace.pdf
+    Example: alpha5 workspace --self-collision --plot collision.pdf
     """
     from alpha5_model.files import check_outputs
     from alpha5_model.view.figures import FORMATS
 
     check_outputs((), plot=(plot, FORMATS))
+    share = None
+    if self_collision:
+        from alpha5_model.dynamics.self_collision import without_self_collision
+        from alpha5_model.kinematics.workspace import sampled_share
+
+        with spinner("trying points for self-collision"):
+            share = sampled_share(without_self_collision, samples)
     if plot is not None:
         from alpha5_model.view.workspace_plot import write
 
-        write(plot)
+        with spinner("drawing"):
+            write(plot, self_collision, samples)
     with words_beside(plot):
         if as_json:
-            typer.echo(json.dumps(_as_dict(), indent=2))
+            typer.echo(json.dumps(_as_dict(share), indent=2))
         else:
             _print()
+            if share is not None:
+                hit, error = 1 - share.share, share.standard_error
+                litres = 1e3 * share.total
+                typer.echo(
+                    f"Without self-collision {share.share * litres:.2f} L are reached; {hit:.1%} of the volume, "
+                    f"{hit * litres:.2f} L, in self-collision only\n(standard error {error:.2%}, "
+                    f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
+                )
             if plot is not None:
                 typer.echo(f"wrote {plot}")
     return 0
 
 
-def _as_dict() -> dict[str, object]:
+def _as_dict(share: SampledShare | None) -> dict[str, object]:
     from alpha5_model.kinematics import workspace as space
 
+    sampled = {} if share is None else {"without_self_collision": share._asdict()}
     return {
+        **sampled,
         "errors_of_the_published_region": asdict(space.published_errors()),
         "cross_section_area": {side: space.cross_section_area(side) for side in space.SIDES},
         "volume": space.volume(),

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.ik import inverse_kinematics
-from alpha5_model.kinematics.ik_choice import on_axis
+from alpha5_model.kinematics.ik_one import on_axis
 
 
 @dataclass(frozen=True, eq=False)

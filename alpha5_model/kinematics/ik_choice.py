@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik_one import AXIS_TOLERANCE, LIMIT_TOLERANCE
+from alpha5_model.kinematics.ik_one import LIMIT_TOLERANCE, on_axis
 from alpha5_model.kinematics.reach import nearest_reachable, reachable
 from alpha5_model.parameters import parameters
 
@@ -61,13 +61,6 @@ def pick(q: FloatArray, reference: FloatArray, allowed: BoolArray) -> FloatArray
     travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
     index = np.where(allowed, travel, np.inf).argmin(axis=-1)
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
-
-
-def on_axis(position: FloatArray) -> BoolArray:
-    """Targets on the yaw axis, where theta_0 is free, (...)."""
-    x, y = position[..., 0], position[..., 1]
-    with np.errstate(over="ignore"):
-        return np.asarray(np.sqrt(x * x + y * y) <= AXIS_TOLERANCE)  # as `solve_one` has it
 
 
 def require_solution(solutions: HasBranches) -> None:

@@ -6,6 +6,9 @@ import math
 from functools import cache
 from typing import NamedTuple
 
+import numpy as np
+
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.arm_plane import arm_plane
 
 #: A target this far beyond the edge of reach [m] is on it: rounding must not lose a solution.
@@ -70,6 +73,13 @@ def constants() -> Constants:
     )
 
 
+def on_axis(position: FloatArray) -> BoolArray:
+    """Targets on the yaw axis, where theta_0 is free, (...)."""
+    x, y = position[..., 0], position[..., 1]
+    with np.errstate(over="ignore"):
+        return np.asarray(np.sqrt(x * x + y * y) <= AXIS_TOLERANCE)  # as `solve_one` has it
+
+
 def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], int, int, bool]:
     """One target with all its edges, in plain floats.
 
@@ -83,8 +93,8 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
     theta_3, wrist_fits = _into_range(wrist - turns * math.tau, limits[3], LIMIT_TOLERANCE)
     radius = math.sqrt(x * x + y * y)
     h = z - c.d_0
-    singular = on_axis = radius <= AXIS_TOLERANCE
-    if on_axis:
+    singular = free = radius <= AXIS_TOLERANCE
+    if free:
         radius = 0.0
     q = [math.nan] * 16
     exists = within = 0
@@ -97,7 +107,7 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
             continue
         if above <= c.singular or below <= c.singular_folded:
             singular = True
-        if on_axis:
+        if free:
             theta_0, fits_0 = limits[0][2], True
         else:
             # The azimuth of a point at distance R is known to rounding / R.

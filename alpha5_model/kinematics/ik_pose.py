@@ -21,7 +21,8 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.ik import inverse_kinematics
-from alpha5_model.kinematics.ik_choice import candidates, on_axis, pick, require_solution
+from alpha5_model.kinematics.ik_choice import candidates, pick, require_solution
+from alpha5_model.kinematics.ik_one import on_axis
 from alpha5_model.spatial import wrap
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position

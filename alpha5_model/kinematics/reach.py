@@ -10,22 +10,29 @@ wedge lies in the wedge's face.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, flag, float_array
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
-from alpha5_model.kinematics.ik_batch import reached
+from alpha5_model.kinematics.ik_batch import reached, solve_batch
+from alpha5_model.kinematics.ik_one import on_axis
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
+#: Joint positions (M, 4) -> whether each will do, (M,).
+Accept = Callable[[FloatArray], BoolArray]
+#: Values of theta_0 that are tried on the yaw axis, where it is free.
+_YAWS = 36
 #: From here on only the direction of a point matters [m].
 _FAR = 1e100
 
 
-def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
+def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None = None) -> BoolArray:
     """Whether the tcp reaches a point: any branch of the inverse kinematics does.
 
     The wrist angle moves no point and plays no part.
@@ -33,6 +40,9 @@ def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
     Args:
         positions: In ``base_link``, (..., 3) [m].
         limits: Respect the limits of theta_0, theta_1 and theta_2; without, all angles are free.
+        accept: Counts a branch only if this returns True for its joint position: a function of (M, 4)
+            [rad], (M,) bool, such as `alpha5_model.without_self_collision`. theta_3 is the middle of its
+            range, and on the yaw axis theta_0 is tried every 10 degrees.
 
     Returns:
         (...) bool; the boundary belongs to the set.
@@ -46,8 +56,33 @@ def reachable(positions: ArrayLike, limits: bool = True) -> BoolArray:
     out = np.empty(len(rows), np.bool_)
     for start in range(0, len(rows), _BLOCK):
         part = slice(start, start + _BLOCK)
-        reached(rows[part], limits).any(axis=-1, out=out[part])
+        if accept is None:
+            reached(rows[part], limits).any(axis=-1, out=out[part])
+        else:
+            out[part] = _accepted(rows[part], limits, accept)
     return out.reshape(target.shape[:-1])
+
+
+def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
+    """Which points (N, 3) a branch reaches in a joint position that will do."""
+    g = arm_plane()
+    q, exists, within, _ = solve_batch(rows, np.asarray(g.middle[3]))
+    flags = within if limits else exists
+    yaws = np.linspace(g.lower[0], g.upper[0], _YAWS)
+    free = on_axis(rows)
+    found = np.zeros(len(rows), np.bool_)
+    for branch in range(q.shape[1]):
+        for k, yaw in enumerate((None, *yaws)):
+            left = np.flatnonzero(flags[:, branch] & ~found & (free | (k == 0)))
+            trial = q[left, branch]
+            if yaw is not None:
+                trial[:, 0] = yaw
+            if len(left):
+                answer = np.asarray(accept(trial))
+                if answer.shape != (len(left),) or answer.dtype != np.bool_:
+                    raise InputError("accept", answer, f"{len(left)} times True or False")
+                found[left] = answer
+    return found
 
 
 def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
@@ -95,7 +130,7 @@ def _project(points: FloatArray, limits: bool) -> FloatArray:
     best = np.full(len(points), np.inf)
     out = np.empty_like(points)
     for side in SIDES[:2]:
-        azimuth = _allowed_azimuth(points, side, limits)
+        azimuth = allowed_azimuth(points, side, limits)
         cos, sin = np.cos(azimuth), np.sin(azimuth)
         # In the half-plane at that azimuth; what sticks out of it no motion within it removes.
         radius = points[:, 0] * cos + points[:, 1] * sin
@@ -109,7 +144,7 @@ def _project(points: FloatArray, limits: bool) -> FloatArray:
     return out
 
 
-def _allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
+def allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
     """The azimuth nearest to each point's own that a pose can face, (N,) [rad]."""
     azimuth = np.arctan2(points[:, 1], points[:, 0])
     if not limits:

@@ -14,11 +14,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
+from alpha5_model.checks import (
+    BoolArray,
+    FloatArray,
+    choice,
+    count,
+    flag,
+    float_array,
+    generator,
+    real,
+    together,
+)
 from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
-from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable, reachable
+from alpha5_model.kinematics.reach import (
+    Accept,
+    allowed_azimuth,
+    distance_to_reach,
+    nearest_reachable,
+    reachable,
+)
 from alpha5_model.kinematics.singularities import (
     Singularities,
     manipulability,
@@ -32,6 +48,7 @@ __all__ = [
     "SIDES",
     "Arc",
     "PublishedErrors",
+    "SampledShare",
     "Singularities",
     "Torus",
     "boundary",
@@ -47,6 +64,7 @@ __all__ = [
     "published_tori",
     "reachable",
     "reachable_but_unpublished",
+    "sampled_share",
     "singular_elbow_angles",
     "singularities",
     "volume",
@@ -90,6 +108,23 @@ class PublishedErrors:
     reachable_volume: float
     unreachable_volume: float
     missed_volume: float
+
+
+class SampledShare(NamedTuple):
+    """A share of the reachable set, from points drawn evenly from it.
+
+    Attributes:
+        share: 0 to 1.
+        standard_error: Of the share, 1 sigma; of a binomial with one success and one failure more, so that
+            it is never zero.
+        total: Of what it is the share, exact [m^3], or [m^2] in a half-plane.
+        samples: Number of points.
+    """
+
+    share: float
+    standard_error: float
+    total: float
+    samples: int
 
 
 @cache
@@ -141,6 +176,47 @@ def volume(limits: bool = True) -> float:
     """
     limits = flag("limits", limits)
     return _revolved({side: first_moment(boundary(side, limits)) for side in SIDES}, limits)
+
+
+def sampled_share(
+    accept: Accept, samples: int = 20_000, seed: int = 0, azimuth: float | None = None
+) -> SampledShare:
+    """Share of the reachable volume that is reached in joint positions that will do.
+
+    With `alpha5_model.without_self_collision` it is the share that the arm reaches without touching itself.
+
+    Args:
+        accept: As for `reachable`.
+        samples: Number of points.
+        seed: Of the points.
+        azimuth: Of a half-plane through the yaw axis [rad]; the share is of its area then.
+
+    Raises:
+        InputError: Bad input, or an answer of ``accept`` that is not one True or False a row.
+    """
+    number, rng = count("samples", samples), generator(seed)
+    fixed = None if azimuth is None else real("azimuth", azimuth)
+    g = arm_plane()
+    parts: list[FloatArray] = []
+    while (found := sum(map(len, parts))) < number:
+        # Even in volume: R^2 is uniform; even in area: R is.
+        u, height, turn = rng.uniform(size=(3, 2 * (number - found) + 16))
+        radius = (g.a_0 + g.longest) * (np.sqrt(u) if fixed is None else u)
+        angle = 2 * math.pi * turn if fixed is None else np.full_like(turn, fixed)
+        z = g.d_0 + g.longest * (2 * height - 1)
+        points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
+        parts.append(points[reachable(points)][: number - found])
+    hits = int(reachable(np.concatenate(parts), accept=accept).sum())
+    if fixed is None:
+        total = volume()
+    else:
+        there = np.array([[math.cos(fixed), math.sin(fixed), 0.0]])
+        azimuths = {side: allowed_azimuth(there, side, True)[0] for side in SIDES[:2]}
+        open_to = [side for side, a in azimuths.items() if abs(math.cos(a - fixed) - 1) < 1e-12]
+        total = cross_section_area(open_to[0] if len(open_to) == 1 else "both")
+    smoothed = (hits + 1) / (number + 2)
+    error = math.sqrt(smoothed * (1 - smoothed) / number)
+    return SampledShare(hits / number, error, total, number)
 
 
 @cache

@@ -1,4 +1,6 @@
-"""A picture of the workspace: the exact reachable set beside the published one, in the half-plane."""
+"""Pictures of the workspace: the exact reachable set beside the published one, in the half-plane, and where
+it is reached in self-collision only.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +16,8 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.arcs import Arc
 from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.paths import URDF_PATH
+from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.figures import check_format, new_figure, write_figure
 
 #: Okabe and Ito's colours, told apart by colour-blind readers as well.
@@ -23,8 +27,19 @@ _FILL, _INK = "#E8EEF3", "#222222"
 _MEET = 1e-9
 
 
-def write(path: str | os.PathLike[str]) -> Path:
+#: Edge of the cells in which self-collision is counted [m].
+CELL = 0.015
+
+
+def write(
+    path: str | os.PathLike[str], self_collision: bool = False, samples: int = 20_000
+) -> Path:
     """Draw the picture and write it; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
+
+    Args:
+        path: The file.
+        self_collision: `self_collision_figure` in place of `figure`.
+        samples: Points behind its share.
 
     Raises:
         UnknownNameError: Another suffix.
@@ -32,7 +47,8 @@ def write(path: str | os.PathLike[str]) -> Path:
         OutputError: The file cannot be written.
     """
     check_format(path)
-    return write_figure(figure(), path, dpi=150)
+    page = self_collision_figure(samples=samples) if self_collision else figure()
+    return write_figure(page, path, dpi=150)
 
 
 def figure() -> Any:
@@ -56,6 +72,79 @@ def figure() -> Any:
             axes.spines[spine].set_visible(False)
     exact.set_ylabel("height above the base z (mm)")
     return page
+
+
+def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
+    """From above and from the side: how much of what the arm reaches it reaches in self-collision only.
+
+    Args:
+        cell: Edge of the cells whose centres are tried [m].
+        samples: Points behind the share in the title.
+    """
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import ListedColormap
+
+    from alpha5_model.dynamics.loading import load  # late: the other picture needs no Pinocchio
+    from alpha5_model.dynamics.self_collision import without_self_collision
+
+    plane = arm_plane()
+    side = math.ceil((plane.a_0 + plane.longest) / cell)
+    up = math.ceil(plane.longest / cell)
+    x, y, z = (cell * np.arange(-n, n + 1) for n in (side, side, up))
+    z = z + plane.d_0
+    grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+    reached = workspace.reachable(grid)
+    free = np.zeros_like(reached)
+    free[reached] = workspace.reachable(grid[reached], accept=without_self_collision)
+    urdf, at = Path(URDF_PATH), load().forward_kinematics(np.zeros(4), "link_0").homogeneous
+    bodies = urdf_bodies(urdf.read_text("utf-8"), str(urdf.parent))
+    base = [body.mesh.vertices[body.mesh.faces] for body in bodies if body.link == "link_0"]
+    points = np.concatenate(base) @ at[:3, :3].T + at[:3, 3]
+
+    page = new_figure(9.6, 4.7)
+    views = page.subplots(1, 2)
+    for axes, along, rows, name in ((views[0], 2, y, "y"), (views[1], 1, z, "z")):
+        seen = reached.sum(axis=along)
+        only_hit = seen - free.sum(axis=along)
+        share = 100 * only_hit / np.maximum(seen, 1)
+        _cells(axes, x, rows, seen, ListedColormap([_FILL]))
+        image = _cells(axes, x, rows, share, "YlOrRd")
+        faces = points[:, :, [0, 3 - along]] * 1e3
+        axes.add_collection(PolyCollection(faces, facecolor=_INK, edgecolor=_INK, linewidth=0.3))
+        axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
+        axes.set_aspect("equal")
+        axes.set_xlim(-390, 390)
+        axes.set_ylim(-390, 390)
+        axes.set_xlabel("x (mm)")
+        axes.set_ylabel(f"{name} (mm)")
+        for spine in ("top", "right"):
+            axes.spines[spine].set_visible(False)
+    views[0].set_title("from above: share of the reached heights", fontsize=10)
+    views[1].set_title("from the side: share of the reached widths", fontsize=10)
+    views[0].annotate(
+        "theta_0 stops",
+        (-300, 20),
+        (-385, 330),
+        fontsize=8,
+        arrowprops={"arrowstyle": "-", "lw": 0.6},
+    )
+    found = workspace.sampled_share(without_self_collision, samples)
+    page.suptitle(
+        f"{1 - found.share:.1%} ± {found.standard_error:.1%} of the reachable volume is reached only in "
+        "self-collision",
+        fontsize=11,
+    )
+    bar = page.colorbar(image, ax=views, shrink=0.8, pad=0.02)
+    bar.set_label("reached only in self-collision (%)")
+    return page
+
+
+def _cells(axes: Any, x: Any, y: Any, values: Any, colors: Any) -> Any:
+    """Cells about (x, y) [m], left open where there is nothing."""
+    shown = np.ma.masked_equal(values, 0).T
+    return axes.pcolormesh(
+        x * 1e3, y * 1e3, shown, cmap=colors, vmin=0, vmax=100, shading="nearest"
+    )
 
 
 def _draw_exact(axes: Any) -> None:
