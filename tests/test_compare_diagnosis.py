@@ -390,6 +390,10 @@ def test_a_tensor_about_another_point_is_named(body):
             expected = f"{whose}, about the wrong point, {away:.1f} mm from the COM"
             assert inertia_reason(body, wrong) == expected
     assert inertia_reason(body, tensor(reference.INERTIA[body]) - steiner(0.01, point)) is None
+    wrong = tensor(reference.INERTIA[body], +1) + steiner(reference.MASS[body], (0.04, -0.02, 0.01))
+    assert inertia_reason(body, wrong) == (
+        f"{NEW}, about the wrong point, 45.8 mm from the COM, {SOLIDWORKS}"
+    )
 
 
 @pytest.mark.parametrize("body", range(5))
@@ -465,8 +469,8 @@ def test_each_wrong_mass_is_named():
         water = {
             "an earlier revision's mass": OLD_MASS[body],
             "that of the whole arm": sum(reference.MASS),
-            "in grams": reference.MASS[body] * 1e3,
-            "in tonnes": reference.MASS[body] / 1e3,
+            "the mass of Table 2": reference.MASS[body],
+            "the mass of Table 2, in grams": reference.MASS[body] * 1e3,
         }
         for k in set(range(5)) - {body}:
             water[f"that of link_{k}"] = reference.MASS[k]
@@ -541,9 +545,14 @@ def test_solids_of_the_bodys_size_are_named():
     assert solid_of_size(LINKS[2], 0.4, box(0.4, (0.0302, 0.0413, 0.1507))) is None  # no guess
     uneven = cylinder(0.4, 0.02, 0.15, 0) * np.diag([1, 1, 1.01])
     assert solid_of_size(LINKS[2], 0.4, uneven) is None
-    tilted = cylinder(0.4, 0.02, 0.15, 0)
-    tilted[0, 1] = tilted[1, 0] = 1e-7
-    assert solid_of_size(LINKS[2], 0.4, tilted) is None
+    tilt = ASTRAY[:3, :3]
+    tilted = tilt @ cylinder(0.4, 0.02, 0.15, 0) @ tilt.T
+    assert solid_of_size(LINKS[2], 0.4, tilted) == (
+        "a solid cylinder of radius 20.0 mm and length 150.0 mm"
+    )
+    flat = cylinder(0.4, 0.02, 0.004, 0)
+    assert "length 4.0 mm" in solid_of_size(LINKS[2], 0.4, flat)
+    assert solid_of_size(LINKS[2], 0.4, np.diag([2e-4, 2e-4, 0.0])) is None
     assert solid_of_size(LINKS[2], -0.4, cylinder(-0.4, 0.02, 0.15, 0)) is None
 
 
@@ -568,6 +577,19 @@ def test_guesses_are_named_link_by_link():
     assert explain_guess(LINKS[4], [four]) == guess
     full = link("f", 0.2, tensor(reference.INERTIA[0]))
     assert explain_guess(LINKS[4], [one, full]) is None
+    assert explain_guess(LINKS[4], [full]) is None
+    tilt = ASTRAY[:3, :3]
+    tilted = link("g", 0.2, tilt @ one.inertia @ tilt.T)
+    assert explain_guess(LINKS[4], [tilted]) == f"a guess: {rod}"
+    assert explain_guess(LINKS[4], [tilted, four]) is None
+    tilt = turned(1, 5e-5)  # rpy="0 1.57075 0"
+    assert (
+        explain_guess(LINKS[4], [link("h", 0.2, tilt @ one.inertia @ tilt.T)]) == f"{guess}: {rod}"
+    )
+    odd = four.inertia.copy()
+    for product, plain in ((0.9e-4, True), (1.1e-4, False)):
+        odd[0, 1] = odd[1, 0] = product * 2.5e-6
+        assert explain_guess(LINKS[4], [link("i", 0.05, odd)]) == (guess if plain else None)
 
 
 def test_subjects_are_the_whole_without_dummies_then_the_heaviest_link():

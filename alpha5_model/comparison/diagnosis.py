@@ -37,6 +37,8 @@ INERTIA_TOLERANCE = 5e-3  # of the largest moment
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
 COM_DIGITS = (1e-4, 5e-4)  # [m]
 INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
+#: Products and differences of moments below this are rounding.
+GUESS_DIGITS = 1e-4  # of the largest moment
 #: A lighter link is a dummy, there to please a tool.
 TOKEN_MASS = 1e-3  # [kg]
 
@@ -83,14 +85,12 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
 def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a mass is not Table 2's; None if no hypothesis gives it."""
     mass, body = subject.mass, int(link.name[-1])
-    for factor, words in ((1e3, "in grams"), (1e-3, "in tonnes")):
-        if abs(mass - link.mass * factor) <= MASS_TOLERANCE * link.mass * factor:
-            return words
     within = _last_digit(MASS_DIGITS, subject, mass)
     if water := _water(link, subject):
         grams = water.mass * 1e3
         return f"{water.whose} mass and the water's added mass, {grams:.0f} g, of {water.cylinder}"
-    fit = _fit(wrong_masses(body), [("", np.array(mass), 0, 1.0)], (within, within))
+    views: list[View] = [("", np.array(mass), 0, 1.0), ("in grams", np.array(mass), 1, 1e3)]
+    fit = _fit(wrong_masses(body), views, (within, within))
     return fit.words if fit else None
 
 
@@ -142,19 +142,22 @@ def _water(link: LinkParameters, subject: Inertial) -> AddedWater | None:
 
 
 def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:
-    """What a tensor without products was guessed from; None if it has products."""
+    """What solids the tensors were guessed from; None if they have products and are not of solids."""
     solid = [w for w in written if abs(w.mass) > TOKEN_MASS]
-    diagonals = [np.diag(w.inertia) for w in solid]
-    if any((w.inertia - np.diag(d)).any() for w, d in zip(solid, diagonals, strict=True)):
-        return None
-    words = []
-    for w, diagonal in zip(solid, diagonals, strict=True):
+    words, plain = [], True
+    for w in solid:
+        moments = np.diag(w.inertia)
+        # an <origin rpy> of few digits leaves products of its own rounding
+        plain &= bool(np.abs(w.inertia - np.diag(moments)).max() <= GUESS_DIGITS * moments.max())
         shape = solid_of_size(link, w.mass, w.inertia)
-        if np.ptp(diagonal) <= 1e-9 * diagonal.max():
-            shape = f"a dummy, {diagonal[0]:g} kg m^2 about every axis"
+        if plain and np.ptp(moments) <= GUESS_DIGITS * moments.max():
+            shape = f"a dummy, {moments[0]:g} kg m^2 about every axis"
         if shape:
             words.append(f"{w.link} {shape}" if len(solid) > 1 else shape)
-    return "a guess without products of inertia" + (": " if words else "") + "; ".join(words)
+    if not plain and len(words) < len(solid):
+        return None
+    head = "a guess without products of inertia" if plain else "a guess"
+    return ": ".join(filter(None, (head, "; ".join(words))))
 
 
 @cache

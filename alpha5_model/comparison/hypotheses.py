@@ -18,7 +18,12 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.mapping import FourJointArm
 from alpha5_model.comparison.revisions import revisions
 from alpha5_model.fluids import FRESH_WATER, SEA_WATER
-from alpha5_model.inertia import flip_products, point_mass_tensor, rotate_tensor
+from alpha5_model.inertia import (
+    flip_products,
+    point_mass_tensor,
+    principal_moments,
+    rotate_tensor,
+)
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import LinkParameters, parameters
 
@@ -89,9 +94,9 @@ def _move(transform: FloatArray, point: FloatArray) -> FloatArray:
 
 
 def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
-    """The 47 ways to exchange and reverse axes; the plain ones first."""
+    """The 47 ways to exchange and reverse axes; one reversed axis before two that contain it."""
     for order in itertools.permutations(range(3)):
-        for signs in sorted(itertools.product((1, -1), repeat=3), key=lambda s: s.count(-1)):
+        for signs in itertools.product((1, -1), repeat=3):
             matrix = np.zeros((3, 3))
             matrix[range(3), order] = signs
             wrong = [_AXES[i] for i in range(3) if signs[i] < 0]
@@ -248,39 +253,37 @@ def added_water(
 
 def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
     """The printed I_COM about another point than the COM, if it is that: three unknowns, six numbers."""
-    for table in revisions():
-        shift = (tensor - table.inertia[body]) / mass
-        square = np.trace(shift) / 2
-        outer = square * np.eye(3) - shift
-        values, vectors = np.linalg.eigh(outer)
+    for table, solidworks in itertools.product(revisions(), (False, True)):
+        right = flip_products(table.inertia[body]) if solidworks else table.inertia[body]
+        shift = (tensor - right) / mass
+        square = float(np.trace(shift)) / 2
+        values, vectors = np.linalg.eigh(square * np.eye(3) - shift)  # p p^T
         point = vectors[:, 2] * np.sqrt(max(values[2], 0.0))
-        error = np.abs(tensor - table.inertia[body] - point_mass_tensor(mass, point)).max()
-        if square > 0 and error <= tolerance:
-            away = np.sqrt(square) * 1e3
-            return f"{table.numbers}, about the wrong point, {away:.1f} mm from the COM"
+        error = np.abs(tensor - right - point_mass_tensor(mass, point)).max()
+        if mass * square > 5 * tolerance and error <= tolerance:
+            words = f"{table.numbers}, about the wrong point, {np.sqrt(square) * 1e3:.1f} mm from the COM"
+            return words + f", {SOLIDWORKS}" * solidworks
     return None
 
 
 def solid_of_size(link: LinkParameters, mass: float, tensor: FloatArray) -> str | None:
-    """A solid cylinder or box of about the body's size that has this diagonal tensor, if one has."""
-    moments, largest = np.diag(tensor), np.abs(tensor).max()
-    sizes = SIZE_SLACK * np.ptp(link.bounds, axis=1)
-    if mass <= 0 or (tensor - np.diag(moments)).any():
+    """A solid cylinder or box of about the body's size that has these principal moments, if one has."""
+    moments = principal_moments(tensor)
+    sizes = np.sort(SIZE_SLACK * np.ptp(link.bounds, axis=1))
+    if mass <= 0 or moments[0] <= 0:
         return None
     for axis in range(3):
-        along, (one, two) = moments[axis], np.delete(moments, axis)
-        if abs(one - two) > 1e-3 * largest or not along > 0:
-            continue
-        radius = np.sqrt(2 * along / mass)
+        one, two = np.delete(moments, axis)
+        radius = np.sqrt(2 * moments[axis] / mass)
         square = 12 * one / mass - 3 * radius**2
-        if square > 0 and radius <= SIZE_SLACK * _radius(link) and np.sqrt(square) <= sizes.max():
+        round_ = two - one <= 1e-3 * moments[2] and radius <= SIZE_SLACK * _radius(link)
+        if round_ and 0 < square <= sizes[2] ** 2:
             length = np.sqrt(square) * 1e3
             return f"a solid cylinder of radius {radius * 1e3:.1f} mm and length {length:.1f} mm"
-    squares = 6 / mass * (moments.sum() - 2 * moments)
-    sides = np.sqrt(np.maximum(squares, 0.0))
+    sides = np.sqrt(np.maximum(6 / mass * (moments.sum() - 2 * moments), 0.0))[::-1]
     # Any three moments are those of some box: only sides of whole millimetres tell of a guess.
     whole = np.abs(sides * 1e3 - np.round(sides * 1e3)).max() < 0.05
-    if whole and sides.min() > 1e-3 and (np.sort(sides) <= np.sort(sizes)).all():
+    if whole and sides[0] > 1e-3 and (sides <= sizes).all():
         x, y, z = sides * 1e3
         return f"a solid box of {x:.0f} x {y:.0f} x {z:.0f} mm"
     return None
