@@ -39,8 +39,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import LARGEST, FloatArray, bounded, choice, float_array, real
-from alpha5_model.errors import MissingParameterError, ShapeError
+from alpha5_model.checks import LARGEST, FloatArray, bounded, choice, fitting, real
+from alpha5_model.errors import MissingParameterError
 from alpha5_model.parameters import ActuatorParameters, parameters
 
 #: Which of the contradicting motor constants are believed.
@@ -367,13 +367,5 @@ def actuator(
 
 def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
     """Checked arrays that broadcast with one another; None, which is left out, as zero."""
-    arrays = {
-        name: bounded(name, float_array(name, 0.0 if value is None else value, ()))
-        for name, value in values.items()
-    }
-    try:
-        np.broadcast_shapes(*(array.shape for array in arrays.values()))
-    except ValueError:
-        shapes = tuple(array.shape for array in arrays.values())
-        raise ShapeError(" and ".join(arrays), shapes, "shapes that broadcast") from None
-    return list(arrays.values())
+    given = {name: (0.0 if value is None else value, ()) for name, value in values.items()}
+    return [bounded(*named) for named in zip(given, fitting(**given), strict=True)]

@@ -158,18 +158,29 @@ def listed(name: str, value: Any, expected: str) -> list[Any]:
         raise InputError(name, value, expected) from None
 
 
+def fitting(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
+    """Arrays of real numbers with their trailing shapes, whose leading shapes broadcast.
+
+    Raises:
+        InputError: Not finite real numbers; ShapeError: of shapes that do not fit.
+    """
+    arrays = [float_array(name, value, trailing) for name, (value, trailing) in given.items()]
+    shapes = tuple(array.shape for array in arrays)
+    try:
+        ends = (len(trailing) for _, trailing in given.values())
+        np.broadcast_shapes(*(s[: len(s) - n] for s, n in zip(shapes, ends, strict=True)))
+    except ValueError:
+        raise ShapeError(", ".join(given), shapes, "leading shapes that broadcast") from None
+    return arrays
+
+
 def together(**values: ArrayLike) -> list[FloatArray]:
     """Arrays of real numbers, broadcast to one shape.
 
     Raises:
-        InputError: Not finite real numbers, or shapes that do not broadcast.
+        InputError: Not finite real numbers; ShapeError: of shapes that do not broadcast.
     """
-    arrays = [float_array(name, value, ()) for name, value in values.items()]
-    try:
-        return list(np.broadcast_arrays(*arrays))
-    except ValueError:
-        shapes = tuple(array.shape for array in arrays)
-        raise InputError(", ".join(values), shapes, "shapes that broadcast together") from None
+    return list(np.broadcast_arrays(*fitting(**{k: (v, ()) for k, v in values.items()})))
 
 
 def generator(seed: Any) -> np.random.Generator:

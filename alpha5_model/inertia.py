@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, float_array, is_rotation, real, shaped
-from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.checks import FloatArray, bounded, fitting, float_array, is_rotation, real, shaped
+from alpha5_model.errors import InputError
 
 
 def flip_products(inertia: ArrayLike) -> FloatArray:
@@ -250,17 +250,8 @@ def inconsistencies(
 
 
 def _together(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
-    """Arrays with their trailing shapes, leading axes that broadcast, and no number too large."""
-    arrays, leading = [], []
-    for name, (value, trailing) in given.items():
-        arrays.append(bounded(name, float_array(name, value, trailing)))
-        leading.append(arrays[-1].shape[: arrays[-1].ndim - len(trailing)])
-    try:
-        np.broadcast_shapes(*leading)
-    except ValueError:
-        shapes = tuple(array.shape for array in arrays)
-        raise ShapeError(", ".join(given), shapes, "leading shapes that broadcast") from None
-    return arrays
+    """Arrays that fit one another, and no number too large."""
+    return [bounded(*named) for named in zip(given, fitting(**given), strict=True)]
 
 
 def _body(mass: ArrayLike, com: ArrayLike, **tensor: ArrayLike) -> list[FloatArray]:

@@ -12,6 +12,7 @@ import math
 import pickle
 import xml.etree.ElementTree as ET
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -418,6 +419,14 @@ def test_the_answer_at_q_does_not_depend_on_what_was_asked_before(gripper):
         x[0] for x in first[::10]
     ]
     assert [arm.collision_distance(x) for x in q] == [x[0] for x in first]
+
+
+def test_bodies_that_touch_collide(collisions, monkeypatch):
+    q = np.array(NAMED_POSES[next(iter(NAMED_POSES))])
+    assert not collisions.in_collision(q)
+    here = collisions.clearance(q)
+    monkeypatch.setattr(collisions, "clearance", lambda _: replace(here, distance=0.0))
+    assert collisions.in_collision(q)
 
 
 def test_open_jaws_reach_farther():

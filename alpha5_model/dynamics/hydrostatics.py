@@ -16,7 +16,6 @@ import pinocchio as pin
 
 from alpha5_model.checks import FloatArray, choice, frozen, real
 from alpha5_model.dynamics.vectors import vector
-from alpha5_model.errors import InputError
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import Alpha5Parameters
 
@@ -65,21 +64,6 @@ def displacement(model: Any, body: str, frame: str, volume: float, cob: FloatArr
     """A volume whose centre is given in a frame, moved to the joint that carries the frame."""
     carrier = model.frames[model.getFrameId(frame)]
     return Displacement(body, model.names[carrier.parentJoint], volume, carrier.placement.act(cob))
-
-
-def displacement_tuple(bodies: Any) -> tuple[Displacement, ...]:
-    """Check a collection of displacements.
-
-    Raises:
-        InputError: Anything else.
-    """
-    if not isinstance(bodies, Iterable) or isinstance(bodies, str):
-        raise InputError("displacements", bodies, "a collection of Displacement")
-    checked = tuple(bodies)
-    for i, body in enumerate(checked):
-        if not isinstance(body, Displacement):
-            raise InputError(f"displacements[{i}]", body, "a Displacement")
-    return checked
 
 
 def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density: float) -> Any:

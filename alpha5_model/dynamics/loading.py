@@ -7,11 +7,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import choice
+from alpha5_model.checks import choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
@@ -20,7 +19,7 @@ from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
 from alpha5_model.dynamics.vectors import vector
 from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
-from alpha5_model.errors import InputError, MissingFileError
+from alpha5_model.errors import MissingFileError
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
@@ -53,10 +52,8 @@ def load(
     """
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
-    if not isinstance(floating_base, bool | np.bool_):
-        raise InputError("floating_base", floating_base, "True or False")
     g = vector("gravity", gravity, 3)
-    parsed, mimics, displaced = _parsed(gripper, bool(floating_base), chosen)
+    parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
@@ -87,7 +84,7 @@ def robot_wrapper(
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
     text, folder = _urdf(gripper, chosen)
-    model = mimicking(*_parsed(gripper, bool(floating_base), chosen)[:2])
+    model = mimicking(*_parsed(gripper, flag("floating_base", floating_base), chosen)[:2])
     collision, visual = (
         pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
         for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)

@@ -11,13 +11,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, real
+from alpha5_model.checks import FloatArray, instance, listed, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
     displaced_fluid_model,
-    displacement_tuple,
     net_weight_model,
 )
 from alpha5_model.dynamics.vectors import position_check
@@ -74,7 +73,8 @@ class Statics:
     ) -> None:
         if not isinstance(model, pin.Model) or not any(i.mass for i in list(model.inertias)[1:]):
             raise InputError("model", model, "a pin.Model with moving masses")
-        self.displacements = displacement_tuple(displacements)
+        bodies = listed("displacements", displacements, "Displacements")
+        self.displacements = tuple(instance("displacements", b, Displacement) for b in bodies)
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
         self._model = model.copy()
         self._fluid = displaced_fluid_model(model, self.displacements, self.fluid_density)
