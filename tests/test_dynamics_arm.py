@@ -18,11 +18,13 @@ from reference import MASS, VOLUME
 
 import alpha5_model as a5
 from alpha5_model.checks import LARGEST
+from alpha5_model.dynamics import loading
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.payload import Payload
 from alpha5_model.dynamics.series import torque_terms
 from alpha5_model.errors import (
     InputError,
+    MissingFileError,
     NonFiniteError,
     ShapeError,
     UnknownNameError,
@@ -512,6 +514,13 @@ def test_load_refuses_what_it_cannot_use():
             a5.load(gravity=gravity)
     with pytest.raises(InputError, match="floating_base"):
         a5.load(floating_base="yes")
+
+
+def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
+    monkeypatch.setattr(loading, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
+    loading._parsed.cache_clear()
+    with pytest.raises(MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"):
+        a5.load()
 
 
 def test_loaded_arms_are_independent():

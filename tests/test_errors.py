@@ -75,6 +75,12 @@ def test_attributes_and_messages() -> None:
     assert len(str(errors.InputError("q", "x" * 500, "a number"))) < 150
 
 
+def test_a_long_value_is_cut_at_80_characters() -> None:
+    for length, shown in ((78, "'" + 78 * "x" + "'"), (79, "'" + 76 * "x" + "...")):
+        message = str(errors.InputError("q", length * "x", "a number"))
+        assert message == f"q: expected a number, got {shown}"
+
+
 def test_a_value_that_prints_over_several_lines_leaves_the_message_on_one() -> None:
     value = np.eye(2) * 1j
     assert "\n" in repr(value)

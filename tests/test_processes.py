@@ -107,6 +107,7 @@ def test_a_forked_child_and_its_child_use_one_thread():
 
 def test_threads_go_by_the_size_of_the_batch(monkeypatch):
     n = batch.STATES_PER_THREAD
+    assert n == 5000  # as `Arm.inverse_dynamics_batch` says
     counts = {
         (8, 0): 1,
         (8, 1): 1,
@@ -119,6 +120,17 @@ def test_threads_go_by_the_size_of_the_batch(monkeypatch):
     assert {case: batch.thread_count(*case) for case in counts} == counts
     monkeypatch.setattr(batch, "available_threads", lambda: 5)
     assert batch.thread_count(None, 99 * n) == 5
+
+
+def test_the_processors_are_those_of_this_process_or_of_the_machine(monkeypatch):
+    assert 1 <= batch.available_threads() <= os.cpu_count()
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {1, 5, 7}, raising=False)
+    assert batch.available_threads() == 3
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(os, "cpu_count", lambda: 6)
+    assert batch.available_threads() == 6
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert batch.available_threads() == 1
 
 
 def test_one_state_costs_no_thread():
