@@ -19,7 +19,8 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.cli.main import app
+from alpha5_model.cli.main import COMMANDS as COMMAND_NAMES
+from alpha5_model.cli.main import application
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.files import atomic_write, atomic_write_all, check_outputs, output_format
 
@@ -323,7 +324,7 @@ COMMANDS = {
 
 
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
-    for command in app.registered_commands:
+    for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters
         paths = {

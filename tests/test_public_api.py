@@ -141,7 +141,9 @@ def surface() -> list[str]:
 def command_line() -> Iterator[str]:
     import typer.main
 
-    from alpha5_model.cli.main import app
+    from alpha5_model.cli.main import COMMANDS, application
+
+    app = application(*COMMANDS)
 
     for name, command in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
         yield f"alpha5 {name}"

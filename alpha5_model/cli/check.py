@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated, TypeVar
 
 import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.padding import Padding
+from rich.table import Table
 
 from alpha5_model.cli.options import correction_names, spinner
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.padding import Padding
-
-    from alpha5_model.consistency.row import AuditRow
-    from alpha5_model.description.verification import FileCheck
+from alpha5_model.consistency.document import audit
+from alpha5_model.consistency.row import AuditRow
+from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
+from alpha5_model.errors import InputError
 
 RowT = TypeVar("RowT")
 KeyT = TypeVar("KeyT")
@@ -33,11 +37,6 @@ _TITLES = {
     "claim": "The documents against themselves",
     "observation": "Observed in their numbers, not claimed by them",
 }
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("check")(check)
 
 
 def check(
@@ -58,16 +57,11 @@ def check(
 
     Example: alpha5 check --urdf my_arm.urdf
     """
-    from alpha5_model.description.verification import verify_generated, verify_urdf
-    from alpha5_model.errors import InputError
-
     if urdf is None and corrections is not None:
         raise InputError("corrections", corrections, "a file to check, --urdf FILE")
     document: Sequence[AuditRow] = ()
     with spinner("checking"):
         if urdf is None:
-            from alpha5_model.consistency.document import audit
-
             document, files = audit(), verify_generated()
         else:
             files = verify_urdf(urdf, correction_names(corrections))
@@ -75,8 +69,6 @@ def check(
     if as_json:
         _print_json(document, files, failed)
     else:
-        from rich.console import Console
-
         console = Console(highlight=False)
         for kind, title in _TITLES.items():
             if of_kind := [row for row in document if row.kind == kind]:
@@ -87,8 +79,6 @@ def check(
 
 
 def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:
-    import json
-    from dataclasses import asdict
 
     content = {
         "document": [asdict(row) for row in document],
@@ -99,7 +89,6 @@ def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed
 
 
 def _print_document(console: Console, title: str, rows: Sequence[AuditRow], every: bool) -> None:
-    from rich.padding import Padding
 
     console.rule(f"[bold]{title}", align="left", style="dim")
     console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
@@ -128,8 +117,6 @@ def _print_document(console: Console, title: str, rows: Sequence[AuditRow], ever
 
 
 def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
-    from rich.padding import Padding
-    from rich.table import Table
 
     console.rule("[bold]The files against the documents", align="left", style="dim")
     for file, of_file in _grouped(rows, lambda row: row.file):
@@ -146,9 +133,6 @@ def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
 
 def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
     """Lines of verdict, subject, measured, must be, effect in columns that fit 80 characters."""
-    from rich.padding import Padding
-    from rich.table import Table
-
     table = Table.grid(padding=(0, 1))
     table.add_column(width=10)
     table.add_column(width=17)
@@ -204,13 +188,11 @@ def _coloured(verdict: str) -> str:
 
 
 def _plain(text: str) -> str:
-    from rich.markup import escape
 
     return escape(text)
 
 
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
-    from collections import Counter
 
     parts = []
     words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))

@@ -5,19 +5,21 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from alpha5_model.cli.options import spinner, words_beside
-
-if TYPE_CHECKING:
-    from alpha5_model.comparison.records import Comparison
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("compare")(compare)
+from alpha5_model.comparison.records import Comparison
+from alpha5_model.comparison.report import compare as run
+from alpha5_model.errors import InputError
+from alpha5_model.files import check_outputs
+from alpha5_model.view.comparison_plot import plot_comparison
+from alpha5_model.view.figures import FORMATS
 
 
 def compare(
@@ -37,13 +39,7 @@ def compare(
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """
-    from alpha5_model.comparison.report import compare as run
-    from alpha5_model.files import check_outputs
-    from alpha5_model.view.figures import FORMATS
-
     check_outputs([other], plot=(plot, FORMATS))
-    if plot is not None:
-        from alpha5_model.view.comparison_plot import plot_comparison
     with spinner("comparing"):
         comparison = run(other, _pairs(joints), samples)
     if plot is not None:
@@ -59,7 +55,6 @@ def compare(
 
 
 def _pairs(text: str) -> dict[str, str]:
-    from alpha5_model.errors import InputError
 
     pairs: dict[str, str] = {}
     for part in filter(None, (p.strip() for p in text.split(","))):
@@ -71,10 +66,6 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _print(comparison: Comparison) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
 
     console = Console(highlight=False)
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import numpy as np
 import typer
 
-if TYPE_CHECKING:
-    from alpha5_model.checks import FloatArray
+from alpha5_model.checks import FloatArray
+from alpha5_model.consistency.document import audit
+from alpha5_model.description import variants
+from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.poses import named_pose
+from alpha5_model.description.verification import verify_urdf
+from alpha5_model.dynamics.loading import load
+from alpha5_model.errors import OutputError
+from alpha5_model.files import atomic_write, is_stream
+from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.view.arm_poses import named_poses
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.framing import framed
+from alpha5_model.view.page import static_page
+from alpha5_model.view.picture import picture_png
+from alpha5_model.view.tour import tour
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("demo")(demo)
 
 
 def demo(
@@ -26,9 +36,6 @@ def demo(
 
     Example: alpha5 demo --output /tmp/alpha5
     """
-    from alpha5_model.errors import OutputError
-    from alpha5_model.files import is_stream
-
     if is_stream(output):
         raise OutputError(output, "it is no folder")
     passed = _describe(output)
@@ -42,17 +49,13 @@ def demo(
 
 
 def _describe(output: Path) -> bool:
-    from alpha5_model.description.mesh_assets import mesh_assets
-    from alpha5_model.description.variants import Variant, urdf
-    from alpha5_model.description.verification import verify_urdf
-    from alpha5_model.files import atomic_write
 
     typer.echo("1. Description: the document's tables become URDF")
     for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
         atomic_write(output / "meshes" / name, content)
     passed = True
     for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
-        text = urdf(Variant(gripper=gripper, mesh_prefix="meshes/"))
+        text = variants.urdf(variants.Variant(gripper=gripper, mesh_prefix="meshes/"))
         path = atomic_write(output / name, text)
         rows = verify_urdf(path)
         failed = [row for row in rows if row.verdict == "failed"]
@@ -75,7 +78,6 @@ def _describe(output: Path) -> bool:
 
 
 def _audit() -> None:
-    from alpha5_model.consistency.document import audit
 
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
@@ -92,9 +94,6 @@ def _audit() -> None:
 
 
 def _solve() -> FloatArray:
-    from alpha5_model.description.poses import named_pose
-    from alpha5_model.dynamics.loading import load
-    from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 
     arm = load()
     solutions = inverse_kinematics(TARGET)
@@ -113,7 +112,6 @@ def _solve() -> FloatArray:
 
 
 def _compute(q: FloatArray) -> None:
-    from alpha5_model.dynamics.loading import load
 
     water, air = load(), load(fluid_density=0.0)
     typer.echo(
@@ -129,16 +127,6 @@ def _compute(q: FloatArray) -> None:
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:
-    import numpy as np
-
-    from alpha5_model.dynamics.loading import load
-    from alpha5_model.files import atomic_write
-    from alpha5_model.view.arm_poses import named_poses
-    from alpha5_model.view.build import build_scene
-    from alpha5_model.view.framing import framed
-    from alpha5_model.view.page import static_page
-    from alpha5_model.view.picture import picture_png
-    from alpha5_model.view.tour import tour
 
     typer.echo("5. Pictures")
     arm = load(gripper="jaws")

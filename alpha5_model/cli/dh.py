@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from alpha5_model.errors import InputError, ShapeError
-
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.dh import DHChain
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    # Numbers may be negative: what is no option is an argument.
-    app.command("dh", context_settings={"ignore_unknown_options": True})(dh)
+from alpha5_model.kinematics.arm_types import classify, task_capability
+from alpha5_model.kinematics.dh import DHChain, DHLink
 
 
 def dh(
@@ -41,10 +35,6 @@ def dh(
     Example: alpha5 dh 0.5 1.2 1 0
     Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
     """
-    import json
-
-    from alpha5_model.kinematics.arm_types import classify, task_capability
-
     chain = _chain(link, urdf, frame)
     position = chain.home if not q else _position(q, chain)
     frames = chain.frames(position)
@@ -79,7 +69,6 @@ def dh(
 
 
 def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
-    from alpha5_model.kinematics.dh import DHChain, DHLink
 
     if link and urdf is not None:
         raise InputError("--link, --urdf", (link, str(urdf)), "one of the two")

@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
+from alpha5_model.checks import choice
 from alpha5_model.cli.options import FLUID_HELP, correction_names, fluid_density, triple
+from alpha5_model.description import committed
+from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
+from alpha5_model.description.sdf import SdfOptions, sdf_files
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.errors import InputError, OutputError
+from alpha5_model.files import atomic_write, atomic_write_all, check_outputs, is_stream
+from alpha5_model.paths import REPOSITORY_PATH
 
 MESH_URIS = ("relative", "package", "file")
 FORMATS = ("urdf", "mjcf", "sdf")
@@ -28,11 +37,6 @@ _NOT_IN_ALL = {
     "actuators": ("mjcf",),
     "drag": ("mjcf",),
 }
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("generate")(generate)
 
 
 def generate(
@@ -89,25 +93,15 @@ def generate(
     if check or update:
         _refuse_options_beside(context, "check" if check else "update")
         return _check() if check else _update()
-    from alpha5_model.checks import choice
-    from alpha5_model.description.mesh_assets import mesh_assets
-    from alpha5_model.description.variants import Variant, urdf
-    from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write_all, check_outputs, is_stream
-    from alpha5_model.paths import REPOSITORY_PATH
 
     chosen_corrections = correction_names(corrections)
     _refuse_options_of_other_formats(context, choice("format", description_format, FORMATS))
     if description_format == "mjcf":
-        from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
-
         options = MjcfOptions(
             gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections
         )
         return _write_folder(mjcf_files(options), output, "alpha5.xml")
     if description_format == "sdf":
-        from alpha5_model.description.sdf import SdfOptions, sdf_files
-
         world = SdfOptions(gripper, fluid_density(fluid), chosen_corrections)
         return _write_folder(sdf_files(world), output, "model.sdf")
     prefixes = {
@@ -144,7 +138,6 @@ def generate(
 
 
 def _refuse_options_of_other_formats(context: typer.Context, description_format: str) -> None:
-    from alpha5_model.errors import InputError
 
     homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
     for name, formats in homes.items():
@@ -155,7 +148,6 @@ def _refuse_options_of_other_formats(context: typer.Context, description_format:
 
 
 def _refuse_options_beside(context: typer.Context, alone: str) -> None:
-    from alpha5_model.errors import InputError
 
     for name, value in context.params.items():
         if name != alone and _given(context, name):
@@ -172,8 +164,6 @@ def _option(name: str) -> str:
 
 
 def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
-    from alpha5_model.errors import OutputError
-    from alpha5_model.files import atomic_write_all, is_stream
 
     if output is None or is_stream(output):
         return _write_stream(files[main_file].decode(), output)
@@ -186,8 +176,6 @@ def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) 
 
 def _write_stream(text: str, output: Path | None) -> int:
     """The description alone, without what stands beside a file."""
-    from alpha5_model.files import atomic_write
-
     if output is None:
         typer.echo(text, nl=False)
     else:
@@ -196,28 +184,21 @@ def _write_stream(text: str, output: Path | None) -> int:
 
 
 def _check() -> int:
-    from alpha5_model.description.committed import (
-        NOT_DRAWN,
-        can_draw,
-        generated_files,
-        stale_files,
-    )
 
-    fresh = generated_files()
-    stale = stale_files(fresh=fresh)
+    fresh = committed.generated_files()
+    stale = committed.stale_files(fresh=fresh)
     for file in stale:
         typer.echo(file.diff, nl=False)
     typer.echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
-    if not can_draw():
-        typer.echo(NOT_DRAWN)
+    if not committed.can_draw():
+        typer.echo(committed.NOT_DRAWN)
     return 1 if stale else 0
 
 
 def _update() -> int:
-    from alpha5_model.description.committed import NOT_DRAWN, can_draw, update
 
-    for path in update():
+    for path in committed.update():
         typer.echo(f"wrote {path}")
-    if not can_draw():
-        typer.echo(NOT_DRAWN)
+    if not committed.can_draw():
+        typer.echo(committed.NOT_DRAWN)
     return 0

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
 
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.ik import Solutions
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    # Numbers such as -0.1 are not options.
-    app.command("ik", context_settings={"ignore_unknown_options": True})(ik)
+from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.parameters import parameters
 
 
 def ik(
@@ -30,9 +28,6 @@ def ik(
 
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 1.57
     """
-    from alpha5_model.kinematics.arm_plane import arm_plane
-    from alpha5_model.kinematics.ik import inverse_kinematics
-
     solutions = inverse_kinematics([x, y, z], wrist)
     best = solutions.best(arm_plane().middle)
     if as_json:
@@ -43,7 +38,6 @@ def ik(
 
 
 def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
-    from alpha5_model.kinematics.ik import BRANCHES
 
     return {
         "position": solutions.position.tolist(),
@@ -62,12 +56,6 @@ def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
 
 
 def _print(solutions: Solutions, best: list[float]) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from alpha5_model.kinematics.ik import BRANCHES
-    from alpha5_model.parameters import parameters
 
     table = Table(box=box.SIMPLE_HEAD, title="joint positions (rad)", title_justify="left")
     table.add_column("branch", no_wrap=True)

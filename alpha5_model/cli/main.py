@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -12,32 +14,17 @@ import typer
 from alpha5_model import __version__
 from alpha5_model.errors import Alpha5Error
 
-#: Modules of this package, each with a ``register(app)``, in the order of ``alpha5 --help``.
+#: Modules of this package, each with a function of its name, in the order of ``alpha5 --help``.
 COMMANDS: tuple[str, ...] = (
-    "demo",
-    "generate",
-    "check",
-    "compare",
-    "torque",
-    "trajectory",
-    "ik",
-    "workspace",
-    "dh",
-    "planar",
-    "view",
+    *("demo", "generate", "check", "compare", "torque", "trajectory", "ik", "workspace"),
+    *("dh", "planar", "view"),
 )
+#: Their arguments are numbers, which may be negative: what is no option is an argument.
+_NUMBERS = {"ignore_unknown_options": True}
+_SETTINGS = {"ik": _NUMBERS, "dh": _NUMBERS, "planar": _NUMBERS}
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
 _PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
-
-app = typer.Typer(
-    name="alpha5",
-    help="The Reach Alpha 5 arm: generate, check, solve, compute, look.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="rich",
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
 
 
 def _print_version(wanted: bool) -> None:
@@ -46,7 +33,6 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _root(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
@@ -55,8 +41,37 @@ def _root(
     """Model of the Reach Alpha 5, generated from the manufacturer's printed tables."""
 
 
-for _command in COMMANDS:
-    import_module(f"alpha5_model.cli.{_command}").register(app)
+def application(*commands: str) -> typer.Typer:
+    """The application with these commands; without any, all of them in outline, for the help."""
+    app = typer.Typer(
+        name="alpha5",
+        help="The Reach Alpha 5 arm: generate, check, solve, compute, look.",
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode="rich",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_root)
+    for name in commands or COMMANDS:
+        function = _loaded(name) if commands else _outline(name)
+        app.command(name, context_settings=_SETTINGS.get(name))(function)
+    return app
+
+
+def _loaded(name: str) -> Callable[..., Any]:
+    function: Callable[..., Any] = getattr(import_module(f"alpha5_model.cli.{name}"), name)
+    return function
+
+
+def _outline(name: str) -> Callable[[], None]:
+    """A function with a command's help and nothing of what it needs."""
+    module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
+    (command,) = (n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name)
+
+    def outline() -> None: ...
+
+    outline.__doc__ = ast.get_docstring(command)
+    return outline
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -70,7 +85,10 @@ def main(args: Sequence[str] | None = None) -> int:
         written (one line on stderr), 130 if interrupted.
     """
     try:
-        status = app(args=list(sys.argv[1:] if args is None else args), standalone_mode=False)
+        words = list(sys.argv[1:] if args is None else args)
+        # One command is loaded, not all of them: each brings what it needs.
+        app = application(*(word for word in words[:1] if word in COMMANDS))
+        status = app(args=words, standalone_mode=False)
     except Alpha5Error as error:
         if isinstance(error.__context__, BrokenPipeError):  # written into a pipe nobody reads
             return 0

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from alpha5_model.cli.options import words_beside
 from alpha5_model.errors import InputError
-
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.planar import PlanarArm
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    # Numbers may be negative: what is no option is an argument.
-    app.command("planar", context_settings={"ignore_unknown_options": True})(planar)
+from alpha5_model.files import check_outputs
+from alpha5_model.kinematics.planar import (
+    PlanarArm,
+    dexterity_map,
+    dexterous_area,
+    dexterous_radii,
+    lecture_theorem,
+    necessary_conditions,
+    theorem_radii,
+    turns_fully,
+)
+from alpha5_model.view.figures import FORMATS
+from alpha5_model.view.planar_plot import plot_planar, save
 
 
 def planar(
@@ -41,34 +46,17 @@ def planar(
 
     Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
     """
-    import json
-
-    from alpha5_model.files import check_outputs
-    from alpha5_model.kinematics.planar import PlanarArm
-    from alpha5_model.view.figures import FORMATS
-
     check_outputs((), plot=(plot, FORMATS))
     ranges = None if limits is None else [_range(text) for text in limits]
     arm = PlanarArm(lengths, ranges, joints)
     result = _results(arm, radius)
     if plot is not None:
-        from alpha5_model.view.planar_plot import plot_planar, save
-
         save(plot_planar(arm), plot)
     with words_beside(plot):
         typer.echo(json.dumps(result, indent=2) if as_json else "\n".join(_lines(result)))
 
 
 def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
-    from alpha5_model.kinematics.planar import (
-        dexterity_map,
-        dexterous_area,
-        dexterous_radii,
-        lecture_theorem,
-        necessary_conditions,
-        theorem_radii,
-        turns_fully,
-    )
 
     space = arm.workspace()
     conditions = necessary_conditions(arm)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
 
+from alpha5_model.actuators import actuator
 from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
+from alpha5_model.dynamics.loading import load
+from alpha5_model.dynamics.series import torque_terms
+from alpha5_model.parameters import parameters
 
 Four = tuple[float, float, float, float]
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("torque")(torque)
 
 
 def torque(
@@ -40,15 +41,11 @@ def torque(
 
     Example: alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
     """
-    import math
-
     unit = math.pi / 180.0 if degrees else 1.0
     position, velocity, acceleration = (tuple(unit * x for x in values) for values in (q, v, a))
     density, g = fluid_density(fluid), gravity_vector(gravity)
     result = _compute(position, velocity, acceleration, density, g, constants)
     if as_json:
-        import json
-
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
         _show(result)
@@ -57,11 +54,6 @@ def torque(
 
 def _compute(q: Any, v: Any, a: Any, density: float, gravity: Any, constants: str) -> Any:
     """The result as it goes to JSON, SI units."""
-    from alpha5_model.actuators import actuator
-    from alpha5_model.dynamics.loading import load
-    from alpha5_model.dynamics.series import torque_terms
-    from alpha5_model.parameters import parameters
-
     arm = load(density, gravity=gravity)
     total = arm.inverse_dynamics(q, v, a)
     terms = torque_terms(arm, q, v, a, threads=1)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.progress import Progress
 
+from alpha5_model import trajectory as library
+from alpha5_model.actuators import Actuator, actuator
+from alpha5_model.checks import choice
 from alpha5_model.cli.options import (
     FLUID_HELP,
     GRAVITY_HELP,
@@ -14,22 +20,19 @@ from alpha5_model.cli.options import (
     gravity_vector,
     words_beside,
 )
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.loading import load
+from alpha5_model.errors import InputError
+from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
-
-if TYPE_CHECKING:
-    from alpha5_model.actuators import Actuator
-    from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.trajectory import Motion
+from alpha5_model.trajectory import Motion
+from alpha5_model.trajectory.export import FORMATS
+from alpha5_model.view import figures, trajectory_plot
 
 _GRIPPERS = ("auto", *GRIPPERS)
 VELOCITIES = ("auto", "file", "positions")
 #: Shorter files are done before a bar of progress could be read.
 _PROGRESS_SAMPLES = 50_000
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("trajectory")(trajectory)
 
 
 def trajectory(
@@ -89,12 +92,6 @@ def trajectory(
 
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
     """
-    from alpha5_model import trajectory as library
-    from alpha5_model.checks import choice
-    from alpha5_model.files import check_outputs
-    from alpha5_model.trajectory.export import FORMATS
-    from alpha5_model.view import figures
-
     # Whatever cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
@@ -121,13 +118,9 @@ def trajectory(
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:
-            from alpha5_model.view import trajectory_plot
-
             trajectory_plot.write(analysis, plot)
     with words_beside(output, plot):
         if as_json:
-            import json
-
             typer.echo(json.dumps(summary, indent=2, allow_nan=False))
             return 0
         typer.echo(library.text(summary))
@@ -138,7 +131,6 @@ def trajectory(
 
 
 def _arm(motion: Motion, gripper: str, density: float, gravity: tuple[float, float, float]) -> Arm:
-    from alpha5_model.dynamics.loading import load
 
     if gripper == "auto":
         gripper = "jaws" if "axis_a" in motion.joints else "locked"
@@ -146,8 +138,6 @@ def _arm(motion: Motion, gripper: str, density: float, gravity: tuple[float, flo
 
 
 def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, Actuator]:
-    from alpha5_model.actuators import actuator
-    from alpha5_model.errors import InputError
 
     if screw_lead is None:
         return {}
@@ -163,8 +153,6 @@ class _Progress:
     """A bar on stderr for long files, if somebody watches."""
 
     def __init__(self) -> None:
-        from rich.console import Console
-        from rich.progress import Progress
 
         console = Console(stderr=True)
         self.long = False

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple, words_beside
-from alpha5_model.errors import InputError
-
-if TYPE_CHECKING:
-    from alpha5_model.trajectory import Motion
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("view")(view)
+from alpha5_model.dynamics.loading import load
+from alpha5_model.errors import InputError, NoDisplayError
+from alpha5_model.files import atomic_write_all, check_outputs
+from alpha5_model.trajectory import Motion, read_motion
+from alpha5_model.view.arm_poses import pose_of
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.framing import check_size, framed
+from alpha5_model.view.page import static_page
+from alpha5_model.view.picture import picture_png
 
 
 def view(
@@ -56,14 +58,8 @@ def view(
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
-    from alpha5_model.errors import NoDisplayError
-    from alpha5_model.files import atomic_write_all, check_outputs
-
     pixels = _size(size)
     check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
-    from alpha5_model.dynamics.loading import load
-    from alpha5_model.view.arm_poses import pose_of
-    from alpha5_model.view.build import build_scene
 
     arm = load(gripper=gripper, fluid_density=fluid_density(fluid))
     scene = build_scene(
@@ -79,13 +75,8 @@ def view(
         )
     files: dict[Path, str | bytes] = {}
     if html is not None:
-        from alpha5_model.view.page import static_page
-
         files[html] = static_page(scene)
     if image is not None:
-        from alpha5_model.view.framing import framed
-        from alpha5_model.view.picture import picture_png
-
         files[image] = picture_png(framed(scene, pixels), pixels)
     if files:
         atomic_write_all(files)
@@ -111,8 +102,6 @@ def _has_display() -> bool:
 
 
 def _wait() -> None:
-    import signal
-    import threading
 
     over = threading.Event()
     # A service manager ends it like a user does.
@@ -126,7 +115,6 @@ def _wait() -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
-    from alpha5_model.view.framing import check_size
 
     try:
         width, height = (int(part) for part in text.lower().split("x"))
@@ -136,6 +124,5 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Motion:
-    from alpha5_model.trajectory import read_motion
 
     return read_motion(path)

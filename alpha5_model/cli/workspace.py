@@ -5,19 +5,20 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
 
 from alpha5_model.cli.options import spinner, words_beside
-
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.workspace import SampledShare
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("workspace")(workspace)
+from alpha5_model.dynamics.self_collision import without_self_collision
+from alpha5_model.files import check_outputs
+from alpha5_model.kinematics import workspace as space
+from alpha5_model.kinematics.workspace import SampledShare, sampled_share
+from alpha5_model.view.figures import FORMATS
+from alpha5_model.view.workspace_plot import write
 
 
 def workspace(
@@ -35,20 +36,12 @@ def workspace(
 
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
-    from alpha5_model.files import check_outputs
-    from alpha5_model.view.figures import FORMATS
-
     check_outputs((), plot=(plot, FORMATS))
     share = None
     if self_collision:
-        from alpha5_model.dynamics.self_collision import without_self_collision
-        from alpha5_model.kinematics.workspace import sampled_share
-
         with spinner("trying points for self-collision"):
             share = sampled_share(without_self_collision, samples)
     if plot is not None:
-        from alpha5_model.view.workspace_plot import write
-
         with spinner("drawing"):
             write(plot, self_collision, samples)
     with words_beside(plot):
@@ -70,7 +63,6 @@ def workspace(
 
 
 def _as_dict(share: SampledShare | None) -> dict[str, object]:
-    from alpha5_model.kinematics import workspace as space
 
     sampled = {} if share is None else {"without_self_collision": share._asdict()}
     return {
@@ -86,11 +78,6 @@ def _as_dict(share: SampledShare | None) -> dict[str, object]:
 
 
 def _print() -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from alpha5_model.kinematics import workspace as space
 
     e = space.published_errors()
     console = Console()
