@@ -355,3 +355,23 @@ def test_retyped_kinematics_is_rigid() -> None:
     np.testing.assert_allclose(
         r @ np.swapaxes(r, 1, 2), np.broadcast_to(np.eye(3), (10, 3, 3)), atol=1e-14
     )
+
+
+@pytest.mark.parametrize(
+    "limits", [(LOWER[2], UPPER[2]), (0.5, STRETCHED - 0.3), (STRETCHED + 0.2, 3.0), (1.0, 2.5)]
+)
+def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
+    limits: tuple[float, float],
+) -> None:
+    """The audit's longest distance from shoulder to tcp, by the law of cosines at the nearest theta_2."""
+    from dataclasses import replace
+
+    from alpha5_model.consistency import workspace as rows
+
+    p = a5.parameters()
+    joints = list(p.joints)
+    joints[2] = replace(joints[2], lower=limits[0], upper=limits[1])
+    found = {r.claim: r for r in rows.audit(a5.published(), replace(p, joints=tuple(joints)))}
+    bend = math.pi - abs(min(max(STRETCHED, limits[0]), limits[1]) - STRETCHED)
+    longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))
+    assert found["workspace.outer_torus"].measured == pytest.approx(1e3 * longest, abs=1e-6)

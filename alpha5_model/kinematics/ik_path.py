@@ -134,7 +134,7 @@ def _along_axis(
     # Least travel of the other joints from each start to each elbow, point by point, (starts, elbows).
     elbows, parents = [], []
     for i in range(k, stop):
-        elbows.append(np.unique(_options(solutions, i)[:, 1:], axis=0))
+        elbows.append(_options(solutions, i)[::2, 1:])  # facing and turning its back are the same
         if i == k:
             size, largest = _sizes(elbows[0] - starts[:, None, 1:])
             largest = np.maximum(largest, gap[:, None])
