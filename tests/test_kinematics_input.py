@@ -186,7 +186,7 @@ def test_half_planes_take_shapes_that_broadcast() -> None:
         assert table.shape == (4, 5)
         for i, j in np.ndindex(4, 5):
             assert table[i, j] == function(radius[j], z[i, 0])
-        with pytest.raises(InputError, match="radius, z: expected shapes that broadcast"):
+        with pytest.raises(InputError, match=r"radius, z: expected .*shapes that broadcast"):
             function(radius, z[:, 0])
 
 
