@@ -225,6 +225,31 @@ def test_the_right_com_in_a_wrong_frame_is_named(body):
     assert com_reason(body, c[:3], ASTRAY) == NEW
 
 
+@pytest.mark.parametrize(
+    ("shift", "axis", "angle", "same"),
+    [
+        (1.99e-3, 0, 0.0, True),
+        (2.01e-3, 0, 0.0, False),
+        (0.0, 1, 0.0199, True),
+        (0.0, 1, -0.0199, True),
+        (0.0, 1, 0.0201, False),
+        (0.0, 2, math.pi, False),
+        (0.0, 0, math.pi - 0.01, False),
+    ],
+)
+def test_a_frame_that_is_ours_but_for_the_geometry_is_no_mistake_of_the_body(
+    shift, axis, angle, same
+):
+    pose = np.eye(4)
+    pose[:3, :3] = turned(axis, angle)
+    pose[2, 3] = shift
+    assert Inertial("limb", 0.1, np.zeros(3), np.eye(3), pose).meant_in_our_frame == same
+    if same:
+        mirrored = np.array(OLD_COM[3]) / 1e3 * [1, 1, -1]
+        assert com_reason(3, mirrored, pose) == f"{OLD}, the sign of z is wrong (mirrored)"
+        assert inertia_reason(3, tensor(reference.INERTIA[3]), pose) == NEW
+
+
 def test_public_coms_of_dh_frames_are_named():
     """VincentTUHH/uvms writes version 7's COMs in the DH frames, in metres, to the micrometre."""
     for body, com in {
@@ -474,6 +499,7 @@ def test_each_wrong_mass_is_named():
         }
         for k in set(range(5)) - {body}:
             water[f"that of link_{k}"] = reference.MASS[k]
+            water[f"an earlier revision's of link_{k}"] = OLD_MASS[k]
         for words, mass in water.items():
             assert mass_reason(body, mass) == words
     for body in (0, 2, 4):

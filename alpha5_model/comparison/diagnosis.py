@@ -39,10 +39,11 @@ COM_DIGITS = (1e-4, 5e-4)  # [m]
 INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
 #: Products and differences of moments below this are rounding.
 GUESS_DIGITS = 1e-4  # of the largest moment
+#: A link frame that lies closer to ours was meant to be ours; the rest is an error of the geometry.
+SAME_FRAME = (0.002, 0.02)  # [m], [rad]
 #: A lighter link is a dummy, there to please a tool.
 TOKEN_MASS = 1e-3  # [kg]
 
-AXES_WRONG = "in axes that are not those of inertial frame {{{}}}"
 #: Words, the number seen that way, the mistakes in it, and by what the hypotheses are multiplied.
 View = tuple[str, FloatArray, int, float]
 
@@ -70,6 +71,14 @@ class Inertial:
         rotation, origin = self.pose[:3, :3], self.pose[:3, 3]
         com, tensor = rotation @ self.com + origin, rotate_tensor(rotation, self.inertia)
         return replace(self, com=com, inertia=tensor, pose=np.eye(4))
+
+    @property
+    def meant_in_our_frame(self) -> bool:
+        """Whether its frame is ours but for an error of the geometry."""
+        shift, turn = self.pose[:3, 3], self.pose[:3, :3] - self.pose[:3, :3].T
+        facing = np.trace(self.pose[:3, :3]) > 1.0
+        near = np.linalg.norm(shift) < SAME_FRAME[0]
+        return bool(near and facing and np.linalg.norm(turn) < np.sqrt(8) * np.sin(SAME_FRAME[1]))
 
 
 def subjects(written: Sequence[Inertial]) -> list[Inertial]:
@@ -102,8 +111,9 @@ def explain_com(ours: FourJointArm, link: LinkParameters, subject: Inertial) -> 
         if not subject.com.any():
             return "missing or zero: at the origin of the other model's link frame"
         frame = f"in a frame that is not inertial frame {{{body}}}"
+        same = subject.meant_in_our_frame
         views += [
-            (frame, subject.com, 1, 1.0),
+            ("", subject.com, 0, 1.0) if same else (frame, subject.com, 1, 1.0),
             ("written in millimetres", subject.com, 1, 1e3),
             ("written in kilometres", subject.com, 1, 1e-3),
         ]
@@ -119,7 +129,9 @@ def explain_inertia(ours: FourJointArm, link: LinkParameters, subject: Inertial)
         return "missing or zero"
     views: list[View] = [("", seen, 0, 1.0)]
     if subject.link:
-        views.append((AXES_WRONG.format(body), subject.inertia, 1, 1.0))
+        axes = f"in axes that are not those of inertial frame {{{body}}}"
+        same = subject.meant_in_our_frame
+        views.append(("", subject.inertia, 0, 1.0) if same else (axes, subject.inertia, 1, 1.0))
     views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
     views += [
         (f"wrong unit, a factor of 1e{power}", seen, 1, 10.0**power)

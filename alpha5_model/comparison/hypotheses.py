@@ -173,22 +173,20 @@ def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
         ("the mass of Table 2", now.mass[body]),
         ("an earlier revision's mass", before.mass[body]),
     ]
-    found += [(f"that of link_{k}", now.mass[k]) for k in range(5) if k != body]
+    for table, words in ((now, "that"), (before, "an earlier revision's")):
+        found += [(f"{words} of link_{k}", table.mass[k]) for k in range(5) if k != body]
     found += [
         ("that of the whole arm", now.mass.sum()),
         ("that of the displaced water", now.volume[body] * FRESH_WATER),
     ]
-    for table, density in itertools.product((now, before), (FRESH_WATER, SEA_WATER)):
-        whose = table.numbers.removesuffix(" numbers").replace("Table 2's", "Tables 2 and 3's")
-        water = table.volume[body] * density
-        words = f"{whose} mass and the water's added mass of its volume, {water * 1e3:.0f} g"
-        found.append((words, table.mass[body] + water))
-        if table is before:  # most public models pair the old masses with version 7's volumes
-            water = now.volume[body] * density
-            words = (
-                f"{whose} mass and the water's added mass of Table 3's volume, {water * 1e3:.0f} g"
-            )
-            found.append((words, table.mass[body] + water))
+    # Many public models pair the earlier revision's masses with version 7's volumes.
+    for dry, wet in ((now, now), (before, before), (before, now)):
+        whose = "Tables 2 and 3's" if dry is now else "an earlier revision's"
+        volume = "its volume" if dry is wet else "Table 3's volume"
+        for density in (FRESH_WATER, SEA_WATER):
+            water = wet.volume[body] * density
+            words = f"{whose} mass and the water's added mass of {volume}, {water * 1e3:.0f} g"
+            found.append((words, dry.mass[body] + water))
     if body == 4:
         opened = split_link_4(parameters())
         parts = sum(part.mass for part in (opened.rod, opened.finger_1, opened.finger_2))
