@@ -94,6 +94,8 @@ def test_judging() -> None:
     assert [verdict(x, "<=") for x in (-9, 1.05, 1.15)] == ["agrees", "agrees", "differs"]
     assert [verdict(x, ">=") for x in (9, 0.95, 0.85)] == ["agrees", "agrees", "differs"]
     assert verdict(1.15, "=", law=True) == "impossible"
+    plain = judged("a.b", "p", "s", 1.0, "=", 1.0, 0.0, "", "f")
+    assert (plain.standard_error, plain.effect, plain.kind) == (0.0, None, "claim")
     assert verdict(1.05, "=", law=True) == "agrees"
     assert verdict(1.1 + 1e-12, "<=") == "differs"
     assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == ["agrees"] * 3
@@ -135,6 +137,7 @@ def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -
         "inverse_kinematics.wrapping",
         "dexterous_workspace.necessary",
         "dexterous_workspace.limits",
+        "workspace.self_collision",
     }
     branches = rows["inverse_kinematics.branches"]
     p = branches.measured / 100
@@ -142,10 +145,11 @@ def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -
     assert 0.5 < branches.standard_error < 0.7
 
 
-def test_the_audit_needs_numpy_only() -> None:
+def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     script = (
-        "import alpha5_model as a5, sys; a5.audit(); "
-        "print(any(m in sys.modules for m in ('pinocchio', 'scipy', 'matplotlib', 'xacro', 'rich')))"
+        "import alpha5_model as a5, alpha5_model.consistency.document, sys; "
+        "early = 'pinocchio' in sys.modules; a5.audit(); "
+        "print(early or any(m in sys.modules for m in ('scipy', 'matplotlib', 'xacro', 'rich')))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
@@ -555,6 +559,31 @@ def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
     for name in ("beyond_reach", "left_out"):
         assert rows[f"workspace.{name}"].verdict == "differs"
         assert rows[f"workspace.{name}"].bound < 1.5
+
+
+def test_self_collision_point_by_point(rows: dict[str, AuditRow]) -> None:
+    """Figure 2: other points, each solution by itself, by distances instead of contacts."""
+    row = rows["workspace.self_collision"]
+    assert row.verdict == "differs"
+    p = row.measured / 100
+    assert row.standard_error == pytest.approx(100 * math.sqrt(p * (1 - p) / 4000), rel=0.01)
+    arm = a5.load()
+    rng = np.random.default_rng(21)
+    points = rng.uniform([-0.36, -0.36, -0.3], [0.36, 0.36, 0.4], (700, 3))
+    solutions = a5.inverse_kinematics(points, 0.0)
+    reached = touching = 0
+    for q, within in zip(solutions.q, solutions.within_limits, strict=True):
+        if within.any():
+            reached += 1
+            touching += not any(
+                arm.collision_distance([*pose[:3], wrist]) > 0
+                for pose in q[within]
+                for wrist in np.linspace(0.0, 6.2, 9)
+            )
+    share = touching / reached
+    assert reached > 200
+    error = math.sqrt(p * (1 - p) / reached) + row.standard_error / 100
+    assert share == pytest.approx(p, abs=3 * error)
 
 
 def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:

@@ -27,7 +27,7 @@ from alpha5_model.inertia import (
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import InertialRow, Published
-from alpha5_model.spatial import cross_matrix
+from alpha5_model.spatial import cross_matrix, rotation_about
 
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
@@ -131,22 +131,16 @@ def _equations(row: InertialRow) -> list[AuditRow]:
 def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditRow]:
     """I_COM of links 1 to 4 carried from inertial frame {i} into the axes of DH frame {i}.
 
-    The moment about an axis does not ask in which frame it is computed: that is the second route.
+    Moments and products about the axes of {i} do not ask in which frame they are computed.
     """
     misses = np.zeros(2)
-    axes = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
-    axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
     for row, dh in zip(rows, p.dh, strict=False):
         _, _, tensor, _ = _read(si(_inputs(row)))
-        c, s = np.cos(dh.alpha), np.sin(dh.alpha)
         # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
-        turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-        true = np.einsum("ni,ij,nj->n", axes, tensor, axes)
+        turn = rotation_about((1, 0, 0), dh.alpha)
         for k, rotation in enumerate((turn, turn.T)):
             carried = rotation @ tensor @ rotation.T
-            seen = axes @ turn
-            moments = np.einsum("ni,ij,nj->n", seen, carried, seen)
-            misses[k] = max(misses[k], np.abs(moments - true).max())
+            misses[k] = max(misses[k], np.abs(turn @ carried @ turn.T - tensor).max())
     names = ("rotation", "rotation_of_coordinates")
     return [
         audited(f"equation_1.{name}", miss, bound=ARITHMETIC, link="1 to 4")

@@ -6,24 +6,28 @@ References:
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, rounding_bound, si
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.reach import reachable
-from alpha5_model.kinematics.workspace import published_errors
+from alpha5_model.kinematics.workspace import published_errors, sampled_share
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published
 
+#: Points of the reachable volume that are asked for self-collision.
+SAMPLES = 4000
 #: Points along the radius of the grid on which the rounding of the tori is counted.
 GRID = 401
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     """The rows of the workspace."""
-    return [_inner_offset(printed), *_tori(printed, p), *_shares(printed, p)]
+    return [_inner_offset(printed), *_tori(printed, p), *_shares(printed, p), _self_collision()]
 
 
 def _inner_offset(printed: Published) -> AuditRow:
@@ -157,3 +161,12 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
             ("left_out", missed / exact.reachable_area, left_out),
         )
     ]
+
+
+@cache
+def _self_collision() -> AuditRow:
+    from alpha5_model.dynamics.self_collision import without_self_collision  # late: Pinocchio
+
+    free = sampled_share(without_self_collision, SAMPLES)
+    error = free.standard_error
+    return audited("workspace.self_collision", 1 - free.share, standard_error=error)
