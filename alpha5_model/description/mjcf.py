@@ -18,7 +18,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import Body, Mesh, arm_bodies
+from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
 from alpha5_model.description.mjcf_control import (
@@ -27,14 +27,13 @@ from alpha5_model.description.mjcf_control import (
     add_equality,
     add_keyframes,
 )
-from alpha5_model.description.mjcf_texts import SCENE, mjcf_readme
 from alpha5_model.description.poses import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
     NEVER_PAIRS,
 )
 from alpha5_model.description.variants import COLLISIONS
-from alpha5_model.description.xml_text import add, add_provenance, serialized, text_of
+from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.materials import MATERIALS
@@ -48,6 +47,16 @@ DILUTION = 1e9
 VISCOSITY = 1.08e-3
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
+
+
+#: What the README says of the gripper.
+_JAWS = {
+    "locked": "The jaws are closed and part of link_4, as in Table 2.",
+    "jaws": (
+        "Rod and fingers are taken out of link_4 so that the sum with closed jaws is Table 2's; their\n"
+        "   own masses are estimates. `equality` makes the fingers follow the rod, axis_a."
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -90,10 +99,22 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
     assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": SCENE.encode(),
-        "README.md": mjcf_readme(chosen, DILUTION).encode(),
+        "scene.xml": template("scene.xml").encode(),
+        "README.md": _readme(chosen).encode(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
+
+
+def _readme(options: MjcfOptions) -> str:
+    return template("mjcf_readme.md").format(
+        **provenance(parameters(options.corrections)),
+        gripper=options.gripper,
+        density=options.fluid_density,
+        actuators=options.actuators,
+        drag="on" if options.drag else "off",
+        dilution=DILUTION,
+        jaws=_JAWS[options.gripper],
+    )
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:

@@ -20,7 +20,7 @@ from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Mesh, arm_bodies
 from alpha5_model.description.frames import Placement, tcp_placement
 from alpha5_model.description.mesh_assets import mesh_assets
-from alpha5_model.description.xml_text import add, add_provenance, serialized, text_of
+from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import JointRange, parameters
@@ -61,7 +61,7 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     meshes = mesh_assets(".obj", ".mtl")
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
-        "model.config": _CONFIG.encode(),
+        "model.config": template("model.config").encode(),
         "world.sdf": sdf_world(chosen, meshes).encode(),
         **{f"meshes/{name}": data for name, data in meshes.items()},
     }
@@ -86,7 +86,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     chosen = options or SdfOptions()
     root, arm = _document(chosen, meshes)
     root.remove(arm)
-    frame = ET.fromstring(_WORLD.format(density=text_of(chosen.fluid_density)))
+    frame = ET.fromstring(template("world.sdf").format(density=text_of(chosen.fluid_density)))
     mounted = frame.find("model")
     assert mounted is not None
     mounted.insert(0, arm)
@@ -178,40 +178,3 @@ def _value(parent: ET.Element, name: str, value: str | float | Iterable[float]) 
 
 
 _HEAD = '<?xml version="1.0"?>\n'
-_CONFIG = """\
-<?xml version="1.0"?>
-<model>
-  <name>alpha5</name>
-  <version>1.0</version>
-  <sdf version="1.9">model.sdf</sdf>
-  <author>
-    <name>The alpha5-model authors</name>
-  </author>
-  <description>Reach Alpha 5 underwater arm, from the manufacturer's printed tables.</description>
-</model>
-"""
-
-_WORLD = """\
-<world name="alpha5_in_water">
-  <gravity>0 0 -9.81</gravity>
-  <physics name="1ms" type="ignored">
-    <max_step_size>0.001</max_step_size>
-    <real_time_factor>1.0</real_time_factor>
-  </physics>
-  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>
-  <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>
-  <plugin filename="gz-sim-scene-broadcaster-system" name="gz::sim::systems::SceneBroadcaster"/>
-  <plugin filename="gz-sim-buoyancy-system" name="gz::sim::systems::Buoyancy">
-    <uniform_fluid_density>{density}</uniform_fluid_density>
-  </plugin>
-  <light name="sun" type="directional">
-    <direction>-0.4 0.2 -0.9</direction>
-  </light>
-  <model name="mounted_arm">
-    <joint name="mount" type="fixed">
-      <parent>world</parent>
-      <child>alpha5::base_link</child>
-    </joint>
-  </model>
-</world>
-"""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from pathlib import Path
 
 from alpha5_model.description.bodies import provenance
 from alpha5_model.parameters import Alpha5Parameters
@@ -35,6 +36,11 @@ def add_provenance(root: ET.Element, values: Alpha5Parameters) -> None:
     source = provenance(values)
     root.append(ET.Comment(f" Generated from: {source['document']}. "))
     root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
+
+
+def template(name: str) -> str:
+    """Text of a file in ``templates/``."""
+    return (Path(__file__).with_name("templates") / name).read_text(encoding="utf-8")
 
 
 def serialized(root: ET.Element) -> str:
