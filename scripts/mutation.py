@@ -31,6 +31,7 @@ import time
 import traceback
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -69,6 +70,8 @@ WARM = (
 SLOWER, GRACE = 5.0, 60.0
 #: Tests of one mutant, in seconds of the unchanged run.
 BUDGET = 60.0
+#: At most this many functions are asked before whole files are.
+FIRST = 60
 _DATES = itertools.count(1_000_000_000)
 #: The harness proves itself first: file, line's part, what it becomes, what must come of it.
 PROOFS = (
@@ -107,11 +110,13 @@ class Site:
     choices: tuple[tuple[str, int], ...]
 
     def mutants(self) -> Iterator[Mutant]:
+        """Those that compile and differ."""
         source = SOURCES[self.file]
         for name, occurrence in self.choices:
             text = MutationVisitor.mutate_code(source, get_operator(name)(), occurrence)
-            if _meaning(text) != _meaning(source):
-                yield Mutant(self.file, self.position[0], name.split("/")[-1], text)
+            with suppress(SyntaxError):
+                if _meaning(text) != _meaning(source):
+                    yield Mutant(self.file, self.position[0], name.split("/")[-1], text)
 
 
 def sites(file: Path) -> list[Site]:
@@ -140,8 +145,9 @@ def draw(files: Sequence[Path], count: int, seed: int) -> list[Mutant]:
     for site in places:
         if len(drawn) == count:
             break
-        if mutants := list(site.mutants()):
-            drawn.append(chance.choice(mutants))
+        choices = chance.sample(site.choices, len(site.choices))
+        if mutant := next(replace(site, choices=tuple(choices)).mutants(), None):
+            drawn.append(mutant)
     return drawn
 
 
@@ -195,7 +201,8 @@ def sandbox(folder: Path) -> Path:
 class Tests:
     """Which test files pass a line, and how much processor time each takes.
 
-    By file, not by function: what a module or a cache computes once belongs to all tests that use it.
+    First the functions that were seen on the line; what a module or a cache computes once was seen in one of
+    them only, or in none, so that the whole files have the last word.
     """
 
     def __init__(self, copies: Sequence[Path], only: Sequence[str] = ()) -> None:
@@ -206,6 +213,7 @@ class Tests:
         ]
         self.seconds: dict[str, float] = {}
         self.lines: dict[tuple[Path, str], set[int]] = {}
+        self.functions: dict[tuple[Path, int], set[str]] = defaultdict(set)
 
         def done(job: Job, status: str, seconds: float, copy: Path) -> None:
             test = job.tests[0]
@@ -218,6 +226,9 @@ class Tests:
             for path in measured.measured_files():
                 file = Path(path).relative_to(copy / "alpha5_model")
                 self.lines[file, test] = set(measured.lines(path) or ())
+                for line, contexts in measured.contexts_by_lineno(path).items():
+                    names = {context.rpartition(".")[2] for context in contexts if context}
+                    self.functions[file, line] |= {f"{test}::{name}" for name in names}
 
         run([Job(None, (test,), 900.0) for test in asked], copies, done)
 
@@ -226,12 +237,16 @@ class Tests:
         at = _statement(SOURCES[mutant.file], mutant.line)
         passing = [t for (f, t), lines in self.lines.items() if f == mutant.file and lines & at]
         passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), self.seconds[t]))
-        ordered, total = [], 0.0
+        ordered: list[str] = []
+        total = 0.0
         for test in passing:
             if not ordered or total + self.seconds[test] < BUDGET:
                 total += self.seconds[test]
                 ordered.append(test)
-        return Job(mutant, tuple(ordered), GRACE + SLOWER * total)
+        files = Job(mutant, tuple(ordered), GRACE + SLOWER * total)
+        seen = set().union(*(self.functions[mutant.file, line] for line in at))
+        first = sorted(seen, key=lambda t: (passing.index(t.partition("::")[0]), t))[:FIRST]
+        return Job(mutant, tuple(first), files.limit, files) if first else files
 
 
 def _statement(source: str, line: int) -> set[int]:
@@ -253,6 +268,7 @@ class Job:
     mutant: Mutant | None
     tests: tuple[str, ...]
     limit: float
+    then: Job | None = None  # to be run if this one sees nothing
 
 
 def _environment(copy: Path) -> dict[str, str]:
@@ -283,6 +299,7 @@ def _test(copy: Path, job: Job) -> None:
     own = (REPOSITORY, REPOSITORY / "scripts")
     sys.path[:] = [str(copy), *(p for p in sys.path if Path(p).resolve() not in own)]
     measure = coverage.Coverage(copy.parent / "coverage", source=[str(copy / "alpha5_model")])
+    measure.set_option("run:dynamic_context", "test_function")
     if job.mutant is None:
         measure.start()
     status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *job.tests])
@@ -330,6 +347,9 @@ def run(
             if job.mutant:
                 _write(copy, job.mutant.file, SOURCES[job.mutant.file])
             free.append(copy)
+            if job.then and not outcome.startswith("killed"):
+                waiting.append(job.then)
+                continue
             done(job, outcome, used.ru_utime + used.ru_stime, copy)
 
 

@@ -102,9 +102,9 @@ def test_an_input_is_repeated_by_its_number(fuzz, tmp_path):
 
 
 def test_a_batch_of_no_states_with_one_row_for_all():
-    arm = a5.load()
-    empty = np.zeros((0, 4))
-    assert arm.forward_dynamics_batch(empty, empty, np.ones((1, 4))).shape == (0, 4)
+    for gripper, n in (("locked", 4), ("jaws", 5)):
+        arm, empty = a5.load(gripper=gripper), np.zeros((0, n))
+        assert arm.forward_dynamics_batch(empty, empty, np.ones((1, n))).shape == (0, n)
 
 
 def test_points_far_beyond_a_planar_arm_are_outside_without_a_word():
@@ -124,3 +124,6 @@ def test_a_mount_is_three_numbers_not_rows_of_them():
 
     with pytest.raises(InputError, match="three numbers"):
         Variant(parent="rov", xyz=np.zeros((2, 3)))
+    for name in ("dh_frames", "ros2_control"):
+        with pytest.raises(InputError, match=name):
+            Variant(**{name: np.zeros(4)})

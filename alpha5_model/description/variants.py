@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from alpha5_model.checks import choice, float_array
+from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.expand import expand_xacro
 from alpha5_model.description.parameter_file import parameter_yaml
@@ -53,6 +53,8 @@ class Variant:
     def __post_init__(self) -> None:
         choice("gripper", self.gripper, GRIPPERS)
         choice("collision", self.collision, COLLISIONS)
+        flag("dh_frames", self.dh_frames)
+        flag("ros2_control", self.ros2_control)
         for name in ("xyz", "rpy"):
             mount = float_array(name, getattr(self, name), (3,))
             if mount.ndim != 1:

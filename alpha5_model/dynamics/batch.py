@@ -65,7 +65,7 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
             norm = float(np.linalg.norm(quaternion[row]))
             raise InputError(f"q[{row}, 3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
     return [
-        np.ascontiguousarray(array if len(array) == n_rows else np.repeat(array, n_rows, axis=0))
+        np.ascontiguousarray(np.broadcast_to(array, (n_rows, array.shape[1])))
         for array in arrays.values()
     ]
 

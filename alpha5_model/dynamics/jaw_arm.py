@@ -65,8 +65,8 @@ class JawArm(Arm):
     ) -> FloatArray:
         q, v, tau = batch.rows(self._model, q=q, v=v, tau=tau)
         rest = tau - self.inverse_dynamics_batch(q, v, np.zeros((1, self._model.nv)), threads)
-        mass = np.array([self.mass_matrix(row) for row in q])
-        return np.asarray(np.linalg.solve(mass, rest[..., None])[..., 0], dtype=np.float64)
+        rows = [np.linalg.solve(self.mass_matrix(row), r) for row, r in zip(q, rest, strict=True)]
+        return np.array(rows, dtype=np.float64).reshape(rest.shape)
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike

@@ -51,18 +51,10 @@ GOOD: dict[str, Callable[[Rng], Any]] = {
     "angle": number(0, 1), "distance": number(0, 1), "method": lambda rng: pick(rng, ("spline", "savgol", "interpolate")), "bandwidth": number(0.1, 4),
     "orientations": lambda rng: int(rng.integers(1, 9)), "starts": lambda rng: 2, "steps": lambda rng: 3, "start": lambda rng: 0, "stop": lambda rng: 1,
 }  # fmt: skip
-#: What may be None or any text without being hopeless.
+#: Counts, names of axes, what may be infinite or has no effect: not hopeless, whatever stands there.
 LENIENT = {
-    "samples",
-    "number",
-    "orientations",
-    "threads",
-    "starts",
-    "steps",
-    "start",
-    "stop",
-    "sigma",
-}
+    "samples", "number", "orientations", "threads", "starts", "steps", "start", "stop", "sigma", "lower", "upper", "bandwidth",
+}  # fmt: skip
 
 
 def of(
