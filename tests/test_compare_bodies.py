@@ -326,3 +326,22 @@ def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, mo
     assert rows[10][:5] == ["ours", "142.00", "11.19", "-16.66", "0.15"]
     assert rows[12][4] == "100.88"
     assert rows[13][5:] == ["62.46", "616.03", "625.31"]
+    said = " ".join(out.split())
+    cost = found(compared(root, 5), "link_2", "mass ").cost
+    text = "✗ link_2: mass 0.5 kg in place of 0.38 kg (1.32 times)"
+    assert f"{text} [{cost:.3g} N m]" in said
+    assert 'write link_2: <mass value="0.38"/> ' in said
+    assert "[0 N m]" not in said
+    assert "The model differs: 4 findings." in said
+    assert said.startswith(
+        "alpha5: axis_e = axis_e, axis_d = axis_d, axis_c = axis_c, axis_b = axis_b "
+    )
+
+
+def test_one_finding_is_singular_and_a_remark_is_none(tmp_path, capsys):
+    path = tmp_path / "other.urdf"
+    path.write_text(ET.tostring(edited(HEAVY), encoding="unicode").replace("../meshes", "meshes"))
+    assert main(["compare", str(path), "--samples", "5"]) == 1
+    out = capsys.readouterr().out
+    assert "The model differs: 1 finding." in out
+    assert "· meshes/link_0.obj: mesh is not there" in " ".join(out.split())

@@ -179,8 +179,7 @@ def other_frames(body):
     for k in range(1, 6):
         yield f"in DH frame {{{k}}}", np.linalg.inv(chain[k]) @ links[body]
     for k in set(range(5)) - {body}:
-        parent = "in the parent's frame, that of" if k == body - 1 else "in the frame of"
-        yield f"{parent} link_{k}", np.linalg.inv(links[k]) @ links[body]
+        yield f"in the frame of link_{k}", np.linalg.inv(links[k]) @ links[body]
 
 
 def com_mistakes(body):
@@ -196,7 +195,7 @@ def com_mistakes(body):
             yield f"{whose} of link_{k}", np.array(com[k], float)
     yield "the centre of buoyancy of Table 3", np.array(reference.COB[body], float)
     if any(OLD_COB[body]):  # a COM at the origin is rather a missing one
-        yield "an earlier revision's centre of buoyancy", np.array(OLD_COB[body], float)
+        yield "the centre of buoyancy of an earlier revision", np.array(OLD_COB[body], float)
 
 
 @pytest.mark.parametrize("body", range(5))
@@ -269,7 +268,7 @@ def test_two_mistakes_are_named_and_fewer_if_they_suffice():
     both = there[:3, :3] @ mirrored + there[:3, 3]
     assert com_reason(3, both) == f"{NEW}, the sign of y is wrong (mirrored), in DH frame {{3}}"
     assert com_reason(3, np.array(OLD_COB[3]) / 1e3, ASTRAY) == (
-        f"an earlier revision's centre of buoyancy, {frame}"
+        f"the centre of buoyancy of an earlier revision, {frame}"
     )
     # three mistakes fit nothing
     assert com_reason(3, both, ASTRAY) is None

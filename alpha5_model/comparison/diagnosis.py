@@ -16,7 +16,6 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.hypotheses import (
     MOST_MISTAKES,
-    AddedWater,
     Hypothesis,
     added_water,
     solid_of_size,
@@ -96,8 +95,7 @@ def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
     mass, body = subject.mass, int(link.name[-1])
     within = _last_digit(MASS_DIGITS, subject, mass)
     if water := _water(link, subject):
-        grams = water.mass * 1e3
-        return f"{water.whose} mass and the water's added mass, {grams:.0f} g, of {water.cylinder}"
+        return water[0]
     views: list[View] = [("", np.array(mass), 0, 1.0), ("in grams", np.array(mass), 1, 1e3)]
     fit = _fit(wrong_masses(body), views, (within, within))
     return fit.words if fit else None
@@ -141,11 +139,11 @@ def explain_inertia(ours: FourJointArm, link: LinkParameters, subject: Inertial)
     if fit := _fit(wrong_tensors(ours, body), views, (within, within)):
         return fit.words
     if water := _water(link, subject):
-        return f"{water.words}, with the added inertia of {water.cylinder} (strip theory)"
+        return water[1]
     return wrong_point(body, subject.mass, seen, within)
 
 
-def _water(link: LinkParameters, subject: Inertial) -> AddedWater | None:
+def _water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | None:
     """Water in mass and tensor as they lie, or as it is written where its axes are not ours."""
     tensors = (subject.in_our_frame().inertia, subject.inertia)
     within = (_last_digit(MASS_DIGITS, subject, subject.mass), _tensor_digits(subject))

@@ -73,19 +73,11 @@ def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> tuple[Hypo
 
 def frames(ours: FourJointArm, body: int) -> dict[str, FloatArray]:
     """Other frames a number may be taken from: words -> transform_body_to_frame (4, 4), at zero."""
-    poses = ours.poses(np.zeros(4))
-    out = {}
-    for i, names in enumerate(ours.links):
-        for name in names:
-            pose = np.linalg.inv(poses[i] @ ours.link_poses[name]) @ poses[body]
-            kind, _, number = name.partition("_")
-            if kind == "dh":
-                out[f"in DH frame {{{number}}}"] = pose
-            elif kind == "link" and i == body - 1:
-                out[f"in the parent's frame, that of {name}"] = pose
-            elif kind == "link" and i != body:
-                out[f"in the frame of {name}"] = pose
-    return out
+    here = ours.poses(np.zeros(4))
+    there = {name: here[i] @ ours.link_poses[name] for i in range(5) for name in ours.links[i]}
+    named = {f"in DH frame {{{k}}}": f"dh_{k}" for k in range(1, 6)}
+    named |= {f"in the frame of link_{k}": f"link_{k}" for k in range(5) if k != body}
+    return {words: np.linalg.inv(there[name]) @ here[body] for words, name in named.items()}
 
 
 def _move(transform: FloatArray, point: FloatArray) -> FloatArray:
@@ -121,8 +113,8 @@ def _sources(name: str, body: int, cob: bool) -> list[Hypothesis]:
         values = getattr(table, name)
         found.append(Hypothesis(table.numbers, values[body]))
         if cob:
-            words = table.numbers.replace("Table 2's numbers", "the centre of buoyancy of Table 3")
-            words = words.replace("numbers", "centre of buoyancy")
+            whose = "Table 3" if table is revisions()[0] else "an earlier revision"
+            words = f"the centre of buoyancy of {whose}"
             found.append(Hypothesis(words, table.cob[body], 1))
         found += [
             Hypothesis(f"{table.numbers} of link_{k}", values[k], 1) for k in range(5) if k != body
@@ -148,21 +140,25 @@ def wrong_tensors(ours: FourJointArm, body: int) -> tuple[Hypothesis, ...]:
             sources.append(Hypothesis(f"{table.numbers}, {I_LINK}", tensor, 1))
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append(Hypothesis(words, own - moved, 1))
-    signs: list[Step] = [
-        (SOLIDWORKS, flip_products),
-        ("the products of inertia are zeroed", lambda tensor: np.diag(np.diag(tensor))),
+    signs = [
+        _products(SOLIDWORKS, -1, -1, -1),
+        _products("the products of inertia are zeroed", 0, 0, 0),
     ]
     turns: list[Step] = [
         (words, partial(rotate_tensor, m)) for words, m in _signed_axes() if np.linalg.det(m) > 0
     ]
     turns += [(words, partial(rotate_tensor, t[:3, :3])) for words, t in frames(ours, body).items()]
-    single: list[Step] = []
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        mask = np.ones((3, 3))
-        mask[i, j] = mask[j, i] = -1
-        words = f"i{_AXES[i]}{_AXES[j]} has the wrong sign"
-        single.append((words, partial(np.multiply, mask)))
+    single = [
+        _products("ixy has the wrong sign", -1, 1, 1),
+        _products("ixz has the wrong sign", 1, -1, 1),
+        _products("iyz has the wrong sign", 1, 1, -1),
+    ]
     return _with_mistakes(sources, signs, turns, single)
+
+
+def _products(words: str, xy: float, xz: float, yz: float) -> Step:
+    """The step that multiplies the products of inertia by these factors."""
+    return words, partial(np.multiply, np.array([[1, xy, xz], [xy, 1, yz], [xz, yz, 1]]))
 
 
 @cache
@@ -194,38 +190,22 @@ def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
     return tuple(Hypothesis(words, np.array(value), 1) for words, value in found)
 
 
-@dataclass(frozen=True)
-class AddedWater:
-    """Water that moves with a cylinder, counted into a body by strip theory.
-
-    Attributes:
-        words: The tensor it was added to.
-        whose: The revision whose body it was added to.
-        mass: Added mass across the axis, ``rho pi r^2 L`` [kg].
-        radius, length: Of the cylinder [m].
-    """
-
-    words: str
-    whose: str
-    mass: float
-    radius: float
-    length: float
-
-    @property
-    def cylinder(self) -> str:
-        """The cylinder in words."""
-        radius, length = self.radius * 1e3, self.length * 1e3
-        return f"a cylinder of water of radius {radius:.0f} mm and length {length:.0f} mm"
-
-
 def added_water(
     link: LinkParameters, mass: float, tensor: FloatArray, within: tuple[float, float]
-) -> AddedWater | None:
+) -> tuple[str, str] | None:
     """A printed mass and tensor with a cylinder of water of the body's width added, if they are that.
 
     Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
     end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in the mass. Six of seven
-    numbers test the one unknown, L. ``within`` is what mass and tensor may be off.
+    numbers test the one unknown, L.
+
+    Args:
+        link: The body of the tables.
+        mass, tensor: Of the other model [kg, kg m^2].
+        within: What they may be off by.
+
+    Returns:
+        Where the mass is from, and where the tensor is from.
     """
     body, radius = int(link.name[-1]), _radius(link)
     line = FRESH_WATER * np.pi * radius**2
@@ -243,9 +223,13 @@ def added_water(
         allowed = within[0] + water * within[1] / (3 * across)
         longest = SIZE_SLACK * np.ptp(link.bounds, axis=1).max()
         if length <= longest and abs(mass - table.mass[body] - water) <= allowed:
-            words = f"{table.numbers}, {I_LINK if about_end else 'I_COM'}"
-            words += f", {SOLIDWORKS}" if solidworks else ""
-            return AddedWater(words, table.numbers.removesuffix(" numbers"), water, radius, length)
+            cylinder = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
+            return (
+                f"{table.numbers.removesuffix(' numbers')} mass and the water's added mass, "
+                f"{water * 1e3:.0f} g, of a cylinder of water {cylinder}",
+                f"{table.numbers}, {I_LINK if about_end else 'I_COM'}{f', {SOLIDWORKS}' * solidworks}, "
+                f"with the added inertia of a cylinder of water {cylinder} (strip theory)",
+            )
     return None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from alpha5_model.comparison.alignment import (
     body_transforms,
     tip_distance,
 )
+from alpha5_model.comparison.bodies import Cost
 from alpha5_model.comparison.findings import collision_volume, findings
 from alpha5_model.comparison.mapping import AXES, FourJointArm, map_joints, reduce_robot
 from alpha5_model.comparison.records import BodyDifference, Comparison
@@ -100,7 +101,7 @@ def compare_robots(
             body_transforms(ours, theirs, alignment),
             bodies,
             tip_error,
-            GravityCost(ours, q),
+            _gravity_cost(ours, q),
             folder,
         ),
     )
@@ -136,33 +137,24 @@ def _dynamic_errors(
     return gravity, matrix
 
 
-class GravityCost:
-    """What an error of one body's mass and first moment is worth in gravity torque in air.
+def _gravity_cost(ours: FourJointArm, samples: FloatArray) -> Cost:
+    """What an error of one body's mass and first moment is worth in gravity torque in air [N m].
 
-    Gravity torque is linear in both: its regressor [Atkeson1986] at each sampled position says all.
+    Gravity torque is linear in both: its regressor [Atkeson1986] at the sampled positions says all. The base
+    is held by no joint and costs nothing.
     """
+    import pinocchio as pin
 
-    def __init__(self, ours: FourJointArm, samples: FloatArray) -> None:
-        self.ours, self.samples = ours, samples
+    model = _model(ours)
+    model.gravity.linear = np.array(GRAVITY)
+    data, rest = model.createData(), np.zeros(4)
+    rows = [pin.computeJointTorqueRegressor(model, data, q, rest, rest).copy() for q in samples]
+    regressor = np.array(rows).reshape(-1, 4, 4, 10)[..., :4]  # sample, joint, body, number
 
-    @cached_property
-    def regressor(self) -> FloatArray:
-        """Torque per mass and first moment of bodies 1 to 4, (N, joint, body, 4)."""
-        import pinocchio as pin
+    def cost(body: int, mass: float, moment: FloatArray) -> float:
+        return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
 
-        model = _model(self.ours)
-        model.gravity.linear = np.array(GRAVITY)
-        data, rest = model.createData(), np.zeros(4)
-        rows = [
-            pin.computeJointTorqueRegressor(model, data, q, rest, rest).copy() for q in self.samples
-        ]
-        return np.array(rows).reshape(-1, 4, 4, 10)[..., :4]
-
-    def __call__(self, body: int, mass: float, moment: FloatArray) -> float:
-        """Largest torque over joints and samples [N m]; nothing for the base, which no joint holds."""
-        if body == 0:
-            return 0.0
-        return float(np.abs(self.regressor[:, :, body - 1] @ [mass, *moment]).max())
+    return cost
 
 
 def _model(arm: FourJointArm) -> Any:
