@@ -107,6 +107,7 @@ def test_second_moments_and_pseudo_inertia(seed: int) -> None:
     )
 
 
+@settings(deadline=None)  # the first example imports Pinocchio
 @given(seeds)
 def test_pinocchio_agrees(seed: int) -> None:
     pin = pytest.importorskip("pinocchio")
@@ -289,6 +290,11 @@ def test_impossible_bodies_are_named(words: str) -> None:
     found = mod.inconsistencies(mass, com, tensor, bounds)
     assert any(words in sentence for sentence in found), found
     assert mod.inconsistencies(1.0, np.zeros(3), CUBE, BOX) == ()
+
+
+def test_a_flat_disc_is_the_limit_of_the_triangle_inequality() -> None:
+    found = mod.inconsistencies(1.0, np.zeros(3), np.diag([1.0, 1.0, 2.0]), tolerance=0.0)
+    assert found == ("the pseudo-inertia is not positive definite",)
 
 
 @pytest.mark.parametrize("i", range(5))
