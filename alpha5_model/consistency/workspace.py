@@ -14,7 +14,7 @@ from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, rounding_bound, si
 from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.kinematics.reach import reachable
-from alpha5_model.kinematics.workspace import published_errors, sampled_share
+from alpha5_model.kinematics.workspace import published_errors, sampled_share, singular_elbow_angles
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published
@@ -55,13 +55,10 @@ def _tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     a_1, a_2, d_3 = p.dh[1].a, p.dh[2].a, p.dh[3].d
     a_2_printed, d_3_printed = _length(printed, 2, "a"), _length(printed, 3, "d")
     outer = a_1 + float(np.hypot(d_3, a_2))
-    # Longest where the elbow is stretched: search theta_2 twice, the second time around the first.
-    low, high = p.joints[2].lower, p.joints[2].upper
-    for _ in range(4):
-        q = np.zeros((2001, 4))
-        q[:, 2] = np.linspace(low, high, len(q))
-        best = int(np.argmax(reach := _shoulder_distance(q)))
-        low, high = q[max(best - 1, 0), 2], q[min(best + 1, len(q) - 1), 2]
+    # Longest with the elbow stretched, or as near to that as its limits allow.
+    elbow = p.joints[2]
+    bend = np.clip(singular_elbow_angles()["stretched"], elbow.lower, elbow.upper)
+    longest = float(_shoulder_distance(np.array([0.0, 0.0, bend, 0.0])))
     inner = [numbers.inner_offset, numbers.inner_length, a_2_printed, d_3_printed]
 
     def inner_radius(x: FloatArray) -> float:
@@ -73,12 +70,12 @@ def _tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
 
     folded = float(_shoulder_distance(np.zeros(4)))
     caption = [printed.elbow.opposite, printed.elbow.adjacent]
-    elbow = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
-    offset = float(np.hypot(*elbow[:2])) - p.dh[0].a
+    corner = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
+    offset = float(np.hypot(*corner[:2])) - p.dh[0].a
     lower = float(np.hypot(a_2, d_3))
     inner_measured = inner_radius(si(inner))
     return [
-        audited("workspace.outer_torus", reach[best], outer, ARITHMETIC),
+        audited("workspace.outer_torus", longest, outer, ARITHMETIC),
         audited(
             "workspace.inner_torus",
             inner_measured,
