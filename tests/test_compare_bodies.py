@@ -345,3 +345,10 @@ def test_one_finding_is_singular_and_a_remark_is_none(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "The model differs: 1 finding." in out
     assert "· meshes/link_0.obj: mesh is not there" in " ".join(out.split())
+
+
+def test_links_that_together_make_a_body_are_explained_together():
+    root = edited(("link_4", "mass", {"value": "0.2"}))
+    add_link(root, "gripper", "0.133", "1e-5")
+    text = found(compared(root, 5), "link_4", "mass ").text
+    assert text == "mass 0.333 kg in place of 0.355 kg: an earlier revision's mass"
