@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.self_collision import (
         without_self_collision as without_self_collision,
     )
-    from alpha5_model.dynamics.water import AIR as AIR
-    from alpha5_model.dynamics.water import FRESH_WATER as FRESH_WATER
-    from alpha5_model.dynamics.water import SEA_WATER as SEA_WATER
-    from alpha5_model.dynamics.water import gravity_in_base as gravity_in_base
+    from alpha5_model.fluids import AIR as AIR
+    from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
+    from alpha5_model.fluids import SEA_WATER as SEA_WATER
+    from alpha5_model.fluids import gravity_in_base as gravity_in_base
     from alpha5_model.kinematics import dh as dh
     from alpha5_model.kinematics import planar as planar
     from alpha5_model.kinematics import workspace as workspace
@@ -60,7 +60,7 @@ _DEFINED = {
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),
     "dynamics.self_collision": ("without_self_collision",),
-    "dynamics.water": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
+    "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics"),
     "kinematics.ik_path": ("inverse_kinematics_path",),
     "kinematics.ik_pose": ("inverse_kinematics_pose",),

@@ -1,6 +1,11 @@
-"""What surrounds the arm: densities of fluids and gravity."""
+"""What surrounds the arm: densities of fluids and gravity. NumPy only."""
 
 from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, is_rotation, shaped
+from alpha5_model.errors import InputError
 
 #: Sea water of 35 g/kg near the surface, fresh water, and no fluid at all [kg/m^3].
 SEA_WATER = 1025.0
@@ -8,3 +13,24 @@ FRESH_WATER = 1000.0
 AIR = 0.0
 #: Gravity with z up [m/s^2].
 GRAVITY = (0.0, 0.0, -9.81)
+
+
+def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatArray:
+    """Gravity seen from a tilted mount or a vehicle, ``R^T g``, for ``load(gravity=...)``.
+
+    Args:
+        rotation: ``rotation_base_to_world``, (3, 3): the attitude of base_link; it maps coordinates
+            in base_link to coordinates in the world.
+        gravity: In the world, (3,) [m/s^2]; the default has z up, ``(0, 0, 9.81)`` is for NED.
+
+    Returns:
+        Gravity in base_link, (3,) [m/s^2].
+
+    Raises:
+        InputError: ``rotation`` is not a rotation, or gravity not three finite numbers.
+    """
+    r = shaped("rotation", rotation, (3, 3))
+    g = shaped("gravity", gravity, (3,))
+    if not is_rotation(r):
+        raise InputError("rotation", r.tolist(), "a rotation: orthonormal rows, determinant +1")
+    return r.T @ g

@@ -25,7 +25,7 @@ def fluid_density(text: str) -> float:
         InputError: Anything else.
     """
     from alpha5_model.checks import real
-    from alpha5_model.dynamics.water import AIR, FRESH_WATER, SEA_WATER
+    from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
 
     named = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
     if text in named:

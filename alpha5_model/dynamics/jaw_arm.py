@@ -21,7 +21,7 @@ from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.payload import Payload
-from alpha5_model.dynamics.water import SEA_WATER
+from alpha5_model.fluids import SEA_WATER
 
 
 def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:

@@ -18,8 +18,8 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
 from alpha5_model.dynamics.vectors import vector
-from alpha5_model.dynamics.water import GRAVITY, SEA_WATER
 from alpha5_model.errors import MissingFileError
+from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
