@@ -102,6 +102,21 @@ def test_bad_file_says_where(name: str, tmp_path: Path) -> None:
     assert "bad.csv" in str(caught.value)
 
 
+def test_a_short_and_a_long_line_do_not_make_two_right_ones(tmp_path: Path) -> None:
+    rows = [[*row, "note"] for row in table()]
+    rows[3] = rows[3][:-1]
+    rows[8] = [rows[8][0], *rows[8]]
+    for quoted in (False, True):
+        if quoted:
+            rows[0][-1] = '"a note"'
+        path = write(tmp_path / "m.csv", [*HEADER, "note"], rows)
+        with pytest.raises(FileFormatError, match="line 5: 5 fields, expected 6"):
+            a5.trajectory.read_motion(path)
+    rows = [[*row, f'"{"x" * 140_000}"'] for row in table()]
+    with pytest.raises(FileFormatError, match="line 2: is not a table of numbers"):
+        a5.trajectory.read_motion(write(tmp_path / "m.csv", [*HEADER, "note"], rows))
+
+
 def test_place_counts_blank_lines_and_chunks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -56,7 +56,7 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
     used = [time_column, *positions, *velocities]
     try:
         table = _parse(lines, used, len(header), progress)
-    except ValueError:
+    except (ValueError, csv.Error):
         _complain(path, lines, header, used)
     if not np.isfinite(table).all():
         _complain(path, lines, header, used)
@@ -198,8 +198,9 @@ def _parse(lines: list[str], used: list[int], width: int, progress: Progress | N
     for start in range(1, len(lines), CHUNK):
         block = lines[start : start + CHUNK]
         filled = [line for line in block if line] if "" in block else block
-        commas = sum(line.count(",") for line in filled)
-        if commas != len(filled) * (width - 1) and not any('"' in line for line in filled):
+        quoted = any('"' in line for line in filled)
+        widths = map(len, csv.reader(filled)) if quoted else (x.count(",") + 1 for x in filled)
+        if any(found != width for found in widths):
             raise ValueError
         if filled:
             blocks.append(

@@ -1,0 +1,528 @@
+"""The trajectory's thresholds, windows, tables and sentences, each from its own definition."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import LOWER, UPPER
+from scipy.signal import savgol_coeffs, savgol_filter
+
+import alpha5_model as a5
+from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.trajectory import analysis as analysis_module
+from alpha5_model.trajectory import export
+from alpha5_model.trajectory.export import columns
+from alpha5_model.trajectory.reading import CHUNK
+from alpha5_model.trajectory.smoothing import savitzky_golay
+
+JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
+ROD = (0.0013, 0.0133)
+RATED = (math.radians(30), math.radians(30), math.radians(30), math.radians(50), 0.003)
+RANGES = [*zip(LOWER, UPPER, strict=True), ROD]
+
+
+def resting(count: int = 40, step: float = 0.02) -> tuple[np.ndarray, np.ndarray]:
+    """Times and positions of an arm that rests in the middle of its ranges."""
+    middle = np.array([(low + high) / 2 for low, high in RANGES])
+    return step * np.arange(count), np.tile(middle, (count, 1))
+
+
+def kinds(motion: a5.trajectory.Motion) -> list[tuple[str, int, str]]:
+    return [(w.kind, w.count, w.first) for w in motion.warnings]
+
+
+# --- checks of a motion --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("k", "joint"), enumerate(JOINTS))
+def test_a_jump_is_farther_than_a_tenth_of_the_range_and_twice_the_speed(
+    k: int, joint: str
+) -> None:
+    low, high = RANGES[k]
+    for share, found in ((0.9999, []), (1.0001, [("jump", 1, f"sample 20 of {joint}")])):
+        t, q = resting()
+        q[:, k] = low + 0.2 * (high - low)
+        q[20:, k] += share * (0.1 * (high - low) + 2 * RATED[k] * 0.02)
+        assert kinds(a5.trajectory.motion(t, q)) == found
+
+
+@pytest.mark.parametrize(("k", "joint"), enumerate(JOINTS))
+@pytest.mark.parametrize("side", [0, 1])
+def test_outside_is_a_thousandth_of_the_range_beyond(k: int, joint: str, side: int) -> None:
+    span = RANGES[k][1] - RANGES[k][0]
+    for share, found in ((0.9999, []), (1.0001, [("outside_limits", 40, f"sample 0 of {joint}")])):
+        t, q = resting()
+        q[:, k] = RANGES[k][side] + (2 * side - 1) * share * 1e-3 * span
+        motion = a5.trajectory.motion(t, q)
+        assert kinds(motion) == found
+        if found:
+            low, high = RANGES[k]
+            unit = "m" if joint == "axis_a" else "rad"
+            assert str(motion.warnings[0]) == (
+                f"{joint} outside its range {low:.6g} to {high:.6g} {unit}: 40 x, first: sample 0 of {joint}"
+            )
+
+
+def test_a_gap_is_longer_than_ten_median_steps() -> None:
+    for length, found in ((0.1999, []), (0.2001, [("gap", 1, "sample 30")])):
+        t, q = resting()
+        t[30:] += length - 0.02
+        assert kinds(a5.trajectory.motion(t, q)) == found
+
+
+def test_the_least_number_of_samples() -> None:
+    t, q = resting(5)
+    assert a5.trajectory.motion(t, q).time.size == 5
+    with pytest.raises(InputError, match="time: expected at least 5 samples, got 4"):
+        a5.trajectory.motion(t[:4], q[:4])
+    with pytest.raises(InputError, match="5 samples with different times"):
+        a5.trajectory.motion(t[[0, 1, 2, 3, 3]], q)
+    t, q = resting(6)
+    assert a5.trajectory.motion(t[[0, 0, 1, 2, 3, 4]], q).time.size == 5
+
+
+def test_of_a_repeated_time_the_first_sample_counts() -> None:
+    t, q = resting(10)
+    q += np.arange(10)[:, None] * 1e-5
+    v = 1e-3 * np.arange(50.0).reshape(10, 5)
+    t[4] = t[3]
+    motion = a5.trajectory.motion(t, q, v)
+    kept = [0, 1, 2, 3, 5, 6, 7, 8, 9]
+    np.testing.assert_array_equal(motion.position, q[kept])
+    np.testing.assert_array_equal(motion.velocity, v[kept])
+    np.testing.assert_array_equal(motion.time, t[kept])
+    assert kinds(motion) == [("repeated_time", 1, "sample 4")]
+    for array in (motion.time, motion.position, motion.velocity):
+        assert array is not None
+        assert not array.flags.writeable
+
+
+# --- smoothing -----------------------------------------------------------------------------------
+
+
+def test_direction_is_that_of_the_way_in_half_a_second() -> None:
+    """Sign of the way from a quarter of a second before to one after, none below 0.2 % of the rated speed."""
+    rng = np.random.default_rng(2)
+    t = np.cumsum(rng.uniform(0.01, 0.05, 300))
+    q = resting(300)[1] + np.cumsum(rng.normal(size=(300, 5)), axis=0) * 1e-4 * np.array(
+        [1, 1, 1, 1, 0.01]
+    )
+    q[:, 2] = 1.0 + 0.003 * RATED[2] * np.sin(t)  # now and then above the threshold
+    q[:, 1] = 1.0 + 0.0021 * RATED[1] * t
+    q[:, 0] = 1.0 - 0.0019 * RATED[0] * t
+    for method in ("spline", "savgol"):
+        s = a5.trajectory.smooth(a5.trajectory.motion(t, q), method)
+        for k in range(5):
+            for i in range(300):
+                start, end = max(t[i] - 0.25, t[0]), min(t[i] + 0.25, t[-1])
+                speed = np.diff(np.interp([start, end], t, q[:, k]))[0] / (end - start)
+                expected = 0.0 if abs(speed) < 0.002 * RATED[k] else np.sign(speed)
+                assert s.direction[i, k] == expected
+        assert set(s.direction[:, 2]) == {-1.0, 0.0, 1.0}
+        assert set(s.direction[:, 1]) == {1.0}
+        assert set(s.direction[:, 0]) == {0.0}
+        np.testing.assert_array_equal(s.signed_velocity, s.direction * np.abs(s.velocity))
+        np.testing.assert_array_equal(s.deviation, np.abs(s.position - q).max(axis=0))
+    planned = a5.trajectory.smooth(a5.trajectory.motion(t, q), "interpolate")
+    at_rest = np.abs(planned.velocity) < 0.002 * np.array(RATED)
+    np.testing.assert_array_equal(
+        planned.direction, np.where(at_rest, 0, np.sign(planned.velocity))
+    )
+
+
+def cutoff(window: int) -> float:
+    """-3 dB frequency of the cubic filter from its frequency response, cycles per sample."""
+    response = np.abs(np.fft.rfft(savgol_coeffs(window, 3), 2**18))
+    return float(np.argmax(response < math.sqrt(0.5))) / 2**18
+
+
+def test_savitzky_golay_takes_the_window_nearest_to_the_bandwidth() -> None:
+    t = 0.5 + 0.02 * np.arange(400)
+    y = np.stack([np.sin(t), t**2], axis=1)
+    windows = np.arange(5, 151, 2)
+    cuts = np.array([cutoff(int(w)) for w in windows]) / 0.02
+    for bandwidth in (0.7, 1.0, 1.3, 2.0, 3.1, 5.0, 9.0, 15.0, 20.0):
+        value, slope, bend, reached = savitzky_golay(t, y, bandwidth)
+        best = int(np.abs(cuts - bandwidth).argmin())
+        assert reached == pytest.approx(cuts[best], rel=1e-3)
+        for got, k in ((value, 0), (slope, 1), (bend, 2)):
+            expected = savgol_filter(y, windows[best], 3, deriv=k, delta=0.02, axis=0)
+            np.testing.assert_allclose(got[:-1], expected[:-1], atol=1e-9 * 10**k)
+
+
+def test_savitzky_golay_on_uneven_times() -> None:
+    """A cubic passes unchanged but for the joining by lines, of second order in the step."""
+    rng = np.random.default_rng(3)
+    t = 2.0 + np.cumsum(rng.uniform(0.006, 0.014, 500))
+    y = (0.1 * t**3 - t)[:, None]
+    value, slope, bend, _ = savitzky_golay(t, y, 4.0)
+    assert value.shape == slope.shape == bend.shape == (500, 1)
+    inner = slice(20, -20)
+    np.testing.assert_allclose(value[inner], y[inner], atol=2e-4)
+    np.testing.assert_allclose(slope[inner, 0], (0.3 * t**2 - 1)[inner], atol=5e-3)
+    np.testing.assert_allclose(bend[inner, 0], (0.6 * t)[inner], atol=0.15)
+    short = a5.trajectory.motion(*resting(50))
+    with pytest.raises(
+        InputError, match=r"a window of at most the motion's 50 samples \(it takes \d+\)"
+    ):
+        a5.trajectory.smooth(short, "savgol", 0.3)
+
+
+def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
+    motion = a5.trajectory.motion(*resting(200))
+    a5.trajectory.smooth(motion, "spline", 24.99)
+    for width in (25.0, 25.01):
+        with pytest.raises(
+            InputError, match=r"less than half the sample rate, 25 Hz \(or .*late\), got"
+        ):
+            a5.trajectory.smooth(motion, "spline", width)
+    slow = a5.trajectory.motion(*resting(200, step=1.01))
+    with pytest.raises(InputError, match="is the time in seconds"):
+        a5.trajectory.smooth(slow, "spline", 2.0)
+    assert a5.trajectory.smooth(slow, "interpolate", -1.0).bandwidth is None
+
+
+# --- analysis ------------------------------------------------------------------------------------
+
+
+def moving(count: int = 400, gain: float = 1.0, speed: float = 0.3) -> a5.trajectory.Motion:
+    t = 0.02 * np.arange(count)
+    q = resting(count)[1][:, :4]
+    v = np.zeros_like(q)
+    q[:, 2] += speed * np.sin(0.5 * t)
+    v[:, 2] = gain * 0.5 * speed * np.cos(0.5 * t)
+    return a5.trajectory.motion(t, q, v)
+
+
+@pytest.mark.parametrize(
+    ("gain", "found"), [(0.78, 1), (0.82, 0), (1.0, 0), (1.23, 0), (1.27, 1), (-1.0, 1)]
+)
+def test_velocities_are_judged_by_their_gain(gain: float, found: int) -> None:
+    warnings = a5.trajectory.analyse(moving(gain=gain)).warnings
+    assert [w.kind for w in warnings] == ["velocity"] * found
+    for w in warnings:
+        assert (w.count, w.first) == (1, "all samples")
+        assert float(w.text.split(" are ")[1].split(" times")[0]) == pytest.approx(gain, rel=0.01)
+        assert w.text.startswith("axis_c's velocities are ")
+        assert w.text.endswith(" times the slope of its positions")
+
+
+def test_slow_joints_are_not_judged() -> None:
+    """A root mean square speed below 2 % of the rated one says nothing."""
+    for share, found in ((0.018, 0), (0.023, 1)):
+        amplitude = share * RATED[2] * math.sqrt(2) / 0.5
+        motion = moving(count=1885, gain=3.0, speed=amplitude)  # six periods
+        assert len(a5.trajectory.analyse(motion).warnings) == found
+
+
+def test_parts_are_put_together_in_order(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    motion = moving(count=101)
+    whole = a5.trajectory.analyse(motion)
+    seen: list[tuple[str, float]] = []
+    monkeypatch.setattr(analysis_module, "_CHUNK", 25)
+    monkeypatch.setattr(export, "_CHUNK", 40)
+    parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
+    a5.trajectory.write(parts, tmp_path / "parts.csv", lambda *report: seen.append(report))
+    computed = [("compute", k / 101) for k in (25, 50, 75, 100, 101)]
+    assert seen == [*computed, *(("write", k / 101) for k in (40, 80, 101))]
+    for name in (
+        "torque",
+        "inertia",
+        "coriolis",
+        "weight",
+        "buoyancy",
+        "base_wrench",
+        "tcp",
+        "current",
+    ):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+    monkeypatch.undo()
+    a5.trajectory.write(whole, tmp_path / "whole.csv")
+    assert (tmp_path / "parts.csv").read_text() == (tmp_path / "whole.csv").read_text()
+
+
+def test_reading_reports_progress_by_blocks(tmp_path: Path) -> None:
+    assert CHUNK == 50_000
+    t, q = resting(60)
+    a5.trajectory.write(a5.trajectory.analyse(a5.trajectory.motion(t, q)), tmp_path / "m.csv")
+    seen: list[tuple[str, float]] = []
+    a5.trajectory.read_motion(tmp_path / "m.csv", lambda *report: seen.append(report))
+    assert seen == [("read", 1.0)]
+
+
+def test_the_rod_is_left_out_with_its_warnings() -> None:
+    t, q = resting()
+    q[20:, 4] = 0.02
+    q[20:, 1] += 2.0
+    v = 1e-3 * np.ones_like(q)
+    motion = a5.trajectory.motion(t, q, v)
+    assert {w.text.split()[0] for w in motion.warnings} == {"axis_a", "axis_d"}
+    r = a5.trajectory.analyse(motion, a5.load())
+    assert r.motion.joints == JOINTS[:4]
+    np.testing.assert_array_equal(r.motion.position, q[:, :4])
+    np.testing.assert_array_equal(r.motion.velocity, v[:, :4])
+    assert r.motion.ignored == ("axis_a",)
+    assert {w.text.split()[0] for w in r.warnings if w.kind != "velocity"} == {"axis_d"}
+
+
+@pytest.mark.parametrize("rest", [True, False])
+def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
+    """With Table 4's figures: R 3.22, F 3.752e-3, eta 0.86, K_t 0.0134, K_v 0.0116, Gr 1754.4 (big motors)."""
+    resistance, friction, eta, k_t, k_v, gear = 3.22, 3.752e-3, 0.86, 0.0134, 0.0116, 1754.4
+    t = 0.02 * np.arange(100)
+    q = resting(100)[1][:, :4]
+    if not rest:
+        q += 0.2 * t[:, None]
+    for volt, ampere in ((24.0, 0.5), (5.0, 0.5)):
+        motion = a5.trajectory.motion(t, q)
+        r = a5.trajectory.analyse(
+            motion, method="interpolate", supply_voltage=volt, current_limit=ampere
+        )
+        assert (r.supply_voltage, r.current_limit) == (volt, ampere)
+        assert r.torque_limits is not None
+        if rest:
+            most = min(ampere, volt / resistance)
+            # What the motor gives and what friction adds, through the gear the wrong way round.
+            held = (k_t * most + friction) * gear / eta
+            np.testing.assert_allclose(r.torque_limits.upper[:, :3], held, rtol=1e-9)
+            np.testing.assert_allclose(r.torque_limits.lower[:, :3], -held, rtol=1e-9)
+        else:
+            most = min(ampere, (volt - k_v * gear * 0.2) / resistance)
+            driven = (k_t * most - friction) * gear
+            np.testing.assert_allclose(r.torque_limits.upper[:, :3], eta * driven, rtol=1e-9)
+
+
+# --- tables and sentences ------------------------------------------------------------------------
+
+
+def test_columns_by_name(tmp_path: Path) -> None:
+    t, q = resting(30)
+    q[:, 1] += 0.2 * np.sin(3 * t)
+    r = a5.trajectory.analyse(a5.trajectory.motion(t, q), supply_voltage=24.0, current_limit=1.0)
+    table = columns(r)
+    assert r.torque_limits is not None
+    for k, name in enumerate(JOINTS):
+        for suffix, values in (
+            ("pos", r.smooth.position),
+            ("vel", r.smooth.velocity),
+            ("acc", r.smooth.acceleration),
+            ("torque", r.torque),
+            ("torque_inertia", r.inertia),
+            ("torque_coriolis", r.coriolis),
+            ("torque_weight", r.weight),
+            ("torque_buoyancy", r.buoyancy),
+            ("mechanical_power", r.mechanical_power),
+        ):
+            np.testing.assert_array_equal(table.pop(f"{name}_{suffix}"), values[:, k])
+        if name != "axis_a":  # its motor cannot be computed without a screw lead
+            for suffix, values in (
+                ("torque_friction", r.friction),
+                ("current", r.current),
+                ("current_lower", r.current_lower),
+                ("current_upper", r.current_upper),
+                ("voltage", r.voltage),
+                ("electrical_power", r.electrical_power),
+                ("torque_min", r.torque_limits.lower),
+                ("torque_max", r.torque_limits.upper),
+            ):
+                np.testing.assert_array_equal(table.pop(f"{name}_{suffix}"), values[:, k])
+    for k, axis in enumerate("xyz"):
+        np.testing.assert_array_equal(table.pop(f"base_force_{axis}"), r.base_wrench[:, k])
+        np.testing.assert_array_equal(table.pop(f"base_moment_{axis}"), r.base_wrench[:, 3 + k])
+        np.testing.assert_array_equal(table.pop(f"tcp_{axis}"), r.tcp[:, k])
+    assert list(table) == ["time_secs"]
+    # Times keep all their digits, as the sample times of recordings need them.
+    late = replace(r, smooth=replace(r.smooth, time=1.7e9 + t))
+    a5.trajectory.write(late, tmp_path / "t.csv")
+    times = [
+        float(line.split(",")[0]) for line in (tmp_path / "t.csv").read_text().splitlines()[1:]
+    ]
+    np.testing.assert_allclose(times, 1.7e9 + t, rtol=0, atol=5e-7)
+    # JSON has no NaN.
+    holes = replace(r, torque=np.where(np.arange(30)[:, None] == 7, np.nan, r.torque))
+    a5.trajectory.write(replace(holes, warnings=()), tmp_path / "t.csv")
+    assert export._json(holes.torque[:, 0])[7] is None
+    assert [x is None for x in export._json(holes.torque[:, 0])].count(True) == 1
+
+
+def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:
+    """A comma in quotes parts no cells; what is not used may be anything."""
+    header = 'note,time,axis_e,axis_d,"axis_c",axis_b'
+    rows = [f'"a, {k}",{k / 10},1.0,"1.5",2,{3 + k / 100}' for k in range(8)]
+    path = tmp_path / "m.csv"
+    path.write_text("\n".join([header, *rows]))
+    motion = a5.trajectory.read_motion(path)
+    np.testing.assert_array_equal(motion.position[:, 1], 1.5)
+    np.testing.assert_array_equal(motion.position[:, 3], 3 + np.arange(8) / 100)
+    assert motion.ignored == ("note",)
+    for bad, words in (
+        ('"a",0.3,1.0,"1.5",2', "line 5: 5 fields, expected 6 as in line 1"),
+        ('"a",0.3,1.0,"1.5",2,3,4', "line 5: 7 fields, expected 6"),
+        (
+            '"a",0.3,1.0,"1,5",2,3',
+            r"line 5, column 4 \(axis_d\): expected a finite number, got '1,5'",
+        ),
+        (f'"a",0.3,1.0,{"?" * 90},2,3', r"got '\?{40}'$"),
+    ):
+        path.write_text("\n".join([header, *rows[:3], bad, *rows[4:]]))
+        with pytest.raises(FileFormatError, match=words):
+            a5.trajectory.read_motion(path)
+
+
+def record(**joint: Any) -> dict[str, Any]:
+    """A summary with one joint, as `text` takes it."""
+    units = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+    one = {
+        "units": units,
+        "torque_peak": {"value": -1.25},
+        "torque_margin": 7.75,
+        "current_peak": {"value": -0.5, "interval": [-0.625, -0.375]},
+        "current_margin": None,
+        "velocity_peak": {"value": -0.75},
+        "velocity_margin": 0.125,
+        "position_margin": -0.25,
+        "beyond_rated_velocity": 0,
+        "beyond_drive_limits": None,
+        "causes_peak": {
+            "inertia": 0.5,
+            "coriolis": 1e-13,
+            "weight": 2e-12,
+            "buoyancy": 0.0,
+            "friction": None,
+        },
+        **joint,
+    }
+    return {
+        "source": "x.csv",
+        "samples": 77,
+        "duration_s": 3.14159,
+        "time_unit_of_file": "s",
+        "model": {"gripper": "locked", "fluid_density": 1025.0, "gravity": [0.0, 0.5, -9.81]},
+        "smoothing": {"method": "spline", "bandwidth_hz": 2.0, "derivatives_from": "positions"},
+        "motors": {
+            "constants": "printed",
+            "constants_ratio": {"axis_e": 1.1551},
+            "supply_voltage": None,
+            "current_limit": None,
+        },
+        "joints": {"axis_e": one},
+        "energy": {
+            "electrical_peak_w": 4.5,
+            "drawn_j": 50.0,
+            "drawn_interval_j": [40.0, 60.0],
+            "fed_back_j": 0.25,
+            "mechanical_j": 0.5,
+            "contradiction_j": -5.0,
+        },
+        "mount": {"force_peak_n": {"value": 6.5}, "moment_peak_nm": {"value": 0.75}},
+        "tcp": {
+            "first_m": [0.1, -0.00001, 0.3],
+            "last_m": [0.4, 0.5, 0.6],
+            "lowest_m": [0.0, -0.25, 0.125],
+            "highest_m": [0.5, 0.75, 0.875],
+            "path_length_m": 1.5,
+        },
+        "warnings": [{"kind": "gap", "count": 2, "first": "line 9", "text": "a gap"}],
+    }
+
+
+TEXT = """\
+x.csv: 77 samples, 3.14 s
+  model: locked gripper, fluid 1025 kg/m^3, gravity (0, 0.5, -9.81) m/s^2
+  smoothing: spline, 2 Hz (-3 dB); derivatives from positions
+
+  joint     torque [N m]  margin   current [A], interval     margin  speed [rad/s]  margin   range margin [rad]
+  axis_e           -1.25    7.75     -0.500  -0.625 .. -0.375       -          -0.75  +0.125                -0.25
+
+  peak torque by cause [N m]    inertia   coriolis     weight   buoyancy   friction
+  axis_e                            0.5          0      2e-12          0          -
+
+  power: peak 4.5 W; drawn 50 J (40 .. 60), fed back 0.25 J, mechanical work 0.5 J
+  mount: force up to 6.5 N, moment up to 0.75 N m
+  TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m, \
+within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m
+  warning: a gap: 2 x, first: line 9
+  note: a joint slower than 0.2% of its rated speed counts as at rest: friction holds it and \
+its motor needs the least current that keeps it there
+  note: torque is what the joint must carry; friction, at the motor, is a cause of its own and in the current
+  note: torque margins are to an effort of 9 N m (jaw rod 10 N) that every public model copies; \
+no rating is published
+  note: Table 4's K_t and K_v contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
+which leaves -5 J of the electrical energy unexplained
+  note: current margins need --supply-voltage and --current-limit; neither is published"""
+
+
+def test_the_text_of_a_summary() -> None:
+    assert a5.trajectory.text(record()) == TEXT
+
+
+def test_the_text_says_limits_units_and_what_is_missing() -> None:
+    said = a5.trajectory.text(
+        record(
+            beyond_rated_velocity=3,
+            velocity_margin=-0.25,
+            beyond_drive_limits=4,
+            current_margin=-0.5,
+        )
+    )
+    assert (
+        "\n  limit: axis_e is beyond its rated speed of 0.5 rad/s in 3 samples, up to 0.75\n"
+        "  limit: axis_e is beyond the speed-torque limit in 4 samples\n" in said
+    )
+    assert ".. -0.375  -0.500 " in said
+    other = record(current_peak=None)
+    other["time_unit_of_file"] = "ms"
+    other["smoothing"] |= {"method": "interpolate", "bandwidth_hz": None}
+    other["motors"] |= {"constants": "torque", "supply_voltage": 24.0}
+    said = a5.trajectory.text(other)
+    assert said.startswith("x.csv: 77 samples, 3.14 s (time column in ms)\n")
+    assert "  smoothing: interpolate; derivatives" in said
+    assert "7.75          (needs --screw-lead)          -          -0.75" in said
+    assert "used here: torque\n" not in said
+    assert said.endswith("used here: torque")
+
+
+def test_energies_peaks_and_missing_motors_in_the_record() -> None:
+    """Two joints forced: one feeds back, one draws; the rod's motor cannot be computed."""
+    t, q = resting(3000, step=0.002)
+    q[:, 1] += 0.4 * np.sin(2 * t)
+    r = a5.trajectory.analyse(a5.trajectory.motion(t, q), method="interpolate")
+    power = r.electrical_power.copy()
+    power[:, 1] = 3 * np.sin(5 * t)
+    power[:, 0] = -1.0
+    r = replace(r, electrical_power=power)
+    s = a5.trajectory.summary(r)
+    total = np.nansum(power, axis=1)
+    assert s["energy"]["electrical_peak_w"] == total.max()
+    assert s["energy"]["drawn_j"] == pytest.approx(np.trapezoid(total.clip(0), t))
+    assert s["energy"]["fed_back_j"] == pytest.approx(np.trapezoid((-total).clip(0), t))
+    assert s["joints"]["axis_d"]["energy_drawn_j"] == pytest.approx(
+        np.trapezoid(power[:, 1].clip(0), t)
+    )
+    rod = s["joints"]["axis_a"]
+    for key in (
+        "current_peak",
+        "current_rms",
+        "voltage_peak",
+        "power_peak",
+        "energy_drawn_j",
+        "current_margin",
+        "voltage_margin",
+        "drive_torque_margin",
+        "beyond_drive_limits",
+    ):
+        assert rod[key] is None
+    assert rod["causes_peak"]["friction"] is None
+    # The contradiction of the constants: (K_v - K_t) times gear, current and speed, Table 4's figures.
+    flow = (0.0116 - 0.0134) * 1754.4 * (r.current * r.smooth.signed_velocity)[:, :3]
+    wrist = (0.0545 - 0.0271) * 340.4 * (r.current * r.smooth.signed_velocity)[:, 3]
+    expected = np.trapezoid(flow.sum(axis=1) + wrist, t)
+    assert s["energy"]["contradiction_j"] == pytest.approx(expected, rel=1e-9)
+    assert abs(expected) > 1e-3
+    json.dumps(s, allow_nan=False)
