@@ -154,11 +154,14 @@ def test_a_half_plane_in_a_closed_wedge_is_one_pose(azimuth: float, side: str) -
 def test_the_standard_error_is_never_zero_and_holds() -> None:
     nothing = space.sampled_share(lambda q: np.zeros(len(q), bool), 400)
     assert nothing.share == 0.0
-    assert 1e-3 < nothing.standard_error < 5e-3
+    assert nothing.standard_error == pytest.approx(math.sqrt(1 / 402 * 401 / 402 / 400))
+    everything = space.sampled_share(lambda q: np.ones(len(q), bool), 400)
+    assert everything == pytest.approx((1.0, nothing.standard_error, space.volume(), 400))
     shares = [space.sampled_share(underarm, 400, seed=k) for k in range(60)]
     spread = np.std([s.share for s in shares], ddof=1)
     assert spread == pytest.approx(shares[0].standard_error, rel=0.3)
     assert space.sampled_share(underarm, 400, seed=5) == shares[5]
+    assert space.sampled_share(underarm, 400) == shares[0] != shares[1]
 
 
 def test_the_share_by_plain_sampling(arm: Any) -> None:
