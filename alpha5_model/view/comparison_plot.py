@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from alpha5_model.view.figures import check_format, new_figure, write_figure
+from alpha5_model.view.figures import check_format, new_figure, tidy, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
@@ -42,7 +42,7 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
         axes.margins(x=0.25)
         axes.axvline(0, color="black", linewidth=0.8)
         axes.set_title(title, fontsize=10)
-        axes.spines[["top", "right"]].set_visible(False)
+        tidy(axes)
         axes.tick_params(labelsize=8)
     verdict = "agrees with" if comparison.agrees else "differs from"
     figure.suptitle(f"{comparison.name} {verdict} the tables: largest errors", fontsize=11)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import io
+import math
 import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from alpha5_model.checks import FloatArray
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.files import atomic_write, output_format
 
@@ -29,6 +34,41 @@ def new_figure(width: float, height: float) -> Any:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def joined(
+    lines: Iterable[FloatArray], gap: Callable[[FloatArray, FloatArray], float] = math.dist
+) -> list[FloatArray]:
+    """Lines (N, 2) put end to end, each next to the one that ``gap`` calls nearest: closed outlines."""
+    rest, loops = list(lines), []
+    while rest:
+        loop = [rest.pop(0)]
+        while rest:
+            gaps = [gap(loop[-1][-1], line[0]) for line in rest]
+            if gap(loop[-1][-1], loop[0][0]) <= min(gaps):
+                break
+            loop.append(rest.pop(gaps.index(min(gaps))))
+        points = np.concatenate(loop)
+        loops.append(np.vstack([points, points[:1]]))
+    return loops
+
+
+def fill(axes: Any, loops: Iterable[FloatArray], **style: Any) -> None:
+    """Fill outlines, (N, 2); those that run the other way round are holes and stay open."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    outlines = [Outline(loop, closed=True) for loop in loops]
+    if outlines:
+        axes.add_patch(PathPatch(Outline.make_compound_path(*outlines), **style))
+
+
+def tidy(axes: Any, **grid: Any) -> None:
+    """No frame above and to the right; a grid behind everything, if its style is given."""
+    axes.spines[["top", "right"]].set_visible(False)
+    if grid:
+        axes.grid(**grid)
+        axes.set_axisbelow(True)
 
 
 def check_format(path: str | os.PathLike[str]) -> str:

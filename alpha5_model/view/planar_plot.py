@@ -18,7 +18,7 @@ from alpha5_model.kinematics.planar import (
     dexterity_map,
     dexterous_radii,
 )
-from alpha5_model.view.figures import new_figure, write_figure
+from alpha5_model.view.figures import fill, joined, new_figure, write_figure
 
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
 #: Points along a full circle.
@@ -52,7 +52,9 @@ def plot_planar(
     """
     axes = new_axes() if axes is None else axes
     space = arm.workspace()
-    _fill(axes, space, REACHED, "workspace")
+    # Loops run with the inside on their left, holes the other way.
+    lines = [_polyline(edge.curve)[:: 1 if edge.inside_left else -1] for edge in space.edges]
+    fill(axes, joined(lines), facecolor=REACHED, edgecolor="none", label="workspace", zorder=0)
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
     elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
@@ -112,38 +114,6 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
         OutputError: It could not be written; nothing is left half-written.
     """
     write_figure(np.ravel(np.asarray(axes, dtype=object))[0].figure, path, dpi=120)
-
-
-def _fill(axes: Any, space: Workspace, color: str, label: str) -> None:
-    """Fill the inside of the boundary: loops run with the inside on their left, holes the other way."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
-
-    lines = []
-    for edge in space.edges:
-        line = _polyline(edge.curve)
-        lines.append(line if edge.inside_left else line[::-1])
-    loops = _loops(lines)
-    if loops:
-        outline = Outline.make_compound_path(*(Outline(loop, closed=True) for loop in loops))
-        axes.add_patch(PathPatch(outline, facecolor=color, edgecolor="none", label=label, zorder=0))
-
-
-def _loops(lines: list[FloatArray]) -> list[FloatArray]:
-    """Put lines end to end, each loop closed."""
-    rest, loops = list(lines), []
-    while rest:
-        loop = [rest.pop(0)]
-        while rest:
-            end, start = loop[-1][-1], loop[0][0]
-            gaps = [float(np.linalg.norm(line[0] - end)) for line in rest]
-            best = int(np.argmin(gaps))
-            if np.linalg.norm(end - start) <= gaps[best]:
-                break
-            loop.append(rest.pop(best))
-        points = np.concatenate(loop)
-        loops.append(np.vstack([points, points[:1]]))
-    return loops
 
 
 def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alpha5_model.parameters import parameters
-from alpha5_model.view.figures import check_format, new_figure, write_figure
+from alpha5_model.view.figures import check_format, new_figure, tidy, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
@@ -60,20 +60,13 @@ def figure(analysis: Analysis) -> Any:
     _mount(page.add_subplot(grid[-1, 1], sharex=first), a)
     _path(page.add_subplot(grid[-1, 2]), a)
     for axes in page.axes:
-        axes.grid(color="#E6E6E6", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
+        tidy(axes, color="#E6E6E6", linewidth=0.6)
         axes.tick_params(labelsize=9)
-    page.axes[0].set_title("joint position (dots: samples)", loc="left", fontsize=11)
-    page.axes[1].set_title("joint torque by cause", loc="left", fontsize=11)
-    page.axes[2].set_title("motor current, band: tolerance of friction", loc="left", fontsize=11)
-    page.legend(
-        *page.axes[1].get_legend_handles_labels(),
-        ncols=5,
-        fontsize=10,
-        frameon=False,
-        loc="outside upper right",
-    )
+    _title(page.axes[0], "joint position (dots: samples)")
+    _title(page.axes[1], "joint torque by cause")
+    _title(page.axes[2], "motor current, band: tolerance of friction")
+    causes = page.axes[1].get_legend_handles_labels()
+    page.legend(*causes, ncols=5, fontsize=10, frameon=False, loc="outside upper right")
     last_current = page.axes[3 * len(joints) - 1]
     for axes in page.axes[: 3 * len(joints) - 1]:
         axes.tick_params(labelbottom=False)
@@ -98,7 +91,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
     scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
     raw = scale * a.motion.position[:, k]
     axes.plot(*thin(a.motion.time, raw), ".", color="#999999", markersize=4, label="samples")
-    axes.plot(*thin(a.smooth.time, scale * a.smooth.position[:, k]), color="#0072B2", linewidth=1.0)
+    _line(axes, a, scale * a.smooth.position[:, k])
     low, high = axes.get_ylim()
     least = 0.02 * scale * (joint.upper - joint.lower)
     middle, half = (low + high) / 2, max((high - low) / 2, least)
@@ -111,11 +104,9 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     for cause, colour in _CAUSES.items():
-        axes.plot(
-            *thin(a.smooth.time, getattr(a, cause)[:, k]), color=colour, linewidth=1, label=cause
-        )
+        _line(axes, a, getattr(a, cause)[:, k], color=colour, label=cause)
     torque = a.torque[:, k]
-    axes.plot(*thin(a.smooth.time, torque), color=_TOTAL, linewidth=1.5, label="torque")
+    _line(axes, a, torque, color=_TOTAL, linewidth=1.5, label="torque")
     at = int(np.abs(torque).argmax())
     _widen(axes, 1e-3)
     _mark(axes, a.smooth.time[at], torque[at])
@@ -126,22 +117,17 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
     axes.set_ylabel("A", fontsize=10)
     current = a.current[:, k]
     if not np.isfinite(current).all():
-        axes.text(
-            0.5,
-            0.5,
+        words, middle = (
             "the lead of the jaw's screw is not published",
-            ha="center",
-            va="center",
-            transform=axes.transAxes,
-            color="#777777",
-            fontsize=9,
+            {"ha": "center", "va": "center"},
         )
+        axes.text(0.5, 0.5, words, transform=axes.transAxes, color="#777777", fontsize=9, **middle)
         axes.set_yticks([])
         return
     time, low = thin(a.smooth.time, a.current_lower[:, k])
     high = np.interp(time, a.smooth.time, a.current_upper[:, k])
     axes.fill_between(time, low, high, color="#9ECAE9", linewidth=0)
-    axes.plot(*thin(a.smooth.time, current), color="#0072B2", linewidth=1.0)
+    _line(axes, a, current)
     _widen(axes, 1e-3)
     if a.current_limit is not None:
         for bound in (-a.current_limit, a.current_limit):
@@ -152,37 +138,19 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _power(axes: Any, a: Analysis) -> None:
-    electrical = np.nansum(a.electrical_power, axis=1)
-    axes.plot(*thin(a.smooth.time, electrical), color="#0072B2", linewidth=1.1, label="electrical")
-    axes.plot(
-        *thin(a.smooth.time, a.mechanical_power.sum(axis=1)),
-        color=_LIMIT,
-        linewidth=1.1,
-        label="mechanical",
-    )
-    axes.set_title("power of all motors", loc="left", fontsize=11)
-    axes.set_ylabel("W", fontsize=10)
-    axes.set_xlabel("time [s]", fontsize=10)
-    axes.legend(fontsize=8, frameon=False)
+    electrical, mechanical = np.nansum(a.electrical_power, axis=1), a.mechanical_power.sum(axis=1)
+    _line(axes, a, electrical, linewidth=1.1, label="electrical")
+    _line(axes, a, mechanical, color=_LIMIT, linewidth=1.1, label="mechanical")
+    _frame(axes, "power of all motors", "time [s]", "W")
 
 
 def _mount(axes: Any, a: Analysis) -> None:
     for k, (name, colour) in enumerate(zip("xyz", ("#D55E00", "#009E73", "#0072B2"), strict=True)):
-        axes.plot(
-            *thin(a.smooth.time, a.base_wrench[:, 3 + k]),
-            color=colour,
-            linewidth=1.2,
-            label=f"moment {name}",
-        )
+        moment = a.base_wrench[:, 3 + k]
+        _line(axes, a, moment, color=colour, linewidth=1.2, label=f"moment {name}")
     force = np.linalg.norm(a.base_wrench[:, :3], axis=1)
-    axes.set_title(
-        f"moment on the mount (force {force.min():.2f} to {force.max():.2f} N)",
-        loc="left",
-        fontsize=11,
-    )
-    axes.set_ylabel("N m", fontsize=10)
-    axes.set_xlabel("time [s]", fontsize=10)
-    axes.legend(fontsize=8, frameon=False)
+    title = f"moment on the mount (force {force.min():.2f} to {force.max():.2f} N)"
+    _frame(axes, title, "time [s]", "N m")
 
 
 def _path(axes: Any, a: Analysis) -> None:
@@ -195,23 +163,29 @@ def _path(axes: Any, a: Analysis) -> None:
         axes.plot(x[-1], other[-1], "o", color=_TOTAL, markersize=5)
     axes.plot(0, 0, "+", color=_LIMIT, markersize=10, label="base_link")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title("path of the TCP, from ○ to ●", loc="left", fontsize=11)
-    axes.set_xlabel("x [mm]", fontsize=10)
-    axes.set_ylabel("z or y [mm]", fontsize=10)
+    _frame(axes, "path of the TCP, from ○ to ●", "x [mm]", "z or y [mm]")
+
+
+def _line(axes: Any, a: Analysis, values: Any, **style: Any) -> None:
+    axes.plot(*thin(a.smooth.time, values), **{"color": "#0072B2", "linewidth": 1.0, **style})
+
+
+def _title(axes: Any, text: str) -> None:
+    axes.set_title(text, loc="left", fontsize=11)
+
+
+def _frame(axes: Any, title: str, x: str, y: str) -> None:
+    _title(axes, title)
+    axes.set_xlabel(x, fontsize=10)
+    axes.set_ylabel(y, fontsize=10)
     axes.legend(fontsize=8, frameon=False)
 
 
 def _mark(axes: Any, time: float, value: float) -> None:
     axes.margins(y=0.18)
     axes.plot(time, value, "o", color=_TOTAL, markersize=4)
-    axes.annotate(
-        f"{value:.3g}",
-        (time, value),
-        xytext=(0, 6 if value > 0 else -14),
-        textcoords="offset points",
-        ha="center",
-        fontsize=8,
-    )
+    beside = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points"}
+    axes.annotate(f"{value:.3g}", (time, value), **beside, ha="center", fontsize=8)
 
 
 def _widen(axes: Any, least: float) -> None:

@@ -18,7 +18,7 @@ from alpha5_model.kinematics.arcs import Arc
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.paths import URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
-from alpha5_model.view.figures import check_format, new_figure, write_figure
+from alpha5_model.view.figures import check_format, fill, joined, new_figure, tidy, write_figure
 
 #: Okabe and Ito's colours, told apart by colour-blind readers as well.
 _COLOR = {"underarm": "#0072B2", "overarm": "#E69F00", "wrong": "#D55E00", "missed": "#009E73"}
@@ -66,10 +66,7 @@ def figure() -> Any:
         axes.set_xlim(0.0, 370.0)
         axes.set_ylim(-310.0, 400.0)
         axes.set_xlabel("distance from the yaw axis R (mm)")
-        axes.grid(color="0.9", linewidth=0.5)
-        axes.set_axisbelow(True)
-        for spine in ("top", "right"):
-            axes.spines[spine].set_visible(False)
+        tidy(axes, color="0.9", linewidth=0.5)
     exact.set_ylabel("height above the base z (mm)")
     return page
 
@@ -117,8 +114,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         axes.set_ylim(-390, 390)
         axes.set_xlabel("x (mm)")
         axes.set_ylabel(f"{name} (mm)")
-        for spine in ("top", "right"):
-            axes.spines[spine].set_visible(False)
+        tidy(axes)
     views[0].set_title("from above: share of the reached heights", fontsize=10)
     views[1].set_title("from the side: share of the reached widths", fontsize=10)
     views[0].annotate(
@@ -157,23 +153,16 @@ def _draw_exact(axes: Any) -> None:
             axes.plot(*_points(arc).T * 1e3, style, color=_COLOR[side], linewidth=1.8)
     plane = arm_plane()
     axes.plot([plane.a_0 * 1e3], [plane.d_0 * 1e3], "+", color=_INK)
-    axes.annotate(
-        "shoulder",
-        (plane.a_0 * 1e3, plane.d_0 * 1e3),
-        (-14, 6),
-        textcoords="offset points",
-        fontsize=7,
+    shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
+    axes.annotate("shoulder", shoulder, (-14, 6), textcoords="offset points", fontsize=7)
+    lines: Any = (
+        (_COLOR["underarm"], "-", "underarm: the arm faces the point"),
+        (_COLOR["overarm"], "-", "overarm: the arm turns its back to it"),
+        (_INK, "-", "arm stretched"),
+        (_INK, "--", "theta_1 (axis_d) at a limit"),
+        (_INK, ":", "theta_2 (axis_c) at a limit"),
     )
-    _legend(
-        axes,
-        [
-            Line2D([], [], color=_COLOR["underarm"], label="underarm: the arm faces the point"),
-            Line2D([], [], color=_COLOR["overarm"], label="overarm: the arm turns its back to it"),
-            Line2D([], [], color=_INK, linestyle="-", label="arm stretched"),
-            Line2D([], [], color=_INK, linestyle="--", label="theta_1 (axis_d) at a limit"),
-            Line2D([], [], color=_INK, linestyle=":", label="theta_2 (axis_c) at a limit"),
-        ],
-    )
+    _legend(axes, [Line2D([], [], color=c, linestyle=s, label=t) for c, s, t in lines])
     axes.set_title(
         "Reachable within the joint limits\n"
         f"{workspace.cross_section_area() * 1e4:.0f} cm² of the half-plane, "
@@ -197,19 +186,13 @@ def _draw_published(axes: Any) -> None:
     errors = workspace.published_errors()
     wrong = errors.unreachable_area / errors.published_area
     missed = errors.missed_area / errors.reachable_area
-    _legend(
-        axes,
-        [
-            Line2D([], [], color=_INK, linewidth=1.0, label="the three published tori"),
-            Patch(color=_FILL, label="published, and reachable"),
-            Patch(
-                color=_COLOR["wrong"], alpha=0.55, label=f"published, not reachable: {wrong:.1%}"
-            ),
-            Patch(
-                color=_COLOR["missed"], alpha=0.55, label=f"reachable, not published: {missed:.1%}"
-            ),
-        ],
+    regions = (
+        (_FILL, 1.0, "published, and reachable"),
+        (_COLOR["wrong"], 0.55, f"published, not reachable: {wrong:.1%}"),
+        (_COLOR["missed"], 0.55, f"reachable, not published: {missed:.1%}"),
     )
+    tori = Line2D([], [], color=_INK, linewidth=1.0, label="the three published tori")
+    _legend(axes, [tori, *(Patch(color=c, alpha=a, label=text) for c, a, text in regions)])
     axes.set_title(
         "The document's workspace (Section 1.2)\n"
         f"{errors.unreachable_volume / errors.published_volume:.1%} of its volume cannot be reached, "
@@ -229,21 +212,7 @@ def loops(arcs: Iterable[Arc], step: float = 0.01) -> list[FloatArray]:
         Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
     """
     # Every arc with the region on its left; along the axis the outline then runs downwards.
-    pieces = [_points(arc, step)[:: arc.filled] for arc in arcs]
-    out = []
-    while pieces:
-        chain = [pieces.pop(0)]
-        while True:
-            end = chain[-1][-1]
-            if math.dist(end, chain[0][0]) < _MEET:
-                break
-            gaps = [_gap(end, piece[0]) for piece in pieces]
-            nearest = min(range(len(gaps)), key=gaps.__getitem__, default=None)
-            if nearest is None or _gap(end, chain[0][0]) < gaps[nearest]:
-                break  # closed along the axis
-            chain.append(pieces.pop(nearest))
-        out.append(np.concatenate(chain))
-    return out
+    return joined((_points(arc, step)[:: arc.filled] for arc in arcs), _gap)
 
 
 def _gap(end: FloatArray, start: FloatArray) -> float:
@@ -261,26 +230,10 @@ def _points(arc: Arc, step: float = 0.01) -> FloatArray:
 
 def _fill(axes: Any, arcs: Iterable[Arc], color: str, alpha: float = 1.0) -> None:
     """Fill what arcs bound; holes run the other way round and stay open."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
-
-    outlines = [Outline(np.vstack([loop, loop[:1]]) * 1e3, closed=True) for loop in loops(arcs)]
-    axes.add_patch(
-        PathPatch(
-            Outline.make_compound_path(*outlines),
-            facecolor=color,
-            alpha=alpha,
-            linewidth=0,
-            zorder=0.5,
-        )
-    )
+    outlines = [1e3 * loop for loop in loops(arcs)]
+    fill(axes, outlines, facecolor=color, alpha=alpha, linewidth=0, zorder=0.5)
 
 
 def _legend(axes: Any, handles: list[Any]) -> None:
-    axes.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.08),
-        fontsize=8.5,
-        frameon=False,
-    )
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.08)}
+    axes.legend(handles=handles, fontsize=8.5, frameon=False, **below)
