@@ -498,3 +498,15 @@ def test_how_a_turn_is_shared(
     np.testing.assert_allclose(
         shared_turn(np.array(size), turn, first, 0.5), expected, rtol=0, atol=1e-15
     )
+
+
+def test_a_jump_off_the_axis_is_at_the_point_where_it_lands() -> None:
+    target = along_axis(0.5, 0.5, [0.30, 0.301, 0.302, 0.303])
+    target[-1] = [0.15, 0.0, 0.30]
+    s = a5.inverse_kinematics(target)
+    last, landing = (s.q[k][s.within_limits[k]][:, 1:] for k in (4, 5))
+    least = np.abs(last[:, None] - landing).max(axis=-1).min()
+    with pytest.raises(DiscontinuousPathError, match=r"positions\[5\]") as caught:
+        a5.inverse_kinematics_path(target, max_step=0.2)
+    assert caught.value.step == pytest.approx(least)
+    assert a5.inverse_kinematics_path(target, max_step=least + 1e-9).shape == (6, 4)
