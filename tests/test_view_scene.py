@@ -23,13 +23,12 @@ from alpha5_model.errors import (
     UnknownNameError,
 )
 from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
-from alpha5_model.view.arm_poses import pose_of
+from alpha5_model.view.arm_poses import pose_of, tour
 from alpha5_model.view.bodies import read_obj, urdf_bodies
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.markers import ARROW_SCALE
 from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
 from alpha5_model.view.shapes import arrow, ball, triad, tube
-from alpha5_model.view.tour import tour
 
 
 @pytest.fixture(scope="module")

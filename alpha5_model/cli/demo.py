@@ -11,19 +11,18 @@ import typer
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.document import audit
 from alpha5_model.description import variants
-from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.poses import named_pose
 from alpha5_model.description.verification import verify_urdf
 from alpha5_model.dynamics.loading import load
 from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
-from alpha5_model.view.arm_poses import named_poses
+from alpha5_model.view.arm_poses import named_poses, tour
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.framing import framed
 from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import picture_png
-from alpha5_model.view.tour import tour
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)

@@ -10,7 +10,7 @@ import typer
 from alpha5_model.checks import choice
 from alpha5_model.cli.options import FLUID_HELP, correction_names, fluid_density, triple
 from alpha5_model.description import committed
-from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf_files
 from alpha5_model.description.variants import Variant, urdf

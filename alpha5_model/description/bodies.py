@@ -11,9 +11,8 @@ from alpha5_model import __version__
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.description.frames import Placement, base_placement, joint_placements
 from alpha5_model.jaws import GRIPPERS, JawBody, split_link_4
-from alpha5_model.meshing.collision_shapes import collision_primitives
+from alpha5_model.meshing.collision_shapes import Primitive, collision_primitives
 from alpha5_model.meshing.materials import Material, material_of
-from alpha5_model.meshing.primitive import Primitive
 from alpha5_model.parameters import Alpha5Parameters, JointRange, LinkParameters
 from alpha5_model.published import published
 

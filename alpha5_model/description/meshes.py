@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.errors import MissingFileError
 from alpha5_model.jaws import split_link_4
 from alpha5_model.meshing.bodies import bodies
 from alpha5_model.meshing.glb import Node, glb
@@ -15,9 +17,23 @@ from alpha5_model.meshing.materials import MATERIALS, material_of
 from alpha5_model.meshing.obj import MTL_NAME, mtl, obj
 from alpha5_model.meshing.surface import Surface, surface
 from alpha5_model.parameters import parameters
+from alpha5_model.paths import REPOSITORY_PATH
 from alpha5_model.spatial import quaternion_from_rpy
 
 GLB_NAME = "alpha5.glb"
+
+
+def mesh_assets(*suffixes: str) -> dict[str, bytes]:
+    """Name -> content of the files in ``meshes/`` that end in one of the suffixes.
+
+    Raises:
+        MissingFileError: There are none.
+    """
+    folder = Path(REPOSITORY_PATH) / "meshes"
+    files = {p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes}
+    if not files:
+        raise MissingFileError(folder, f"mesh files ({', '.join(suffixes)})")
+    return files
 
 
 @cache

@@ -20,7 +20,7 @@ from alpha5_model.checks import FloatArray, choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
 from alpha5_model.description.frames import Placement, base_placement, tcp_placement
-from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.mjcf_control import (
     ACTUATORS,
     add_actuators,
@@ -36,8 +36,8 @@ from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS, FingerJoint
+from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.materials import MATERIALS
-from alpha5_model.meshing.primitive import Primitive
 from alpha5_model.parameters import parameters
 
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to

@@ -19,7 +19,7 @@ from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Mesh, arm_bodies
 from alpha5_model.description.frames import Placement, tcp_placement
-from alpha5_model.description.mesh_assets import mesh_assets
+from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS

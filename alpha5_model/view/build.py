@@ -15,7 +15,6 @@ from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
 from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.framing import framing
-from alpha5_model.view.ghosts import ghosts_of
 from alpha5_model.view.markers import (
     ARROW_SCALE,
     center_labels,
@@ -24,6 +23,7 @@ from alpha5_model.view.markers import (
     force_shapes,
     frame_labels,
     frame_shapes,
+    ghosts_of,
     loads_of,
 )
 from alpha5_model.view.reach import workspace_shapes

@@ -1,25 +1,195 @@
-"""meshcat's visualizer on an arm: `display` and `play` as users of Pinocchio's know them."""
+"""meshcat's visualizer on an arm, `display` and `play` as users of Pinocchio's know them, and its server.
+
+meshcat starts its server as another process on all network interfaces. This one is a thread of the caller,
+listens on this machine only, and is ready in milliseconds. It speaks meshcat's protocol, so that other
+programs can connect to it by `zmq_url` too.
+"""
 
 from __future__ import annotations
 
+import asyncio
+import errno
+import socket
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import meshcat
+import tornado.httpserver
+import tornado.ioloop
+import tornado.web
+import zmq
+from meshcat.servers.tree import find_node, walk
+from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
+from meshcat.visualizer import ViewerWindow
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import float_array, real
-from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.errors import InputError, PortInUseError, ShapeError
 from alpha5_model.view.arm_poses import link_poses
-from alpha5_model.view.commands import pose_commands, scene_commands, set_visible
+from alpha5_model.view.commands import Command, pose_commands, scene_commands, set_visible
 from alpha5_model.view.page import live_page, static_page
 from alpha5_model.view.scene import GROUPS, Scene
-from alpha5_model.view.server import Window
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+
+
+_HOST = "127.0.0.1"
+
+
+class _Page(tornado.web.RequestHandler):
+    def initialize(self, html: Callable[[], str]) -> None:
+        self._html = html
+
+    def get(self) -> None:
+        self.set_header("Cache-Control", "no-store")
+        self.finish(self._html())
+
+
+class _Connection(WebSocketHandler):  # type: ignore[misc]
+    """meshcat's connection to a browser, without its messages on the terminal."""
+
+    def open(self) -> None:
+        self.bridge.websocket_pool.add(self)
+        self.bridge.send_scene(self)
+
+    def on_close(self) -> None:
+        self.bridge.websocket_pool.discard(self)
+
+
+class _Application(tornado.web.Application):
+    """Serves on a socket that is open already, where meshcat's would open one to the network."""
+
+    def __init__(self, handlers: list[Any], opened: socket.socket) -> None:
+        super().__init__(handlers)
+        self._socket = opened
+
+    def listen(self, port: int, address: str | None = None, **options: Any) -> Any:
+        self.server = tornado.httpserver.HTTPServer(self)
+        self.server.add_sockets([self._socket])
+        return self.server
+
+
+class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
+    def __init__(
+        self,
+        opened: socket.socket,
+        live: Callable[[], str],
+        static: Callable[[list[bytes]], str],
+    ) -> None:
+        self._opened, self._live, self._static = opened, live, static
+        super().__init__(host=_HOST, port=opened.getsockname()[1])
+
+    def make_app(self) -> _Application:
+        page = {"html": self._live}
+        return _Application(
+            [
+                (r"/static/?", _Page, page),
+                (r"/", _Connection, {"bridge": self}),
+            ],
+            self._opened,
+        )
+
+    def setup_zmq(self, url: str) -> tuple[Any, Any, str]:
+        # A port of the system's choice: meshcat would try 6000, 6001, ... aloud.
+        host = url.rsplit(":", 1)[0]
+        endpoint, stream, _ = super().setup_zmq(f"{host}:*")
+        return endpoint, stream, endpoint.getsockopt(zmq.LAST_ENDPOINT).decode().rstrip("\0")
+
+    def handle_zmq(self, frames: list[bytes]) -> None:
+        if frames[0] != b"get_scene":
+            super().handle_zmq(frames)
+            return
+        commands = []
+        for node in walk(self.tree):
+            parts = [node.object, *node.properties, node.transform, node.animation]
+            commands += [part for part in parts if part is not None]
+        self.zmq_socket.send(self._static(commands).encode("utf-8"))
+
+
+class Window(ViewerWindow):  # type: ignore[misc]
+    """meshcat's window on a server in this process.
+
+    Args:
+        port: Of the page; 0 for a free one.
+        live: Text of the page to serve.
+        static: Text of a page on disk, from packed meshcat commands.
+
+    Raises:
+        PortInUseError: The port is taken.
+    """
+
+    def __init__(
+        self, port: int, live: Callable[[], str], static: Callable[[list[bytes]], str]
+    ) -> None:
+        opened = _open(port)
+        ready = threading.Event()
+
+        def serve() -> None:
+            asyncio.set_event_loop(asyncio.new_event_loop())
+            self._bridge = _Bridge(opened, live, static)
+            ready.set()
+            self._bridge.run()
+            self._bridge.ioloop.close()
+
+        self._thread = threading.Thread(target=serve, name="alpha5-viewer", daemon=True)
+        self._thread.start()
+        ready.wait()
+        self.server_proc = None
+        self.zmq_url: str = self._bridge.zmq_url
+        self.web_url: str = self._bridge.web_url
+        self.connect_zmq()
+
+    def move(self, commands: Iterable[Command]) -> None:
+        """Send many transforms at once: a pose of the arm is one step, not a question and answer each."""
+        bridge, done = self._bridge, threading.Event()
+        moves = [(c.content["path"].strip("/").split("/"), c.packed()) for c in commands]
+
+        def apply() -> None:
+            for path, data in moves:
+                find_node(bridge.tree, path).transform = data
+                bridge.forward_to_websockets([b"set_transform", b"", data])
+            done.set()
+
+        bridge.ioloop.add_callback(apply)
+        done.wait(timeout=5.0)
+
+    def close(self) -> None:
+        """Stop the server and free its port."""
+        bridge = self._bridge
+
+        def stop() -> None:
+            for connection in list(bridge.websocket_pool):
+                connection.close()
+            bridge.app.server.stop()
+            bridge.zmq_stream.close()
+            bridge.ioloop.stop()
+
+        if self._thread.is_alive():
+            bridge.ioloop.add_callback(stop)
+            self._thread.join(timeout=5.0)
+            self.zmq_socket.close(linger=0)
+
+
+def _open(port: int) -> socket.socket:
+    """A listening socket on this machine only."""
+    if not isinstance(port, int) or not 0 <= port <= 65535:
+        raise InputError("port", port, "a number from 0 to 65535")
+    opened = socket.socket()
+    try:
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        opened.bind((_HOST, port))
+        opened.listen(128)
+        opened.setblocking(False)
+    except OSError as error:
+        opened.close()
+        if error.errno == errno.EADDRINUSE:
+            raise PortInUseError(port) from None
+        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
+    return opened
 
 
 class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
