@@ -79,7 +79,6 @@ def check(
 
 
 def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:
-
     content = {
         "document": [asdict(row) for row in document],
         "files": [asdict(row) for row in files],
@@ -89,7 +88,6 @@ def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed
 
 
 def _print_document(console: Console, title: str, rows: Sequence[AuditRow], every: bool) -> None:
-
     console.rule(f"[bold]{title}", align="left", style="dim")
     console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
     for topic, of_topic in _grouped(rows, lambda row: row.topic):
@@ -117,7 +115,6 @@ def _print_document(console: Console, title: str, rows: Sequence[AuditRow], ever
 
 
 def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
-
     console.rule("[bold]The files against the documents", align="left", style="dim")
     for file, of_file in _grouped(rows, lambda row: row.file):
         console.print(f"\n[bold]{_plain(file)}[/]")
@@ -188,12 +185,10 @@ def _coloured(verdict: str) -> str:
 
 
 def _plain(text: str) -> str:
-
     return escape(text)
 
 
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
-
     parts = []
     words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
     for kind, name in (("claim", "documents"), ("observation", "observations")):

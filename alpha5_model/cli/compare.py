@@ -55,7 +55,6 @@ def compare(
 
 
 def _pairs(text: str) -> dict[str, str]:
-
     pairs: dict[str, str] = {}
     for part in filter(None, (p.strip() for p in text.split(","))):
         ours, equals, theirs = part.partition("=")
@@ -66,7 +65,6 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _print(comparison: Comparison) -> None:
-
     console = Console(highlight=False)
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
     console.print(Text(f"{comparison.name}: {joints}"))

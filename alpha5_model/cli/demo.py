@@ -48,7 +48,6 @@ def demo(
 
 
 def _describe(output: Path) -> bool:
-
     typer.echo("1. Description: the document's tables become URDF")
     for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
         atomic_write(output / "meshes" / name, content)
@@ -77,7 +76,6 @@ def _describe(output: Path) -> bool:
 
 
 def _audit() -> None:
-
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
     typer.echo("2. The document against itself")
@@ -93,7 +91,6 @@ def _audit() -> None:
 
 
 def _solve() -> FloatArray:
-
     arm = load()
     solutions = inverse_kinematics(TARGET)
     x, y, z = (1e3 * c for c in TARGET)
@@ -111,7 +108,6 @@ def _solve() -> FloatArray:
 
 
 def _compute(q: FloatArray) -> None:
-
     water, air = load(), load(fluid_density=0.0)
     typer.echo(
         f"4. Torque [N m] that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)"
@@ -126,7 +122,6 @@ def _compute(q: FloatArray) -> None:
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:
-
     typer.echo("5. Pictures")
     arm = load(gripper="jaws")
     poses = named_poses(arm)

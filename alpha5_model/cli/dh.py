@@ -69,7 +69,6 @@ def dh(
 
 
 def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
-
     if link and urdf is not None:
         raise InputError("--link, --urdf", (link, str(urdf)), "one of the two")
     if frame is not None and urdf is None:

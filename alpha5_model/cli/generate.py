@@ -138,7 +138,6 @@ def generate(
 
 
 def _refuse_options_of_other_formats(context: typer.Context, description_format: str) -> None:
-
     homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
     for name, formats in homes.items():
         if _given(context, name) and description_format not in formats:
@@ -148,7 +147,6 @@ def _refuse_options_of_other_formats(context: typer.Context, description_format:
 
 
 def _refuse_options_beside(context: typer.Context, alone: str) -> None:
-
     for name, value in context.params.items():
         if name != alone and _given(context, name):
             raise InputError(_option(name), value, f"nothing beside --{alone}")
@@ -164,7 +162,6 @@ def _option(name: str) -> str:
 
 
 def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
-
     if output is None or is_stream(output):
         return _write_stream(files[main_file].decode(), output)
     if output.is_file():
@@ -184,7 +181,6 @@ def _write_stream(text: str, output: Path | None) -> int:
 
 
 def _check() -> int:
-
     fresh = committed.generated_files()
     stale = committed.stale_files(fresh=fresh)
     for file in stale:
@@ -196,7 +192,6 @@ def _check() -> int:
 
 
 def _update() -> int:
-
     for path in committed.update():
         typer.echo(f"wrote {path}")
     if not committed.can_draw():

@@ -38,7 +38,6 @@ def ik(
 
 
 def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
-
     return {
         "position": solutions.position.tolist(),
         "singular": bool(solutions.singular),
@@ -56,7 +55,6 @@ def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
 
 
 def _print(solutions: Solutions, best: list[float]) -> None:
-
     table = Table(box=box.SIMPLE_HEAD, title="joint positions (rad)", title_justify="left")
     table.add_column("branch", no_wrap=True)
     for joint in parameters().joints[:4]:

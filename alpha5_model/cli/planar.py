@@ -57,7 +57,6 @@ def planar(
 
 
 def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
-
     space = arm.workspace()
     conditions = necessary_conditions(arm)
     exact = arm.length_ranges is not None

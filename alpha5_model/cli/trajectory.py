@@ -131,14 +131,12 @@ def trajectory(
 
 
 def _arm(motion: Motion, gripper: str, density: float, gravity: tuple[float, float, float]) -> Arm:
-
     if gripper == "auto":
         gripper = "jaws" if "axis_a" in motion.joints else "locked"
     return load(fluid_density=density, gripper=gripper, gravity=gravity)
 
 
 def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, Actuator]:
-
     if screw_lead is None:
         return {}
     motor = actuator("axis_a", constants, screw_lead=screw_lead)
@@ -153,7 +151,6 @@ class _Progress:
     """A bar on stderr for long files, if somebody watches."""
 
     def __init__(self) -> None:
-
         console = Console(stderr=True)
         self.long = False
         self._bar = Progress(console=console, transient=True, disable=not console.is_terminal)

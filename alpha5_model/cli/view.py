@@ -102,7 +102,6 @@ def _has_display() -> bool:
 
 
 def _wait() -> None:
-
     over = threading.Event()
     # A service manager ends it like a user does.
     before = {s: signal.signal(s, lambda *_: over.set()) for s in (signal.SIGINT, signal.SIGTERM)}
@@ -115,7 +114,6 @@ def _wait() -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
-
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
@@ -124,5 +122,4 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Motion:
-
     return read_motion(path)

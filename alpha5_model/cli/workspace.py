@@ -63,7 +63,6 @@ def workspace(
 
 
 def _as_dict(share: SampledShare | None) -> dict[str, object]:
-
     sampled = {} if share is None else {"without_self_collision": share._asdict()}
     return {
         **sampled,
@@ -78,7 +77,6 @@ def _as_dict(share: SampledShare | None) -> dict[str, object]:
 
 
 def _print() -> None:
-
     e = space.published_errors()
     console = Console()
     table = Table(box=box.SIMPLE_HEAD)
