@@ -105,6 +105,9 @@ def test_bad_file_says_where(name: str, tmp_path: Path) -> None:
 def test_a_short_and_a_long_line_do_not_make_two_right_ones(tmp_path: Path) -> None:
     rows = [[*row, "note"] for row in table()]
     rows[3] = rows[3][:-1]
+    short = write(tmp_path / "short.csv", [*HEADER, "note"], rows)  # of a column nobody uses
+    with pytest.raises(FileFormatError, match="line 5: 5 fields, expected 6"):
+        a5.trajectory.read_motion(short)
     rows[8] = [rows[8][0], *rows[8]]
     for quoted in (False, True):
         if quoted:
