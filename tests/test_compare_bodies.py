@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +13,8 @@ import pytest
 import reference
 
 from alpha5_model.cli import main
+from alpha5_model.comparison import bodies
+from alpha5_model.comparison.records import Finding
 from alpha5_model.comparison.report import compare_robots
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
@@ -94,9 +97,9 @@ def test_findings_come_in_the_order_of_their_cost():
     assert [f.where for f in comparison.findings[:3]] == ["link_4", "link_2", "link_3"]
     free = [f for f in comparison.findings if f.cost == 0]
     assert [f.serious for f in free] == sorted((f.serious for f in free), reverse=True)
-    bodies = [f.where for f in free if f.serious]
-    assert bodies == sorted(bodies)
-    assert {"link_0", "link_3", "link_4"} == set(bodies)
+    wheres = [f.where for f in free if f.serious]
+    assert wheres == sorted(wheres)
+    assert {"link_0", "link_3", "link_4"} == set(wheres)
 
 
 # ------------------------------------------------------------------------- what to write instead
@@ -149,6 +152,10 @@ def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
     for finding in wrong:
         assert finding.instead.startswith("shell: <")
         assert finding.instead.endswith("/> (nothing in motor)")
+        step = 1e-6 if "<origin" in finding.instead else 1e-9  # the digits of Table 2
+        for quoted in re.findall('"([^"]+)"', finding.instead):
+            steps = np.array(quoted.split(), float) / step
+            np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
         write_instead(root, finding)
     after = compared(root)
     assert [f.text for f in after.findings if f.serious] == []
@@ -352,3 +359,20 @@ def test_links_that_together_make_a_body_are_explained_together():
     add_link(root, "gripper", "0.133", "1e-5")
     text = found(compared(root, 5), "link_4", "mass ").text
     assert text == "mass 0.333 kg in place of 0.355 kg: an earlier revision's mass"
+
+
+def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
+    ours = compared(edited(), 5).bodies[2]
+    empty = replace(ours, links=(), mass=0.0)
+    (finding,) = bodies._findings(None, 2, empty, [], [], lambda body, mass, moment: body - mass)
+    assert finding == Finding("link_2", "no link of the other model is this body", True, 2.38, "")
+
+
+def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(tmp_path, capsys):
+    path, root = tmp_path / "other.urdf", edited(OTHER_SIDE)
+    root.find("joint[@name='axis_d']/origin").set("xyz", "0.02 0.0 0.047")
+    path.write_text(ET.tostring(root, encoding="unicode"))
+    assert main(["compare", str(path), "--samples", str(SAMPLES)]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    gravity = gravity_difference(edited(OTHER_SIDE))
+    assert f"tip 0.800 mm, gravity torque in air {gravity:.4g} N m, mass matrix 0.0" in said

@@ -303,6 +303,7 @@ def test_a_com_of_few_digits_must_fit_to_half_its_last_one():
     assert com_reason(3, (0.011, 0.017, 0.0)) == sign
     assert com_reason(3, (0.0112, 0.0167, 0.0001)) == sign
     assert com_reason(3, (0.01, 0.02, 0.0)) is None  # never more than half a millimetre
+    assert com_reason(2, (0.02, -0.07, 0.0)) is None  # 0.6 mm from DH frame {1}'s, rounded to 10 mm
     assert com_reason(3, (0.011, 0.0170, 0.0001)) is None  # 0.34 mm off, tenths were written
     # a combination of two gets no such allowance
     assert (
@@ -383,6 +384,10 @@ def test_tensors_in_other_axes_of_other_masses_and_units():
         f"{NEW}, {SOLIDWORKS}, {axes}"
     )
     assert inertia_reason(3, right * 1.5, mass=0.142 * 1.5) == f"{NEW}, scaled with the wrong mass"
+    flipped = tensor(reference.INERTIA[3], +1) * 1.5
+    assert inertia_reason(3, flipped, mass=0.142 * 1.5) == (
+        f"{NEW}, {SOLIDWORKS}, scaled with the wrong mass"
+    )
     for power in (9, 6, 3, -3, -6, -9):
         expected = f"{NEW}, wrong unit, a factor of 1e{power}"
         assert inertia_reason(3, right * 10.0**power) == expected
