@@ -218,6 +218,28 @@ def test_area_and_volume_by_monte_carlo(limits: bool) -> None:
     assert abs(space.volume(limits) - share * size) < 4 * size * math.sqrt(share * (1 - share) / n)
 
 
+@pytest.mark.parametrize("side", ["underarm", "overarm"])
+def test_a_pose_reaches_what_a_planar_arm_with_limits_reaches(side: str) -> None:
+    """The table's arm in its plane; the area less what lies behind the yaw axis, by the same theorem."""
+    lift = math.atan2(0.040, 0.1453) - math.pi / 2
+    first = (LOWER[1] + lift, UPPER[1] + lift)
+    second = (STRETCHED - UPPER[2], STRETCHED - LOWER[2])
+    region = a5.planar.PlanarArm((L_1, L_2), [first, second]).workspace()
+    sign = 1 if side == "underarm" else -1
+
+    def held(R: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return region.contains(np.stack([sign * R - 0.020, z - 0.0462], axis=-1))
+
+    rng = np.random.default_rng(66)
+    R, z = rng.uniform(0.0, 0.36, 20_000), rng.uniform(-0.30, 0.39, 20_000)
+    assert np.array_equal(held(R, z), space.in_half_plane(R, z, side))
+    # Columns of the half-plane behind the axis, thin enough for a share of the whole area.
+    x = np.linspace(0.0, 0.36, 1441)[1:] - 0.36 / 2880
+    z = np.linspace(-0.30, 0.39, 1381)[1:] - 0.69 / 2760
+    behind = held(*np.meshgrid(-x, z)).mean() * 0.36 * 0.69
+    assert region.area - behind == pytest.approx(space.cross_section_area(side), abs=2e-5)
+
+
 def test_volume_without_limits_by_pappus() -> None:
     """Outside the spindle, a torus: what the two mirrored discs sweep, integrated numerically."""
     l_1, l_2 = math.hypot(0.04, 0.1453), math.hypot(0.02, 0.18)
@@ -234,7 +256,7 @@ def test_volume_without_limits_by_pappus() -> None:
 
 def test_volume_lost_to_the_wedges() -> None:
     """Were theta_0 free, the two wedges would be as full as the rest."""
-    from alpha5_model.kinematics.arcs import first_moment
+    from alpha5_model.kinematics.boundary import first_moment
 
     moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}
     lost = WEDGE * (2 * moment["both"] - moment["underarm"] - moment["overarm"])

@@ -2,9 +2,9 @@
 
 A half-plane through the yaw axis, R >= 0 outwards and z up, is reached from its front by the arm that
 faces it (underarm) and from its back by the arm that turns away (overarm, the plane of the arm
-mirrored). Where the joints are at the ends of their ranges, or the arm is stretched or folded, the tcp
-runs on circles: about the shoulder for theta_2 fixed or singular, about the elbow for theta_1 fixed.
-The boundary of the reachable set lies on these circles [Siciliano2009, 2.10.4; Gupta1986].
+mirrored). In the plane the arm is a planar arm of two links. Where one of its joints is at the end of its range, or
+the arm is stretched or folded, the other joint moves the tcp on an arc, and the boundary of the reachable
+set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
 
 References:
     [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.10.4 (workspace).
@@ -14,17 +14,47 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, choice, flag, together
-from alpha5_model.kinematics.arcs import Arc, trace
+from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
+from alpha5_model.kinematics import planar
 from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.ik_batch import reached
+from alpha5_model.kinematics.planar.arrangement import bounds, united
+from alpha5_model.kinematics.planar.workspace import RELATIVE_STEP, RELATIVE_TOLERANCE
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")
+
+
+class Arc(NamedTuple):
+    """A circular arc in the half-plane, from ``start`` counter-clockwise to ``end``.
+
+    Attributes:
+        center: (R, z) [m].
+        radius: [m].
+        start, end: Angle from the R axis, ``start < end <= start + 2 pi`` [rad].
+        filled: +1 if the region is on the centre's side, -1 if on the other, 0 where not known.
+        cause: What bounds the region there, for example ``"theta_1 at its upper limit"``.
+        side: ``"underarm"`` or ``"overarm"``, the pose that runs along it; ``"published"``.
+    """
+
+    center: tuple[float, float]
+    radius: float
+    start: float
+    end: float
+    filled: int
+    cause: str
+    side: str
+
+    def points(self, angle: ArrayLike) -> FloatArray:
+        """(R, z) at angles, (..., 2) [m]."""
+        return _curve(self).point(float_array("angle", angle, ()))
 
 
 def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
@@ -48,8 +78,8 @@ def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
 @cache
 def _boundary(side: str, limits: bool) -> tuple[Arc, ...]:
     sides = SIDES[:2] if side == "both" else (side,)
-    curves = [curve for name in sides for curve in side_curves(name, limits)]
-    return trace(curves, lambda radius, z: in_half_plane(radius, z, side, limits))
+    arcs = [arc for name in sides for arc in critical_arcs(name, limits)]
+    return trace(arcs, lambda radius, z: in_half_plane(radius, z, side, limits))
 
 
 def in_half_plane(
@@ -76,34 +106,88 @@ def in_half_plane(
     return out
 
 
-def side_curves(side: str, limits: bool = True) -> list[Arc]:
-    """Circles that the boundary can lie on, before cutting."""
+def critical_arcs(side: str, limits: bool = True) -> list[Arc]:
+    """Arcs that the boundary can lie on: where the tcp goes with one of the two joints held."""
     g = arm_plane()
-    (phi_low, phi_high), (gamma_low, gamma_high) = g.phi_range, g.gamma_range
-    shoulder = (g.a_0, g.d_0)
-    if not limits:
-        curves = [
-            Arc(shoulder, g.longest, 0.0, math.tau, 0, "stretched", side),
-            Arc(shoulder, g.shortest, 0.0, math.tau, 0, "folded", side),
-        ]
-    else:
-        curves = [Arc(shoulder, g.longest, phi_low, phi_high, 0, "stretched", side)]
-        for gamma, end in ((gamma_low, "lower"), (gamma_high, "upper")):
-            # tcp in the axes of the first link
-            x, y = g.l_1 - g.l_2 * math.cos(gamma), g.l_2 * math.sin(gamma)
-            turn = math.atan2(y, x)
-            cause = f"theta_2 at its {end} limit"
-            curves.append(
-                Arc(shoulder, math.hypot(x, y), phi_low + turn, phi_high + turn, 0, cause, side)
+    phi, bend = (-math.pi, math.pi), (math.pi - g.gamma_range[1], math.pi - g.gamma_range[0])
+    held = [("stretched", phi, (0.0, 0.0)), ("folded", phi, (math.pi, math.pi))]
+    if limits:
+        held = [("stretched", g.phi_range, (0.0, 0.0))]
+        for name, first, gamma in zip(("lower", "upper"), g.phi_range, g.gamma_range, strict=True):
+            still = math.pi - gamma
+            held.append((f"theta_2 at its {name} limit", g.phi_range, (still, still)))
+            held.append((f"theta_1 at its {name} limit", (first, first), bend))
+    out = []
+    for cause, *ranges in held:
+        (curve,) = planar.PlanarArm((g.l_1, g.l_2), ranges).workspace().thin
+        assert isinstance(curve, planar.Arc)
+        (x, z), (start, end) = curve.center, curve.interval
+        x += g.a_0
+        if side == "overarm":  # the same at -R
+            x, start, end = -x, math.pi - end, math.pi - start
+        out.append(Arc((x, z + g.d_0), curve.radius, start, end, 0, cause, side))
+    return out
+
+
+def trace(
+    arcs: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], BoolArray]
+) -> tuple[Arc, ...]:
+    """The boundary of a region of the half-plane that is known to lie on some arcs.
+
+    Args:
+        arcs: Where two are of one circle, the boundary is said to lie on the first.
+        contains: Which points (R, z), two arrays (N,), belong to the region.
+
+    Returns:
+        Arcs with R > 0; the axis itself, which may close the region, is not listed.
+    """
+    size = 2 * arm_plane().longest
+    tolerance, step = RELATIVE_TOLERANCE * size, RELATIVE_STEP * size
+    axis = planar.Segment((0.0, -size), math.pi / 2, 2 * size)
+    edges, _ = bounds(
+        united([*map(_curve, arcs), axis], tolerance),
+        lambda p: (p[:, 0] > 0.0) & contains(p[:, 0], p[:, 1]),
+        tolerance,
+        step,
+    )
+    out = []
+    for edge in edges:
+        if isinstance(curve := edge.curve, planar.Arc):
+            arc = next(
+                arc
+                for arc in arcs
+                if math.dist(arc.center, curve.center) <= tolerance
+                and abs(arc.radius - curve.radius) <= tolerance
             )
-        for phi, end in ((phi_low, "lower"), (phi_high, "upper")):
-            elbow = (g.a_0 + g.l_1 * math.cos(phi), g.d_0 + g.l_1 * math.sin(phi))
-            first, last = phi + math.pi - gamma_high, phi + math.pi - gamma_low
-            curves.append(Arc(elbow, g.l_2, first, last, 0, f"theta_1 at its {end} limit", side))
-    return curves if side == "underarm" else [_mirrored(curve) for curve in curves]
+            start, end = curve.interval
+            turn = math.tau * round((start + end) / (2 * math.tau))
+            filled = 1 if edge.inside_left else -1
+            out.append(arc._replace(start=start - turn, end=end - turn, filled=filled))
+    return tuple(out)
 
 
-def _mirrored(arc: Arc) -> Arc:
-    """The arc at -R."""
-    center = (-arc.center[0], arc.center[1])
-    return arc._replace(center=center, start=math.pi - arc.end, end=math.pi - arc.start)
+def area(arcs: Iterable[Arc]) -> float:
+    """Area of the region that arcs and the axis R = 0 bound, by Green's theorem [m^2]."""
+    return sum(arc.filled * _curve(arc).area_integral() for arc in arcs)
+
+
+def first_moment(arcs: Iterable[Arc]) -> float:
+    """Integral of R over the region, ``oint R^2 / 2 dz`` [m^3].
+
+    Times 2 pi it is the volume of the solid of revolution (Pappus).
+    """
+    total = 0.0
+    for arc in arcs:
+        c, r = arc.center[0], arc.radius
+        primitive = [
+            c * c * math.sin(t)
+            + c * r * (t + math.sin(t) * math.cos(t))
+            + r * r * (math.sin(t) - math.sin(t) ** 3 / 3)
+            for t in (arc.start, arc.end)
+        ]
+        total += arc.filled * r / 2 * (primitive[1] - primitive[0])
+    return total
+
+
+def _curve(arc: Arc) -> planar.Arc:
+    return planar.Arc(arc.center, arc.radius, arc.start, arc.end - arc.start)

@@ -25,9 +25,17 @@ from alpha5_model.checks import (
     real,
     together,
 )
-from alpha5_model.kinematics.arcs import Arc, area, first_moment, trace
 from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane, side_curves
+from alpha5_model.kinematics.boundary import (
+    SIDES,
+    Arc,
+    area,
+    boundary,
+    critical_arcs,
+    first_moment,
+    in_half_plane,
+    trace,
+)
 from alpha5_model.kinematics.reach import (
     Accept,
     allowed_azimuth,
@@ -272,7 +280,7 @@ def _printed_curves() -> list[Arc]:
 
 
 def _all_curves() -> list[Arc]:
-    return [*_printed_curves(), *(curve for side in SIDES[:2] for curve in side_curves(side))]
+    return [*_printed_curves(), *(curve for side in SIDES[:2] for curve in critical_arcs(side))]
 
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:

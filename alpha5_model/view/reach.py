@@ -7,8 +7,7 @@ from functools import cache
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.kinematics.arcs import Arc
-from alpha5_model.kinematics.boundary import boundary, in_half_plane
+from alpha5_model.kinematics.boundary import Arc, boundary, in_half_plane
 from alpha5_model.view.scene import Rigid, Shape
 from alpha5_model.view.shapes import Mesh, join, sheet, tube
 

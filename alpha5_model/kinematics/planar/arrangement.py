@@ -1,14 +1,16 @@
-"""An arrangement of curves: overlapping ones united, all cut where they meet, pieces joined again."""
+"""An arrangement of curves: overlapping ones united, all cut where they meet, and what bounds a set kept."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.planar.curves import (
     TURN,
     Arc,
@@ -18,8 +20,21 @@ from alpha5_model.kinematics.planar.curves import (
     line_hits,
 )
 
-#: Whether the workspace lies to the left and to the right of a piece.
-Sides = tuple[bool, bool]
+#: Points (N, 2) [m] -> whether they belong to a set, (N,).
+Contains = Callable[[FloatArray], BoolArray]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A piece of boundary with the workspace on one side.
+
+    Attributes:
+        curve: The piece.
+        inside_left: Whether the workspace lies to the left of the curve's sense.
+    """
+
+    curve: Curve
+    inside_left: bool
 
 
 def united(curves: list[Curve], tolerance: float) -> list[Curve]:
@@ -72,27 +87,49 @@ def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
     return low, high
 
 
-def cut(curves: list[Curve], tolerance: float, step: float) -> tuple[list[Curve], list[int]]:
-    """Cut curves where they meet.
+def bounds(
+    curves: list[Curve], contains: Contains, tolerance: float, step: float
+) -> tuple[tuple[Edge, ...], tuple[Curve, ...]]:
+    """The boundary of a set that is known to lie on some curves.
+
+    The curves are cut where they meet. A piece with the set on one side only is an edge.
 
     Args:
         curves: No two of them share a stretch (`united`).
+        contains: Whether points (N, 2) belong to the set, (N,).
         tolerance: Distance up to which curves count as touching [m].
-        step: Pieces shorter than this are left out [m].
+        step: Distance to either side at which `contains` is asked; shorter pieces are left out [m].
 
     Returns:
-        The pieces, curve by curve and in order, and for each the number of its curve.
+        The edges, and the pieces with nothing of the set on either side.
     """
-    pieces: list[Curve] = []
-    origin: list[int] = []
-    for number, (curve, cuts) in enumerate(
-        zip(curves, _cuts(curves, tolerance, step), strict=True)
-    ):
-        for low, high in pairwise(cuts):
-            if (high - low) * _per_parameter(curve) > step:
-                pieces.append(curve.piece(low, high))
-                origin.append(number)
-    return pieces, origin
+    parts = [
+        (number, low, high)
+        for number, cuts in enumerate(_cuts(curves, tolerance, step))
+        for low, high in pairwise(cuts)
+        if (high - low) * _per_parameter(curves[number]) > step
+    ]
+    middles = [(curves[number], (low + high) / 2) for number, low, high in parts]
+    at = np.array([curve.point(t) for curve, t in middles])
+    normal = np.array([curve.left(t) for curve, t in middles])
+    left, right = contains(at + step * normal), contains(at - step * normal)
+    # Neighbouring pieces of one curve and one kind are one again: curve, start, end, sides.
+    runs: list[list[tuple[float, float, bool, bool]]] = [[] for _ in curves]
+    for (number, low, high), *sides in zip(parts, left.tolist(), right.tolist(), strict=True):
+        run = runs[number]
+        start = run.pop()[0] if run and [*run[-1][2:]] == sides else low
+        run.append((start, high, *sides))
+    edges, thin = [], []
+    for curve, run in zip(curves, runs, strict=True):
+        if curve.closed and len(run) > 1 and run[0][2:] == run[-1][2:]:
+            run[0] = (run.pop()[0], run[0][1] + TURN, *run[0][2:])
+        for start, end, inside_left, inside_right in run:
+            piece = curve.piece(start, end)
+            if inside_left != inside_right:
+                edges.append(Edge(piece, inside_left))
+            elif not inside_left:
+                thin.append(piece)
+    return tuple(edges), tuple(thin)
 
 
 def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float]]:
@@ -139,40 +176,3 @@ def _merged(cuts: list[float], width: float) -> list[float]:
 def _per_parameter(curve: Curve) -> float:
     """Length per unit of the curve's parameter [m]."""
     return curve.radius if isinstance(curve, Arc) else 1.0
-
-
-def joined(
-    pieces: list[Curve],
-    origin: list[int],
-    kinds: list[Sides],
-    critical: list[Curve],
-) -> list[tuple[Curve, Sides]]:
-    """Neighbouring pieces of one curve and one kind, put together again."""
-    out: list[tuple[Curve, Sides]] = []
-    last: int | None = None
-    first_of: dict[int, int] = {}
-    for piece, number, kind in zip(pieces, origin, kinds, strict=True):
-        if number == last and out[-1][1] == kind:
-            out[-1] = (
-                (critical[number].piece(out[-1][0].interval[0], piece.interval[1]), kind)
-                if (isinstance(piece, Arc))
-                else (_longer(out[-1][0], piece), kind)
-            )
-        else:
-            first_of.setdefault(number, len(out))
-            out.append((piece, kind))
-        last = number
-        source = critical[number]
-        begin = first_of[number]
-        closes = source.closed and piece.interval[1] >= source.interval[1] - 1e-12
-        if closes and begin < len(out) - 1 and out[begin][1] == kind:
-            end, start = out[-1][0].interval[0], out[begin][0].interval[1]
-            out[begin] = (source.piece(end, start + TURN), kind)
-            out.pop()
-    return out
-
-
-def _longer(a: Curve, b: Curve) -> Curve:
-    assert isinstance(a, Segment)
-    assert isinstance(b, Segment)
-    return Segment(a.start, a.angle, math.dist(a.start, b.point(b.length).tolist()))

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, float_array, instance, listed
 from alpha5_model.errors import ShapeError
 from alpha5_model.kinematics.planar.arm import PlanarArm
-from alpha5_model.kinematics.planar.arrangement import cut, joined, united
+from alpha5_model.kinematics.planar.arrangement import Edge, bounds, united
 from alpha5_model.kinematics.planar.curves import (
     TURN,
     Arc,
@@ -46,19 +46,6 @@ from alpha5_model.kinematics.planar.curves import (
 RELATIVE_TOLERANCE = 1e-9
 #: Step to either side of a critical curve when asking which side is inside, as a share of the reach.
 RELATIVE_STEP = 1e-7
-
-
-@dataclass(frozen=True)
-class Edge:
-    """A piece of boundary with the workspace on one side.
-
-    Attributes:
-        curve: The piece.
-        inside_left: Whether the workspace lies to the left of the curve's sense.
-    """
-
-    curve: Curve
-    inside_left: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +227,8 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
                 candidates.append(travel.moved(angle, (0.0, 0.0)))
     critical = united([c for c in candidates if c.length > tolerance], tolerance)
     raw = Workspace(arm, (), (), inner)
-    return _classified(raw, critical, tolerance, step)
+    edges, thin = bounds(critical, lambda p: raw._contains(p, tolerance), tolerance, step)
+    return replace(raw, edges=edges, thin=thin)
 
 
 def _annular(
@@ -274,24 +262,6 @@ def _tangent_points(curve: Curve, revolute: bool, tolerance: float) -> list[list
         return []
     on = ~np.isnan(curve.parameter(points, tolerance))
     return [p for p, keep in zip(points.tolist(), on, strict=True) if keep]
-
-
-def _classified(raw: Workspace, critical: list[Curve], tolerance: float, step: float) -> Workspace:
-    """Cut the critical curves where they meet and keep what bounds the workspace."""
-    pieces, origin = cut(critical, tolerance, step)
-    middles = [sum(c.interval) / 2 for c in pieces]
-    at = np.array([c.point(t) for c, t in zip(pieces, middles, strict=True)])
-    normal = np.array([c.left(t) for c, t in zip(pieces, middles, strict=True)])
-    left = raw._contains(at + step * normal, tolerance)
-    right = raw._contains(at - step * normal, tolerance)
-    kinds = [(bool(a), bool(b)) for a, b in zip(left, right, strict=True)]
-    edges, thin = [], []
-    for curve, (inside_left, inside_right) in joined(pieces, origin, kinds, critical):
-        if inside_left != inside_right:
-            edges.append(Edge(curve, inside_left))
-        elif not inside_left:
-            thin.append(curve)
-    return Workspace(raw.arm, tuple(edges), tuple(thin), raw.inner)
 
 
 def _tolerance(arm: PlanarArm | None) -> float:
