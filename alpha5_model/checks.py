@@ -226,7 +226,7 @@ def frozen(array: ArrayLike) -> FloatArray:
 
 def is_rotation(matrix: FloatArray) -> BoolArray:
     """Which of the matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`: (...)."""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         off = np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(axis=(-2, -1))
         return np.asarray((off <= ROTATION_TOLERANCE) & (np.linalg.det(matrix) > 0))
 

@@ -19,7 +19,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, fitting, float_array, is_rotation, real, shaped
+from alpha5_model.checks import (
+    LARGEST,
+    FloatArray,
+    bounded,
+    fitting,
+    float_array,
+    is_rotation,
+    real,
+    shaped,
+)
 from alpha5_model.errors import InputError
 
 
@@ -178,7 +187,7 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
     """
     m, tensor = _together(mass=(mass, ()), inertia=(inertia, (3, 3)))
     diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
-    if not ((m > 0).all() and (diagonal >= 0).all()):
+    if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
         raise InputError("mass, inertia", (m, diagonal), "masses above 0, moments of at least 0")
     return np.sqrt(diagonal / m[..., None])
 

@@ -119,6 +119,22 @@ def test_currents_that_overflow_are_refused(method):
         getattr(a5.actuators.actuator("axis_b"), method)(1.7e308)
 
 
+def test_what_almost_vanishes_is_no_rotation_and_no_mass():
+    from alpha5_model import inertia
+
+    for nothing in (np.eye(3) * 5e-324, np.full((3, 3), 5e-324)):
+        with pytest.raises(InputError, match="rotation"):
+            a5.gravity_in_base(nothing)
+    with pytest.raises(InputError, match="masses above 0"):
+        inertia.radii_of_gyration(5e-324, np.eye(3))
+
+
+@pytest.mark.parametrize("accept", ["é", False, [], np.eye(3)])
+def test_what_accepts_is_a_function(accept):
+    with pytest.raises(InputError, match="accept: expected a function"):
+        a5.reachable((0.3, 0, 0.1), accept=accept)
+
+
 def test_a_mount_is_three_numbers_not_rows_of_them():
     from alpha5_model.description.variants import Variant
 

@@ -52,6 +52,8 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
             are neither True nor False.
     """
     target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
+    if accept is not None and not callable(accept):
+        raise InputError("accept", accept, "a function of joint positions")
     rows = target.reshape(-1, 3)
     out = np.empty(len(rows), np.bool_)
     for start in range(0, len(rows), _BLOCK):
