@@ -135,6 +135,26 @@ def test_what_accepts_is_a_function(accept):
         a5.reachable((0.3, 0, 0.1), accept=accept)
 
 
+def test_a_printed_number_has_no_thousand_digits():
+    from alpha5_model.errors import PublishedDataError
+    from alpha5_model.published.quantity import Quantity
+
+    assert Quantity.parse("9" * 20, "mm", "x").si == pytest.approx(1e17)
+    with pytest.raises(PublishedDataError, match="printed decimal number"):
+        Quantity.parse("9" * 400, "mm", "x")
+
+
+def test_a_tensor_that_no_body_has_is_compared_all_the_same(tmp_path):
+    text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+    (tmp_path / "arm.urdf").write_text(text.replace('<inertia ixx="', '<inertia ixx="-', 3))
+    assert not a5.compare(tmp_path / "arm.urdf", samples=3).agrees
+
+
+def test_angles_of_a_planar_arm_that_overflow_are_refused():
+    with pytest.raises(InputError, match="q: expected numbers of at most"):
+        a5.planar.PlanarArm((1, 1)).jacobian([1.7e308, 1.7e308])
+
+
 def test_a_mount_is_three_numbers_not_rows_of_them():
     from alpha5_model.description.variants import Variant
 

@@ -166,6 +166,7 @@ def _model(arm: FourJointArm) -> Any:
         # an unaligned axis keeps whatever direction the file gives
         kind = pin.JointModelRevoluteUnaligned(arm.axes[i])
         parent = model.addJoint(parent, kind, placement, joint.name)
-        body = pin.Inertia(float(arm.mass[i + 1]), arm.com[i + 1], arm.inertia[i + 1])
+        body = pin.Inertia.Zero()  # filled by parts: the constructor refuses impossible tensors
+        body.mass, body.lever, body.inertia = arm.mass[i + 1], arm.com[i + 1], arm.inertia[i + 1]
         model.appendBodyToJoint(parent, body, pin.SE3.Identity())
     return model

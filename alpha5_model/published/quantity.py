@@ -33,8 +33,9 @@ DECIMAL_SHIFT: dict[str, int] = {
 }
 #: Units that need more than a shift of the decimal point.
 FACTOR: dict[str, float] = {"deg": math.pi / 180.0, "deg/s": math.pi / 180.0}
-#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN" and "١٢".
-_PRINTED = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?")
+#: What a printed number looks like; `Decimal` alone would also take "1_0", "1e3", "NaN" and "١٢", and no
+#: document prints so many digits that a double overflows.
+_PRINTED = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{1,20})?")
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,7 +79,7 @@ def spoil(rng: Rng, value: Any) -> tuple[Any, bool]:
     if way == 7:
         nested = changed.astype(object)
         nested.flat[place] = pick(rng, (None, "x", 1j, [1.0], {}))
-        return nested.tolist(), True
+        return nested.tolist(), array.size > 1  # [[1.0]] for [1.0] is another shape only
     if way == 8:
         return np.full(array.shape, pick(rng, NUMBERS)), False
     return pick(

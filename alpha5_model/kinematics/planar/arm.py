@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, listed
+from alpha5_model.checks import FloatArray, bounded, float_array, listed
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ class PlanarArm:
         Returns:
             x [m], y [m], orientation [rad]: (..., N + 1, 3); row 0 is the base, the last the tip.
         """
-        position = float_array("q", q, (self.n,))
+        position = bounded("q", float_array("q", q, (self.n,)))
         revolute = np.array([kind == "R" for kind in self.joints])
         heading = np.cumsum(np.where(revolute, position, 0.0) + np.array(self.angles), axis=-1)
         length = np.where(revolute, 0.0, position) + np.array(self.lengths)
