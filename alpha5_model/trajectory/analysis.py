@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from alpha5_model.actuators import Actuator, Interval, actuator
-from alpha5_model.checks import FloatArray, choice, frozen, real
+from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: A joint on the average slower than this share of its rated speed says nothing about its velocities.
 _JUDGED_SHARE = 0.02
+#: Attributes of an analysis that need a motor's constants: NaN without.
+BY_MOTOR = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
 #: Rows computed between two reports of progress.
 _CHUNK = 25_000
 
@@ -127,39 +129,28 @@ def analyse(
         )
     motors = _motors(motion.joints, constants, actuators)
     s = smooth(motion, method, bandwidth, use_velocity)
-    count, n = s.position.shape
-    terms: dict[str, FloatArray] = {
-        name: np.empty((count, n)) for name in ("inertia", "coriolis", "weight", "buoyancy")
-    }
-    wrench, tcp = np.empty((count, 6)), np.empty((count, 3))
-    for start in range(0, count, _CHUNK):
+    parts: list[dict[str, FloatArray]] = []
+    for start in range(0, s.time.size, _CHUNK):
         rows = slice(start, start + _CHUNK)
         state = s.position[rows], s.velocity[rows], s.acceleration[rows]
-        part = torque_terms(arm, *state, threads=threads)
-        for name, column in terms.items():
-            column[rows] = getattr(part, name)
-        wrench[rows] = arm.base_wrench_batch(*state, threads=threads)
-        tcp[rows] = frame_positions(arm, state[0])
+        wrench = arm.base_wrench_batch(*state, threads=threads)
+        terms = vars(torque_terms(arm, *state, threads=threads))
+        parts.append({**terms, "base_wrench": wrench, "tcp": frame_positions(arm, state[0])})
         if progress:
-            progress("compute", min(start + _CHUNK, count) / count)
-    torque = terms["inertia"] + terms["coriolis"] + terms["weight"] + terms["buoyancy"]
-    motor = _motor_side(motors, s, torque)
+            progress("compute", min(start + _CHUNK, s.time.size) / s.time.size)
+    out = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    out["torque"] = out["inertia"] + out["coriolis"] + out["weight"] + out["buoyancy"]
+    out["mechanical_power"] = out["torque"] * s.velocity
+    out |= _motor_side(motors, s, out["torque"])
     limits = None
     if supply_voltage is not None and current_limit is not None:
-        real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
-        real("current_limit", current_limit, minimum=0.0, strict=True)
         limits = _limits(motors, s, supply_voltage, current_limit)
     return Analysis(
         motion=motion,
         smooth=s,
         actuators=motors,
         arm=arm,
-        torque=frozen(torque),
-        **{name: frozen(column) for name, column in terms.items()},
-        **motor,
-        mechanical_power=frozen(torque * s.velocity),
-        base_wrench=frozen(wrench),
-        tcp=frozen(tcp),
+        **{name: frozen(column) for name, column in out.items()},
         torque_limits=limits,
         supply_voltage=supply_voltage,
         current_limit=current_limit,
@@ -199,9 +190,8 @@ def _motors(
 
 def _motor_side(
     motors: tuple[Actuator, ...], s: SmoothMotion, torque: FloatArray
-) -> dict[str, Any]:
-    names = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
-    out = {name: np.full(torque.shape, np.nan) for name in names}
+) -> dict[str, FloatArray]:
+    out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
     velocity = s.signed_velocity
     for k, motor in enumerate(motors):
         try:
@@ -209,14 +199,12 @@ def _motor_side(
         except MissingParameterError:
             continue
         state = torque[:, k], velocity[:, k], s.acceleration[:, k], s.direction[:, k] == 0
-        nominal, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
-        out["current"][:, k] = nominal
-        out["current_lower"][:, k] = np.minimum(*ends)
-        out["current_upper"][:, k] = np.maximum(*ends)
-        out["voltage"][:, k] = motor.voltage(nominal, velocity[:, k])
-        out["electrical_power"][:, k] = out["voltage"][:, k] * nominal
-        out["friction"][:, k] = motor.torque_constant * ratio * nominal - torque[:, k]
-    return {name: frozen(column) for name, column in out.items()}
+        current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
+        friction = motor.torque_constant * ratio * current - torque[:, k]
+        voltage = motor.voltage(current, velocity[:, k])
+        interval = np.minimum(*ends), np.maximum(*ends)
+        out[..., k] = friction, current, *interval, voltage, voltage * current
+    return dict(zip(BY_MOTOR, out, strict=True))
 
 
 def _least_current(
@@ -252,19 +240,12 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     slope = smooth(motion, "spline", bandwidth, use_velocity=False).velocity
     given = smooth(motion, "spline", bandwidth, use_velocity=True).velocity
     found = []
-    rated = {j.name: j.velocity for j in parameters().joints}
-    for k, name in enumerate(motion.joints):
+    for k, joint in enumerate(parameters().joints[: len(motion.joints)]):
         power = float(np.mean(slope[:, k] ** 2))
-        if power < (_JUDGED_SHARE * rated[name]) ** 2:
+        if power < (_JUDGED_SHARE * joint.velocity) ** 2:
             continue
         gain = float(np.mean(slope[:, k] * given[:, k])) / power
         if not 0.8 < gain < 1.25:
-            found.append(
-                MotionWarning(
-                    "velocity",
-                    1,
-                    "all samples",
-                    f"{name}'s velocities are {gain:.3g} times the slope of its positions",
-                )
-            )
+            text = f"{joint.name}'s velocities are {gain:.3g} times the slope of its positions"
+            found.append(MotionWarning("velocity", 1, "all samples", text))
     return tuple(found)

@@ -10,9 +10,9 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.files import atomic_write, output_format
-from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
 from alpha5_model.trajectory.reading import Progress
-from alpha5_model.trajectory.summary import summary
+from alpha5_model.trajectory.summary import CAUSES, summary
 
 FORMATS = (".csv", ".json")
 _CHUNK = 10_000
@@ -20,17 +20,8 @@ _CHUNK = 10_000
 #: Suffix of a joint's column -> attribute of the analysis that holds it.
 _JOINT_COLUMNS = {
     "torque": "torque",
-    "torque_inertia": "inertia",
-    "torque_coriolis": "coriolis",
-    "torque_weight": "weight",
-    "torque_buoyancy": "buoyancy",
-    "torque_friction": "friction",
-    "current": "current",
-    "current_lower": "current_lower",
-    "current_upper": "current_upper",
-    "voltage": "voltage",
-    "electrical_power": "electrical_power",
-    "mechanical_power": "mechanical_power",
+    **{f"torque_{cause}": cause for cause in CAUSES},
+    **{name: name for name in (*BY_MOTOR[1:], "mechanical_power")},
 }
 
 
@@ -91,6 +82,6 @@ def write(
 
 
 def _json(column: FloatArray) -> list[float | None]:
-    if np.isfinite(column).all():
-        return list(column.tolist())
-    return [x if np.isfinite(x) else None for x in column.tolist()]
+    numbers = column.astype(object)
+    numbers[~np.isfinite(column)] = None
+    return list(numbers)

@@ -137,11 +137,8 @@ def checked(
 ) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted."""
     if time.size < MINIMUM_SAMPLES:
-        raise InputError(
-            source if source != "arrays" else "time",
-            time.size,
-            f"at least {MINIMUM_SAMPLES} samples",
-        )
+        name = source if source != "arrays" else "time"
+        raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
     tables = (("time", time[:, None], _MOST_TIME), ("position", position, _MOST))
     for what, table, most in (*tables, ("velocity", velocity, _MOST)):
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
@@ -168,27 +165,14 @@ def checked(
     steps = np.diff(t)
     gap = GAP_FACTOR * float(np.median(steps))
     warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")
-    bounds = {j.name: j for j in parameters().joints}
-    for column, name in enumerate(joints):
-        bound = bounds[name]
-        span = bound.upper - bound.lower
+    for column, bound in enumerate(parameters().joints[: len(joints)]):
+        name, span = bound.name, bound.upper - bound.lower
         unit = "m" if name == "axis_a" else "rad"
         jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * bound.velocity * steps
         warn("jump", samples[1:][jump], name, f"{name} jumps farther than it can move")
         slack = LIMIT_SLACK * span
         outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
-        warn(
-            "outside_limits",
-            samples[outside],
-            name,
-            f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}",
-        )
-    return Motion(
-        frozen(t),
-        joints,
-        frozen(q),
-        None if v is None else frozen(v),
-        tuple(found),
-        source,
-        ignored,
-    )
+        text = f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}"
+        warn("outside_limits", samples[outside], name, text)
+    speeds = None if v is None else frozen(v)
+    return Motion(frozen(t), joints, frozen(q), speeds, tuple(found), source, ignored)

@@ -57,8 +57,8 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
     try:
         table = _parse(lines, used, len(header), progress)
     except (ValueError, csv.Error):
-        _complain(path, lines, header, used)
-    if not np.isfinite(table).all():
+        table = None
+    if table is None or not np.isfinite(table).all():
         _complain(path, lines, header, used)
     rows = np.flatnonzero([bool(line) for line in lines])[1:] if "" in lines else None
     joint_columns = dict(zip(joints, positions, strict=True))
@@ -73,7 +73,7 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
 
     n = len(joints)
     name = header[time_column]
-    guess = _likely_unit(table[:, 0], joints, table[:, 1 : 1 + n])
+    guess = _likely_unit(table[:, 0], table[:, 1 : 1 + n])
     stated = _TIME_WITH_UNIT.fullmatch(name)
     unit = guess if stated is None else stated[1].lower()
     motion = checked(
@@ -97,7 +97,7 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
     return replace(motion, time_unit=unit, warnings=warnings)
 
 
-def _likely_unit(time: FloatArray, joints: tuple[str, ...], position: FloatArray) -> str:
+def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
 
     Seconds where some joint's mean speed would be beyond twice its rating, as in a plan of few points.
@@ -108,8 +108,8 @@ def _likely_unit(time: FloatArray, joints: tuple[str, ...], position: FloatArray
     if not steps.size or float(np.median(steps)) < 1.0:
         return "s"
     unit = next((u for u, n in _PER_SECOND.items() if float(np.median(steps)) < n), "ns")
-    rated = {joint.name: joint.velocity for joint in parameters().joints}
-    fast = way / (steps / _PER_SECOND[unit]).sum() > 2 * np.array([rated[j] for j in joints])
+    rated = np.array([joint.velocity for joint in parameters().joints[: way.size]])
+    fast = way / (steps / _PER_SECOND[unit]).sum() > 2 * rated
     return "s" if fast.any() else unit
 
 
@@ -121,9 +121,8 @@ def _lines(path: Any) -> list[str]:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     lines = [line.strip() for line in text.rstrip().split("\n")]
     if not lines[0]:
-        raise FileFormatError(
-            path, "is empty" if len(lines) == 1 else "no column names in line 1", "line 1"
-        )
+        problem = "is empty" if len(lines) == 1 else "no column names in line 1"
+        raise FileFormatError(path, problem, "line 1")
     return lines
 
 
@@ -131,18 +130,16 @@ def _fields(path: Any, line: str, number: int) -> list[str]:
     try:
         return next(csv.reader([line]))
     except csv.Error as error:  # a field of more than 131 072 characters
-        raise FileFormatError(
-            path, f"is not a table of numbers: {error}", f"line {number}"
-        ) from None
+        problem = f"is not a table of numbers: {error}"
+        raise FileFormatError(path, problem, f"line {number}") from None
 
 
 def _header(path: str | os.PathLike[str], line: str) -> list[str]:
     if "," not in line:
         for separator, name in ((";", "';'"), ("\t", "a tab"), (" ", "a space")):
             if separator in line:
-                raise FileFormatError(
-                    path, f"columns are separated by {name}, expected ','", "line 1"
-                )
+                problem = f"columns are separated by {name}, expected ','"
+                raise FileFormatError(path, problem, "line 1")
     header = [name.strip() for name in _fields(path, line, 1)]
     if _is_number(header[0]):
         raise FileFormatError(path, "starts with numbers, expected column names", "line 1")
@@ -158,39 +155,33 @@ def _columns(
 ) -> tuple[int, tuple[str, ...], list[int], list[int]]:
     """Columns of the time, and of the positions and velocities of the joints base to tip."""
 
-    def find(names: Sequence[str], what: str) -> int | None:
+    def column(names: Sequence[str], what: str, why: str = "") -> int:
         there = [name for name in names if name in header]
-        if len(there) > 1:
-            raise FileFormatError(path, f"two columns for {what}: {', '.join(there)}", "line 1")
-        return header.index(there[0]) if there else None
-
-    def need(names: Sequence[str], what: str) -> int:
-        column = find(names, what)
-        if column is None:
-            raise FileFormatError(
-                path,
-                f"no column for {what}: expected {' or '.join(names)}, got {', '.join(header)[:200]}",
-                "line 1",
-            )
-        return column
+        if len(there) == 1:
+            return header.index(there[0])
+        problem = f"two columns for {what}: {', '.join(there)}"
+        if not there:
+            got = ", ".join(header)[:200]
+            problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
+        raise FileFormatError(path, problem, "line 1")
 
     def names(joint: str, suffixes: Sequence[str]) -> list[str]:
         return [joint + suffix for suffix in suffixes]
 
-    time_column = find(TIME_COLUMNS, "the time")
-    if time_column is None:
-        with_unit = [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
-        time_column = need(with_unit or (*TIME_COLUMNS, "time_ms"), "the time")
-    joints: tuple[str, ...] = JOINTS[:4]
-    if find(names("axis_a", POSITION_SUFFIXES), "the position of axis_a") is not None:
-        joints = JOINTS
-    positions = [need(names(j, POSITION_SUFFIXES), f"the position of {j}") for j in joints]
-    speeds = [find(names(j, VELOCITY_SUFFIXES), f"the velocity of {j}") for j in joints]
-    given = [s for s in speeds if s is not None]
-    if given and len(given) < len(joints):
-        j = joints[speeds.index(None)]
-        need(names(j, VELOCITY_SUFFIXES), f"the velocity of {j}, while others have one")
-    return time_column, joints, positions, given
+    def given(joints: Sequence[str], suffixes: Sequence[str]) -> bool:
+        return any(name in header for joint in joints for name in names(joint, suffixes))
+
+    plain = [name for name in TIME_COLUMNS if name in header]
+    with_unit = [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
+    time_column = column(plain or with_unit or (*TIME_COLUMNS, "time_ms"), "the time")
+    joints = JOINTS if given(JOINTS[4:], POSITION_SUFFIXES) else JOINTS[:4]
+    positions = [column(names(j, POSITION_SUFFIXES), f"the position of {j}") for j in joints]
+    velocities = []
+    if given(joints, VELOCITY_SUFFIXES):
+        why = ", while others have one"
+        for j in joints:
+            velocities.append(column(names(j, VELOCITY_SUFFIXES), f"the velocity of {j}", why))
+    return time_column, joints, positions, velocities
 
 
 def _parse(lines: list[str], used: list[int], width: int, progress: Progress | None) -> FloatArray:

@@ -24,6 +24,7 @@ References:
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,34 +109,30 @@ def smooth(
     if use_velocity and motion.velocity is None:
         raise InputError("use_velocity", True, "False: the motion has no velocities")
     t = motion.time
-    reached: float | None = None
     if method != "interpolate":
         bandwidth = real("bandwidth", bandwidth, minimum=0.0, strict=True)
         rate = 1 / float(np.median(np.diff(t)))
         if bandwidth >= rate / 2:
-            raise InputError(
-                "bandwidth",
-                bandwidth,
-                f"less than half the sample rate, {rate / 2:.4g} Hz (or method interpolate)"
-                + (": is the time in seconds?" if rate < 1 else ""),
-            )
-        if bandwidth < LEAST_BANDWIDTH * rate:
-            raise InputError(
-                "bandwidth",
-                bandwidth,
-                f"at least {LEAST_BANDWIDTH:g} of the sample rate, {LEAST_BANDWIDTH * rate:.4g} Hz",
-            )
+            most = f"less than half the sample rate, {rate / 2:.4g} Hz (or method interpolate)"
+            hint = ": is the time in seconds?" if rate < 1 else ""
+            raise InputError("bandwidth", bandwidth, most + hint)
+        if bandwidth < (low := LEAST_BANDWIDTH * rate):
+            least = f"at least {LEAST_BANDWIDTH:g} of the sample rate, {low:.4g} Hz"
+            raise InputError("bandwidth", bandwidth, least)
     signals = motion.position
     if use_velocity:
         assert motion.velocity is not None
         signals = np.hstack([motion.position, motion.velocity])
+    reached: float | None = bandwidth
     if method == "spline":
         value, slope, bend = smoothing_spline(t, signals, bandwidth)
-        reached = bandwidth
     elif method == "savgol":
         value, slope, bend, reached = savitzky_golay(t, signals, bandwidth)
     else:
-        value, slope, bend = _interpolate(t, signals)
+        from scipy.interpolate import CubicSpline
+
+        spline, reached = CubicSpline(t, signals), None
+        value, slope, bend = signals, spline(t, 1), spline(t, 2)
     n = len(motion.joints)
     position = value[:, :n]
     slow = slope[:, :n] if method == "interpolate" else _mean_velocity(t, motion.position)
@@ -146,7 +143,7 @@ def smooth(
         position=frozen(position),
         velocity=frozen(velocity),
         acceleration=frozen(acceleration),
-        direction=frozen(_direction(motion.joints, slow)),
+        direction=frozen(_direction(slow)),
         method=method,
         bandwidth=reached,
         from_velocity=use_velocity,
@@ -163,10 +160,9 @@ def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
     return out
 
 
-def _direction(joints: tuple[str, ...], slope: FloatArray) -> FloatArray:
-    rated = {joint.name: joint.velocity for joint in parameters().joints}
-    rest = np.abs(slope) < REST_SHARE * np.array([rated[name] for name in joints])
-    return np.where(rest, 0.0, np.sign(slope))
+def _direction(slope: FloatArray) -> FloatArray:
+    rated = [joint.velocity for joint in parameters().joints[: slope.shape[1]]]
+    return np.where(np.abs(slope) < REST_SHARE * np.array(rated), 0.0, np.sign(slope))
 
 
 def smoothing_spline(
@@ -190,9 +186,7 @@ def smoothing_spline(
 
     lam = (math.sqrt(2) - 1) / (2 * math.pi * bandwidth) ** 4
     h = np.diff(time)
-    weight = np.empty_like(time)
-    weight[0], weight[-1] = h[0] / 2, h[-1] / 2
-    weight[1:-1] = (h[:-1] + h[1:]) / 2
+    weight = (np.append(h, 0.0) + np.append(0.0, h)) / 2
     # Q^T takes second differences: row j has (below, middle, above) at samples j, j+1, j+2.
     below, above = 1 / h[:-1], 1 / h[1:]
     middle = -below - above
@@ -239,33 +233,30 @@ def savitzky_golay(
     window, reached = _window(bandwidth * dt)
     grid = np.arange(time[0], time[-1] + dt, dt)
     if window > grid.size:
-        raise InputError(
-            "bandwidth",
-            bandwidth,
-            f"a window of at most the motion's {grid.size} samples (it takes {window})",
-        )
+        most = f"a window of at most the motion's {grid.size} samples (it takes {window})"
+        raise InputError("bandwidth", bandwidth, most)
     even = _columns(grid, time, signals)
-    results = [
+    value, slope, bend = (
         _columns(time, grid, savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0))
         for k in range(3)
-    ]
-    return results[0], results[1], results[2], reached / dt
+    )
+    return value, slope, bend, reached / dt
 
 
 def _window(frequency: float) -> tuple[int, float]:
     """Odd window whose -3 dB frequency comes nearest, and that frequency, in cycles per sample."""
     # [Schafer2011, eq. 12] is the first guess; the response itself decides, and falls with length.
     guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
-    low, high = max(2, int(0.8 * guess) - 1), max(3, int(1.2 * guess) + 2)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if _cutoff(2 * middle + 1) > frequency else (low, middle)
-    best = min((low, high), key=lambda half: abs(_cutoff(2 * half + 1) - frequency))
-    return 2 * best + 1, _cutoff(2 * best + 1)
+    windows = range(2 * max(2, int(0.8 * guess) - 1) + 1, 2 * int(1.2 * guess) + 7, 2)
+    at = bisect_left(windows, -frequency, 1, key=lambda window: -_cutoff(window))
+    near = {_cutoff(window): window for window in windows[at - 1 : at + 1]}
+    reached = min(near, key=lambda cutoff: abs(cutoff - frequency))
+    return near[reached], reached
 
 
 def _cutoff(window: int) -> float:
-    """-3 dB frequency of the Savitzky-Golay filter, cycles per sample, by bisection."""
+    """-3 dB frequency of the Savitzky-Golay filter, cycles per sample."""
+    from scipy.optimize import brentq
     from scipy.signal import savgol_coeffs
 
     half = window // 2
@@ -273,22 +264,10 @@ def _cutoff(window: int) -> float:
     k = np.arange(1, half + 1)
 
     def response(f: float) -> float:
-        return float(kernel[0] + 2 * np.cos(2 * math.pi * f * k) @ kernel[1:])
+        amplitude = kernel[0] + 2 * np.cos(2 * math.pi * f * k) @ kernel[1:]
+        return float(amplitude - math.sqrt(0.5))
 
-    low, high = 0.0, 2.0 / window
-    for _ in range(40):
-        mid = (low + high) / 2
-        low, high = (mid, high) if response(mid) > math.sqrt(0.5) else (low, mid)
-    return low
-
-
-def _interpolate(
-    time: FloatArray, signals: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(time, signals)
-    return signals, spline(time, 1), spline(time, 2)
+    return float(brentq(response, 0.0, 2.0 / window, xtol=1e-15))
 
 
 def _columns(new: FloatArray, old: FloatArray, signals: FloatArray) -> FloatArray:

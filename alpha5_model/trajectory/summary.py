@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,9 @@ from alpha5_model.trajectory.motion import LIMIT_SLACK
 from alpha5_model.trajectory.smoothing import REST_SHARE
 
 CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
+#: Figures of a joint that are None without a motor's constants, or without limits of its drive.
+_BY_MOTOR = ("current_peak", "current_rms", "voltage_peak", "power_peak", "energy_drawn_j")
+_BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_drive_limits")
 
 
 def summary(analysis: Analysis) -> dict[str, Any]:
@@ -23,21 +27,20 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     ``null`` where a motor cannot be computed or a limit is not given.
     """
     a, s = analysis, analysis.smooth
-    bounds = {joint.name: joint for joint in parameters().joints}
-    steps = np.diff(s.time)
+    steps, velocity = np.diff(s.time), s.signed_velocity
     path = np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
     power = np.nansum(a.electrical_power, axis=1)
-    contradiction = np.stack(
-        [
-            (m.back_emf_constant - m.torque_constant)
-            * m.ratio
-            * a.current[:, k]
-            * a.smooth.signed_velocity[:, k]
-            if np.isfinite(a.current[:, k]).all()
-            else np.zeros(s.time.size)
-            for k, m in enumerate(a.actuators)
-        ]
-    ).sum(axis=0)
+    known = [(k, m) for k, m in enumerate(a.actuators) if np.isfinite(a.current[:, k]).all()]
+    power_ends = [  # over the printed tolerance of friction
+        np.stack([m.voltage(i[:, k], velocity[:, k]) * i[:, k] for k, m in known])
+        for i in (a.current_lower, a.current_upper)
+    ]
+    power_interval = [end(*power_ends).sum(axis=0) for end in (np.minimum, np.maximum)]
+    contradiction = sum(
+        (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * velocity[:, k]
+        for k, m in known
+    )
+    joints = parameters().joints[: len(s.joints)]
     return {
         "source": a.motion.source,
         "samples": int(s.time.size),
@@ -48,7 +51,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "model": {
             "gripper": "jaws" if "axis_a" in s.joints else "locked",
             "fluid_density": a.arm.fluid_density,
-            "gravity": [float(g) for g in a.arm.model.gravity.linear],
+            "gravity": a.arm.model.gravity.linear.tolist(),
         },
         "smoothing": {
             "method": s.method,
@@ -61,29 +64,27 @@ def summary(analysis: Analysis) -> dict[str, Any]:
             "supply_voltage": a.supply_voltage,
             "current_limit": a.current_limit,
         },
-        "joints": {name: _joint(a, k, bounds[name]) for k, name in enumerate(s.joints)},
+        "joints": {joint.name: _joint(a, k, joint) for k, joint in enumerate(joints)},
         "energy": {
             "electrical_peak_w": float(power.max()),
             "drawn_j": _integral(np.maximum(power, 0.0), s.time),
-            "drawn_interval_j": [_integral(np.maximum(p, 0.0), s.time) for p in _power_interval(a)],
+            "drawn_interval_j": [_integral(np.maximum(p, 0.0), s.time) for p in power_interval],
             "fed_back_j": _integral(np.maximum(-power, 0.0), s.time),
             "mechanical_j": _integral(a.mechanical_power.sum(axis=1), s.time),
-            "contradiction_j": _integral(contradiction, s.time),
+            "contradiction_j": _integral(np.asarray(contradiction), s.time),
         },
         "mount": {
-            "force_peak_n": _peak_norm(a.base_wrench[:, :3], s.time),
-            "moment_peak_nm": _peak_norm(a.base_wrench[:, 3:], s.time),
+            "force_peak_n": _peak(np.linalg.norm(a.base_wrench[:, :3], axis=1), s.time),
+            "moment_peak_nm": _peak(np.linalg.norm(a.base_wrench[:, 3:], axis=1), s.time),
         },
         "tcp": {
-            "first_m": [float(x) for x in a.tcp[0]],
-            "last_m": [float(x) for x in a.tcp[-1]],
-            "lowest_m": [float(x) for x in a.tcp.min(axis=0)],
-            "highest_m": [float(x) for x in a.tcp.max(axis=0)],
+            "first_m": a.tcp[0].tolist(),
+            "last_m": a.tcp[-1].tolist(),
+            "lowest_m": a.tcp.min(axis=0).tolist(),
+            "highest_m": a.tcp.max(axis=0).tolist(),
             "path_length_m": float(path.sum()),
         },
-        "warnings": [
-            {"kind": w.kind, "count": w.count, "first": w.first, "text": w.text} for w in a.warnings
-        ],
+        "warnings": [asdict(w) for w in a.warnings],
         "ignored_columns": list(a.motion.ignored),
     }
 
@@ -111,55 +112,27 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
         "causes_peak": {
             cause: _finite(float(np.abs(getattr(a, cause)[:, k]).max())) for cause in CAUSES
         },
-        "current_peak": None,
-        "current_rms": None,
-        "voltage_peak": None,
-        "power_peak": None,
-        "energy_drawn_j": None,
-        "current_margin": None,
-        "voltage_margin": None,
-        "drive_torque_margin": None,
-        "beyond_drive_limits": None,
+        **dict.fromkeys(_BY_MOTOR + _BY_DRIVE),
     }
     if not np.isfinite(a.current[:, k]).all():
         return out
-    out["current_peak"] = _peak(a.current[:, k], s.time)
     at = int(np.abs(a.current[:, k]).argmax())
-    out["current_peak"]["interval"] = [
-        float(a.current_lower[at, k]),
-        float(a.current_upper[at, k]),
-    ]
+    interval = [float(a.current_lower[at, k]), float(a.current_upper[at, k])]
+    out["current_peak"] = {**_peak(a.current[:, k], s.time), "interval": interval}
     out["current_rms"] = _rms(a.current[:, k], s.time)
     out["voltage_peak"] = _peak(a.voltage[:, k], s.time)
     out["power_peak"] = _peak(a.electrical_power[:, k], s.time)
     out["energy_drawn_j"] = _integral(np.maximum(a.electrical_power[:, k], 0.0), s.time)
-    if a.torque_limits is not None:
-        assert a.current_limit is not None
-        assert a.supply_voltage is not None
+    if a.torque_limits and a.current_limit and a.supply_voltage:
         worst = np.maximum(np.abs(a.current_lower[:, k]), np.abs(a.current_upper[:, k])).max()
         out["current_margin"] = float(a.current_limit - worst)
         out["voltage_margin"] = float(a.supply_voltage - np.abs(a.voltage[:, k]).max())
-        reserve = np.minimum(
-            a.torque_limits.upper[:, k] - a.torque[:, k],
-            a.torque[:, k] - a.torque_limits.lower[:, k],
-        )
+        lower, upper = (end[:, k] for end in a.torque_limits)
+        reserve = np.minimum(upper - a.torque[:, k], a.torque[:, k] - lower)
         possible = reserve[np.isfinite(reserve)]
         out["drive_torque_margin"] = float(possible.min()) if possible.size else None
         out["beyond_drive_limits"] = int(np.count_nonzero(~(reserve >= 0)))
     return out
-
-
-def _power_interval(a: Analysis) -> tuple[FloatArray, FloatArray]:
-    """Electrical power of all motors over the printed tolerance of friction, (N,) each [W]."""
-    ends, velocity = [], a.smooth.signed_velocity
-    for current in (a.current_lower, a.current_upper):
-        columns = [
-            motor.voltage(current[:, k], velocity[:, k]) * current[:, k]
-            for k, motor in enumerate(a.actuators)
-            if np.isfinite(current[:, k]).all()
-        ]
-        ends.append(np.stack(columns))
-    return np.minimum(*ends).sum(axis=0), np.maximum(*ends).sum(axis=0)
 
 
 _FORCE = {"N m": "torque", "N": "force"}
@@ -172,7 +145,7 @@ def _units(joint: str) -> tuple[str, str, str]:
 
 def text(record: dict[str, Any]) -> str:
     """The record of `summary` as lines for a terminal."""
-    model, smoothing, motors = record["model"], record["smoothing"], record["motors"]
+    model, smoothing = record["model"], record["smoothing"]
     width = smoothing["bandwidth_hz"]
     gravity = ", ".join(f"{g:g}" for g in model["gravity"])
     unit = record["time_unit_of_file"]
@@ -219,7 +192,7 @@ def text(record: dict[str, Any]) -> str:
             )
     for w in record["warnings"]:
         lines.append(f"  warning: {w['text']}: {w['count']} x, first: {w['first']}")
-    lines += [f"  note: {note}" for note in _notes(record, motors)]
+    lines += [f"  note: {note}" for note in _notes(record)]
     return "\n".join(lines)
 
 
@@ -245,7 +218,8 @@ def _joint_lines(joints: dict[str, Any], position: str, velocity: str, torque: s
     return lines
 
 
-def _notes(record: dict[str, Any], motors: dict[str, Any]) -> list[str]:
+def _notes(record: dict[str, Any]) -> list[str]:
+    motors = record["motors"]
     ratios = ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items())
     notes = [
         f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
@@ -287,10 +261,6 @@ def _or_dash(value: float | None) -> str:
 def _peak(values: FloatArray, time: FloatArray) -> dict[str, Any]:
     at = int(np.abs(values).argmax())
     return {"value": float(values[at]), "time_s": float(time[at])}
-
-
-def _peak_norm(vectors: FloatArray, time: FloatArray) -> dict[str, Any]:
-    return _peak(np.linalg.norm(vectors, axis=1), time)
 
 
 def _integral(values: FloatArray, time: FloatArray) -> float:
