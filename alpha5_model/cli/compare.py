@@ -23,10 +23,19 @@ from alpha5_model.view.figures import FORMATS
 
 
 def compare(
-    other: Annotated[Path, typer.Argument(help="A URDF of the Reach Alpha 5.")],
+    other: Annotated[Path, typer.Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
     joints: Annotated[
         str, typer.Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
     ] = "",
+    base: Annotated[
+        str | None, typer.Option(help="First link of the arm, if a vehicle carries it.")
+    ] = None,
+    package: Annotated[
+        list[str] | None, typer.Option(help="Folder of a package of a xacro file: NAME=FOLDER.")
+    ] = None,
+    arg: Annotated[
+        list[str] | None, typer.Option(help="Argument of a xacro file: NAME:=VALUE.")
+    ] = None,
     samples: Annotated[int, typer.Option(help="Random configurations.", min=1, max=100_000)] = 500,
     as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
     plot: Annotated[
@@ -41,7 +50,14 @@ def compare(
     """
     check_outputs([other], plot=(plot, FORMATS))
     with spinner("comparing"):
-        comparison = run(other, _pairs(joints), samples)
+        comparison = run(
+            other,
+            _pairs("map", joints.split(","), "="),
+            samples,
+            base,
+            _pairs("package", package or [], "="),
+            _pairs("arg", arg or [], ":="),
+        )
     if plot is not None:
         plot_comparison(comparison, plot)
     with words_beside(plot):
@@ -54,18 +70,22 @@ def compare(
     return 0 if comparison.agrees else 1
 
 
-def _pairs(text: str) -> dict[str, str]:
+def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
     pairs: dict[str, str] = {}
-    for part in filter(None, (p.strip() for p in text.split(","))):
-        ours, equals, theirs = part.partition("=")
-        if not equals or not theirs or ours in pairs:
-            raise InputError("map", text, "axis_e=NAME,axis_d=NAME,... with each axis once")
-        pairs[ours.strip()] = theirs.strip()
+    for part in filter(None, (p.strip() for p in parts)):
+        name, equals, value = part.partition(sign)
+        if not name or not equals or (not value and option != "arg") or name.strip() in pairs:
+            expected = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+            raise InputError(option, ",".join(parts), f"{expected} with each name once")
+        pairs[name.strip()] = value.strip()
     return pairs
 
 
 def _print(comparison: Comparison) -> None:
     console = Console(highlight=False)
+    if not comparison.joints:
+        console.print(Text(f"{comparison.name}: {comparison.verdict}"))
+        return
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
     console.print(Text(f"{comparison.name}: {joints}"))
     # Text, not markup: rich would take the units' brackets for a style.
@@ -101,12 +121,7 @@ def _print(comparison: Comparison) -> None:
         if finding.instead:
             listed.add_row("", Text(f"write {finding.instead}", "dim"))
     console.print(listed)
-    if comparison.agrees:
-        console.print("[green]The model agrees with the tables.[/green]")
-    else:
-        serious = sum(finding.serious for finding in comparison.findings)
-        plural = "" if serious == 1 else "s"
-        console.print(f"[red]The model differs: {serious} finding{plural}.[/red]")
+    console.print(Text(comparison.verdict, "green" if comparison.agrees else "red"))
 
 
 def _row(side: dict[str, Any]) -> list[float]:

@@ -1,133 +1,144 @@
-"""Lay another model's joint axes over ours: base pose, sign and zero of each joint.
+"""Lay another model's joint axes over ours, as lines, in the least-squares sense.
 
-The first two axes fix where the other base stands. Each further axis must then come to lie on
-ours by turning about the axis before it; the angle it takes is the shift of that joint's zero. Two
-shifts cannot be seen in the axes: that of axis_e is a yaw of the base, that of axis_b a roll of the
-last body.
+What is free: where the other base stands, the sign of each joint, the zeros of axis_d and axis_c, and
+those dimensions of the arm that differ. The axes do not tell two zeros: a shifted zero of axis_e is a yaw
+of the base, one of axis_b a roll of the last body. Frames and bodies decide these.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.mapping import FourJointArm
+from alpha5_model.comparison.arm import FourJointArm
+from alpha5_model.comparison.axis_fit import (
+    DIMENSIONS,
+    ZEROS,
+    Alignment,
+    closed_form,
+    difference,
+    fit,
+    our_frames,
+    our_lines,
+    their_lines,
+)
+from alpha5_model.parameters import parameters
+from alpha5_model.spatial import rotation_about, transform, wrap
 
-#: A root that stands closer to ours than this was meant to be the same one; the rest is an error of
-#: the model's geometry, not another mount.
-SAME_ROOT = 0.005  # [m], and [rad] for its rotation
-
-
-@dataclass(frozen=True, eq=False)
-class Alignment:
-    """How the other model's coordinates relate to ours: ``q_theirs = sign * q_ours + zero``.
-
-    Attributes:
-        base: transform_theirs_to_ours of the root frames, (4, 4).
-        sign: +1 or -1 per joint, (4,).
-        zero: Position of the other joint where ours is zero, (4,) [rad]; those of axis_e and
-            axis_b are taken as 0.
-    """
-
-    base: FloatArray
-    sign: FloatArray
-    zero: FloatArray
-
-    @property
-    def oddities(self) -> int:
-        """Number of turned signs and shifted zeros."""
-        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_ROOT).sum())
-
-    def theirs(self, q: FloatArray) -> FloatArray:
-        """The other model's joint positions for ours."""
-        return self.sign * q + self.zero
+#: Residual of the closed form beyond which an axis points the other way [m and rad].
+REVERSED = 0.05
+#: Smaller differences are no findings: of the axes, and of their angles, at arm's length 0.03 mm.
+LENGTH_TOLERANCE = 1e-5  # [m]
+ANGLE_TOLERANCE = 1e-4  # [rad]
 
 
 def align(ours: FourJointArm, theirs: FourJointArm) -> Alignment:
     """Best alignment of two models of the same arm.
 
-    There are two ways to lay the first two axes over ours, head up or head down. The one that leaves
-    fewer turned signs and shifted zeros is taken, then the one with the smaller rotation of the base.
+    Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as they can. The
+    dimensions that are then still off by more than the printed digits allow are fitted too: an
+    offset must not look like a shifted zero. An arm lies over itself upside down with every joint
+    reversed; of alignments that fit equally well, the one with the fewest oddities is taken.
     """
-    reference = axis_lines(ours, np.zeros(4))
-    candidates = [_align(theirs, reference, head) for head in (1.0, -1.0)]
-    best = min(candidates, key=lambda c: (c.oddities, -np.trace(c.base[:3, :3])))
-    if np.abs(best.base - np.eye(4)).max() < SAME_ROOT:
-        return Alignment(np.eye(4), best.sign, best.zero)
-    return best
+    starts = [
+        closed_form(theirs, np.array(sign)) for sign in itertools.product((1.0, -1.0), repeat=4)
+    ]
+    errors = [np.sqrt(np.square(difference(theirs, start)[0]).mean()) for start in starts]
+    # Where a direction is reversed no dimension helps.
+    close = [s for s, e in zip(starts, errors, strict=True) if e <= max(REVERSED, 2 * min(errors))]
+    # With all dimensions free the axes coincide: each tells its own error, whatever the others'.
+    length, angle = allowed(theirs)
+    within = np.where(np.arange(8) < 4, length, angle)
+    fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in close]
+    exact = min(fits, key=lambda one: _oddities(ours, theirs, one, within))
+    wrong = np.abs(exact.dimensions) > within
+    best = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
+    best = _with_base_link(theirs, fit(theirs, best, (*ZEROS, *(8 + np.flatnonzero(wrong)))))
+    exact = _settle_zeros(ours, theirs, exact)
+    return replace(_settle_zeros(ours, theirs, best), exact=exact)
 
 
-def axis_lines(arm: FourJointArm, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A point on each joint's axis and its direction in the root frame, (4, 3) each."""
-    poses = arm.poses(q)[1:]
-    return poses[:, :3, 3], np.einsum("nij,nj->ni", poses[:, :3, :3], arm.axes)
+def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]:
+    """What is no finding: the printed digits and the tolerances allow it; lengths [m], angles [rad].
+
+    Rounded lengths turn the axes by as much over the length of the upper arm. Where a file cuts pi
+    short, the same error may hide in angles that were computed from it (``short_pi``).
+    """
+    lengths, angles, pi = theirs.digits
+    turns = math.hypot(angles, lengths / parameters().dh[1].a, 2 * pi * short_pi)
+    arms = parameters().dh[1].a * 2 * pi * short_pi
+    return max(LENGTH_TOLERANCE, lengths, arms), max(ANGLE_TOLERANCE, turns)
 
 
-def _align(
-    theirs: FourJointArm,
-    reference: tuple[FloatArray, FloatArray],
-    head: float,
-) -> Alignment:
-    points, directions = reference
-    sign, zero = np.ones(4), np.zeros(4)
-    there, heading = axis_lines(theirs, zero)
-    sign[0] = head
-    base = _frame(points, directions, 1.0) @ np.linalg.inv(_frame(there, heading, head))
-    for joint in (1, 2, 3):
-        there, heading = axis_lines(theirs, zero)
-        there = there @ base[:3, :3].T + base[:3, 3]
-        heading = heading @ base[:3, :3].T
-        sign[joint] = 1.0 if heading[joint] @ directions[joint] >= 0 else -1.0
-        if joint == 3:
-            break
-        # Turn about this axis until the next one lies where ours does.
-        axis = directions[joint]
-        mine = _offset(points, directions, joint)
-        other = _offset(there, heading, joint)
-        angle = math.atan2(np.cross(other, mine) @ axis, other @ mine)
-        zero[joint] = sign[joint] * angle
-    return Alignment(base, sign, zero)
+def without_zero(theirs: FourJointArm, alignment: Alignment, joint: int) -> float:
+    """Residual [m] of the best fit with the zero of one joint held at ours."""
+    held = replace(alignment, zero=np.where(np.arange(4) == joint, 0.0, alignment.zero))
+    free = [i for i in range(16) if i != 5 + joint and (i < 8 or alignment.dimensions[i - 8])]
+    return fit(theirs, held, free).residual[0]
 
 
-def _offset(points: FloatArray, directions: FloatArray, joint: int) -> FloatArray:
-    """From axis `joint` to the next one along their common normal; the direction if they meet."""
-    u, w = directions[joint], directions[joint + 1]
-    between = points[joint + 1] - points[joint]
-    normal = np.cross(u, w)
-    if np.linalg.norm(normal) > 1e-6:
-        normal = normal / np.linalg.norm(normal)
-        offset = (between @ normal) * normal
-    else:
-        offset = between - (between @ u) * u
-    if np.linalg.norm(offset) < 1e-4:  # [m]: the axes meet, within a tenth of a millimetre
-        offset = w - (w @ u) * u
-    out: FloatArray = offset
-    return out
+def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
+    """The link between root and axis_e whose frame comes closest to our base_link."""
+    poses = {name: alignment.base @ theirs.link_poses[name] for name in theirs.base_path}
+    name = min(poses, key=lambda n: round(_distance(poses[n]) - 1e-3 * poses[n][0, 0], 6))
+    return replace(alignment, base_link=name, stands=poses[name])
 
 
-def _frame(points: FloatArray, directions: FloatArray, head: float) -> FloatArray:
-    """Frame on the first two axes: z along the first, x along the common normal to the second."""
-    z = head * directions[0]
-    x = _offset(points, directions, 0)
-    if np.linalg.norm(np.cross(x, z)) < 1e-9:  # both axes are one line: any normal will do
-        x = np.eye(3)[np.abs(z).argmin()]
-    x = x - (x @ z) * z
-    x = x / np.linalg.norm(x)
-    out = np.eye(4)
-    out[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
-    out[:3, 3] = _foot(points[0], directions[0], points[1], directions[1])
-    return out
+def _distance(pose: FloatArray) -> float:
+    """Of a frame from ours, whatever its yaw [m]; 0.1 m are taken for a radian of tilt."""
+    return float(np.linalg.norm(pose[:3, 3]) + 0.1 * math.acos(np.clip(pose[2, 2], -1, 1)))
 
 
-def _foot(point: FloatArray, u: FloatArray, other: FloatArray, w: FloatArray) -> FloatArray:
-    """Foot on the axis (point, u) of its common normal with the axis (other, w), (3,)."""
-    r, b = point - other, u @ w
-    out: FloatArray = point
-    if 1 - b * b > 1e-12:  # parallel axes have a common normal everywhere
-        out = point + (b * (w @ r) - u @ r) / (1 - b * b) * u
+def _oddities(
+    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, within: FloatArray
+) -> float:
+    """How unlikely an alignment is: everything that a person would have had to do to the model.
+
+    A turned sign, a shifted zero count one, a wrong dimension three, a base that stands elsewhere or
+    upside down up to six, bodies elsewhere up to four.
+    """
+    base = min(6.0, 30 * _distance(alignment.stands))
+    com = bodies_in_our_frames(ours, theirs, alignment)[0][2:] - ours.com[2:]
+    bodies = 4 * np.minimum(1.0, np.linalg.norm(com, axis=1) / 0.05).mean()
+    changed = 3 * (np.abs(alignment.dimensions) > within).sum()
+    return float(alignment.oddities + base + changed + bodies)
+
+
+def _settle_zeros(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> Alignment:
+    """Zeros of axis_e and axis_b: where the frames stand turned, and the bodies fit with them."""
+    if alignment.same_base and theirs.mass[0]:
+        yaw = _yaw(alignment)
+        angle = alignment.sign[0] * math.atan2(yaw[1, 0], yaw[0, 0])
+        back = transform(yaw.T)
+        turned = replace(
+            alignment,
+            base=back @ alignment.base,
+            stands=back @ alignment.stands,
+            zero=alignment.zero + angle * np.eye(4)[0],
+        )
+        alignment = min(turned, alignment, key=lambda a: _body_errors(ours, theirs, a)[0])
+    seen = body_transforms(ours, theirs, alignment)[4]
+    roll = math.atan2(seen[1, 0], seen[0, 0])
+    turned = replace(alignment, zero=alignment.zero - alignment.sign[3] * roll * np.eye(4)[3])
+    if 4 * _body_errors(ours, theirs, turned)[4] < _body_errors(ours, theirs, alignment)[4]:
+        alignment = turned
+    return replace(alignment, zero=wrap(alignment.zero))
+
+
+def _yaw(alignment: Alignment) -> FloatArray:
+    """The turn of their base_link about our axis_e, (3, 3)."""
+    return rotation_about((0, 0, 1), math.atan2(alignment.stands[1, 0], alignment.stands[0, 0]))
+
+
+def _body_errors(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+    """How far each body is from ours in second moments, (5,) [kg m^2]."""
+    com, inertia = bodies_in_our_frames(ours, theirs, alignment)
+    moved = ours.mass * np.square(com - ours.com).sum(axis=1)
+    out: FloatArray = moved + np.abs(inertia - ours.inertia).max(axis=(1, 2))
     return out
 
 
@@ -145,51 +156,53 @@ def body_transforms(ours: FourJointArm, theirs: FourJointArm, alignment: Alignme
     """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
     Each body is held by its own joint: where the other arm's joint lies elsewhere than ours, that is
-    an error of the geometry and not one of the COM as well.
+    an error of the geometry and not one of the COM as well. The first body is held by the frame that
+    was meant to be base_link, if there is one; body 1 by the base or by the shoulder, whose height
+    above it may differ: by the one that fits.
     """
-    here = ours.poses(np.zeros(4))
+    here = with_dimensions(ours, alignment.dimensions).poses(np.zeros(4))
     there = alignment.base @ theirs.poses(alignment.zero)
-    transforms = np.linalg.inv(here) @ there
-    mine, other = (
-        _seats(ours, np.zeros(4), np.eye(4)),
-        _seats(theirs, alignment.zero, alignment.base),
-    )
-    transforms[1:, :3, 3] += np.einsum("nji,nj->ni", here[1:, :3, :3], mine - other)
+    transforms: FloatArray = np.linalg.inv(here) @ there
+    if alignment.same_base:
+        base = theirs.link_poses[alignment.base_link]
+        transforms[0] = transform(_yaw(alignment)) @ np.linalg.inv(base)
+        held = transforms[1].copy()
+        held[2, 3] -= alignment.stands[2, 3]
+        transforms[1] = min(
+            (held, transforms[1]),
+            key=lambda t: float(np.linalg.norm(t[:3, :3] @ theirs.com[1] + t[:3, 3] - ours.com[1])),
+        )
     return transforms
 
 
-def _seats(arm: FourJointArm, q: FloatArray, base: FloatArray) -> FloatArray:
-    """One point on each joint's axis that both arms can find, in our root frame, (4, 3).
+def with_dimensions(ours: FourJointArm, change: FloatArray) -> FourJointArm:
+    """Our arm with changed dimensions; each body stays with its own joint."""
+    before, after = (our_frames(np.zeros((1, 4)), c)[0] for c in (np.zeros(8), change))
+    poses = ours.poses(np.zeros(4))
+    poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
+    return replace(ours, placements=np.linalg.inv(poses[:-1]) @ poses[1:])
 
-    The foot of the common normal with a neighbouring axis that is not parallel; for the first
-    joint, whose height its neighbour does not tell, the point level with the root.
+
+def our_tips(q: FloatArray, change: FloatArray | None = None) -> FloatArray:
+    """Tips of our arm, (N, 3) [m]: on the wrist axis, d_3 from the foot of its normal with axis_c."""
+    return _tips(our_lines(q, np.zeros(len(DIMENSIONS)) if change is None else change))
+
+
+def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> FloatArray:
+    """The same point of the other arm, (N, 3) [m], which needs no named frame of it.
+
+    Where a link was meant to be our base_link, the arms are mounted by it.
     """
-    points, directions = axis_lines(arm, q)
-    points = points @ base[:3, :3].T + base[:3, 3]
-    directions = directions @ base[:3, :3].T
-    feet = [
-        _foot(points[j], directions[j], points[k], directions[k])
-        for j, k in ((1, 0), (2, 3), (3, 2))
-    ]
-    level = points[0] - (points[0] @ directions[0]) * directions[0]
-    return np.array([level, *feet])
+    tips = _tips(their_lines(theirs, alignment, q))
+    if alignment.same_base:
+        tips = (tips - alignment.stands[:3, 3]) @ alignment.stands[:3, :3] @ _yaw(alignment).T
+    return tips
 
 
-def tip_distance(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, reach: float, q: FloatArray
-) -> float:
-    """Distance of the two arms' tips at our joint position q (4,) [m].
-
-    The tip is ``reach`` along the wrist axis from the foot of its common normal with axis_c, on the
-    side of ours: a point that needs no named frame of the other model.
-    """
-    tips = []
-    for arm, angles, base, sign in (
-        (ours, q, np.eye(4), 1.0),
-        (theirs, alignment.theirs(q), alignment.base, alignment.sign[3]),
-    ):
-        points, directions = axis_lines(arm, angles)
-        wrist = _foot(points[3], directions[3], points[2], directions[2])
-        tip = wrist - sign * reach * directions[3]
-        tips.append(base[:3, :3] @ tip + base[:3, 3])
-    return float(np.linalg.norm(tips[0] - tips[1]))
+def _tips(lines: tuple[FloatArray, FloatArray]) -> FloatArray:
+    points, directions = lines
+    u, w, r = directions[:, 3], directions[:, 2], points[:, 3] - points[:, 2]
+    b, along, across = (np.sum(x * y, axis=1) for x, y in ((u, w), (w, r), (u, r)))
+    reach = (b * along - across) / (1 - b * b) + parameters().dh[3].d
+    out: FloatArray = points[:, 3] + reach[:, None] * u
+    return out

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.comparison.arm import FourJointArm
 from alpha5_model.comparison.diagnosis import (
     COM_TOLERANCE,
     INERTIA_TOLERANCE,
@@ -20,7 +21,6 @@ from alpha5_model.comparison.diagnosis import (
     explain_mass,
     subjects,
 )
-from alpha5_model.comparison.mapping import FourJointArm
 from alpha5_model.comparison.records import BodyDifference, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.inertia import inconsistencies, rotate_tensor
@@ -92,7 +92,7 @@ def _findings(
         text += reason or f" ({body.mass / link.mass:.3g} times)"
         text += ": the jaws are counted twice" if index == 4 and "; beside it" in reason else ""
         yield Finding(name, text, True, mass_cost, mass)
-    wrong_com = body.com_error > COM_TOLERANCE
+    wrong_com = body.com_error > COM_TOLERANCE + body.slack
     if wrong_com:
         text = f"COM {body.com_error * 1e3:.1f} mm off"
         if index == 4 and body.com[2] > 0:

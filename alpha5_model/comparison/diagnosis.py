@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.comparison.arm import FourJointArm
 from alpha5_model.comparison.hypotheses import (
     MOST_MISTAKES,
     Hypothesis,
@@ -24,7 +25,6 @@ from alpha5_model.comparison.hypotheses import (
     wrong_point,
     wrong_tensors,
 )
-from alpha5_model.comparison.mapping import FourJointArm
 from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import LinkParameters
 

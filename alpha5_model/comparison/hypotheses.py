@@ -15,7 +15,7 @@ from functools import cache, partial
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.mapping import FourJointArm
+from alpha5_model.comparison.arm import FourJointArm
 from alpha5_model.comparison.revisions import revisions
 from alpha5_model.fluids import FRESH_WATER, SEA_WATER
 from alpha5_model.inertia import (

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.alignment import Alignment
+from alpha5_model.comparison.axis_fit import Alignment
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
 
@@ -45,6 +45,7 @@ class BodyDifference:
         com: (3,) [m].
         inertia: At the COM, (3, 3) [kg m^2].
         ours: The body of the tables.
+        slack: By how much of its COM the rounded origins of the joints are to blame [m].
     """
 
     name: str
@@ -53,6 +54,7 @@ class BodyDifference:
     com: FloatArray
     inertia: FloatArray
     ours: LinkParameters
+    slack: float = 0.0
 
     @property
     def mass_error(self) -> float:
@@ -92,6 +94,10 @@ def _side(mass: float, com: FloatArray | None, inertia: FloatArray) -> dict[str,
     }
 
 
+def _plain(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Another model of this arm, held against ours.
@@ -106,6 +112,9 @@ class Comparison:
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Of its collision primitives [m^3]; NaN if it has none.
         findings: What costs most first, then base to tip; empty if the models agree.
+        carried: Links that move with the base and are not the arm's -> mass [kg].
+
+    Another arm has no joints and no bodies, its errors are NaN, and its one finding says why.
     """
 
     name: str
@@ -117,25 +126,42 @@ class Comparison:
     mass_matrix_error: float
     volume: float
     findings: tuple[Finding, ...]
+    carried: dict[str, float] = field(default_factory=dict)
 
     @property
     def agrees(self) -> bool:
         """Nothing serious was found."""
         return not any(finding.serious for finding in self.findings)
 
+    @property
+    def verdict(self) -> str:
+        """How the comparison ends, in one line."""
+        if not self.joints:
+            return self.findings[0].text
+        serious = sum(finding.serious for finding in self.findings)
+        if not serious:
+            return "The model agrees with the tables."
+        return f"The model differs: {serious} finding{'s' * (serious > 1)}."
+
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and texts, for JSON."""
         return {
             "name": self.name,
             "agrees": self.agrees,
+            "verdict": self.verdict,
             "joints": self.joints,
             "base": self.alignment.base.tolist(),
+            "base_link": self.alignment.base_link,
+            "carried_kg": self.carried,
             "sign": self.alignment.sign.tolist(),
             "zero_rad": self.alignment.zero.tolist(),
-            "tip_error_m": self.tip_error,
-            "gravity_error_Nm": self.gravity_error.tolist(),
-            "mass_matrix_error_kgm2": self.mass_matrix_error,
-            "volume_m3": None if math.isnan(self.volume) else self.volume,
+            "dimension_error": self.alignment.changes(),
+            "residual_m": _plain(self.alignment.residual[0]),
+            "residual_rad": _plain(self.alignment.residual[1]),
+            "tip_error_m": _plain(self.tip_error),
+            "gravity_error_Nm": [_plain(float(error)) for error in self.gravity_error],
+            "mass_matrix_error_kgm2": _plain(self.mass_matrix_error),
+            "volume_m3": _plain(self.volume),
             "bodies": [body.as_dict() for body in self.bodies],
             "findings": [
                 {

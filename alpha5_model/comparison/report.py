@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,46 +12,75 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.comparison.alignment import (
-    Alignment,
     align,
     bodies_in_our_frames,
-    body_transforms,
-    tip_distance,
+    our_tips,
+    their_tips,
 )
+from alpha5_model.comparison.arm import AXES, FourJointArm, reduce_robot
+from alpha5_model.comparison.axis_fit import Alignment
 from alpha5_model.comparison.bodies import Cost
 from alpha5_model.comparison.findings import collision_volume, findings
-from alpha5_model.comparison.mapping import AXES, FourJointArm, map_joints, reduce_robot
-from alpha5_model.comparison.records import BodyDifference, Comparison
-from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf, read_urdf
+from alpha5_model.comparison.mapping import (
+    TURNING,
+    Chain,
+    find_chains,
+    map_joints,
+    our_shape,
+)
+from alpha5_model.comparison.reading import read_model
+from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
+from alpha5_model.comparison.rounding import as_meant
+from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.parameters import parameters
+
+#: Shapes of axes that lie farther apart than this are not the same arm's: a third of the upper arm.
+#: A model of this arm with an offset on the wrong side comes to 40 mm at most.
+OTHER_ARM = 0.05  # [m]
+SAME_SHAPE = 0.005  # [m]
+LENGTHS = (
+    "axis_d from axis_e",
+    "axis_c from axis_d",
+    "axis_b from axis_c",
+    "the elbow out of the arm's plane",
+)
+TWISTS = ("axis_d to axis_e", "axis_c to axis_d", "axis_b to axis_c")
 
 
 def compare(
     path: str | Path,
     joints: Mapping[str, str] | None = None,
     samples: int = 500,
+    base: str | None = None,
+    packages: Mapping[str, str] | None = None,
+    arguments: Mapping[str, str] | None = None,
 ) -> Comparison:
-    """Hold another URDF of this arm against ours.
+    """Hold another model of this arm against ours.
 
-    Joints are mapped by name, the bases are aligned by the joint axes, every other joint is frozen with
-    the jaws closed, and each body is compared in our link frame with the tables.
+    The arm is found by the shape of its axes, the bases are aligned by the joint axes, every other
+    joint is frozen with the jaws closed, what carries the arm is left out, and each body is compared in
+    our link frame with the tables.
 
     Args:
-        path: The other URDF. Meshes need not be there.
-        joints: Our joint name -> theirs, for those that names do not tell.
+        path: A URDF, or a xacro file that makes one. Meshes need not be there.
+        joints: Our joint name -> theirs, for those that axes and names do not tell.
         samples: Random configurations for the kinematic and dynamic errors.
+        base: The first link of the arm, if something carries it; found by its mass if None.
+        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder.
+        arguments: Of a xacro file: values of its arguments, as text.
 
     Returns:
-        The comparison; ``agrees`` is the verdict.
+        The comparison; ``agrees`` and ``verdict`` say how it ends. Another arm is no error: the
+        verdict says that it is not a Reach Alpha 5, and why.
 
     Raises:
         MissingFileError, FileFormatError: The file cannot be read; the message says where.
-        UnknownNameError, InputError: The joints cannot be mapped.
+        UnknownNameError, InputError: A joint or link is not there, or the joints cannot be mapped.
     """
-    other = read_urdf(path)
-    return compare_robots(other, joints, samples, Path(path).parent)
+    other = read_model(path, packages, arguments)
+    return compare_robots(other, joints, samples, Path(path).parent, base)
 
 
 def compare_robots(
@@ -58,14 +88,24 @@ def compare_robots(
     names: Mapping[str, str] | None = None,
     samples: int = 500,
     folder: Path | None = None,
+    base: str | None = None,
 ) -> Comparison:
     """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
-    tables = parameters()
-    ours = _ours()
-    mapped = map_joints(other, names)
-    theirs = reduce_robot(other, mapped)
+    tables, ours, count_ = parameters(), _ours(), count("samples", samples)
+    chains = find_chains(as_meant(other), names)
+    if not chains or not _is_ours(chains[0]):
+        return _another_arm(other, chains)
+    mapped = chains[0].joints
+    theirs = reduce_robot(as_meant(other), mapped, base)
     alignment = align(ours, theirs)
+    way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
+    if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
+        # What stands before our base_link carries it, even if it is as light as nothing.
+        base = alignment.base_link
+        theirs = reduce_robot(as_meant(other), mapped, base)
+    written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
     com, inertia = bodies_in_our_frames(ours, theirs, alignment)
+    exact = bodies_in_our_frames(ours, theirs, alignment.exact or alignment)[0]
     bodies = tuple(
         BodyDifference(
             name=link.name,
@@ -74,37 +114,86 @@ def compare_robots(
             com=com[i],
             inertia=inertia[i],
             ours=link,
+            slack=float(np.linalg.norm(exact[i] - com[i])),
         )
         for i, link in enumerate(tables.links)
     )
     rng = np.random.default_rng(0)
     lower = np.array([joint.lower for joint in tables.joints[:4]])
     upper = np.array([joint.upper for joint in tables.joints[:4]])
-    q = rng.uniform(lower, upper, (count("samples", samples), 4))
-    reach = -tables.dh[3].d
-    tip_error = max(tip_distance(ours, theirs, alignment, reach, row) for row in q)
-    gravity_error, mass_matrix_error = _dynamic_errors(ours, theirs, alignment, q)
+    q = rng.uniform(lower, upper, (count_, 4))
+    tips = our_tips(q) - their_tips(written, alignment, q)
+    gravity_error, mass_matrix_error = _dynamic_errors(ours, written, alignment, q)
+    cost = _gravity_cost(ours, q)
+    found = findings(other, ours, theirs, written, alignment, bodies, q, cost, folder)
     return Comparison(
         name=other.name,
         joints={axis: joint.name for axis, joint in zip(AXES, mapped, strict=True)},
         alignment=alignment,
         bodies=bodies,
-        tip_error=tip_error,
+        tip_error=float(np.linalg.norm(tips, axis=1).max()),
         gravity_error=gravity_error,
         mass_matrix_error=mass_matrix_error,
         volume=collision_volume(theirs),
-        findings=findings(
-            other,
-            ours,
-            theirs,
-            alignment,
-            body_transforms(ours, theirs, alignment),
-            bodies,
-            tip_error,
-            _gravity_cost(ours, q),
-            folder,
-        ),
+        findings=(*found, *_other_arms(chains)),
+        carried={name: other.links[name].mass or 0.0 for name in theirs.carried},
     )
+
+
+def _is_ours(chain: Chain) -> bool:
+    """An arm that goes on behind axis_b has to be of just this shape to be more than alike."""
+    return chain.misfit <= (OTHER_ARM if chain.following < 2 else SAME_SHAPE)
+
+
+def _another_arm(other: UrdfRobot, chains: list[Chain]) -> Comparison:
+    """The verdict for a model that is not of this arm."""
+    turning = [j for j in other.joints.values() if j.kind in TURNING and j.mimic is None]
+    if not chains:
+        why = (
+            f"no four joints turn one after another, as its four do ({len(turning)} turning joints "
+            "in all)"
+        )
+    else:
+        closest, (lengths, twists) = chains[0], our_shape()
+        rows = [
+            (abs(a - b), f"{words} {a * 1e3:.0f} mm (ours {b * 1e3:.0f})")
+            for a, b, words in zip(closest.lengths, lengths, LENGTHS, strict=True)
+        ]
+        rows += [
+            (
+                abs(a - b) * lengths[1],
+                f"{words} {math.degrees(a):.0f} deg (ours {math.degrees(b):.0f})",
+            )
+            for a, b, words in zip(closest.twists, twists, TWISTS, strict=True)
+        ]
+        worst = sorted(rows, key=lambda row: -row[0])[:3]
+        names = ", ".join(joint.name for joint in closest.joints)
+        why = (
+            f"of its {len(turning)} turning joints {names} come closest, with "
+            f"{', '.join(text for off, text in worst if off > 1e-3)}"
+        )
+    return Comparison(
+        name=other.name,
+        joints={},
+        alignment=Alignment(np.eye(4), np.ones(4), np.zeros(4), residual=(math.nan, math.nan)),
+        bodies=(),
+        tip_error=math.nan,
+        gravity_error=np.full(4, math.nan),
+        mass_matrix_error=math.nan,
+        volume=math.nan,
+        findings=(Finding("arm", f"This is not a Reach Alpha 5: {why}."),),
+    )
+
+
+def _other_arms(chains: list[Chain]) -> Iterator[Finding]:
+    """Further chains of the shape of this arm, such as a second arm on the vehicle."""
+    names = [joint.name for joint in chains[0].joints]
+    for chain in chains[1:]:
+        others = [joint.name for joint in chain.joints]
+        if _is_ours(chain) and not set(names) & set(others):
+            mapping = ",".join(f"{a}={n}" for a, n in zip(AXES, others, strict=True))
+            text = f"another arm of this shape is there: compare it with --map {mapping}"
+            yield Finding("arm", text, serious=False)
 
 
 @cache

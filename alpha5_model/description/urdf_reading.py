@@ -6,7 +6,9 @@ Pinocchio drops (missing inertials, collision shapes, mimic joints).
 
 from __future__ import annotations
 
+import codecs
 import math
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +23,8 @@ from alpha5_model.spatial import pose, rotation_about, transform
 
 #: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
 ABSURD, TINY = 1e12, 1e-100
+#: How propellers and wheels that turn for ever are written by many: as 1e16 or infinity.
+NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
@@ -60,6 +64,7 @@ class UrdfJoint:
         velocity, effort: Limits [rad/s, N m] or [m/s, N]; None where there is none.
         mimic: Joint that it follows by ``multiplier * position + offset``; None if none.
         multiplier, offset: 1 and 0 if it follows none.
+        printed: The texts of xyz and rpy of its ``<origin>``: how many digits they have.
     """
 
     name: str
@@ -75,6 +80,7 @@ class UrdfJoint:
     mimic: str | None
     multiplier: float
     offset: float
+    printed: tuple[str, str] = ("", "")
 
     @property
     def source(self) -> str:
@@ -129,6 +135,8 @@ class _Reader:
         parser.StartElementHandler = start
         parser.EndElementHandler = builder.end
         try:
+            if isinstance(text, bytes) and text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+                text = text.decode("utf-16")  # whatever its declaration says
             parser.Parse(text, True)
             return builder.close()
         except expat.ExpatError as error:
@@ -267,7 +275,7 @@ class _Reader:
             ends.append(self.attribute(end, "link"))
         axis = np.array([1.0, 0.0, 0.0])
         line = element.find("axis")
-        if line is not None:
+        if line is not None and kind not in ("fixed", "floating"):  # those have none: often 0 0 0
             axis = self.numbers(line, "xyz", 3, self.attribute(line, "xyz"))
             length = float(np.linalg.norm(axis))
             if not 0 < length < math.inf:
@@ -278,9 +286,9 @@ class _Reader:
         if limit is not None:
             ends_of_range = () if kind == "continuous" else ("lower", "upper")
             for key in (*ends_of_range, "velocity", "effort"):
-                if key in limit.attrib:
+                if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):
                     limits[key] = self.number(limit, key)
-        factor, shift = 1.0, 0.0
+        factor, shift, origin = 1.0, 0.0, element.find("origin")
         if mimic is not None:
             factor = self.number(mimic, "multiplier") if "multiplier" in mimic.attrib else 1.0
             shift = self.number(mimic, "offset") if "offset" in mimic.attrib else 0.0
@@ -298,6 +306,7 @@ class _Reader:
             mimic=None if mimic is None else self.attribute(mimic, "joint"),
             multiplier=factor,
             offset=shift,
+            printed=("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", "")),
         )
 
 

@@ -1,0 +1,432 @@
+"""`alpha5 compare`: what was done to a copy of our own URDF is found, and nothing else."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.comparison.mapping import find_chains
+from alpha5_model.comparison.report import compare, compare_robots
+from alpha5_model.comparison.rounding import last_digits, meant_angle
+from alpha5_model.description.urdf_reading import parse_urdf
+from alpha5_model.description.variants import urdf
+from alpha5_model.errors import FileFormatError, UnknownNameError
+
+OWN = urdf()
+AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
+MODELS = Path(a5.REPOSITORY_PATH).parent / "shared" / "data" / "models"
+
+
+def cut(text: str, digits: int) -> str:
+    """Pi and its half cut, not rounded, to a number of digits."""
+    for value in (math.pi, math.pi / 2):
+        text = text.replace(repr(value), repr(value)[: digits + 1])
+    return text
+
+
+def matrix(rpy) -> np.ndarray:
+    (a, b, c) = rpy
+    x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
+    y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
+    z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
+    return z @ y @ x
+
+
+def rpy_of(r: np.ndarray) -> str:
+    angles = (
+        math.atan2(r[2, 1], r[2, 2]),
+        math.asin(max(-1.0, min(1.0, -r[2, 0]))),
+        math.atan2(r[1, 0], r[0, 0]),
+    )
+    return " ".join(repr(float(a)) for a in angles)
+
+
+def reverse(joint: ET.Element) -> None:
+    joint.find("axis").set("xyz", "0 0 -1")
+    limit = joint.find("limit")
+    lower, upper = limit.get("lower"), limit.get("upper")
+    limit.set("lower", repr(-float(upper)))
+    limit.set("upper", repr(-float(lower)))
+
+
+def shift_zero(joint: ET.Element, angle: float) -> None:
+    """Where our joint is at zero, this one is at `angle`."""
+    angle = float(angle)
+    origin, sign = joint.find("origin"), float(joint.find("axis").get("xyz").split()[2])
+    turn = matrix((0, 0, -sign * angle))
+    origin.set("rpy", rpy_of(matrix([float(x) for x in origin.get("rpy").split()]) @ turn))
+    limit = joint.find("limit")
+    for end in ("lower", "upper"):
+        limit.set(end, repr(float(limit.get(end)) + angle))
+
+
+def dressed(text: str, prefix: str, xyz=None, rpy=None) -> ET.Element:
+    """Every name behind a prefix, and the arm on a vehicle if a pose is given."""
+    root = ET.fromstring(text)
+    for element in root.iter():
+        if element.tag in ("link", "joint"):
+            element.set("name", prefix + element.get("name"))
+        elif element.tag in ("parent", "child"):
+            element.set("link", prefix + element.get("link"))
+    if xyz is not None:
+        ET.SubElement(root, "link", name="vehicle")
+        mount = ET.SubElement(root, "joint", name="mount", type="fixed")
+        ET.SubElement(mount, "parent", link="vehicle")
+        ET.SubElement(mount, "child", link=f"{prefix}base_link")
+        pose = (" ".join(repr(float(x)) for x in numbers) for numbers in (xyz, rpy))
+        ET.SubElement(mount, "origin", dict(zip(("xyz", "rpy"), pose, strict=True)))
+    return root
+
+
+def wheres(comparison, serious: bool = True) -> list[str]:
+    return sorted(f.where for f in comparison.findings if f.serious == serious)
+
+
+@pytest.mark.parametrize("digits", [3, 4, 5, 6, 7, 8, 10, 12, 15])
+def test_pi_cut_short_changes_nothing(digits):
+    text = cut(OWN, digits)
+    assert (text != OWN) == (digits < 16)
+    comparison = compare_robots(parse_urdf(text), samples=50)
+    assert wheres(comparison) == []
+    # The one remark is about the digits, and there only where they can be seen.
+    assert {f.where for f in comparison.findings} == ({"digits"} if digits < 6 else set())
+    np.testing.assert_allclose(comparison.alignment.zero, 0, atol=1e-12)
+    np.testing.assert_allclose(comparison.alignment.base, np.eye(4), atol=1e-12)
+
+
+def test_what_was_done_is_found_and_nothing_else():
+    """Digits of pi, prefix, mount, reversed axes and shifted zeros, in any combination."""
+    rng = np.random.default_rng(7)
+    for n in range(120):
+        mounted = rng.random() < 0.5
+        xyz, rpy = rng.uniform(-2, 2, 3), rng.uniform(-math.pi, math.pi, 3)
+        prefix = "".join(rng.choice(list("abc_"), rng.integers(0, 5)))
+        text = cut(OWN, int(rng.choice([3, 4, 5, 6, 10, 17])))
+        root = dressed(text, prefix, *((xyz, rpy) if mounted else ()))
+        joints = [root.find(f"joint[@name='{prefix}{axis}']") for axis in AXES]
+        flips = rng.random(4) < 0.3
+        zeros = np.where(rng.random(4) < 0.3, rng.uniform(-math.pi, math.pi, 4), 0.0)
+        for joint, flip, zero in zip(joints, flips, zeros, strict=True):
+            if flip:
+                reverse(joint)
+            if zero:
+                shift_zero(joint, zero)
+        comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=5)
+        signs = np.where(flips, -1.0, 1.0)
+        case = (n, prefix, flips, zeros, comparison.findings)
+        done = [axis for axis, flip in zip(AXES, flips, strict=True) if flip]
+        done += [axis for axis, zero in zip(AXES, zeros, strict=True) if zero]
+        assert wheres(comparison) == sorted(done), case
+        assert set(wheres(comparison, False)) <= {"digits", *(["base"] if mounted else [])}, case
+        np.testing.assert_array_equal(comparison.alignment.sign, signs, str(case))
+        off = comparison.alignment.zero - zeros
+        # A joint with a cut pi and a shift has one number, from which nobody can tell the cut.
+        np.testing.assert_allclose(np.angle(np.exp(1j * off)), 0, atol=2e-3, err_msg=str(case))
+        if mounted:
+            at = np.linalg.inv(comparison.alignment.base)
+            np.testing.assert_allclose(at[:3, 3], xyz, atol=1e-4)
+            np.testing.assert_allclose(at[:3, :3], matrix(rpy), atol=4e-3)
+
+
+@pytest.mark.parametrize(
+    ("joint", "xyz", "where", "words"),
+    [
+        (
+            "axis_d",
+            (0.002, 0, 0),
+            "axis_d",
+            "stands 22.00 mm from axis_e where ours stands 20.00 mm",
+        ),
+        ("axis_d", (-0.04, 0, 0), "axis_d", "stands -20.00 mm from axis_e"),
+        ("axis_d", (0, 0, 0.0008), "axis_d", "lies 47.00 mm above base_link"),
+        ("axis_c", (0.01, 0, 0), "axis_c", "stands 160.71 mm from axis_d"),
+        ("axis_c", (0, 0, 0.003), "axis_c", "beside the plane of the arm"),
+        ("axis_b", (0.00005, 0, 0), "axis_b", "stands 20.05 mm from axis_c"),
+    ],
+)
+def test_a_wrong_offset_is_measured_and_nothing_else(joint, xyz, where, words):
+    root = ET.fromstring(OWN)
+    origin = root.find(f"joint[@name='{joint}']/origin")
+    moved = np.array([float(x) for x in origin.get("xyz").split()]) + xyz
+    origin.set("xyz", " ".join(repr(float(x)) for x in moved))
+    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=50)
+    assert [f.where for f in comparison.findings] == [where], comparison.findings
+    assert words in comparison.findings[0].text
+    np.testing.assert_allclose(comparison.alignment.zero, 0, atol=1e-9)
+    off = float(re.search(r"up to ([\d.]+) mm off", comparison.findings[0].text)[1])
+    assert off == pytest.approx(comparison.tip_error * 1e3, abs=0.01)
+
+
+@pytest.mark.parametrize("index", [0, 1, 2])
+def test_a_twisted_axis_is_measured_and_nothing_else(index):
+    """A degree of roll in the origin of the joint behind the link."""
+    root = ET.fromstring(OWN)
+    joint = root.find(f"joint[@name='{AXES[index + 1]}']")
+    origin = joint.find("origin")
+    turn = matrix((math.radians(1.0), 0, 0))
+    origin.set("rpy", rpy_of(turn @ matrix([float(x) for x in origin.get("rpy").split()])))
+    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=20)
+    assert {f.where for f in comparison.findings} == {AXES[index + 1]}, comparison.findings
+    change = comparison.alignment.changes()[f"alpha_{index}"]
+    assert abs(math.degrees(change)) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "multiple"),
+    [("3.14", 12), ("3.1415", 12), ("-1.57075", -6), ("1.5708", 6), ("2.09439", 8), ("0.785", 3)],
+)
+def test_a_short_multiple_of_pi_is_recognised(text, multiple):
+    assert meant_angle(text) == pytest.approx(multiple * math.pi / 12, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text", ["1.5", "1.572", "3.15", "0.52", "1.3021582029078473", "1.5707", "0"]
+)
+def test_other_angles_stay(text):
+    assert (meant_angle(text) == float(text)) == (text != "1.5707")
+
+
+def test_digits_that_explain_a_difference_make_it_none():
+    short = OWN.replace("0.1507053084665567", "0.151").replace("0.0462", "0.046")
+    remarks = compare_robots(parse_urdf(short), samples=5).findings
+    assert {(f.where, f.serious) for f in remarks} == {("digits", False)}, remarks
+    found = compare_robots(parse_urdf(short.replace('"0.151 ', '"0.1510 ')), samples=5).findings
+    assert {f.where for f in found if f.serious} == {"axis_c", "axis_d"}
+    joints = parse_urdf(short).joints
+    assert last_digits([joints["axis_c"]])[0] == pytest.approx(0.0005)
+
+
+#: Public arms and vehicles without ours, as example-robot-data ships them.
+OTHERS = ("ur_description/urdf/ur5_robot", "panda_description/urdf/panda", "z1_description/urdf/z1",
+          "bravo7_description/urdf/bravo7_gripper", "so_arm_description/urdf/so100",
+          "xarm_description/urdf/xarm7", "pr2_description/urdf/pr2", "iris_description/robots/iris",
+          "double_pendulum_description/urdf/double_pendulum_continuous",
+          "romeo_description/urdf/romeo_small", "kinova_description/robots/kinova")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_robots_are_not_this_arm(name, capsys):
+    data = pytest.importorskip("example_robot_data")
+    folder = next(
+        (p for p in Path(data.__file__).parents if (p / "share/example-robot-data").is_dir()), None
+    )
+    path = folder / "share/example-robot-data/robots" / f"{name}.urdf" if folder else Path("-")
+    if not path.is_file():
+        pytest.skip(f"{name} is not shipped")
+    comparison = compare(path)
+    assert comparison.verdict.startswith("This is not a Reach Alpha 5: ")
+    assert not comparison.agrees
+    assert len(comparison.findings) == 1
+    assert main(["compare", str(path)]) == 1
+    assert len(capsys.readouterr().out.strip().splitlines()) <= 5  # wrapped at the terminal's width
+    assert main(["compare", str(path), "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["verdict"] == comparison.verdict
+
+
+def six_axes(scale: float) -> str:
+    """Yaw, pitch, pitch, roll, pitch, roll, named from the tip as the maker of this arm does."""
+    offsets = ("0 0 0.1", "0.046 0 0.107", "0.29 0 0", "0.041 0 0", "0 0 0.16", "0 0 0.1")
+    turns = ("0 0 0", "1.5708 0 0", "0 0 0", "1.5708 0 0", "-1.5708 0 0", "1.5708 0 0")
+    text = "<robot name='six'><link name='base_link'/>"
+    parent = "base_link"
+    for axis, xyz, rpy in zip("gfedcb", offsets, turns, strict=True):
+        xyz = " ".join(str(scale * float(x)) for x in xyz.split())
+        text += (
+            f"<link name='{axis}'/><joint name='axis_{axis}' type='revolute'><parent link='{parent}'/>"
+            f"<child link='{axis}'/><origin xyz='{xyz}' rpy='{rpy}'/><axis xyz='0 0 1'/>"
+            "<limit lower='0' upper='3' effort='9' velocity='1'/></joint>"
+        )
+        parent = axis
+    return text + "</robot>"
+
+
+@pytest.mark.parametrize("scale", [0.5, 0.75, 1.0])
+def test_a_larger_arm_of_the_same_maker_is_told_apart(scale):
+    comparison = compare_robots(parse_urdf(six_axes(scale)))
+    assert comparison.verdict.startswith("This is not a Reach Alpha 5: of its 6 turning joints")
+    assert comparison.as_dict()["tip_error_m"] is None
+
+
+def with_vehicle(mass: float, arms: int = 1) -> str:
+    """Our arm on a vehicle with two thrusters and a camera, or two arms on it."""
+    body = f"<inertial><mass value='{mass}'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    text = f"<robot name='uvms'><link name='world'/><link name='hull'>{body}</link>"
+    text += "<joint name='free' type='floating'><parent link='world'/><child link='hull'/></joint>"
+    for i, kind in enumerate(("continuous", "revolute")):
+        limit = "<limit lower='-1e16' upper='1e16' effort='1' velocity='1'/>"
+        text += (
+            f"<link name='t{i}'>{body}</link><joint name='thruster{i}' type='{kind}'>"
+            f"<parent link='hull'/><child link='t{i}'/><origin xyz='0 {i} 0'/>{limit}</joint>"
+        )
+    for i in range(arms):
+        root = dressed(OWN, f"arm{i}_")
+        text += "".join(
+            ET.tostring(element, encoding="unicode")
+            for element in root
+            if element.tag in ("link", "joint")
+        )
+        text += (
+            f"<joint name='mount{i}' type='fixed'><parent link='hull'/><child link='arm{i}_base_link'/>"
+            f"<origin xyz='0.2 {i}.5 -0.1' rpy='0.3 0 1'/></joint>"
+        )
+    return text + "</robot>"
+
+
+def test_a_vehicle_is_left_out_of_link_0():
+    comparison = compare_robots(parse_urdf(with_vehicle(25.0)))
+    assert comparison.agrees
+    assert [f.where for f in comparison.findings] == ["base", "base"], comparison.findings
+    assert comparison.bodies[0].mass == pytest.approx(reference.MASS[0])
+    assert comparison.carried == {"world": 0.0, "hull": 25.0, "t0": 25.0, "t1": 25.0}
+    assert "hull (25 kg), t0 (25 kg), t1 (25 kg)" in comparison.findings[1].text
+    np.testing.assert_allclose(comparison.alignment.stands, np.eye(4), atol=1e-12)
+
+
+def test_the_arms_first_link_can_be_given():
+    light = parse_urdf(with_vehicle(0.005))  # found by its frame, no heavier than a dummy
+    assert compare_robots(light).bodies[0].mass == pytest.approx(reference.MASS[0])
+    given = compare_robots(light, base="arm0_link_0")
+    assert given.carried.keys() >= {"hull", "t1", "arm0_base_link"}
+    assert compare_robots(light, base="hull").bodies[0].mass == pytest.approx(0.249)
+    with pytest.raises(UnknownNameError, match="choose from world, hull, arm0_base_link"):
+        compare_robots(light, base="t0")
+    assert main(["compare", a5.URDF_PATH, "--samples", "5", "--base", "link_0"]) == 0
+    assert main(["compare", a5.URDF_PATH, "--base", "tcp"]) == 2
+
+
+def test_one_of_two_arms_is_compared_and_the_other_named():
+    robot = parse_urdf(with_vehicle(25.0, arms=2))
+    comparison = compare_robots(robot)
+    assert comparison.agrees
+    assert comparison.joints["axis_e"] == "arm0_axis_e"
+    (remark,) = [f for f in comparison.findings if f.where == "arm"]
+    assert "--map axis_e=arm1_axis_e,axis_d=arm1_axis_d" in remark.text
+    other = compare_robots(robot, {axis: f"arm1_{axis}" for axis in AXES})
+    assert other.joints["axis_b"] == "arm1_axis_b"
+    assert other.agrees
+    assert other.bodies[0].mass == pytest.approx(reference.MASS[0])
+
+
+def test_an_arm_that_turns_in_the_vehicle_itself_has_no_link_0():
+    text = OWN.replace('<mass value="0.234"/>', '<mass value="11.5"/>', 1)
+    comparison = compare_robots(parse_urdf(text))
+    assert comparison.carried["link_0"] == 11.5
+    assert comparison.bodies[0].links == ()
+    assert [f.where for f in comparison.findings if f.serious] == ["link_0"]
+
+
+def test_joints_need_no_names():
+    text = OWN
+    for axis in AXES:
+        text = text.replace(f'"{axis}"', f'"j{hash(axis) % 97}{axis[-1]}"')
+    turned = ET.fromstring(text)  # a turntable below, a rotary tool behind
+    for name, parent, child in (("pan", "ground", "base_link"), ("tool", "tcp", "drill")):
+        ET.SubElement(turned, "link", name="ground" if name == "pan" else "drill")
+        joint = ET.SubElement(turned, "joint", name=name, type="continuous")
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=child)
+    robot = parse_urdf(ET.tostring(turned))
+    assert len(find_chains(robot)) == 3
+    comparison = compare_robots(robot)
+    assert [name[-1] for name in comparison.joints.values()] == list("edcb")
+    assert comparison.agrees
+
+
+def test_xacro_is_expanded_or_the_line_that_would_is_given(tmp_path, capsys):
+    folder = tmp_path / "arm files"
+    folder.mkdir()
+    body = re.sub(r"^.*?<robot[^>]*>|</robot>\s*$", "", OWN, flags=re.DOTALL)
+    (folder / "arm.xacro").write_text(f"<robot>{body}</robot>")
+    top = tmp_path / "top.urdf.xacro"
+    top.write_text(
+        "<robot name='x' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='kind' default='arm'/>"
+        "<xacro:include filename='$(find my_arm)/$(arg kind).xacro'/></robot>"
+    )
+    line = f"alpha5 compare {top} --package my_arm=FOLDER"
+    with pytest.raises(FileFormatError, match=re.escape(line)):
+        compare(top)
+    assert compare(top, packages={"my_arm": str(folder)}).agrees
+    given = ["compare", str(top), "--package", f"my_arm={folder}"]
+    assert main(given) == 0
+    assert main([*given, "--arg", "kind:=none"]) == 2
+    top.write_text(top.read_text().replace("<xacro:arg name='kind' default='arm'/>", ""))
+    capsys.readouterr()
+    assert main(given) == 2
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 1
+    assert "--arg kind:=VALUE" in err
+    assert main([*given, "--arg", "kind:=arm"]) == 0
+    assert main([*given, "--arg", "kind=arm"]) == 2
+
+
+@pytest.mark.parametrize(("root", "words"), [("mujoco", "an MJCF model"), ("sdf", "an SDF model")])
+def test_other_formats_are_refused_by_name(root, words, tmp_path):
+    path = tmp_path / "other.xml"
+    path.write_text(f"<?xml version='1.0'?>\n<!-- <robot/> -->\n<{root}>\n</{root}>")
+    with pytest.raises(
+        FileFormatError, match=f"got <{root}>: {words}; compare reads URDF and xacro"
+    ):
+        compare(path)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "utf-16-le", "latin-1"])
+@pytest.mark.parametrize("declared", ["", "utf-8", "the right one"])
+def test_files_in_other_encodings_are_read_or_refused_in_a_line(encoding, declared, tmp_path):
+    text = OWN.replace('<?xml version="1.0" ?>', "").replace("alpha5_model", "\u00e4", 1)
+    name = {"the right one": encoding.replace("-sig", "")}.get(declared, declared)
+    head = f'<?xml version="1.0" encoding="{name}"?>' if declared else ""
+    path = tmp_path / "other.urdf"
+    path.write_bytes((head + text.lstrip()).encode(encoding))
+    message = ""
+    try:
+        assert compare(path, samples=5).agrees
+    except FileFormatError as error:
+        message = str(error)
+    marked = encoding in ("utf-16", "utf-8-sig")
+    assert not message or not (marked or (encoding, declared) == ("latin-1", "the right one"))
+    assert len(message.splitlines()) <= 1
+
+
+#: README of the folder: mass [kg], COM error [mm], inertia error [kg mm^2] of link_2 to link_4, and the
+#: largest gravity torque errors on axis_d and axis_c [N m].
+TRUTH = {
+    "evan_palmer_alpha": (
+        ((0.429, 1.81, 131), (0.115, 8.81, 53.3), (0.3333, 19.6, 700)), (0.065, 0.038)),
+    "hkolano_blue_rov": (
+        ((0.630, 0.98, 4060), (0.147, 11.8, 87.8), (0.669, 12.7, 6297)), (1.06, 0.42)),
+    "diff_uvms": (
+        ((0.429, 116.5, 745), (0.115, 30.5, 46.9), (0.333, 165.9, 99.4)), (1.10, 0.58)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRUTH)
+def test_public_models_of_this_arm(name):
+    path = MODELS / f"{name}.urdf"
+    if not path.is_file():
+        pytest.skip("the public models are not here")
+    comparison = compare(path)
+    rounded = name == "hkolano_blue_rov"  # its fit depends on the positions it is made at
+    bodies, torques = TRUTH[name]
+    for body, (mass, com, inertia) in zip(comparison.bodies[2:], bodies, strict=True):
+        assert body.mass == pytest.approx(mass, abs=1e-9)
+        assert body.com_error * 1e3 == pytest.approx(com, rel=0.01 if rounded else 0, abs=0.05)
+        assert body.inertia_error * 1e6 == pytest.approx(inertia, rel=5e-3)
+    np.testing.assert_allclose(comparison.gravity_error[1:3], torques, rtol=0.03)
+    alignment = comparison.alignment
+    np.testing.assert_array_equal(alignment.sign, 1)
+    zeros = np.degrees(alignment.zero[1:3])
+    np.testing.assert_allclose(zeros, -0.18 if rounded else 0, atol=0.03 if rounded else 0.005)
+    assert alignment.residual[0] * 1e3 == pytest.approx(0.16 if rounded else 0, abs=0.005)
+    shoulder = [f.text for f in comparison.findings if "above" in f.text and f.where == "axis_d"]
+    assert [("0.80 mm lower" in text) for text in shoulder] == ([] if rounded else [True])
+    assert comparison.carried.get("vehicle_frame", 0.0) == (25.14 if rounded else 0.0)
+    assert comparison.bodies[0].mass == pytest.approx(0.53 if rounded else 0.341, abs=2e-4)
