@@ -22,7 +22,6 @@ from alpha5_model.kinematics.dexterous import (
     spatial_dexterity,
 )
 from alpha5_model.kinematics.dh import DHChain, DHLink
-from alpha5_model.kinematics.frame_assignment import assign_frames
 
 Q = math.pi / 2
 X, Y, Z = np.eye(3)
@@ -42,7 +41,7 @@ def axes_chain(
     rows: list[tuple[np.ndarray, np.ndarray, int]], tool: np.ndarray | None = None
 ) -> DHChain:
     """A chain from points, directions and types of its axes."""
-    return assign_frames(
+    return DHChain.from_axes(
         [p for p, _, _ in rows], [z for _, z, _ in rows], [s for _, _, s in rows], tool
     )
 

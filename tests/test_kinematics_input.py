@@ -69,7 +69,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (a5.dh.DHChain.from_table, {"rows": [[0, 0, 1, 0, 0]], "joint_names": ()}),
     (a5.dh.DHChain.alpha5, {"corrections": ()}),
     (a5.dh.DHChain.from_pinocchio, {"model": MODEL, "frame": None}),
-    (dh_pinocchio.dh_from_pinocchio, {"model": MODEL, "tolerance": 1e-9}),
+    (dh_pinocchio.pinocchio_axes, {"model": MODEL, "frame": None}),
     (a5.dh.DHChain.from_urdf, {"path": a5.URDF_PATH, "frame": None}),
     (CHAIN.frames, {"q": Q}),
     (CHAIN.forward_kinematics, {"q": Q, "frame": "tool"}),
@@ -83,10 +83,10 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (a5.dh.DHLink.from_vector, {"vector": [0, 0, 1, 0, 0]}),
     (LINK.transform, {"q": 0.3}),
     (
-        frame_assignment.assign_frames,
+        a5.dh.DHChain.from_axes,
         {**AXES, "sigma": None, "end_effector": None, "q": None, "limits": None},
     ),
-    (frame_assignment.assign_frames, {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()}),
+    (a5.dh.DHChain.from_axes, {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()}),
     (frame_assignment.common_normal, LINES),
     (arm_types.classify, {"chain": CHAIN, "vertical": (0.0, 0, 1)}),
     (arm_types.task_capability, {"chain": CHAIN, "tool_axis": None, "samples": 2, "seed": 0}),
@@ -204,6 +204,6 @@ def test_a_reference_far_away_still_picks_a_solution_within_the_limits() -> None
 
 def test_directions_of_any_length() -> None:
     for scale in (1e-300, 1.0, 1e300):
-        chain = frame_assignment.assign_frames(AXES["points"], [[0, 0, scale], [0, 0, scale]])
+        chain = a5.dh.DHChain.from_axes(AXES["points"], [[0, 0, scale], [0, 0, scale]])
         assert chain.links[0].a == pytest.approx(1.0)
         assert arm_types.classify(CHAIN, [0, 0, scale]) == arm_types.classify(CHAIN)

@@ -28,6 +28,9 @@ from alpha5_model.checks import FloatArray, float_array, instance, listed, rigid
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.kinematics.dh_link import DHLink, dh_transform
+from alpha5_model.kinematics.dh_pinocchio import pinocchio_axes, urdf_model
+from alpha5_model.kinematics.dh_urdf import urdf_text
+from alpha5_model.kinematics.frame_assignment import assign_frames
 from alpha5_model.parameters import parameters
 
 __all__ = ["DHChain", "DHLink", "Frame", "dh_transform"]
@@ -105,23 +108,56 @@ class DHChain:
 
     @classmethod
     def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
-        """The chain from a pin.Model's root to a frame; see `dh_pinocchio.dh_from_pinocchio`."""
-        from alpha5_model.kinematics.dh_pinocchio import dh_from_pinocchio
+        """The chain from a pin.Model's root to one of its frames.
 
-        return dh_from_pinocchio(model, frame)
+        Joint variables, their zero and their sign are the model's. Joints off the chain stay at zero.
+
+        Args:
+            model: pin.Model; not changed.
+            frame: End effector; by default the last body frame of the last joint.
+
+        Raises:
+            UnknownNameError: No such frame.
+            InputError: A joint on the chain with other than one degree of freedom, or a helical one; or
+                no joint at all.
+        """
+        return cls.from_axes(**pinocchio_axes(model, frame))
 
     @classmethod
     def from_urdf(cls, path: str | os.PathLike[str], frame: str | None = None) -> DHChain:
-        """The chain from a URDF's root to a link; see `dh_pinocchio.dh_from_urdf`."""
-        from alpha5_model.kinematics.dh_pinocchio import dh_from_urdf
+        """The chain from a URDF's root to a link; see `from_pinocchio`.
 
-        return dh_from_urdf(path, frame)
+        Raises:
+            InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`, which
+                names the line, and what Pinocchio says of a URDF that only it refuses.
+        """
+        return cls.from_pinocchio(urdf_model(path), frame)
+
+    @classmethod
+    def from_axes(
+        cls,
+        points: ArrayLike,
+        directions: ArrayLike,
+        sigma: Sequence[int] | None = None,
+        end_effector: ArrayLike | None = None,
+        q: ArrayLike | None = None,
+        limits: Sequence[tuple[float, float]] | None = None,
+        tolerance: float = 1e-9,
+        **options: Any,
+    ) -> DHChain:
+        """A chain from its joint axes, drawn at one configuration; see `frame_assignment.assign_frames`.
+
+        Its home is the drawn configuration. Options are ``name`` and ``joint_names`` of the chain.
+        """
+        links, base, tool = assign_frames(
+            points, directions, sigma, end_effector, q, limits, tolerance
+        )
+        return cls(links, base, tool, **options)
 
     def to_urdf(self) -> str:
-        """The chain as URDF text; see `alpha5_model.description.dh_chain`."""
-        from alpha5_model.description.dh_chain import dh_chain_urdf
-
-        return dh_chain_urdf(self)
+        """The chain as URDF text; see `dh_urdf.urdf_text`."""
+        rows = zip(self.joint_names, self.links, strict=True)
+        return urdf_text(self.name, self.base, self.tool, rows)
 
     @property
     def n(self) -> int:

@@ -1,4 +1,4 @@
-"""Standard DH parameters of a Pinocchio model or a URDF, by frame assignment on its joint axes."""
+"""The joint axes of a Pinocchio model or a URDF, from which frame assignment makes a DH table."""
 
 from __future__ import annotations
 
@@ -12,28 +12,13 @@ import numpy as np
 from alpha5_model.checks import instance
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.files import read_named
-from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.frame_assignment import assign_frames
 
 #: What a joint of a URDF needs in order to move.
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 
 
-def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1e-9) -> DHChain:
-    """The DH table of the serial chain from a model's root to one of its frames.
-
-    Joint variables, their zero and their sign are the model's. Joints off the chain stay at zero.
-
-    Args:
-        model: pin.Model; not changed.
-        frame: End effector; by default the last body frame of the last joint.
-        tolerance: See `assign_frames`: URDF files round their angles.
-
-    Raises:
-        UnknownNameError: No such frame.
-        InputError: A joint on the chain with other than one degree of freedom, or a helical one; or
-            no joint at all.
-    """
+def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
+    """What `DHChain.from_axes` needs to know of a pin.Model; see `DHChain.from_pinocchio`."""
     import pinocchio as pin
 
     names = [f.name for f in instance("model", model, pin.Model).frames]
@@ -69,28 +54,20 @@ def dh_from_pinocchio(model: Any, frame: str | None = None, tolerance: float = 1
             limits.append((lower, upper) if lower < upper else (-math.inf, math.inf))
         else:  # continuous: Pinocchio keeps cosine and sine
             limits.append((-math.inf, math.inf))
-    return assign_frames(
-        points,
-        directions,
-        sigma,
-        data.oMf[tip].homogeneous,
-        np.zeros(len(path)),
-        limits,
-        tolerance,
-        name=model.name,
-        joint_names=tuple(model.names[j] for j in path),
-    )
+    return {
+        "points": points,
+        "directions": directions,
+        "sigma": sigma,
+        "end_effector": data.oMf[tip].homogeneous,
+        "q": np.zeros(len(path)),
+        "limits": limits,
+        "name": model.name,
+        "joint_names": tuple(model.names[j] for j in path),
+    }
 
 
-def dh_from_urdf(
-    path: str | os.PathLike[str], frame: str | None = None, tolerance: float = 1e-9
-) -> DHChain:
-    """The DH table of an arm described by a URDF file; see `dh_from_pinocchio`.
-
-    Raises:
-        InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`, which
-            names the line, and what Pinocchio says of a URDF that only it refuses.
-    """
+def urdf_model(path: str | os.PathLike[str]) -> Any:
+    """The pin.Model of a URDF file; see `DHChain.from_urdf`."""
     import pinocchio as pin
 
     from alpha5_model.description.urdf_reading import parse_urdf
@@ -104,7 +81,6 @@ def dh_from_urdf(
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
     try:
-        model = pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
+        return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise FileFormatError(path, " ".join(str(error).split())) from None
-    return dh_from_pinocchio(model, frame, tolerance)

@@ -22,14 +22,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, listed, real, rigid_transform
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.kinematics.dh import DHChain, DHLink
+from alpha5_model.kinematics.dh_link import DHLink
 
 
 def assign_frames(
@@ -40,8 +39,7 @@ def assign_frames(
     q: ArrayLike | None = None,
     limits: Sequence[tuple[float, float]] | None = None,
     tolerance: float = 1e-9,
-    **options: Any,
-) -> DHChain:
+) -> tuple[tuple[DHLink, ...], FloatArray, FloatArray]:
     """The standard DH table of a serial arm drawn at one configuration.
 
     Args:
@@ -55,10 +53,10 @@ def assign_frames(
         limits: (lower, upper) of each joint variable, (N, 2).
         tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
             intersecting. The error that this makes in the axes is of the same size.
-        **options: ``name`` and ``joint_names`` of the chain.
 
     Returns:
-        A chain whose home is the drawn configuration; its axes there are the given ones.
+        Links, base and tool of a chain whose home is the drawn configuration; its axes there are the
+        given ones.
 
     Raises:
         InputError: No axes, a direction of zero length, shapes that do not fit.
@@ -107,7 +105,7 @@ def assign_frames(
             raise ShapeError("limits", (len(bound),), pairs)
         links.append(DHLink(theta, d, a, alpha, types[j], offset, *bound))
     tool = np.eye(4) if end is None else np.linalg.inv(frames[n]) @ end
-    return DHChain(tuple(links), base=frames[0], tool=_orthonormal(tool), **options)
+    return tuple(links), frames[0], _orthonormal(tool)
 
 
 def common_normal(

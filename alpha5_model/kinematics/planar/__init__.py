@@ -1,6 +1,5 @@
 """Planar arms: workspace, dexterous workspace, the lecture notes' theorem."""
 
-from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.arrangement import Edge
 from alpha5_model.kinematics.planar.curves import Arc, Curve, Segment
 from alpha5_model.kinematics.planar.dexterity import DexterityMap, dexterity, dexterity_map
@@ -15,7 +14,7 @@ from alpha5_model.kinematics.planar.dexterous import (
     theorem_row,
     turns_fully,
 )
-from alpha5_model.kinematics.planar.workspace import Workspace, annulus, workspace
+from alpha5_model.kinematics.planar.workspace import PlanarArm, Workspace, annulus, workspace
 
 __all__ = [
     "Arc",

@@ -29,8 +29,7 @@ from dataclasses import dataclass
 
 from alpha5_model.checks import instance, real
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.planar.arm import PlanarArm
-from alpha5_model.kinematics.planar.workspace import annulus
+from alpha5_model.kinematics.planar.workspace import PlanarArm, annulus
 
 #: Equality counts in every condition here; lengths this share of the whole apart count as equal.
 ROUNDING = 1e-14

@@ -31,7 +31,6 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, instance, listed
 from alpha5_model.errors import ShapeError
-from alpha5_model.kinematics.planar.arm import PlanarArm
 from alpha5_model.kinematics.planar.arrangement import Edge, bounds, united
 from alpha5_model.kinematics.planar.curves import (
     TURN,
@@ -41,6 +40,7 @@ from alpha5_model.kinematics.planar.curves import (
     circle_hits,
     line_hits,
 )
+from alpha5_model.kinematics.planar.linkage import Linkage
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
@@ -160,6 +160,14 @@ class Workspace:
         if rest.size:
             found[rest] = self.inner._contains(middle[rest], tolerance)
         return found
+
+
+class PlanarArm(Linkage):
+    """A planar arm: `Linkage`, and its workspace."""
+
+    def workspace(self) -> Workspace:
+        """The set of points that the tip reaches; see `planar.workspace`."""
+        return workspace(self)
 
 
 def workspace(arm: PlanarArm) -> Workspace:

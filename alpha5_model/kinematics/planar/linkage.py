@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,15 +24,12 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, bounded, float_array, listed
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 
-if TYPE_CHECKING:
-    from alpha5_model.kinematics.planar.workspace import Workspace
-
 Limits = Sequence[tuple[float, float] | None]
 
 
 @dataclass(frozen=True)
-class PlanarArm:
-    """A planar arm, base at the origin.
+class Linkage:
+    """Links and joints of a planar arm, base at the origin: what `PlanarArm` is beside its workspace.
 
     Attributes:
         lengths: Link lengths [m]: positive after a revolute joint, zero or more after a prismatic one.
@@ -120,13 +117,13 @@ class PlanarArm:
                 ranges[-1][1] += length + limit[1]
         return tuple((max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges))
 
-    def part(self, start: int, stop: int | None = None) -> PlanarArm:
+    def part(self, start: int, stop: int | None = None) -> Self:
         """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
         try:
             cut = slice(index(start), None if stop is None else index(stop))
         except TypeError:
             raise InputError("start, stop", (start, stop), "whole numbers") from None
-        return PlanarArm(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
+        return type(self)(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
 
     def poses(self, q: ArrayLike) -> FloatArray:
         """Base, every link's end, and the direction there.
@@ -162,12 +159,6 @@ class PlanarArm:
         out[..., 1, :] = np.where(revolute, to_tip[..., 0], np.sin(heading))
         out[..., 2, :] = revolute
         return out
-
-    def workspace(self) -> Workspace:
-        """The set of points that the tip reaches; see `planar.workspace`."""
-        from alpha5_model.kinematics.planar.workspace import workspace
-
-        return workspace(self)
 
 
 def _range(limit: Any, kind: str) -> tuple[float, float] | None:
