@@ -193,12 +193,10 @@ class Actuator:
     def holding_torque(self, current: ArrayLike = 0.0) -> Interval:
         """Loads under which the joint stays still at a current, [N m]: `holding_current` inverted."""
         (i,) = _numbers(current=current)
-        low = self.torque_constant * i - self.parameters.friction
-        high = self.torque_constant * i + self.parameters.friction
-        eta = self.parameters.efficiency
-        return Interval(
-            low * self.ratio * eta ** np.sign(low), high * self.ratio * eta ** -np.sign(high)
-        )
+        shaft, friction = self.torque_constant * i, self.parameters.friction
+        low, high = shaft - friction, shaft + friction
+        eta, ratio = self.parameters.efficiency, self.ratio
+        return Interval(low * ratio * eta ** np.sign(low), high * ratio * eta ** -np.sign(high))
 
     # Voltage and speed ----------------------------------------------------------------------
 
@@ -240,8 +238,7 @@ class Actuator:
         Returns:
             [N m]; NaN where no current within the limit can be kept at this velocity.
         """
-        supply = real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
-        limit = real("current_limit", current_limit, minimum=0.0, strict=True)
+        supply, limit = _drive(supply_voltage, current_limit)
         (v,) = _numbers(velocity=velocity)
         back_emf = self.back_emf_constant * self.ratio * v
         low = np.maximum((-supply - back_emf) / self.parameters.resistance, -limit)
@@ -263,8 +260,7 @@ class Actuator:
         Returns:
             ``lower <= 0 <= upper``; NaN on a side where the joint cannot move with that torque.
         """
-        supply = real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
-        limit = real("current_limit", current_limit, minimum=0.0, strict=True)
+        supply, limit = _drive(supply_voltage, current_limit)
         (tau,) = _numbers(torque=torque)
         ends = []
         for sign in (-1.0, 1.0):
@@ -328,9 +324,8 @@ class Actuator:
         if acceleration is None:
             return np.zeros(())
         if self.rotor_inertia is None:
-            raise MissingParameterError(
-                "rotor_inertia", f"the acceleration of {self.joint}'s motor"
-            )
+            needed_for = f"the acceleration of {self.joint}'s motor"
+            raise MissingParameterError("rotor_inertia", needed_for)
         (a,) = _numbers(acceleration=acceleration)
         return np.asarray(self.rotor_inertia * self.ratio * a)
 
@@ -363,6 +358,12 @@ def actuator(
     if screw_lead is not None:
         screw_lead = real("screw_lead", screw_lead, minimum=1 / LARGEST)
     return Actuator(joint, row, constants, rotor_inertia, screw_lead)
+
+
+def _drive(supply_voltage: float, current_limit: float) -> tuple[float, float]:
+    """Checked: both above zero [V], [A]."""
+    supply = real("supply_voltage", supply_voltage, minimum=0.0, strict=True)
+    return supply, real("current_limit", current_limit, minimum=0.0, strict=True)
 
 
 def _numbers(**values: ArrayLike | None) -> list[FloatArray]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from alpha5_model.checks import choice
+from alpha5_model.checks import choice, listed
 from alpha5_model.errors import InputError
 
 
@@ -73,12 +73,9 @@ def check_corrections(corrections: Iterable[str]) -> tuple[str, ...]:
         InputError: Not a collection of names.
         UnknownNameError: A name that is not recorded.
     """
+    expected = "a tuple of names, such as ('base_frame',)"
     if isinstance(corrections, str):
-        raise InputError("corrections", corrections, "a tuple of names, such as ('base_frame',)")
-    try:
-        asked = {choice("correction", name, tuple(CORRECTIONS)) for name in corrections}
-    except TypeError:
-        raise InputError(
-            "corrections", corrections, "a tuple of names, such as ('base_frame',)"
-        ) from None
+        raise InputError("corrections", corrections, expected)
+    names = listed("corrections", corrections, expected)
+    asked = {choice("correction", name, tuple(CORRECTIONS)) for name in names}
     return tuple(name for name in CORRECTIONS if name in asked)

@@ -60,7 +60,7 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) [kg m^2].
     """
-    m, p = _together(mass=(mass, ()), position=(position, (3,)))
+    m, p = _together(mass=mass, position=position)
     m = m[..., None, None]
     square = np.einsum("...i,...i->...", p, p)[..., None, None]
     out: FloatArray = m * (square * np.eye(3) - p[..., :, None] * p[..., None, :])
@@ -78,13 +78,13 @@ def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) ->
     Returns:
         (..., 3, 3) about the origin, same axes [kg m^2].
     """
-    m, c, tensor = _body(mass, com, inertia_com=inertia_com)
+    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
     return tensor + point_mass_tensor(m, c)
 
 
 def tensor_at_com(mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike) -> FloatArray:
     """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
-    m, c, tensor = _body(mass, com, inertia_origin=inertia_origin)
+    m, c, tensor = _together(mass=mass, com=com, inertia_origin=inertia_origin)
     return tensor - point_mass_tensor(m, c)
 
 
@@ -101,7 +101,7 @@ def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
     Raises:
         InputError: ``rotation_a_to_b`` is not a rotation.
     """
-    r, tensor = _together(rotation_a_to_b=(rotation_a_to_b, (3, 3)), inertia=(inertia, (3, 3)))
+    r, tensor = _together(rotation_a_to_b=rotation_a_to_b, inertia=inertia)
     if not is_rotation(r).all():
         raise InputError("rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1")
     return r @ tensor @ np.swapaxes(r, -1, -2)
@@ -144,7 +144,7 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3) about the same point [kg m^2].
     """
-    (tensor,) = _together(inertia=(inertia, (3, 3)))
+    (tensor,) = _together(inertia=inertia)
     trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
     out: FloatArray = trace / 2 * np.eye(3) - tensor
     return out
@@ -163,7 +163,7 @@ def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> F
     Returns:
         (..., 4, 4).
     """
-    m, c, tensor = _body(mass, com, inertia_com=inertia_com)
+    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
     sigma = second_moments(tensor + point_mass_tensor(m, c))
     out = np.empty((*sigma.shape[:-2], 4, 4))
     out[..., :3, :3] = sigma
@@ -174,7 +174,7 @@ def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> F
 
 def principal_moments(inertia: ArrayLike) -> FloatArray:
     """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
-    (tensor,) = _together(inertia=(inertia, (3, 3)))
+    (tensor,) = _together(inertia=inertia)
     symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
     return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
 
@@ -185,7 +185,7 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
     Raises:
         InputError: A mass not above 0, or a moment of inertia below 0.
     """
-    m, tensor = _together(mass=(mass, ()), inertia=(inertia, (3, 3)))
+    m, tensor = _together(mass=mass, inertia=inertia)
     diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
     if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
         raise InputError("mass, inertia", (m, diagonal), "masses above 0, moments of at least 0")
@@ -223,7 +223,7 @@ def inconsistencies(
     """
     mass, tolerance = real("mass", mass), real("tolerance", tolerance, minimum=0.0)
     c, tensor = shaped("com", com, (3,)), shaped("inertia_com", inertia_com, (3, 3))
-    _body(mass, c, inertia_com=tensor)
+    _together(mass=mass, com=c, inertia_com=tensor)
     found = []
     if mass <= 0:
         found.append(f"mass {mass:g} kg is not positive")
@@ -258,11 +258,8 @@ def inconsistencies(
     return tuple(found)
 
 
-def _together(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
-    """Arrays that fit one another, and no number too large."""
-    return [bounded(*named) for named in zip(given, fitting(**given), strict=True)]
-
-
-def _body(mass: ArrayLike, com: ArrayLike, **tensor: ArrayLike) -> list[FloatArray]:
-    named = {name: (value, (3, 3)) for name, value in tensor.items()}
-    return _together(mass=(mass, ()), com=(com, (3,)), **named)
+def _together(**given: ArrayLike) -> list[FloatArray]:
+    """Arrays that fit one another, of the shapes that go with their names, and no number too large."""
+    shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
+    named = {name: (value, shapes.get(name, (3, 3))) for name, value in given.items()}
+    return [bounded(*pair) for pair in zip(named, fitting(**named), strict=True)]

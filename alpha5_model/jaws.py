@@ -15,6 +15,7 @@ Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 from __future__ import annotations
 
 import math
+import operator
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,48 +117,43 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     """
     link, jaws = parameters.links[4], parameters.jaws
     rod_joint = parameters.joints[4]
-    fingers = [_finger(parameters, i) for i in (1, 2)]
+    finger_1, finger_2 = (_finger(parameters, i) for i in (1, 2))
     radius = jaws.rod_diameter / 2
     rod_mass = jaws.rod_density * math.pi * radius**2 * jaws.rod_length
     across = rod_mass * (3 * radius**2 + jaws.rod_length**2) / 12
+    zero = frozen([0.0, 0.0, 0.0])
     rod = JawBody(
         name="jaw_rod",
         roll=math.pi,
         origin=frozen([0.0, 0.0, -(jaws.collar_base + rod_joint.lower)]),
         mass=rod_mass,
-        com=frozen([0.0, 0.0, 0.0]),
+        com=zero,
         inertia=frozen(np.diag([across, across, rod_mass * radius**2 / 2])),
         volume=0.0,
-        cob=frozen([0.0, 0.0, 0.0]),
+        cob=zero,
     )
-    moving = [rod, *fingers]
-    placed = [body.in_link_4() for body in moving]
+    moving = [rod, finger_1, finger_2]
+    coms, tensors, cobs = zip(*(body.in_link_4() for body in moving), strict=True)
     mass, com, inertia = combine(
         [link.mass, *(-body.mass for body in moving)],
-        [link.com, *(com for com, _, _ in placed)],
-        [link.inertia, *(-tensor for _, tensor, _ in placed)],
+        [link.com, *coms],
+        [link.inertia, *(-tensor for tensor in tensors)],
     )
-    volume = link.volume - sum(body.volume for body in moving)
-    moment = link.volume * link.cob - sum(
-        body.volume * cob for body, (_, _, cob) in zip(moving, placed, strict=True)
-    )
+    volumes = [body.volume for body in moving]
+    volume = link.volume - sum(volumes)
+    moment = link.volume * link.cob - sum(map(operator.mul, volumes, cobs))
     wrist = JawBody(
         name="link_4",
         roll=0.0,
-        origin=frozen([0.0, 0.0, 0.0]),
+        origin=zero,
         mass=mass,
         com=frozen(com),
         inertia=frozen((inertia + inertia.T) / 2),
         volume=volume,
         cob=frozen(moment / volume),
     )
-    return Jaws(
-        wrist=wrist,
-        rod=rod,
-        finger_1=fingers[0],
-        finger_2=fingers[1],
-        joints=(rod_joint, _hinge(fingers[0], parameters), _hinge(fingers[1], parameters)),
-    )
+    joints = rod_joint, _hinge(finger_1, parameters), _hinge(finger_2, parameters)
+    return Jaws(wrist, rod, finger_1, finger_2, joints)
 
 
 def _hinge(finger: JawBody, parameters: Alpha5Parameters) -> FingerJoint:

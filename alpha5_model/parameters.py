@@ -9,16 +9,17 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import Any, TypeVar
 
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.inertia import flip_products
 from alpha5_model.published import published
+from alpha5_model.published.quantity import Quantity
+from alpha5_model.published.tables import Published, SourcedQuantity
 
-if TYPE_CHECKING:
-    from alpha5_model.published.tables import ActuatorRow, JointRow, Published
+Record = TypeVar("Record")
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,9 +209,9 @@ def convert(printed: Published, corrections: tuple[str, ...]) -> Alpha5Parameter
         dh=dh,
         theta_c=theta_c,
         links=_links(printed, dh, corrections),
-        joints=tuple(_joint(row) for row in printed.supplementary.joints),
-        actuators=tuple(_actuator(row) for row in printed.table_4.rows),
-        jaws=JawParameters(**{k: v.quantity.si for k, v in printed.supplementary.jaws.items()}),
+        joints=tuple(_record(JointParameters, row) for row in printed.supplementary.joints),
+        actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
+        jaws=JawParameters(**{k: _si(v) for k, v in printed.supplementary.jaws.items()}),
         base_yaw=0.0 if "base_frame" in corrections else math.pi,
         corrections=corrections,
     )
@@ -255,7 +256,7 @@ def _links(
         printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies, strict=True
     )
     for inertial, buoyancy, body in rows:
-        cob = [c.si for c in buoyancy.cob]
+        cob = _si(buoyancy.cob)
         if body.name == "link_3" and "link3_cob" in corrections:
             # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
             # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
@@ -265,26 +266,25 @@ def _links(
             LinkParameters(
                 name=body.name,
                 mass=inertial.mass.si,
-                com=frozen([c.si for c in inertial.com]),
-                inertia=frozen(
-                    flip_products([[x.si for x in row] for row in inertial.inertia_com])
-                ),
+                com=frozen(_si(inertial.com)),
+                inertia=frozen(flip_products(_si(inertial.inertia_com))),
                 volume=buoyancy.volume.si,
                 cob=frozen(cob),
-                bounds=frozen([[low.si, high.si] for low, high in body.bounds]),
+                bounds=frozen(_si(body.bounds)),
             )
         )
     return tuple(links)
 
 
-def _joint(row: JointRow) -> JointParameters:
-    si = {key: getattr(row, key).quantity.si for key in ("lower", "upper", "velocity", "effort")}
-    return JointParameters(
-        name=row.name, dh_variable=row.dh_variable, device_id=row.device_id, **si
-    )
+def _record(kind: type[Record], row: Any) -> Record:
+    """A record from the printed row, whose fields have the same names."""
+    return kind(**{f.name: _si(getattr(row, f.name)) for f in fields(kind)})  # type: ignore[arg-type]
 
 
-def _actuator(row: ActuatorRow) -> ActuatorParameters:
-    return ActuatorParameters(
-        **{f.name: getattr(row, f.name).si for f in fields(ActuatorParameters)}
-    )
+def _si(value: Any) -> Any:
+    """Numbers in SI units, at any depth; what is no printed number as it is."""
+    if isinstance(value, tuple):
+        return [_si(item) for item in value]
+    if isinstance(value, SourcedQuantity):
+        return value.quantity.si
+    return value.si if isinstance(value, Quantity) else value

@@ -12,24 +12,11 @@ from alpha5_model.errors import PublishedDataError
 #: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every printed digit:
 #: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
 DECIMAL_SHIFT: dict[str, int] = {
-    "": 0,
-    "kg": 0,
-    "m": 0,
-    "rad": 0,
-    "Nm": 0,
-    "N": 0,
-    "Ohm": 0,
-    "Nm/A": 0,
-    "V/rad/s": 0,
-    "kg/m^3": 0,
-    "rad/m": 0,
-    "mm": -3,
-    "mm/s": -3,
-    "Nmm": -3,
-    "L": -3,
+    **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm"), 0),
+    **dict.fromkeys(("Nm/A", "V/rad/s", "kg/m^3", "rad/m"), 0),
     "%": -2,
-    "uH": -6,
-    "kg.mm^2": -6,
+    **dict.fromkeys(("mm", "mm/s", "Nmm", "L"), -3),
+    **dict.fromkeys(("uH", "kg.mm^2"), -6),
 }
 #: Units that need more than a shift of the decimal point.
 FACTOR: dict[str, float] = {"deg": math.pi / 180.0, "deg/s": math.pi / 180.0}
@@ -76,19 +63,19 @@ class Quantity:
     @property
     def si(self) -> float:
         """The double nearest to the printed value in SI units."""
-        if self.unit in FACTOR:
-            return float(self.text) * FACTOR[self.unit]
-        return float(self.value.scaleb(DECIMAL_SHIFT[self.unit]))
+        return self._in_si(self.value)
 
     @property
     def rounding(self) -> float:
         """Half a unit of the last printed digit, in SI units: what rounding may hide."""
         exponent = self.value.as_tuple().exponent
         assert isinstance(exponent, int)  # digits, checked by parse
-        half = Decimal(5).scaleb(exponent - 1)
+        return self._in_si(Decimal(5).scaleb(exponent - 1))
+
+    def _in_si(self, printed: Decimal) -> float:
         if self.unit in FACTOR:
-            return float(half) * FACTOR[self.unit]
-        return float(half.scaleb(DECIMAL_SHIFT[self.unit]))
+            return float(printed) * FACTOR[self.unit]
+        return float(printed.scaleb(DECIMAL_SHIFT[self.unit]))
 
     def __str__(self) -> str:
         return f"{self.text} {self.unit}".rstrip()

@@ -14,6 +14,7 @@ from alpha5_model.published import tables as t
 from alpha5_model.published.quantity import Quantity
 
 _DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
+_HEAD = ("title", "publisher", "version", "date")
 
 
 @cache
@@ -35,7 +36,7 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     """
     tables = ("table_1", "workspace", "table_2", "table_3", "table_4")
     document = _root(_DOCUMENT, document_text).table("document", *tables)
-    head = document["document"].table("title", "publisher", "version", "date")
+    head = document["document"].table(*_HEAD)
     one = _table(head, document["table_1"], t.DHRow, "elbow")
     numbers = document["workspace"].table("number", "section", "caption", "units", "values")
     _check_units(t.WorkspaceNumbers, numbers["units"])
@@ -208,15 +209,10 @@ def _check_units(record: type[Any], node: _Node) -> list[str]:
 
 
 def _source(head: _Node, node: _Node) -> t.Source:
-    title, publisher, version, date = (
-        head[key].text() for key in ("title", "publisher", "version", "date")
-    )
-    number = node["number"]
-    return t.Source(
-        *(title, publisher, version, date, node["section"].text()),
-        table="" if number.value == "" else number.text(),
-        caption=node["caption"].text(),
-    )
+    title, publisher, version, date = (head[key].text() for key in _HEAD)
+    number, section, caption = node["number"], node["section"].text(), node["caption"].text()
+    table = "" if number.value == "" else number.text()
+    return t.Source(title, publisher, version, date, section, table, caption)
 
 
 def _supplementary(root: _Node) -> t.Supplementary:
