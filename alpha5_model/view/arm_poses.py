@@ -1,4 +1,4 @@
-"""An arm's joint positions and what they make of its links: names, numbers, poses, motions, a tour."""
+"""An arm's joint positions, by name, in numbers or in time, and the poses of its links there."""
 
 from __future__ import annotations
 
@@ -21,11 +21,73 @@ from alpha5_model.view.scene import WORLD, MotionTrack
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.trajectory.motion import Motion
 
-
-#: Samples per second.
+#: Samples per second of a tour.
 _RATE = 25.0
+
+
+def named_poses(arm: Arm) -> dict[str, FloatArray]:
+    """Named poses as joint positions (n,) of the arm, its jaws closed."""
+    return {name: np.array([*pose, *_closed(arm)]) for name, pose in NAMED_POSES.items()}
+
+
+def _closed(arm: Arm) -> list[float]:
+    """Position of closed jaws, if the arm has any."""
+    return [parameters().joints[4].lower] * ("axis_a" in arm.joint_names)
+
+
+def pose_of(arm: Arm, text: str) -> FloatArray:
+    """Joint positions (nq,) from the name of a pose or from numbers with commas or spaces."""
+    try:
+        values = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        named = named_poses(arm)
+        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
+    n = len(arm.joint_names)
+    if len(values) == 4:
+        values += _closed(arm)
+    if len(values) != n:
+        names = ", ".join(arm.joint_names)
+        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
+    return with_base(arm, float_array("pose", values, (n,)))
+
+
+def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
+    """Joint positions (n,) as the arm's q (nq,): a floating base stands at the world's origin."""
+    return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
+
+
+def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, FloatArray]:
+    """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
+    links = [tree[0].parent, *(joint.child for joint in tree)]
+    poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
+    return {WORLD: np.eye(4), **poses}
+
+
+def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
+    """The joint tree of a URDF text, placed as in the arm's own model: its corrections may differ."""
+    tree = tuple(parse_urdf(urdf).joints.values())
+    zero = with_base(arm, np.zeros(len(arm.joint_names)))
+    poses = link_poses(arm, tree, zero)
+    return tuple(
+        replace(
+            joint,
+            transform=np.linalg.inv(poses[joint.parent])
+            @ poses[joint.child]
+            @ np.linalg.inv(joint.motion(joint.offset)),
+        )
+        for joint in tree
+    )
+
+
+def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
+    """A motion in the order of the sliders; joints that it lacks stay where they are."""
+    time = motion.time - motion.time[0]
+    track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
+    for i, name in enumerate(sliders):
+        if name in motion.joints:
+            track[:, i] = motion.position[:, motion.joints.index(name)]
+    return MotionTrack(Path(motion.source).name, time, track)
 
 
 def tour(waypoints: ArrayLike, joints: Sequence[str] | None = None, pause: float = 0.6) -> Motion:
@@ -59,63 +121,3 @@ def tour(waypoints: ArrayLike, joints: Sequence[str] | None = None, pause: float
         pieces.append(np.repeat(end[None], round(pause * _RATE), axis=0))
     q = np.concatenate(pieces)
     return replace(motion(np.arange(len(q)) / _RATE, q, joints=names), source="a short motion")
-
-
-def named_poses(arm: Arm) -> dict[str, FloatArray]:
-    """Named poses as joint positions (n,) of the arm, its jaws closed."""
-    jaws = [parameters().joints[4].lower] * ("axis_a" in arm.joint_names)
-    return {name: np.array([*pose, *jaws]) for name, pose in NAMED_POSES.items()}
-
-
-def pose_of(arm: Arm, text: str) -> FloatArray:
-    """Joint positions (nq,) from the name of a pose or from numbers with commas or spaces."""
-    try:
-        values = [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        named = named_poses(arm)
-        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
-    n = len(arm.joint_names)
-    if "axis_a" in arm.joint_names and len(values) == n - 1:
-        values.append(parameters().joints[4].lower)  # closed jaws
-    if len(values) != n:
-        names = ", ".join(arm.joint_names)
-        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
-    return with_base(arm, float_array("pose", values, (n,)))
-
-
-def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
-    """Joint positions (n,) as the arm's q (nq,): a floating base stands at the world's origin."""
-    return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
-
-
-def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, FloatArray]:
-    """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
-    links = [tree[0].parent, *(joint.child for joint in tree)]
-    poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
-    return {WORLD: np.eye(4), **poses}
-
-
-def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
-    """The joint tree of a URDF text, with the placements of the arm's own model: its corrections may differ."""
-    tree = tuple(parse_urdf(urdf).joints.values())
-    zero = with_base(arm, np.zeros(len(arm.joint_names)))
-    poses = link_poses(arm, tree, zero)
-    return tuple(
-        replace(
-            joint,
-            transform=np.linalg.inv(poses[joint.parent])
-            @ poses[joint.child]
-            @ np.linalg.inv(joint.motion(joint.offset)),
-        )
-        for joint in tree
-    )
-
-
-def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
-    """A motion in the order of the sliders; joints that it lacks stay where they are."""
-    time = motion.time - motion.time[0]
-    track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
-    for i, name in enumerate(sliders):
-        if name in motion.joints:
-            track[:, i] = motion.position[:, motion.joints.index(name)]
-    return MotionTrack(Path(motion.source).name, time, track)

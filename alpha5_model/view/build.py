@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import choice, float_array
-from alpha5_model.errors import ShapeError
+from alpha5_model.checks import choice, shaped
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
 from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.framing import framing
-from alpha5_model.view.markers import (
-    ARROW_SCALE,
-    center_labels,
-    center_shapes,
-    force_labels,
-    force_shapes,
-    frame_labels,
-    frame_shapes,
-    ghosts_of,
-    loads_of,
-)
+from alpha5_model.view.markers import ARROW_SCALE, frame_markers, ghosts_of, load_markers, loads_of
 from alpha5_model.view.reach import workspace_shapes
-from alpha5_model.view.scene import DEFAULT_SHOW, GROUPS, Rigid, Scene, Shape
+from alpha5_model.view.scene import DEFAULT_SHOW, GROUPS, Label, Rigid, Scene, Shape
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -54,50 +43,44 @@ def build_scene(
 
     Raises:
         InputError: Joint positions or a target that do not fit (`ShapeError`, `NonFiniteError`).
-        UnknownNameError: A group that there is not.
+        UnknownNameError: An unknown group.
     """
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
     text = source.read_text(encoding="utf-8")
     tree = tree_of(arm, text)
     sliders = arm.joint_names
     named = named_poses(arm)
-    position = float_array("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
-    if position.ndim != 1:
-        raise ShapeError("q", position.shape, f"shape ({arm.model.nq},)")
+    position = shaped("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
     loads = loads_of(arm, tree)
     if show is None:
-        show = (*DEFAULT_SHOW, "ghosts") if target is not None else DEFAULT_SHOW
+        show = DEFAULT_SHOW if target is None else (*DEFAULT_SHOW, "ghosts")
     shown = tuple(choice("group", group, tuple(GROUPS)) for group in show)
-    folder = str(source.parent)
-    shapes = [
-        *_bodies(text, folder),
-        *frame_shapes(tree),
-        *center_shapes(loads),
-        *force_shapes(arm, loads),
+    bodies = list(_bodies(text, str(source.parent)))
+    things: list[Shape | Label] = [
+        *bodies,
+        *frame_markers(tree, sliders),
+        *load_markers(arm, loads),
+        *_collision(text, str(source.parent)),
+        *workspace_shapes(),
     ]
-    shapes += [*_collision(text, folder), *workspace_shapes()]
-    labels = [*frame_labels(tree, sliders), *center_labels(loads), *force_labels(arm, loads)]
     if target is not None:
-        ghosts, ghost_labels = ghosts_of(arm, tree, shapes, position, target)
-        shapes += ghosts
-        labels += ghost_labels
+        things += ghosts_of(arm, tree, bodies, position, target)
+    shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
-    notes = [
-        f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
-        if arm.fluid_density
-        else f"In air: weight {weight:.2f} N.",
-        f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
-    ]
+    water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
     return Scene(
         title="Reach Alpha 5",
-        notes=tuple(notes),
+        notes=(
+            water if arm.fluid_density else f"In air: weight {weight:.2f} N.",
+            f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
+        ),
         tree=tree,
         sliders=sliders,
         q=position[arm.model.nq - len(sliders) :],
         poses=poses,
-        shapes=tuple(shapes),
-        labels=tuple(labels),
+        shapes=shapes,
+        labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
         gravity=np.array(arm.model.gravity.linear),
         camera=framing(shapes, poses, shown),
@@ -107,25 +90,15 @@ def build_scene(
     )
 
 
-def _bodies(text: str, folder: str) -> list[Shape]:
-    bodies = urdf_bodies(text, folder)
-    return [
-        Shape(
-            "bodies",
-            f"{body.link}/part_{[other.link for other in bodies[:i]].count(body.link)}",
-            Rigid(body.link),
-            body.mesh,
-            body.color[:3],
-            shine=0.9 if max(body.color[:3]) < 0.4 else 0.4,  # dark bodies live by their highlights
-        )
-        for i, body in enumerate(bodies)
-    ]
+def _bodies(text: str, folder: str) -> Iterator[Shape]:
+    for body in urdf_bodies(text, folder):
+        # Only highlights show the form of a dark body.
+        shine = 0.9 if max(body.color) < 0.4 else 0.4
+        name = f"{body.link}/part_{body.index}"
+        yield Shape("bodies", name, Rigid(body.link), body.mesh, body.color, shine=shine)
 
 
-def _collision(text: str, folder: str) -> list[Shape]:
-    bodies = urdf_bodies(text, folder, "collision")
-    color = (0.95, 0.55, 0.10)
-    return [
-        Shape("collision", f"{body.link}_{i}", Rigid(body.link), body.mesh, color, opacity=0.35)
-        for i, body in enumerate(bodies)
-    ]
+def _collision(text: str, folder: str) -> Iterator[Shape]:
+    for body in urdf_bodies(text, folder, "collision"):
+        name = f"{body.link}_{body.index}"
+        yield Shape("collision", name, Rigid(body.link), body.mesh, body.color, opacity=0.35)

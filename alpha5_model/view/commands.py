@@ -3,41 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.view.scene import GROUPS, Scene, Shape
-from alpha5_model.view.shapes import Mesh
+from alpha5_model.view.scene import DRAWN, Scene, Shape
 
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
 #: MessagePack extension codes by which meshcat sends typed arrays.
 _CODES = {"f": ("Float32Array", 0x17), "u": ("Uint32Array", 0x16)}
+#: Path, property and value: the backdrop; more light than meshcat's own scene, for dark bodies.
+_SURROUNDINGS: tuple[tuple[str, str, Any], ...] = (
+    ("/Background", "top_color", [1.0, 1.0, 1.0]),
+    ("/Background", "bottom_color", [0.80, 0.86, 0.90]),
+    ("/Lights/AmbientLight/<object>", "intensity", 0.75),
+    ("/Lights/PointLightNegativeX/<object>", "intensity", 0.5),
+    ("/Lights/PointLightPositiveX/<object>", "intensity", 0.5),
+    ("/Lights/FillLight/<object>", "intensity", 0.5),
+    ("/Grid", "visible", False),
+    ("/Axes", "visible", False),
+)
 
 
-@dataclass(frozen=True)
-class Command:
-    """One meshcat command; `lower` is what meshcat's window sends.
+class Command(dict[str, Any]):
+    """One meshcat command, ready for MessagePack."""
 
-    Attributes:
-        content: The message, ready for MessagePack.
-    """
-
-    content: dict[str, Any]
-
-    def lower(self) -> dict[str, Any]:
-        """The message."""
-        return self.content
+    def lower(self) -> Command:
+        """Itself: what meshcat's window sends."""
+        return self
 
     def packed(self) -> bytes:
         """The message as the browser reads it."""
         import umsgpack  # type: ignore[import-untyped]
 
-        return bytes(umsgpack.packb(self.content))
+        return bytes(umsgpack.packb(self))
 
 
 def shape_path(shape: Shape) -> str:
@@ -59,17 +61,10 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
     for shape in scene.shapes:
         yield _set_object(shape, sent)
     yield from pose_commands(scene, scene.poses)
-    for group in GROUPS:
-        if group not in ("labels", "see-through"):
-            yield set_visible(group, group in scene.show)
-    yield _set_property("/Background", "top_color", [1.0, 1.0, 1.0])
-    yield _set_property("/Background", "bottom_color", [0.80, 0.86, 0.90])
-    # Dark bodies need more light than meshcat's own scene gives.
-    yield _set_property("/Lights/AmbientLight/<object>", "intensity", 0.75)
-    for name in ("PointLightNegativeX", "PointLightPositiveX", "FillLight"):
-        yield _set_property(f"/Lights/{name}/<object>", "intensity", 0.5)
-    for name in ("/Grid", "/Axes"):
-        yield _set_property(name, "visible", False)
+    for group in DRAWN:
+        yield set_visible(group, group in scene.show)
+    for path, name, value in _SURROUNDINGS:
+        yield _set_property(path, name, value)
 
 
 def pose_commands(scene: Scene, poses: Mapping[str, FloatArray]) -> Iterator[Command]:
@@ -83,7 +78,7 @@ def pose_commands(scene: Scene, poses: Mapping[str, FloatArray]) -> Iterator[Com
 
 def set_transform(path: str, matrix: FloatArray) -> Command:
     """Place a node by a (4, 4) pose in its parent."""
-    return Command({"type": "set_transform", "path": path, "matrix": matrix.T.ravel().tolist()})
+    return Command(type="set_transform", path=path, matrix=matrix.T.ravel().tolist())
 
 
 def set_visible(group: str, visible: bool) -> Command:
@@ -92,18 +87,14 @@ def set_visible(group: str, visible: bool) -> Command:
 
 
 def _set_property(path: str, name: str, value: Any) -> Command:
-    return Command({"type": "set_property", "path": path, "property": name, "value": value})
+    return Command(type="set_property", path=path, property=name, value=value)
 
 
 def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
     # Names, not random identifiers: the same scene gives the same bytes.
     name = f"{shape.group}/{shape.name}"
-    geometry = sent.get(id(shape.mesh))
-    if geometry is None:
-        geometry = sent[id(shape.mesh)] = f"{name}:geometry"
-        content = _geometry(geometry, shape.mesh)
-    else:
-        content = {"uuid": geometry, "type": "BufferGeometry"}
+    content = {} if id(shape.mesh) in sent else {"data": _geometry(shape)}
+    geometry = sent.setdefault(id(shape.mesh), f"{name}:geometry")
     material = {
         "uuid": f"{name}:material",
         "type": "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial",
@@ -118,37 +109,27 @@ def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
         "depthWrite": shape.opacity == 1.0,
         "vertexColors": shape.mesh.colors is not None,
     }
-    return Command(
-        {
-            "type": "set_object",
-            "path": shape_path(shape),
-            "object": {
-                "metadata": {"version": 4.5, "type": "Object"},
-                "geometries": [content],
-                "materials": [material],
-                "object": {
-                    "uuid": name,
-                    "type": "Mesh",
-                    "geometry": geometry,
-                    "material": f"{name}:material",
-                    "renderOrder": shape.on_top,
-                },
-            },
-        }
-    )
-
-
-def _geometry(name: str, mesh: Mesh) -> dict[str, Any]:
-    attributes = {
-        "position": _typed(mesh.vertices.astype("<f4"), 3),
-        "normal": _typed(mesh.normals.astype("<f4"), 3),
+    mesh = {"uuid": name, "type": "Mesh", "geometry": geometry, "material": material["uuid"]}
+    parts = {
+        "metadata": {"version": 4.5, "type": "Object"},
+        "geometries": [{"uuid": geometry, "type": "BufferGeometry", **content}],
+        "materials": [material],
+        "object": {**mesh, "renderOrder": shape.on_top},
     }
-    if mesh.colors is not None:
-        attributes["color"] = _typed(mesh.colors.astype("<f4"), 3)
+    return Command(type="set_object", path=shape_path(shape), object=parts)
+
+
+def _geometry(shape: Shape) -> dict[str, Any]:
+    mesh = shape.mesh
+    normals = None if shape.flat else mesh.normals
+    corners = {"position": mesh.vertices, "normal": normals, "color": mesh.colors}
     return {
-        "uuid": name,
-        "type": "BufferGeometry",
-        "data": {"attributes": attributes, "index": _typed(mesh.faces.ravel().astype("<u4"), 1)},
+        "attributes": {
+            name: _typed(values.astype("<f4"), 3)
+            for name, values in corners.items()
+            if values is not None
+        },
+        "index": _typed(mesh.faces.ravel().astype("<u4"), 1),
     }
 
 
@@ -165,5 +146,4 @@ def _typed(array: NDArray[Any], item_size: int) -> dict[str, Any]:
 
 
 def _hex(color: tuple[float, ...]) -> int:
-    r, g, b = (round(255 * min(max(c, 0.0), 1.0)) for c in color)
-    return r << 16 | g << 8 | b
+    return int.from_bytes(bytes(round(255 * c) for c in color))

@@ -6,12 +6,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from alpha5_model.view.figures import check_format, new_figure, tidy, write_figure
+from alpha5_model.view.figures import new_figure, style, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
 
 
+@style({"xtick.labelsize": 8, "ytick.labelsize": 8})
 def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
     """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
 
@@ -24,7 +25,6 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
         MissingDependencyError: matplotlib is not installed.
         OutputError: It cannot be written.
     """
-    check_format(path)
     bodies = [body.name for body in comparison.bodies]
     panels = (
         ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
@@ -41,9 +41,7 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
         axes.invert_yaxis()
         axes.margins(x=0.25)
         axes.axvline(0, color="black", linewidth=0.8)
-        axes.set_title(title, fontsize=10)
-        tidy(axes)
-        axes.tick_params(labelsize=8)
+        axes.set_title(title)
     verdict = "agrees with" if comparison.agrees else "differs from"
     figure.suptitle(f"{comparison.name} {verdict} the tables: largest errors", fontsize=11)
     return write_figure(figure, path, dpi=150)

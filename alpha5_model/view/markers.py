@@ -1,19 +1,21 @@
-"""What explains the arm: frames, centres of mass and buoyancy, forces as arrows, ghosts of IK solutions."""
+"""What explains the arm: frames, centres of mass and buoyancy, forces as arrows, solutions as ghosts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import product
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array
+from alpha5_model.checks import FloatArray, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint
-from alpha5_model.errors import ShapeError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.spatial import transform
 from alpha5_model.view.arm_poses import link_poses
-from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Shape
+from alpha5_model.view.scene import WORLD, Color, Label, Load, Mean, Rigid, Shape
 from alpha5_model.view.shapes import arrow, ball, triad
 
 if TYPE_CHECKING:
@@ -21,9 +23,44 @@ if TYPE_CHECKING:
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = 0.015
-_YELLOW, _BLACK = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10)
+#: Length of the axes of a frame [m].
+_AXES = 0.05
+_YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
 _BLUE, _WHITE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97)
 _RED, _SKY = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86)
+
+#: Links that no joint moves.
+_STILL = ("base_link", "link_0")
+_PINK = (0.85, 0.1, 0.5)
+#: One colour for each branch.
+_GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
+
+
+class _Kind(NamedTuple):
+    """A kind of centre and the force that acts there.
+
+    Attributes:
+        center, share, force: Attributes of `Load`: the point, its weight in the whole arm's, the force.
+        name: What the label says.
+        ball, ink, color: Colours of the centre, of its label and of the arrow.
+        sense: 1 along gravity, -1 against it.
+    """
+
+    center: str
+    share: str
+    name: str
+    ball: tuple[Color, Color]
+    ink: Color
+    force: str
+    color: Color
+    sense: float
+
+
+_KINDS = (
+    _Kind("com", "mass", "centre of mass", (_YELLOW, _BLACK), _OCHRE, "weight", _RED, 1.0),
+    _Kind("cob", "volume", "centre of buoyancy", (_BLUE, _WHITE), _BLUE, "buoyancy", _SKY, -1.0),
+)
+_ball = cache(ball)
 
 
 def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
@@ -52,155 +89,75 @@ def loads_of(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
     return tuple(loads)
 
 
-def frame_shapes(tree: Sequence[UrdfJoint]) -> list[Shape]:
-    """Axes of every link frame, over the bodies."""
-    links = [tree[0].parent, *(joint.child for joint in tree)]
-    mesh = triad(0.05, 0.0013)
-    return [Shape("frames", link, Rigid(link), mesh, on_top=1) for link in links]
+def frame_markers(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> Iterator[Shape | Label]:
+    """Axes of every link frame, over the bodies; names of joints, frames and the tcp."""
+    axes = triad(_AXES, 0.0013)
+    beside = transform(translation=(_AXES, 0.0, 0.0))  # the tip of x
+    yield Shape("frames", tree[0].parent, Rigid(tree[0].parent), axes, on_top=1)
+    for joint in tree:
+        link = joint.child
+        yield Shape("frames", link, Rigid(link), axes, on_top=1)
+        if link != "tcp":
+            yield Label("frames", link, Rigid(link, beside), (0.1, 0.3, 0.6))
+        if joint.name in sliders or link == "tcp":
+            yield Label("bodies", "tcp" if link == "tcp" else joint.name, Rigid(link))
 
 
-def frame_labels(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> list[Label]:
-    """Names of joints and of link frames."""
-    labels = [
-        Label("bodies", joint.name, Rigid(joint.child)) for joint in tree if joint.name in sliders
-    ]
-    frames = [joint.child for joint in tree if joint.child != "tcp"]
-    beside = np.eye(4)
-    beside[0, 3] = 0.05  # the tip of x
-    labels += [Label("frames", link, Rigid(link, beside), (0.1, 0.3, 0.6)) for link in frames]
-    return [*labels, Label("bodies", "tcp", Rigid("tcp"))]
-
-
-def center_shapes(loads: Sequence[Load]) -> list[Shape]:
-    """Balls at the centres of mass and buoyancy, of each body and, larger, of the whole arm."""
-    shapes = []
-    for kind, colors in (("com", (_YELLOW, _BLACK)), ("cob", (_BLUE, _WHITE))):
-        small, large = ball(0.0048, *colors), ball(0.0095, *colors)
-        for i, load in enumerate(loads):
-            point = load.com if kind == "com" else load.cob
-            if load.mass if kind == "com" else load.volume:
-                anchor = Mean(((load.link, 1.0, point),))
-                shapes.append(Shape(kind, f"load_{i}", anchor, small, on_top=2))
-        if _whole(loads, kind).points:
-            shapes.append(Shape(kind, "arm", _whole(loads, kind), large, on_top=2))
-    return shapes
-
-
-def center_labels(loads: Sequence[Load]) -> list[Label]:
-    """Names of the whole arm's centres."""
-    names = {"com": ("centre of mass", (0.45, 0.33, 0.0)), "cob": ("centre of buoyancy", _BLUE)}
-    return [
-        Label(kind, text, _whole(loads, kind), color)
-        for kind, (text, color) in names.items()
-        if _whole(loads, kind).points
-    ]
-
-
-def force_shapes(arm: Arm, loads: Sequence[Load]) -> list[Shape]:
-    """Arrows of weight and buoyancy to scale, of each body and, thicker, of the whole arm."""
-    shapes = []
-    for i, load in enumerate(loads):
-        for kind, force, point, color in _pair(arm, load):
-            anchor = Mean(((load.link, 1.0, point),))
-            mesh = arrow(ARROW_SCALE * force, 0.0022)
-            shapes.append(Shape(kind, f"load_{i}", anchor, mesh, color, on_top=1))
-    for kind, force, anchor, color in _totals(arm, loads):
-        mesh = arrow(ARROW_SCALE * force, 0.004)
-        shapes.append(Shape(kind, "arm", anchor, mesh, color, on_top=1))
-    return shapes
-
-
-def force_labels(arm: Arm, loads: Sequence[Load]) -> list[Label]:
-    """The whole arm's forces in figures, at the tips of their arrows."""
-    return [
-        Label(
-            kind,
-            f"{kind} {np.linalg.norm(force):.2f} N",
-            Mean(anchor.points, ARROW_SCALE * force),
-            color,
-        )
-        for kind, force, anchor, color in _totals(arm, loads)
-    ]
-
-
-def _whole(loads: Sequence[Load], kind: str) -> Mean:
-    """Anchor at the centre of mass (``com``) or of buoyancy (``cob``) of the whole arm."""
-    if kind == "com":
-        return Mean(tuple((load.link, load.mass, load.com) for load in loads if load.mass))
-    return Mean(tuple((load.link, load.volume, load.cob) for load in loads if load.volume))
-
-
-def _pair(arm: Arm, load: Load) -> list[tuple[str, FloatArray, FloatArray, Any]]:
-    down = _down(arm)
-    pairs = [
-        ("weight", load.weight * down, load.com, _RED),
-        ("buoyancy", -load.buoyancy * down, load.cob, _SKY),
-    ]
-    return [pair for pair in pairs if pair[1].any()]
-
-
-def _totals(arm: Arm, loads: Sequence[Load]) -> list[tuple[str, FloatArray, Mean, Any]]:
-    down = _down(arm)
-    weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
-    totals = [
-        ("weight", weight * down, _whole(loads, "com"), tuple(0.8 * c for c in _RED)),
-        ("buoyancy", -lift * down, _whole(loads, "cob"), tuple(0.8 * c for c in _SKY)),
-    ]
-    return [total for total in totals if total[1].any()]
-
-
-def _down(arm: Arm) -> FloatArray:
+def load_markers(arm: Arm, loads: Sequence[Load]) -> Iterator[Shape | Label]:
+    """Balls at the centres of each body, arrows of its forces to scale; larger of the whole arm."""
     gravity = np.array(arm.model.gravity.linear)
-    strength = np.linalg.norm(gravity)
-    down: FloatArray = gravity / strength if strength else gravity
-    return down
-
-
-#: One colour for each branch.
-_COLORS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
+    down = gravity / (np.linalg.norm(gravity) or 1.0)
+    named = {**{f"load_{i}": [load] for i, load in enumerate(loads)}, "arm": loads}
+    for kind, (name, carried) in product(_KINDS, named.items()):
+        points = tuple(
+            (load.link, getattr(load, kind.share), getattr(load, kind.center))
+            for load in carried
+            if getattr(load, kind.share)
+        )
+        if not points:
+            continue
+        whole = name == "arm"
+        yield Shape(
+            kind.center,
+            name,
+            Mean(points),
+            _ball(0.0095 if whole else 0.0048, *kind.ball),
+            on_top=2,
+        )
+        if whole:
+            yield Label(kind.center, kind.name, Mean(points), kind.ink)
+        strength = sum(getattr(load, kind.force) for load in carried)
+        if not strength:
+            continue
+        tip = ARROW_SCALE * kind.sense * strength * down
+        r, g, b = (0.8 * c if whole else c for c in kind.color)
+        mesh = arrow(tip, 0.004 if whole else 0.0022)
+        yield Shape(kind.force, name, Mean(points), mesh, (r, g, b), on_top=1)
+        if whole:
+            yield Label(kind.force, f"{kind.force} {strength:.2f} N", Mean(points, tip), (r, g, b))
 
 
 def ghosts_of(
-    arm: Arm, tree: Sequence[UrdfJoint], shapes: Sequence[Shape], q: FloatArray, target: ArrayLike
-) -> tuple[list[Shape], list[Label]]:
-    """Every solution of the inverse kinematics for a target, as a ghost of the moving links."""
-    point = float_array("target", target, (3,))
-    if point.ndim != 1:
-        raise ShapeError("target", point.shape, "shape (3,)")
+    arm: Arm, tree: Sequence[UrdfJoint], bodies: Sequence[Shape], q: FloatArray, target: ArrayLike
+) -> Iterator[Shape | Label]:
+    """Every solution of the inverse kinematics for a target, as a ghost of the moving links' bodies."""
+    point = shaped("target", target, (3,))
     solutions = inverse_kinematics(point)
-    n = len(arm.joint_names)
-    bodies = [s for s in shapes if s.group == "bodies"]
-    moving = {joint.child for joint in tree} - {"link_0"}
-    ghosts, labels = [], []
-    base = arm.forward_kinematics(q, frame="base_link").homogeneous
-    for i, branch in enumerate(BRANCHES):
+    first = len(q) - len(arm.joint_names)
+    for i, (branch, color) in enumerate(zip(BRANCHES, _GHOSTS, strict=True)):
         if not solutions.exists[i]:
             continue
         solution = q.copy()
-        solution[len(q) - n : len(q) - n + 4] = solutions.q[i]
+        solution[first : first + 4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
-            link = body.anchor.link if isinstance(body.anchor, Rigid) else WORLD
-            if link in moving:
-                ghosts.append(
-                    Shape(
-                        "ghosts",
-                        f"{branch}/{body.name}",
-                        Rigid(WORLD, poses[link]),
-                        body.mesh,
-                        _COLORS[i],
-                        opacity=0.3,
-                    )
-                )
-        where = np.eye(4)
-        where[:3, 3] = poses["link_3"][:3, 3]
+            if isinstance(body.anchor, Rigid) and body.anchor.link not in _STILL:
+                at = Rigid(WORLD, poses[body.anchor.link])
+                yield Shape("ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3)
         limits = "" if solutions.within_limits[i] else ", beyond the limits"
-        labels.append(
-            Label("ghosts", branch.replace("_", " ") + limits, Rigid(WORLD, where), _COLORS[i])
-        )
-    at = np.eye(4)
-    at[:3, 3] = base[:3, :3] @ point + base[:3, 3]
-    marker = ball(0.008, (0.85, 0.1, 0.5), (0.97, 0.97, 0.97))
-    ghosts.append(Shape("ghosts", "target", Rigid(WORLD, at), marker, on_top=2))
-    labels.append(Label("ghosts", "target", Rigid(WORLD, at), (0.75, 0.05, 0.4)))
-    return ghosts, labels
+        elbow = Rigid(WORLD, transform(translation=poses["link_3"][:3, 3]))
+        yield Label("ghosts", branch.replace("_", " ") + limits, elbow, color)
+    base = arm.forward_kinematics(q, frame="base_link")
+    at = Rigid(WORLD, transform(translation=base.act(point)))
+    yield Shape("ghosts", "target", at, ball(0.008, _PINK, _WHITE), on_top=2)
+    yield Label("ghosts", "target", at, (0.75, 0.05, 0.4))

@@ -12,7 +12,7 @@ const alpha5 = (() => {
     throw error;
   }
   const split = (path) => path.split("/").filter((part) => part);
-  const matrix = (elements) => new THREE.Matrix4().fromArray(elements);
+  const matrix = (rows) => new THREE.Matrix4().set(...rows.flat());
   const vector = (elements) => new THREE.Vector3().fromArray(elements);
   const q = { ...data.q };
   const shown = {};
@@ -20,7 +20,7 @@ const alpha5 = (() => {
 
   // ---- kinematics: T_child = T_parent placement motion(q)
   for (const joint of data.tree) {
-    joint.matrix = matrix(joint.placement);
+    joint.matrix = matrix(joint.transform);
     joint.direction = vector(joint.axis).normalize();
   }
   const position = (joint) => joint.multiplier * (q[joint.source] || 0) + joint.offset;
@@ -88,7 +88,7 @@ const alpha5 = (() => {
   function place() {
     poses = forwardKinematics();
     for (const link in poses) if (data.links[link]) viewer.set_transform(split(data.links[link]), poses[link].elements);
-    for (const item of data.anchors) viewer.set_transform(split(item.path), anchor(item).elements);
+    for (const item of data.anchors) viewer.set_transform(split(item.path), anchor(item.anchor).elements);
     refresh();
   }
   function refresh() {
@@ -133,14 +133,14 @@ const alpha5 = (() => {
   for (const label of data.labels) {
     label.element = byId("labels").appendChild(document.createElement("div"));
     label.element.textContent = label.text;
-    label.element.style.color = label.color;
+    label.element.style.color = `rgb(${label.color.map((c) => Math.round(255 * c))})`;
   }
   function drawLabels() {
     const pane = byId("pane");
     const placed = [];
     viewer.scene.updateMatrixWorld();
     for (const label of data.labels) {
-      const point = new THREE.Vector3().setFromMatrixPosition(anchor(label));
+      const point = new THREE.Vector3().setFromMatrixPosition(anchor(label.anchor));
       point.applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
       const visible = shown.labels && shown[label.group] && point.z < 1;
       label.element.style.display = visible ? "" : "none";
@@ -241,7 +241,7 @@ const alpha5 = (() => {
 
   // ---- camera: meshcat's camera sits in a frame turned so that its y axis is up
   const swap = ([x, y, z]) => [x, z, -y];
-  viewer.camera.fov = data.camera.fieldOfView;
+  viewer.camera.fov = data.camera.field_of_view;
   // A little further away than a picture: the arm will move.
   const eye = vector(data.camera.eye).sub(vector(data.camera.target)).multiplyScalar(1.15).add(vector(data.camera.target));
   viewer.camera.position.set(...swap(eye.toArray()));

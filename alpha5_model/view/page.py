@@ -5,24 +5,28 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.view.commands import link_path, scene_commands, shape_path
-from alpha5_model.view.scene import GROUPS, SEE_THROUGH, Scene
+from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Scene
 
 _HERE = Path(__file__).parent
-_JOINT = ("name", "parent", "child", "kind", "lower", "upper", "source", "multiplier", "offset")
+#: Fields of a scene that the page gets as they are.
+_AS_IT_STANDS = ("title", "notes", "sliders", "labels", "loads", "gravity", "camera")
 
 
 def static_page(scene: Scene, commands: Iterable[bytes] | None = None) -> str:
     """One HTML file that shows a scene from disk, with no server and no network.
 
     Args:
-        scene: What to see.
+        scene: What to show.
         commands: Packed meshcat commands to draw instead of the scene's own.
     """
     packed = (c.packed() for c in scene_commands(scene)) if commands is None else commands
@@ -36,70 +40,29 @@ def live_page(scene: Scene) -> str:
 
 
 def page_data(scene: Scene) -> dict[str, Any]:
-    """What the page's script knows about the scene."""
+    """What the page's script knows about the scene; arrays become nested lists, records objects."""
+    moved = {joint.child for joint in scene.tree}
+    drawn = {shape.group for shape in scene.shapes}
+    track = scene.motion
     return {
-        "title": scene.title,
-        "notes": scene.notes,
-        "tree": [
-            {
-                "placement": joint.transform.T.ravel().tolist(),
-                "axis": joint.axis.tolist(),
-                **{name: getattr(joint, name) for name in _JOINT},
-            }
-            for joint in scene.tree
-        ],
-        "root": {
-            link: pose.T.ravel().tolist()
-            for link, pose in scene.poses.items()
-            if link not in {joint.child for joint in scene.tree}
-        },
-        "sliders": scene.sliders,
+        **{name: getattr(scene, name) for name in _AS_IT_STANDS},
+        "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
+        "root": {link: pose for link, pose in scene.poses.items() if link not in moved},
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
         "links": {link: link_path(link) for link in scene.poses},
         "anchors": [
-            {"path": shape_path(shape), **shape.anchor.as_json()}
+            {"path": shape_path(shape), "anchor": shape.anchor}
             for shape in scene.shapes
             if shape.group != "bodies"
-        ],
-        "labels": [
-            {
-                "group": label.group,
-                "text": label.text,
-                "color": "rgb({})".format(",".join(str(round(255 * c)) for c in label.color)),
-                **label.anchor.as_json(),
-            }
-            for label in scene.labels
         ],
         "groups": [
             {"name": name, "title": title, "shown": name in scene.show}
             for name, title in GROUPS.items()
-            if name in ("see-through", "labels") or any(s.group == name for s in scene.shapes)
+            if name in drawn or name not in DRAWN
         ],
-        "loads": [
-            {
-                "link": load.link,
-                "weight": load.weight,
-                "com": load.com.tolist(),
-                "buoyancy": load.buoyancy,
-                "cob": load.cob.tolist(),
-            }
-            for load in scene.loads
-        ],
-        "gravity": scene.gravity.tolist(),
         "seeThrough": SEE_THROUGH,
-        "camera": {
-            "eye": scene.camera.eye.tolist(),
-            "target": scene.camera.target.tolist(),
-            "fieldOfView": scene.camera.field_of_view,
-        },
-        "poses": {name: q.tolist() for name, q in scene.named_poses.items()},
-        "motion": None
-        if scene.motion is None
-        else {
-            "name": scene.motion.name,
-            "time": scene.motion.time.round(4).tolist(),
-            "q": scene.motion.q.round(5).tolist(),
-        },
+        "poses": scene.named_poses,
+        "motion": track and replace(track, time=track.time.round(4), q=track.q.round(5)),
     }
 
 
@@ -133,8 +96,11 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
 
 
 def _json(value: Any) -> str:
+    def plain(part: Any) -> Any:
+        return part.tolist() if isinstance(part, np.ndarray) else vars(part)
+
     # "<" cannot close the script element that holds the data.
-    return json.dumps(value, separators=(",", ":")).replace("<", "\\u003c")
+    return json.dumps(value, separators=(",", ":"), default=plain).replace("<", "\\u003c")
 
 
 @cache

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from alpha5_model.view.framing import check_size
 from alpha5_model.view.raster import Canvas, shade
 from alpha5_model.view.scene import SEE_THROUGH, Label, Scene, Shape
+from alpha5_model.view.shapes import Mesh
 
 #: Drawn this much finer, then averaged, so that edges are smooth.
 _FINER = 2
@@ -20,7 +21,7 @@ def picture_png(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> bytes:
     """The scene as a PNG file.
 
     Args:
-        scene: What to see.
+        scene: What to draw.
         size: Width and height in pixels, 16 to 8000 each.
     """
     from PIL import Image
@@ -34,23 +35,17 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
     """The scene as pixels, (height, width, 3)."""
     width, height = check_size(size)
     canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
-    shown = [shape for shape in scene.shapes if shape.group in scene.show]
-    see_through = "see-through" in scene.show
-    solid = [s for s in shown if s.opacity == 1.0 and not s.on_top]
-    if see_through:
-        solid = [s for s in solid if s.group != "bodies"]
-    for shape in solid:
-        _draw(canvas, scene, shape, 1.0)
-    if see_through:
-        for shape in _far_to_near(canvas, scene, [s for s in shown if s.group == "bodies"]):
-            _draw(canvas, scene, shape, SEE_THROUGH)
-    for shape in _far_to_near(canvas, scene, [s for s in shown if s.opacity < 1.0]):
-        _draw(canvas, scene, shape, shape.opacity)
-    for layer in sorted({s.on_top for s in shown} - {0}):
-        canvas.clear_depth()
-        for shape in shown:
-            if shape.on_top == layer:
-                _draw(canvas, scene, shape, 1.0)
+    layer = 0
+    for shape, mesh, opacity in _in_order(canvas, scene):
+        if shape.on_top > layer:
+            layer = shape.on_top
+            canvas.clear_depth()
+        color = (
+            np.tile(shape.color, (len(mesh.vertices), 1)) if mesh.colors is None else mesh.colors
+        )
+        if not shape.flat:
+            color = shade(mesh.normals, color, canvas.axes, shape.shine)
+        canvas.draw(mesh.vertices, color, mesh.faces, opacity, two_sided=shape.flat)
     fine = canvas.color.reshape(height, _FINER, width, _FINER, 3).mean(axis=(1, 3))
     pixels: NDArray[np.uint8] = np.clip(fine * 255.0 + 0.5, 0, 255).astype(np.uint8)
     if "labels" not in scene.show:
@@ -59,20 +54,22 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
     return _write(pixels, canvas, scene, labels)
 
 
-def _draw(canvas: Canvas, scene: Scene, shape: Shape, opacity: float) -> None:
-    mesh = shape.mesh.moved(shape.anchor.transform(scene.poses))
-    colors = np.tile(shape.color, (len(mesh.vertices), 1)) if mesh.colors is None else mesh.colors
-    if not shape.flat:
-        colors = shade(mesh.normals, colors, canvas.axes, shape.shine)
-    canvas.draw(mesh.vertices, colors, mesh.faces, opacity, two_sided=shape.flat)
+def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
+    """What is shown, in the world, with its opacity.
 
-
-def _far_to_near(canvas: Canvas, scene: Scene, shapes: Sequence[Shape]) -> list[Shape]:
-    def distance(shape: Shape) -> float:
-        points = shape.mesh.moved(shape.anchor.transform(scene.poses)).vertices
-        return float(canvas.project(points)[:, 2].mean())
-
-    return sorted(shapes, key=distance, reverse=True)
+    Solid things first, then what is seen through, bodies before the rest, from far to near; layers on top last.
+    """
+    found = []
+    for shape in scene.shapes:
+        if shape.group not in scene.show:
+            continue
+        mesh = shape.mesh.moved(shape.anchor.transform(scene.poses))
+        veiled = shape.group == "bodies" and "see-through" in scene.show
+        opacity = SEE_THROUGH if veiled else shape.opacity
+        distance = float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
+        key = (shape.on_top, opacity < 1.0, shape.group != "bodies", -distance)
+        found.append((key, (shape, mesh, opacity)))
+    return [entry for _, entry in sorted(found, key=lambda item: item[0])]
 
 
 def _write(
@@ -86,12 +83,10 @@ def _write(
     draw = ImageDraw.Draw(image, "RGBA")
     placed: list[tuple[float, float, float]] = []
     step = 1.35 * text_height
-
-    def where(label: Label) -> tuple[float, float]:
-        x, y, _ = canvas.project(label.anchor.transform(scene.poses)[None, :3, 3])[0] / _FINER
-        return float(y), float(x)
-
-    for (y, x), label in sorted(((where(label), label) for label in labels), key=lambda e: e[0]):
+    points = np.array([label.anchor.transform(scene.poses)[:3, 3] for label in labels])
+    at = canvas.project(points.reshape(-1, 3))[:, :2] / _FINER
+    for i in np.lexsort(at.T):
+        label, (x, y) = labels[i], at[i].tolist()
         left, top = x + 0.8 * text_height, y - step / 2
         right = left + draw.textlength(label.text, font=font)
         for other_left, other_right, other_top in placed:

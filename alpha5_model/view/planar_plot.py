@@ -18,7 +18,7 @@ from alpha5_model.kinematics.planar import (
     dexterity_map,
     dexterous_radii,
 )
-from alpha5_model.view.figures import fill, joined, new_figure, write_figure
+from alpha5_model.view.figures import fill, joined, legend_below, new_figure, write_figure
 
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
 #: Points along a full circle.
@@ -52,34 +52,32 @@ def plot_planar(
     """
     axes = new_axes() if axes is None else axes
     space = arm.workspace()
-    # Loops run with the inside on their left, holes the other way.
-    lines = [_polyline(edge.curve)[:: 1 if edge.inside_left else -1] for edge in space.edges]
-    fill(axes, joined(lines), facecolor=REACHED, edgecolor="none", label="workspace", zorder=0)
+    edges = [_polyline(edge.curve)[:: 1 if edge.inside_left else -1] for edge in space.edges]
+    fill(axes, joined(edges, math.dist), REACHED, label="workspace", zorder=0)
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
     elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
         _dexterity_map(axes, arm, resolution)
-    for curve in space.curves:
-        line = _polyline(curve)
-        if curve in space.thin:
-            axes.plot(*line.T, color=EDGE, lw=2.4, label="workspace")
-        else:
-            axes.plot(*line.T, color=EDGE, lw=1.0)
+    lines = [_polyline(curve) for curve in space.curves]
+    for curve, line in zip(space.curves, lines, strict=True):
+        whole = {"lw": 2.4, "label": "workspace"} if curve in space.thin else {"lw": 1.0}
+        axes.plot(*line.T, color=EDGE, **whole)
     poses = arm.poses(middle_position(arm) if q is None else q)
     _draw_arm(axes, arm, poses)
-    _square_window(axes, np.concatenate([*map(_polyline, space.curves), poses[:, :2]]))
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
+    # The same scale on both axes and the same shape for every picture.
+    points = np.concatenate([*lines, poses[:, :2]])
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.54 * float((high - low).max())
+    x, y = (low + high) / 2
+    axes.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
+    axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_title(title(arm, space), fontsize=10)
-    handles, labels = axes.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14), "ncols": len(unique)}
-    axes.legend(unique.values(), unique.keys(), fontsize=8, frameon=False, **below)
+    legend_below(axes, 0.14, ncols=9, fontsize=8, frameon=False)
     return axes
 
 
 def title(arm: PlanarArm, space: Workspace) -> str:
-    """What is to be seen, in one line."""
+    """Kind and size of the workspace, in one line."""
     lengths = ", ".join(f"{x:g}" for x in arm.lengths)
     limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
     low, high = space.radii
@@ -113,48 +111,37 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
         UnknownNameError: Another suffix.
         OutputError: It could not be written; nothing is left half-written.
     """
-    write_figure(np.ravel(np.asarray(axes, dtype=object))[0].figure, path, dpi=120)
+    write_figure(np.ravel(axes)[0].figure, path, dpi=120)
 
 
 def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
     from matplotlib.patches import Annulus, Circle
 
+    point = 1e-12 * arm.reach
     for low, high in dexterous_radii(arm):
-        if high - low <= 1e-12 * arm.reach:
-            if high <= 1e-12 * arm.reach:
-                axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
-            else:
-                ring = _polyline(Arc((0.0, 0.0), high))
-                axes.plot(*ring.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
-        elif low == 0:
-            axes.add_patch(Circle((0, 0), high, color=DEXTEROUS, lw=0, label="dexterous"))
+        if high <= point:
+            axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
+        elif high - low <= point:
+            ring = _polyline(Arc((0.0, 0.0), high))
+            axes.plot(*ring.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
         else:
-            band = Annulus((0, 0), high, high - low, color=DEXTEROUS, lw=0, label="dexterous")
+            style: dict[str, Any] = {"color": DEXTEROUS, "lw": 0, "label": "dexterous"}
+            band = (
+                Annulus((0, 0), high, high - low, **style) if low else Circle((0, 0), high, **style)
+            )
             axes.add_patch(band)
 
 
 def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:
     found = dexterity_map(arm, resolution)
     x, y, share = found.x, found.y, found.share
-    mesh = axes.pcolormesh(
-        x, y, np.ma.masked_equal(share, 0), cmap="Blues", vmin=0, vmax=1, shading="nearest"
-    )
-    mesh.set_zorder(0.5)
+    seen, look = np.ma.masked_equal(share, 0), {"cmap": "Blues", "vmin": 0, "vmax": 1}
+    mesh = axes.pcolormesh(x, y, seen, shading="nearest", zorder=0.5, **look)
     bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.04, pad=0.02)
     bar.set_label("share of orientations reached", fontsize=8)
     if share.max() >= 1:
         axes.contour(x, y, share, levels=[1 - 1e-9], colors=[ALL], linewidths=1)
         axes.plot([], [], color=ALL, lw=1, label="dexterous (numerical)")
-
-
-def _square_window(axes: Any, points: FloatArray) -> None:
-    """The same scale on both axes and the same shape for every picture."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    half = 0.54 * float((high - low).max())
-    (x, y) = (low + high) / 2
-    axes.set_aspect("equal")
-    axes.set_xlim(x - half, x + half)
-    axes.set_ylim(y - half, y + half)
 
 
 def _draw_arm(axes: Any, arm: PlanarArm, poses: FloatArray) -> None:

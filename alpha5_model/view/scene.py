@@ -1,4 +1,4 @@
-"""What there is to see, as data: shapes and labels, each anchored to the arm, in named groups.
+"""What is drawn, as data: shapes and labels, each anchored to the arm, in named groups.
 
 A `Scene` knows nothing of browsers or pixels. `commands` turns it into meshcat commands, `page` into a
 page, `picture` into a PNG.
@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
+from alpha5_model.spatial import transform
 from alpha5_model.view.shapes import Mesh
 
 #: Groups of things that can be shown and hidden -> what the page calls them.
@@ -31,12 +31,16 @@ GROUPS: dict[str, str] = {
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
 }
-#: Shown where nothing else is asked for.
+#: Of these, the ones that are drawn; the others say how the rest is.
+DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
+#: Shown if nothing else is asked for.
 DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
 #: Opacity of bodies that are seen through.
 SEE_THROUGH = 0.4
 #: The fixed frame at the root of the scene.
 WORLD = "world"
+#: Red, green, blue, each 0 to 1.
+Color = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +59,6 @@ class Rigid:
         """Pose in the world, (4, 4)."""
         return poses[self.link] @ self.placement
 
-    def as_json(self) -> dict[str, Any]:
-        """For the page."""
-        return {"link": self.link, "placement": self.placement.T.ravel().tolist()}
-
 
 @dataclass(frozen=True, eq=False)
 class Mean:
@@ -75,19 +75,11 @@ class Mean:
     def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
         """Pose in the world, (4, 4)."""
         total = sum(weight for _, weight, _ in self.points)
-        pose = np.eye(4)
-        pose[:3, 3] = self.offset
-        for link, weight, point in self.points:
-            world = poses[link][:3, :3] @ point + poses[link][:3, 3]
-            pose[:3, 3] += weight / total * world
-        return pose
-
-    def as_json(self) -> dict[str, Any]:
-        """For the page."""
-        return {
-            "points": [[link, weight, point.tolist()] for link, weight, point in self.points],
-            "offset": self.offset.tolist(),
-        }
+        mean = sum(
+            weight / total * (poses[link][:3, :3] @ point + poses[link][:3, 3])
+            for link, weight, point in self.points
+        )
+        return transform(translation=self.offset + mean)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +102,7 @@ class Shape:
     name: str
     anchor: Rigid | Mean
     mesh: Mesh
-    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    color: Color = (1.0, 1.0, 1.0)
     opacity: float = 1.0
     on_top: int = 0
     shine: float = 0.0
@@ -131,7 +123,7 @@ class Label:
     group: str
     text: str
     anchor: Rigid | Mean
-    color: tuple[float, float, float] = (0.15, 0.17, 0.2)
+    color: Color = (0.15, 0.17, 0.2)
 
 
 @dataclass(frozen=True, eq=False)

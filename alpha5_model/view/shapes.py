@@ -1,17 +1,18 @@
-"""Small triangle meshes that explain: arrows, balls, axes, tubes along curves.
+"""Triangle meshes: arrows, balls, axes, boxes, solids of revolution, tubes along curves.
 
-Every body is a `Mesh` with a normal at each corner, so that the page and the picture shade it alike.
+Every shape is a `Mesh` with a normal at each corner, so that the page and the picture shade it alike.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.spatial import transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,27 +31,24 @@ class Mesh:
     faces: NDArray[np.uint32]
     colors: FloatArray | None = None
 
-    def moved(self, transform: FloatArray) -> Mesh:
-        """The same mesh after a rigid transform (4, 4)."""
-        rotation = transform[:3, :3]
-        return Mesh(
-            self.vertices @ rotation.T + transform[:3, 3],
-            self.normals @ rotation.T,
-            self.faces,
-            self.colors,
-        )
+    def moved(self, pose: FloatArray) -> Mesh:
+        """The same mesh after a rigid motion (4, 4)."""
+        turn, shift = pose[:3, :3].T, pose[:3, 3]
+        return replace(self, vertices=self.vertices @ turn + shift, normals=self.normals @ turn)
+
+    def painted(self, color: ArrayLike) -> Mesh:
+        """The same mesh in one colour (3,)."""
+        return replace(self, colors=np.tile(np.asarray(color, np.float64), (len(self.vertices), 1)))
 
 
 def join(meshes: list[Mesh]) -> Mesh:
     """Several meshes as one; colours are kept if all have them."""
-    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])], dtype=np.uint32)
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
     return Mesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
         np.concatenate([mesh.normals for mesh in meshes]),
-        np.concatenate(
-            [mesh.faces + np.uint32(start) for mesh, start in zip(meshes, offsets, strict=True)]
-        ),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
         np.concatenate(colors) if len(colors) == len(meshes) else None,
     )
 
@@ -63,104 +61,95 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
     points = np.asarray(profile, dtype=np.float64)
     angles = np.linspace(0.0, 2 * np.pi, sides + 1)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+    def circle(radius: float, z: float) -> FloatArray:
+        return np.column_stack([radius * ring, np.full(sides + 1, z)])
+
     parts = []
     for (r0, z0), (r1, z1) in pairwise(points):
         slope = np.hypot(r1 - r0, z1 - z0)
-        if slope == 0.0:
-            continue
-        normal = np.column_stack(
-            [ring * (z1 - z0) / slope, np.full(sides + 1, (r0 - r1) / slope)],
-        )
-        low = np.column_stack([ring * r0, np.full(sides + 1, z0)])
-        high = np.column_stack([ring * r1, np.full(sides + 1, z1)])
-        i = np.arange(sides, dtype=np.uint32)
-        a, b, c, d = i, i + 1, i + sides + 2, i + sides + 1
-        faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-        parts.append(Mesh(np.concatenate([low, high]), np.concatenate([normal, normal]), faces))
+        if slope > 0.0:
+            vertices = np.concatenate([circle(r0, z0), circle(r1, z1)])
+            normals = np.tile(circle((z1 - z0) / slope, (r0 - r1) / slope), (2, 1))
+            parts.append(Mesh(vertices, normals, _grid(2, sides + 1)))
     return join(parts)
+
+
+def quads(corners: FloatArray, normals: ArrayLike) -> Mesh:
+    """Flat quadrilaterals, corners (N, 4, 3) counter-clockwise from outside, normals (N, 3) or (3,)."""
+    each = np.broadcast_to(np.asarray(normals, np.float64), (len(corners), 3))
+    faces = _triangles(4 * np.arange(len(corners)), 1, 2, 3)
+    return Mesh(corners.reshape(-1, 3), np.repeat(each, 4, axis=0), faces)
+
+
+def box(size: ArrayLike) -> Mesh:
+    """A box about the origin with edges along the axes, (3,) [m]."""
+    side = np.array([[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]) / 2
+    # A point mirrored at the origin turns its side around: the order of the corners is reversed.
+    sides = [np.roll(sign * side[::sign], k, axis=1) for sign in (1, -1) for k in range(3)]
+    corners = np.array(sides)
+    return quads(corners * np.asarray(size), 2.0 * corners.mean(axis=1))
 
 
 def arrow(vector: ArrayLike, radius: float) -> Mesh:
     """An arrow from the origin along a vector (3,) [m], shaft of the given radius [m]."""
     direction = np.asarray(vector, dtype=np.float64)
     length = float(np.linalg.norm(direction))
-    head = min(5.0 * radius, 0.6 * length)
-    profile = [
-        (0.0, 0.0),
-        (radius, 0.0),
-        (radius, length - head),
-        (2.2 * radius, length - head),
-        (0.0, length),
-    ]
-    return lathe(profile).moved(_z_towards(direction))
+    neck = length - min(5.0 * radius, 0.6 * length)
+    outline = [(0.0, 0.0), (radius, 0.0), (radius, neck), (2.2 * radius, neck), (0.0, length)]
+    return lathe(outline).moved(_z_towards(direction))
 
 
 def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) -> Mesh:
     """A sphere at the origin with octants of two colours, the drawing sign for a centre."""
+    angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
+    azimuth, polar = (angle.ravel() for angle in np.meshgrid(angles, angles, indexing="ij"))
+    octant = np.column_stack(
+        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]
+    )
+    faces = _grid(len(angles), len(angles))
     parts = []
-    quarter = sides // 4
-    grid = np.linspace(0.0, np.pi / 2, quarter + 1)
-    azimuth, polar = np.meshgrid(grid, grid, indexing="ij")
-    octant = np.stack(
-        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
-    ).reshape(-1, 3)
-    i, j = np.meshgrid(np.arange(quarter), np.arange(quarter), indexing="ij")
-    a = (i * (quarter + 1) + j).ravel().astype(np.uint32)
-    b, c, d = a + np.uint32(1), a + np.uint32(quarter + 2), a + np.uint32(quarter + 1)
-    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    for signs in np.ndindex(2, 2, 2):
-        mirror = 1.0 - 2.0 * np.array(signs)
-        points = octant * mirror
-        odd = sum(signs) % 2 == 1
-        color = np.asarray(second if odd else first, dtype=np.float64)
-        parts.append(
-            Mesh(
-                radius * points,
-                points,
-                faces[:, ::-1] if odd else faces,
-                np.tile(color, (len(points), 1)),
-            )
-        )
+    for signs in product((1.0, -1.0), repeat=3):
+        points, odd = octant * signs, np.prod(signs) < 0
+        part = Mesh(radius * points, points, faces[:, ::-1] if odd else faces)
+        parts.append(part.painted(second if odd else first))
     return join(parts)
 
 
 def triad(length: float, radius: float) -> Mesh:
     """Axes of a frame: x red, y green, z blue."""
     colors = np.array([[0.86, 0.16, 0.16], [0.16, 0.62, 0.2], [0.16, 0.36, 0.9]])
-    parts = []
-    for axis, color in zip(np.eye(3), colors, strict=True):
-        part = arrow(length * axis, radius)
-        parts.append(
-            Mesh(part.vertices, part.normals, part.faces, np.tile(color, (len(part.vertices), 1)))
-        )
-    return join(parts)
+    axes = zip(length * np.eye(3), colors, strict=True)
+    return join([arrow(axis, radius).painted(color) for axis, color in axes])
 
 
 def tube(points: FloatArray, radius: float, sides: int = 6) -> Mesh:
     """A thin tube along a polyline (N, 3) [m]: a line that keeps its width in every renderer."""
     parts = []
     for start, end in pairwise(points):
-        step = end - start
-        length = float(np.linalg.norm(step))
+        length = float(np.linalg.norm(end - start))
         if length > 0.0:
-            pose = _z_towards(step)
-            pose[:3, 3] = start
             # a little longer than the segment, so that corners close
             profile = [(radius, -radius / 2), (radius, length + radius / 2)]
-            parts.append(lathe(profile, sides).moved(pose))
+            parts.append(lathe(profile, sides).moved(_z_towards(end - start, start)))
     return join(parts)
 
 
-def sheet(points: FloatArray, faces: NDArray[np.uint32], normal: ArrayLike) -> Mesh:
-    """A flat sheet of triangles with one normal."""
-    return Mesh(points, np.tile(np.asarray(normal, dtype=np.float64), (len(points), 1)), faces)
+def _grid(rows: int, columns: int) -> NDArray[np.uint32]:
+    """Triangles between vertices in a grid, numbered row by row."""
+    first = np.arange(rows * columns).reshape(rows, columns)[:-1, :-1]
+    return _triangles(first.ravel(), 1, columns + 1, columns)
 
 
-def _z_towards(direction: FloatArray) -> FloatArray:
+def _triangles(first: NDArray[np.intp], b: int, c: int, d: int) -> NDArray[np.uint32]:
+    """Two triangles for each quadrilateral with corners at ``first`` (N,) and b, c, d after it."""
+    pair = np.array([[0, b, c], [0, c, d]], np.uint32)
+    return (first[:, None, None].astype(np.uint32) + pair).reshape(-1, 3)
+
+
+def _z_towards(direction: FloatArray, origin: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
+    """Pose (4, 4) of a frame at a point with its z axis along a direction."""
     z = direction / np.linalg.norm(direction)
-    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = np.cross(helper, z)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
     x /= np.linalg.norm(x)
-    pose = np.eye(4)
-    pose[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    return pose
+    return transform(np.column_stack([x, np.cross(z, x), z]), origin)

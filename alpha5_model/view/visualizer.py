@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import meshcat
@@ -26,16 +28,15 @@ from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import float_array, real
+from alpha5_model.checks import float_array, real, shaped
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
 from alpha5_model.view.arm_poses import link_poses
 from alpha5_model.view.commands import Command, pose_commands, scene_commands, set_visible
 from alpha5_model.view.page import live_page, static_page
-from alpha5_model.view.scene import GROUPS, Scene
+from alpha5_model.view.scene import DRAWN, Scene
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-
 
 _HOST = "127.0.0.1"
 
@@ -60,19 +61,6 @@ class _Connection(WebSocketHandler):  # type: ignore[misc]
         self.bridge.websocket_pool.discard(self)
 
 
-class _Application(tornado.web.Application):
-    """Serves on a socket that is open already, where meshcat's would open one to the network."""
-
-    def __init__(self, handlers: list[Any], opened: socket.socket) -> None:
-        super().__init__(handlers)
-        self._socket = opened
-
-    def listen(self, port: int, address: str | None = None, **options: Any) -> Any:
-        self.server = tornado.httpserver.HTTPServer(self)
-        self.server.add_sockets([self._socket])
-        return self.server
-
-
 class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
     def __init__(
         self,
@@ -83,18 +71,18 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         self._opened, self._live, self._static = opened, live, static
         super().__init__(host=_HOST, port=opened.getsockname()[1])
 
-    def make_app(self) -> _Application:
-        page = {"html": self._live}
-        return _Application(
-            [
-                (r"/static/?", _Page, page),
-                (r"/", _Connection, {"bridge": self}),
-            ],
-            self._opened,
-        )
+    def make_app(self) -> Any:
+        handlers: list[Any] = [
+            (r"/static/?", _Page, {"html": self._live}),
+            (r"/", _Connection, {"bridge": self}),
+        ]
+        self.server = tornado.httpserver.HTTPServer(tornado.web.Application(handlers))
+        self.server.add_sockets([self._opened])
+        # meshcat would listen to the whole network here; this server's socket is open already.
+        return SimpleNamespace(listen=lambda port: None)
 
     def setup_zmq(self, url: str) -> tuple[Any, Any, str]:
-        # A port of the system's choice: meshcat would try 6000, 6001, ... aloud.
+        # A port of the system's choice: meshcat would try 6000, 6001, ... and print each.
         host = url.rsplit(":", 1)[0]
         endpoint, stream, _ = super().setup_zmq(f"{host}:*")
         return endpoint, stream, endpoint.getsockopt(zmq.LAST_ENDPOINT).decode().rstrip("\0")
@@ -146,7 +134,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
     def move(self, commands: Iterable[Command]) -> None:
         """Send many transforms at once: a pose of the arm is one step, not a question and answer each."""
         bridge, done = self._bridge, threading.Event()
-        moves = [(c.content["path"].strip("/").split("/"), c.packed()) for c in commands]
+        moves = [(c["path"].strip("/").split("/"), c.packed()) for c in commands]
 
         def apply() -> None:
             for path, data in moves:
@@ -164,7 +152,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         def stop() -> None:
             for connection in list(bridge.websocket_pool):
                 connection.close()
-            bridge.app.server.stop()
+            bridge.server.stop()
             bridge.zmq_stream.close()
             bridge.ioloop.stop()
 
@@ -178,17 +166,14 @@ def _open(port: int) -> socket.socket:
     """A listening socket on this machine only."""
     if not isinstance(port, int) or not 0 <= port <= 65535:
         raise InputError("port", port, "a number from 0 to 65535")
-    opened = socket.socket()
     try:
-        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        opened.bind((_HOST, port))
-        opened.listen(128)
-        opened.setblocking(False)
+        opened = socket.create_server((_HOST, port))
     except OSError as error:
-        opened.close()
         if error.errno == errno.EADDRINUSE:
             raise PortInUseError(port) from None
-        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
+        reason = os.strerror(error.errno or 0)
+        raise InputError("port", port, f"one that may be opened ({reason})") from None
+    opened.setblocking(False)
     return opened
 
 
@@ -197,7 +182,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     Attributes:
         arm: What it shows.
-        scene: Everything that can be seen of it, as it stands.
+        scene: What is drawn of it, as it stands.
     """
 
     __slots__ = ["arm", "scene"]
@@ -216,9 +201,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def display(self, q: ArrayLike) -> None:
         """Show the arm at joint positions q (nq,)."""
-        position = float_array("q", q, (self.arm.model.nq,))
-        if position.ndim != 1:
-            raise ShapeError("q", position.shape, f"shape ({self.arm.model.nq},)")
+        position = shaped("q", q, (self.arm.model.nq,))
         poses = link_poses(self.arm, self.scene.tree, position)
         joints = position[len(position) - len(self.scene.sliders) :]
         self.scene = replace(self.scene, q=joints, poses=poses)
@@ -238,17 +221,22 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if track.ndim != 2 or len(track) < 1:
             raise ShapeError("q", track.shape, f"shape (N, {self.arm.model.nq})")
         step = real("dt", dt, minimum=0.0, strict=True)
-        start = time.perf_counter()
-        for row in _due(len(track), step, start):
-            self.display(track[row])
+        start, row = time.perf_counter(), -1
+        while row < len(track) - 1:
+            passed = time.perf_counter() - start
+            due = min(int(passed / step), len(track) - 1)
+            if due > row:
+                row = due
+                self.display(track[row])
+            else:
+                time.sleep((row + 1) * step - passed)
         return time.perf_counter() - start
 
     def show(self, *groups: str, visible: bool = True) -> None:
-        """Show or hide groups of `alpha5_model.view.scene.GROUPS`."""
+        """Show or hide groups of `alpha5_model.view.scene.DRAWN`."""
         for group in groups:
-            if group not in GROUPS or group in ("labels", "see-through"):
-                known = ", ".join(g for g in GROUPS if g not in ("labels", "see-through"))
-                raise InputError("group", group, f"one of {known}")
+            if group not in DRAWN:
+                raise InputError("group", group, f"one of {', '.join(DRAWN)}")
             self.window.send(set_visible(group, visible))
             others = tuple(name for name in self.scene.show if name != group)
             self.scene = replace(self.scene, show=(*others, group) if visible else others)
@@ -256,16 +244,3 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def close(self) -> None:
         """Stop the server and free its port."""
         self.window.close()
-
-
-def _due(count: int, step: float, start: float) -> Iterator[int]:
-    """The sample that is due, again and again, until the last has been shown."""
-    row = -1
-    while row < count - 1:
-        now = time.perf_counter() - start
-        due = min(int(now / step), count - 1)
-        if due == row:
-            time.sleep((row + 1) * step - now)
-            continue
-        row = due
-        yield row
