@@ -236,6 +236,7 @@ def test_dummies_are_named_together():
     one = found(comparison, "link_4", "camera has 100 g and 0.05 kg m^2")
     assert "a radius of gyration of 0.71 m" in one.text
     assert "dummy" not in one.text
+    assert one.instead == ""  # it has a mass, so it needs an inertia
     # 0.6 m is the arm's reach: 0.36 m^2
     for inertia, named in (("3.5e-5", False), ("3.7e-5", True)):
         root = edited()

@@ -374,6 +374,12 @@ def test_the_printed_i_link_of_either_revision_is_named(body):
     for whose, numbers in ((NEW, document), (OLD, OLD_INERTIA_LINK[body])):
         assert inertia_reason(body, tensor(numbers)) == f"{whose}, {I_LINK}"
         assert inertia_reason(body, tensor(numbers, +1)) == f"{whose}, {I_LINK}, {SOLIDWORKS}"
+        # pasted as it is printed into a frame that is not the document's
+        axes = f"in axes that are not those of inertial frame {{{body}}}"
+        assert (
+            inertia_reason(body, tensor(numbers, +1), ASTRAY)
+            == f"{whose}, {I_LINK}, {SOLIDWORKS}, {axes}"
+        )
 
 
 def test_tensors_in_other_axes_of_other_masses_and_units():

@@ -143,7 +143,8 @@ def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
             f"{dummy}{names} {'have' if many else 'has'} {mass * 1e3:g} g and {largest:g} kg m^2: a "
             f"radius of gyration of {math.sqrt(largest / mass):.2f} m, more than the whole arm"
         )
-        yield Finding(name, text, instead=f"no <inertial> in {names}")
+        # a body with a mass of its own needs its tensor, not none: that is another finding
+        yield Finding(name, text, instead=f"no <inertial> in {names}" if dummy else "")
 
 
 def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, str]:

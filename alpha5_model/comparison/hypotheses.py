@@ -138,6 +138,9 @@ def wrong_tensors(ours: FourJointArm, body: int) -> tuple[Hypothesis, ...]:
         own, moved = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
         for tensor in (table.inertia_link[body], own + moved):
             sources.append(Hypothesis(f"{table.numbers}, {I_LINK}", tensor, 1))
+            # Pasted as the document prints it: one slip, although two things are wrong.
+            words = f"{table.numbers}, {I_LINK}, {SOLIDWORKS}"
+            sources.append(Hypothesis(words, flip_products(tensor), 1))
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append(Hypothesis(words, own - moved, 1))
     signs = [
