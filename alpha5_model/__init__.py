@@ -21,6 +21,8 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from alpha5_model import actuators as actuators
+    from alpha5_model import dh as dh
+    from alpha5_model import planar as planar
     from alpha5_model import trajectory as trajectory
     from alpha5_model.comparison.report import compare as compare
     from alpha5_model.consistency.document import audit as audit
@@ -35,16 +37,14 @@ if TYPE_CHECKING:
     from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
     from alpha5_model.fluids import SEA_WATER as SEA_WATER
     from alpha5_model.fluids import gravity_in_base as gravity_in_base
-    from alpha5_model.kinematics import dh as dh
-    from alpha5_model.kinematics import planar as planar
     from alpha5_model.kinematics import workspace as workspace
-    from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
-    from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
-    from alpha5_model.kinematics.ik_path import inverse_kinematics_path as inverse_kinematics_path
-    from alpha5_model.kinematics.ik_pose import inverse_kinematics_pose as inverse_kinematics_pose
-    from alpha5_model.kinematics.ik_published import (
+    from alpha5_model.kinematics.ik.path import inverse_kinematics_path as inverse_kinematics_path
+    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose as inverse_kinematics_pose
+    from alpha5_model.kinematics.ik.published import (
         published_inverse_kinematics as published_inverse_kinematics,
     )
+    from alpha5_model.kinematics.ik.solutions import BRANCHES as BRANCHES
+    from alpha5_model.kinematics.ik.solutions import inverse_kinematics as inverse_kinematics
     from alpha5_model.kinematics.reach import distance_to_reach as distance_to_reach
     from alpha5_model.kinematics.reach import nearest_reachable as nearest_reachable
     from alpha5_model.kinematics.reach import reachable as reachable
@@ -61,15 +61,15 @@ _DEFINED = {
     "dynamics.loading": ("load", "robot_wrapper"),
     "dynamics.self_collision": ("without_self_collision",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
-    "kinematics.ik": ("BRANCHES", "inverse_kinematics"),
-    "kinematics.ik_path": ("inverse_kinematics_path",),
-    "kinematics.ik_pose": ("inverse_kinematics_pose",),
-    "kinematics.ik_published": ("published_inverse_kinematics",),
+    "kinematics.ik.solutions": ("BRANCHES", "inverse_kinematics"),
+    "kinematics.ik.path": ("inverse_kinematics_path",),
+    "kinematics.ik.pose": ("inverse_kinematics_pose",),
+    "kinematics.ik.published": ("published_inverse_kinematics",),
     "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
     "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
 }
 #: Public modules.
-_MODULES = ("actuators", "kinematics.dh", "kinematics.planar", "kinematics.workspace", "trajectory")
+_MODULES = ("actuators", "dh", "planar", "kinematics.workspace", "trajectory")
 _PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
 _PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
 

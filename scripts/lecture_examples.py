@@ -19,10 +19,10 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.consistency.lecture import PRINTED_TABLE
+from alpha5_model.dh.arm_types import classify, task_capability
+from alpha5_model.dh.dexterity import spatial_conditions
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.approach import approach_directions
-from alpha5_model.kinematics.arm_types import classify, task_capability
-from alpha5_model.kinematics.dexterous import spatial_conditions
 from alpha5_model.view.planar_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2

@@ -48,7 +48,16 @@ PACKAGE = REPOSITORY / "alpha5_model"
 SOURCES = {
     f.relative_to(PACKAGE): f.read_text(encoding="utf-8") for f in sorted(PACKAGE.rglob("*.py"))
 }
-ROOMS = ("comparison", "consistency", "description", "dynamics", "kinematics", "trajectory")
+ROOMS = (
+    "comparison",
+    "consistency",
+    "description",
+    "dh",
+    "dynamics",
+    "kinematics",
+    "planar",
+    "trajectory",
+)
 #: Tests that drive a browser, a clock or a picture: no room of these is theirs.
 NOT_ASKED = ("test_view_", "test_benchmark", "test_demo")
 #: Imported before the forks; the package itself is not, each child imports its own.

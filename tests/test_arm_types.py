@@ -12,16 +12,16 @@ from literature import PUMA_560, STANFORD
 from scipy.optimize import brentq
 
 import alpha5_model as a5
-from alpha5_model.errors import InputError, NonFiniteError, ShapeError
-from alpha5_model.kinematics.approach import approach_directions
-from alpha5_model.kinematics.arm_types import classify, matrix_rank, task_capability
-from alpha5_model.kinematics.dexterous import (
+from alpha5_model.dh import DHChain, DHLink
+from alpha5_model.dh.arm_types import classify, matrix_rank, task_capability
+from alpha5_model.dh.dexterity import (
     even_rotations,
     orientation_freedom,
     spatial_conditions,
     spatial_dexterity,
 )
-from alpha5_model.kinematics.dh import DHChain, DHLink
+from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.kinematics.approach import approach_directions
 
 Q = math.pi / 2
 X, Y, Z = np.eye(3)

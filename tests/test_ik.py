@@ -11,8 +11,8 @@ from fk import FOLDED, STRETCHED, fk, sample, tip
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.kinematics.ik_fast import fast_solver
-from alpha5_model.kinematics.ik_one import solve_one
+from alpha5_model.kinematics.ik.fast import fast_solver
+from alpha5_model.kinematics.ik.one import solve_one
 
 TAU = 2 * math.pi
 

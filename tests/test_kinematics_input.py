@@ -9,16 +9,10 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
+from alpha5_model import planar
+from alpha5_model.dh import arm_types, dexterity, dh_transform, frame_assignment, pinocchio
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
-from alpha5_model.kinematics import (
-    approach,
-    arm_types,
-    dexterous,
-    dh_link,
-    dh_pinocchio,
-    frame_assignment,
-    planar,
-)
+from alpha5_model.kinematics import approach
 
 space = a5.workspace
 CHAIN = a5.dh.DHChain.alpha5()
@@ -69,13 +63,13 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (a5.dh.DHChain.from_table, {"rows": [[0, 0, 1, 0, 0]], "joint_names": ()}),
     (a5.dh.DHChain.alpha5, {"corrections": ()}),
     (a5.dh.DHChain.from_pinocchio, {"model": MODEL, "frame": None}),
-    (dh_pinocchio.pinocchio_axes, {"model": MODEL, "frame": None}),
+    (pinocchio.pinocchio_axes, {"model": MODEL, "frame": None}),
     (a5.dh.DHChain.from_urdf, {"path": a5.URDF_PATH, "frame": None}),
     (CHAIN.frames, {"q": Q}),
     (CHAIN.forward_kinematics, {"q": Q, "frame": "tool"}),
     (CHAIN.joint_axes, {"q": Q}),
     (CHAIN.jacobian, {"q": Q, "frame": 2}),
-    (dh_link.dh_transform, {"theta": 0.0, "d": 0.0, "a": 0.0, "alpha": 0.0}),
+    (dh_transform, {"theta": 0.0, "d": 0.0, "a": 0.0, "alpha": 0.0}),
     (
         a5.dh.DHLink,
         {"theta": 0.0, "d": 0.0, "a": 1.0, "alpha": 0.0, "sigma": 0, "lower": -1.0, "upper": 1.0},
@@ -95,13 +89,13 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"chain": CHAIN, "count": 2, "rng": np.random.default_rng(0)},
     ),
     (arm_types.chain_size, {"chain": CHAIN}),
-    (dexterous.spatial_conditions, {"chain": CHAIN}),
-    (dexterous.orientation_freedom, {"chain": CHAIN, "q": Q}),
+    (dexterity.spatial_conditions, {"chain": CHAIN}),
+    (dexterity.orientation_freedom, {"chain": CHAIN, "q": Q}),
     (
-        dexterous.spatial_dexterity,
+        dexterity.spatial_dexterity,
         {"chain": CHAIN, "positions": P, "orientations": 2, "starts": 1, "steps": 2, "seed": 0},
     ),
-    (dexterous.even_rotations, {"number": 3}),
+    (dexterity.even_rotations, {"number": 3}),
     (planar.PlanarArm, {"lengths": (5.0, 4.0), "limits": None, "joints": "RR", "angles": None}),
     (ARM.part, {"start": 0, "stop": 1}),
     (ARM.poses, {"q": [0.0, 0, 0]}),

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
+from alpha5_model.dh import DHChain, DHLink
+from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.kinematics.arm_types import classify, task_capability
-from alpha5_model.kinematics.dh import DHChain, DHLink
 
 
 def dh(

@@ -10,8 +10,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.ik.solutions import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 
 

@@ -11,7 +11,7 @@ import typer
 from alpha5_model.cli.options import words_beside
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
-from alpha5_model.kinematics.planar import (
+from alpha5_model.planar import (
     PlanarArm,
     dexterity_map,
     dexterous_area,

@@ -15,8 +15,8 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import AuditRow, audited, figure
 from alpha5_model.consistency.units import GRAVITY
+from alpha5_model.dh import DHChain
 from alpha5_model.fluids import AIR, FRESH_WATER
-from alpha5_model.kinematics.dh import DHChain
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import ActuatorRow, Published

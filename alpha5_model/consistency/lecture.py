@@ -15,8 +15,8 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share
-from alpha5_model.kinematics.planar import PlanarArm, dexterity, dexterous_area, theorem_row
 from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.planar import PlanarArm, dexterity, dexterous_area, theorem_row
 from alpha5_model.spatial import rotation_about, transform
 
 #: Whole link lengths that are tried; sums and halves of them are exact.

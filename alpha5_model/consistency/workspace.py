@@ -12,7 +12,7 @@ import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, rounding_bound, si
-from alpha5_model.kinematics.dh import DHChain
+from alpha5_model.dh import DHChain
 from alpha5_model.kinematics.reach import reachable
 from alpha5_model.kinematics.workspace import published_errors, sampled_share, singular_elbow_angles
 from alpha5_model.parameters import Alpha5Parameters

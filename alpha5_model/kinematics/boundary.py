@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from alpha5_model import planar
 from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
-from alpha5_model.kinematics import planar
-from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik_batch import reached
-from alpha5_model.kinematics.planar.arrangement import bounds, united
-from alpha5_model.kinematics.planar.workspace import RELATIVE_STEP, RELATIVE_TOLERANCE
+from alpha5_model.kinematics.ik.batch import reached
+from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
+from alpha5_model.planar.arrangement import bounds, united
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")

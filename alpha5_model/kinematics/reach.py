@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, flag, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
-from alpha5_model.kinematics.ik_batch import reached, solve_batch
-from alpha5_model.kinematics.ik_one import on_axis
+from alpha5_model.kinematics.ik.batch import reached, solve_batch
+from alpha5_model.kinematics.ik.one import on_axis
+from alpha5_model.kinematics.plane import arm_plane
 
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array, real
-from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import wrap
 
 

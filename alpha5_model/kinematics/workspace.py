@@ -25,7 +25,6 @@ from alpha5_model.checks import (
     real,
     together,
 )
-from alpha5_model.kinematics.arm_plane import arm_plane
 from alpha5_model.kinematics.boundary import (
     SIDES,
     Arc,
@@ -36,6 +35,7 @@ from alpha5_model.kinematics.boundary import (
     in_half_plane,
     trace,
 )
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.kinematics.reach import (
     Accept,
     allowed_azimuth,

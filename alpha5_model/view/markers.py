@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint
-from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.kinematics.ik.solutions import BRANCHES, inverse_kinematics
 from alpha5_model.spatial import transform
 from alpha5_model.view.arm_poses import link_poses
 from alpha5_model.view.scene import WORLD, Color, Label, Load, Mean, Rigid, Shape

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.kinematics.planar import (
+from alpha5_model.planar import (
     Arc,
     Curve,
     PlanarArm,

@@ -14,7 +14,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.paths import URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
 from alpha5_model.view.figures import (

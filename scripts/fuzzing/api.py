@@ -185,7 +185,8 @@ def _limits(rng: Rng) -> Any:
 
 def _targets() -> dict[str, Target]:
     dh, planar, motor = a5.dh, a5.planar, a5.actuators
-    from alpha5_model.kinematics import arm_types, dexterous, dh_link, singularities
+    from alpha5_model.dh import arm_types, dexterity
+    from alpha5_model.kinematics import singularities
 
     two = lambda rng: rng.normal(0, 2, pick(rng, ((2,), (3, 2))))  # noqa: E731
     plain: dict[str, Callable[..., Any]] = {
@@ -196,11 +197,10 @@ def _targets() -> dict[str, Target]:
         (inertia, ("flip_products", "point_mass_tensor", "tensor_at_origin", "tensor_at_com", "rotate_tensor", "combine", "second_moments", "pseudo_inertia", "principal_moments", "radii_of_gyration", "inconsistencies")),
         (a5.workspace, ("published_reachable", "cross_section_area", "volume", "published_but_unreachable", "reachable_but_unpublished")),
         (singularities, ("singularities", "manipulability")),
-        (dh_link, ("dh_transform", "DHLink")),
-        (dh, ("DHChain.from_table", "DHChain.from_urdf")),
+        (dh, ("dh_transform", "DHLink", "DHChain.from_table", "DHChain.from_urdf")),
         (planar, ("theorem_radii", "theorem_row", "lecture_theorem")),
         (motor, ("actuator",)),
-        (dexterous, ("even_rotations",)),
+        (dexterity, ("even_rotations",)),
         (a5.trajectory, ("read_motion",)),
     ):  # fmt: skip
         for name in names:
@@ -209,7 +209,7 @@ def _targets() -> dict[str, Target]:
                 call = getattr(call, part)
             plain[f"{module.__name__.split('.')[-1]}.{name}"] = call
     targets = {name: of(lambda rng, call=call: call) for name, call in plain.items()}
-    targets["DHLink"] = targets.pop("dh_link.DHLink")
+    targets["DHLink"] = targets.pop("dh.DHLink")
     targets |= {f"Arm.{method}": _arm_target(method) for method in METHODS}
     targets["Solutions.best"] = of(lambda rng: _solutions(rng).best)
     for method in ("frames", "forward_kinematics", "jacobian", "joint_axes", "to_urdf"):
@@ -217,8 +217,8 @@ def _targets() -> dict[str, Target]:
     for function in (
         arm_types.classify,
         arm_types.task_capability,
-        dexterous.orientation_freedom,
-        dexterous.spatial_dexterity,
+        dexterity.orientation_freedom,
+        dexterity.spatial_dexterity,
     ):
         targets[function.__name__] = of(lambda rng, f=function: f, chain=_chain)
     targets["PlanarArm"] = of(lambda rng: planar.PlanarArm, limits=_limits, angles=lambda rng: None)

@@ -31,8 +31,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, instance, listed
 from alpha5_model.errors import ShapeError
-from alpha5_model.kinematics.planar.arrangement import Edge, bounds, united
-from alpha5_model.kinematics.planar.curves import (
+from alpha5_model.planar.arrangement import Edge, bounds, united
+from alpha5_model.planar.curves import (
     TURN,
     Arc,
     Curve,
@@ -40,7 +40,7 @@ from alpha5_model.kinematics.planar.curves import (
     circle_hits,
     line_hits,
 )
-from alpha5_model.kinematics.planar.linkage import Linkage
+from alpha5_model.planar.linkage import Linkage
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9

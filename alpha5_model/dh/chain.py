@@ -26,14 +26,12 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, instance, listed, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.dh.frame_assignment import assign_frames
+from alpha5_model.dh.link import DHLink, dh_transform
+from alpha5_model.dh.pinocchio import pinocchio_axes, urdf_model
+from alpha5_model.dh.urdf import urdf_text
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.kinematics.dh_link import DHLink, dh_transform
-from alpha5_model.kinematics.dh_pinocchio import pinocchio_axes, urdf_model
-from alpha5_model.kinematics.dh_urdf import urdf_text
-from alpha5_model.kinematics.frame_assignment import assign_frames
 from alpha5_model.parameters import parameters
-
-__all__ = ["DHChain", "DHLink", "Frame", "dh_transform"]
 
 #: A frame of a chain: the number j of {j}, or the tool.
 Frame = int | Literal["tool"]
@@ -155,7 +153,7 @@ class DHChain:
         return cls(links, base, tool, **options)
 
     def to_urdf(self) -> str:
-        """The chain as URDF text; see `dh_urdf.urdf_text`."""
+        """The chain as URDF text; see `urdf.urdf_text`."""
         rows = zip(self.joint_names, self.links, strict=True)
         return urdf_text(self.name, self.base, self.tool, rows)
 

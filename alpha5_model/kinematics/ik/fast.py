@@ -1,8 +1,8 @@
 """Inverse kinematics of one target, as fast as plain Python gets, away from every edge.
 
-The formulas of `alpha5_model.kinematics.ik`, written out for speed: constants bound once, no tuple of
+The formulas of `alpha5_model.kinematics.ik.solutions`, written out for speed: constants bound once, no tuple of
 limits to walk, no edge to treat. Where rounding could matter, at the edge of reach, beside a joint
-limit or near the yaw axis, the answer is None and `alpha5_model.kinematics.ik_one` has the word.
+limit or near the yaw axis, the answer is None and `alpha5_model.kinematics.ik.one` has the word.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from struct import Struct
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.ik_one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants, solve_one
+from alpha5_model.kinematics.ik.one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants, solve_one
 
 #: q (4, 4), exists (4,), within_limits (4,), singular (), position (3,), all read-only.
 Answer = tuple[FloatArray, BoolArray, BoolArray, BoolArray, FloatArray]

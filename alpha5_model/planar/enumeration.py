@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, count, float_array, instance
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.planar.curves import TURN
-from alpha5_model.kinematics.planar.workspace import PlanarArm
+from alpha5_model.planar.arm import PlanarArm
+from alpha5_model.planar.curves import TURN
 
 
 @dataclass(frozen=True, eq=False)

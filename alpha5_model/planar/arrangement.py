@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.planar.curves import (
+from alpha5_model.planar.curves import (
     TURN,
     Arc,
     Curve,

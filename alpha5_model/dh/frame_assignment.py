@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, listed, real, rigid_transform
+from alpha5_model.dh.link import DHLink
 from alpha5_model.errors import InputError, ShapeError
-from alpha5_model.kinematics.dh_link import DHLink
 
 
 def assign_frames(

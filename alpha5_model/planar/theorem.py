@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 from alpha5_model.checks import instance, real
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.planar.workspace import PlanarArm, annulus
+from alpha5_model.planar.arm import PlanarArm, annulus
 
 #: Equality counts in every condition here; lengths this share of the whole apart count as equal.
 ROUNDING = 1e-14

@@ -21,15 +21,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, count, float_array, generator, instance
-from alpha5_model.kinematics.arm_types import (
+from alpha5_model.dh.arm_types import (
     GENERAL,
     chain_size,
     matrix_rank,
     sample_configurations,
     task_capability,
 )
-from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.planar import Conditions
+from alpha5_model.dh.chain import DHChain
+from alpha5_model.planar import Conditions
 
 #: A pose counts as reached within this share of the arm's size, and this angle [rad].
 POSE_TOLERANCE = 1e-6

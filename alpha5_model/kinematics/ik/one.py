@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.arm_plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane
 
 #: A target this far beyond the edge of reach [m] is on it: rounding must not lose a solution.
 EDGE_TOLERANCE = 1e-10

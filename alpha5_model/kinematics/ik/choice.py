@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
-from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik_one import LIMIT_TOLERANCE, on_axis
+from alpha5_model.kinematics.ik.one import LIMIT_TOLERANCE, on_axis
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.kinematics.reach import nearest_reachable, reachable
 from alpha5_model.parameters import parameters
 
@@ -28,7 +28,7 @@ class HasBranches(Protocol):
 
 
 def nearest_solution(solutions: HasBranches, q_reference: ArrayLike) -> FloatArray:
-    """`alpha5_model.kinematics.ik.Solutions.best`."""
+    """`alpha5_model.kinematics.ik.solutions.Solutions.best`."""
     require_solution(solutions)
     q, reference = candidates(solutions, q_reference)
     return pick(q, reference, solutions.within_limits)

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, generator, instance
 from alpha5_model.checks import count as whole_number
+from alpha5_model.dh.chain import DHChain
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.dh import DHChain
 
 #: Singular values below this count as zero; lengths are divided by the arm's size first.
 RANK_TOLERANCE = 1e-8

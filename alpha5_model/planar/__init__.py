@@ -1,9 +1,10 @@
 """Planar arms: workspace, dexterous workspace, the lecture notes' theorem."""
 
-from alpha5_model.kinematics.planar.arrangement import Edge
-from alpha5_model.kinematics.planar.curves import Arc, Curve, Segment
-from alpha5_model.kinematics.planar.dexterity import DexterityMap, dexterity, dexterity_map
-from alpha5_model.kinematics.planar.dexterous import (
+from alpha5_model.planar.arm import PlanarArm, Workspace, annulus, workspace
+from alpha5_model.planar.arrangement import Edge
+from alpha5_model.planar.curves import Arc, Curve, Segment
+from alpha5_model.planar.enumeration import DexterityMap, dexterity, dexterity_map
+from alpha5_model.planar.theorem import (
     Conditions,
     TheoremRow,
     dexterous_area,
@@ -14,7 +15,6 @@ from alpha5_model.kinematics.planar.dexterous import (
     theorem_row,
     turns_fully,
 )
-from alpha5_model.kinematics.planar.workspace import PlanarArm, Workspace, annulus, workspace
 
 __all__ = [
     "Arc",

@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
-from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.ik import Solutions, inverse_kinematics
-from alpha5_model.kinematics.ik_choice import require_solution
-from alpha5_model.kinematics.ik_one import on_axis
+from alpha5_model.kinematics.ik.choice import require_solution
+from alpha5_model.kinematics.ik.one import on_axis
+from alpha5_model.kinematics.ik.solutions import Solutions, inverse_kinematics
+from alpha5_model.kinematics.plane import arm_plane
 
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
 MAX_STEP = 0.5

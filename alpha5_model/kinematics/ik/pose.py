@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rotation
+from alpha5_model.dh import DHChain
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.arm_plane import arm_plane
-from alpha5_model.kinematics.dh import DHChain
-from alpha5_model.kinematics.ik import inverse_kinematics
-from alpha5_model.kinematics.ik_choice import candidates, pick, require_solution
-from alpha5_model.kinematics.ik_one import on_axis
+from alpha5_model.kinematics.ik.choice import candidates, pick, require_solution
+from alpha5_model.kinematics.ik.one import on_axis
+from alpha5_model.kinematics.ik.solutions import inverse_kinematics
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import wrap
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position

@@ -1,4 +1,4 @@
-"""One row of a standard Denavit-Hartenberg table; see `alpha5_model.kinematics.dh`."""
+"""One row of a standard Denavit-Hartenberg table; see `alpha5_model.dh.chain`."""
 
 from __future__ import annotations
 

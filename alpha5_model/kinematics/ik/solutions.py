@@ -1,6 +1,6 @@
 """Inverse kinematics of the tcp position in closed form: every solution, one target or a million.
 
-The plane of the arm (`alpha5_model.kinematics.arm_plane`) can face the target or turn its back to it,
+The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or turn its back to it,
 and in the plane two links reach a point with the elbow on either side: four branches. The document
 prints the first two (Sections 1.3 and 1.4; `published_inverse_kinematics`), whose arccos are written
 here with half angles, which lose no digits at the edge of reach:
@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik_batch import solve_batch
-from alpha5_model.kinematics.ik_fast import careful_answer, fast_solver
+from alpha5_model.kinematics.ik.batch import solve_batch
+from alpha5_model.kinematics.ik.fast import careful_answer, fast_solver
 
 #: The plane faces the target (underarm) or turns its back (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
@@ -74,7 +74,7 @@ class Solutions(NamedTuple):
                 to the nearest point that is reached and that point.
             JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
         """
-        from alpha5_model.kinematics.ik_choice import (
+        from alpha5_model.kinematics.ik.choice import (
             nearest_solution,  # late: few need the boundary
         )
 

@@ -7,8 +7,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.dh.link import DHLink
 from alpha5_model.errors import MissingParameterError
-from alpha5_model.kinematics.dh_link import DHLink
 from alpha5_model.spatial import rpy_from_rotation
 
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")

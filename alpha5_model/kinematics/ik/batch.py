@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.ik_one import (
+from alpha5_model.kinematics.ik.one import (
     LIMIT_TOLERANCE,
     NEAR_AXIS,
     NEAR_EDGE,
@@ -33,7 +33,7 @@ def solve_batch(
 
     Returns:
         q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
-        `alpha5_model.kinematics.ik.Solutions`.
+        `alpha5_model.kinematics.ik.solutions.Solutions`.
     """
     lead = position.shape[:-1]
     q = np.empty((*lead, 4, 4))
@@ -58,7 +58,7 @@ def reached(position: FloatArray, limits: bool) -> BoolArray:
         limits: Within the limits of theta_0, theta_1 and theta_2; without, all angles are free.
 
     Returns:
-        (..., 4), branch axis as in `alpha5_model.kinematics.ik.BRANCHES`.
+        (..., 4), branch axis as in `alpha5_model.kinematics.ik.solutions.BRANCHES`.
     """
     middle = constants().limits[3][2]
     _, exists, within, _ = solve_batch(position, np.asarray(middle))
@@ -156,7 +156,7 @@ def _solve_block(
     exists: BoolArray,
     within: BoolArray,
 ) -> NDArray[np.intp]:
-    """The formulas of `alpha5_model.kinematics.ik` on one block.
+    """The formulas of `alpha5_model.kinematics.ik.solutions` on one block.
 
     Returns:
         The rows that are near an edge, whose solution is not to be relied on.
