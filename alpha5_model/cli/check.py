@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -13,9 +13,9 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 from rich.padding import Padding
-from rich.table import Table
+from rich.table import Column, Table
 
-from alpha5_model.cli.options import correction_names, spinner
+from alpha5_model.cli.options import correction_names, print_json, spinner
 from alpha5_model.consistency.document import audit
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
@@ -67,7 +67,8 @@ def check(
             files = verify_urdf(urdf, correction_names(corrections))
     failed = any(row.verdict == "failed" for row in files)
     if as_json:
-        _print_json(document, files, failed)
+        claims, checks = ([asdict(row) for row in rows] for rows in (document, files))
+        print_json({"document": claims, "files": checks, "passed": not failed})
     else:
         console = Console(highlight=False)
         for kind, title in _TITLES.items():
@@ -78,21 +79,14 @@ def check(
     return 1 if failed else 0
 
 
-def _print_json(document: Sequence[AuditRow], files: Sequence[FileCheck], failed: bool) -> None:
-    content = {
-        "document": [asdict(row) for row in document],
-        "files": [asdict(row) for row in files],
-        "passed": not failed,
-    }
-    typer.echo(json.dumps(content, indent=2, allow_nan=False))
-
-
 def _print_document(console: Console, title: str, rows: Sequence[AuditRow], every: bool) -> None:
     console.rule(f"[bold]{title}", align="left", style="dim")
     console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
     for topic, of_topic in _grouped(rows, lambda row: row.topic):
-        place = _common([row.place for row in of_topic])
-        console.print(f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{_plain(place)}[/]")
+        # what the places begin with in common, comma by comma
+        parts = zip(*(row.place.split(", ") for row in of_topic), strict=False)
+        place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
+        console.print(f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{escape(place)}[/]")
         quiet = [row for row in of_topic if row.verdict == "agrees" and not every]
         loud = [row for row in of_topic if row not in quiet]
         lines = [
@@ -108,7 +102,7 @@ def _print_document(console: Console, title: str, rows: Sequence[AuditRow], ever
             subject += "" if place else f"{same[0].place}: "
             says = "; ".join(dict.fromkeys(row.says for row in same))
             note = (
-                f"[dim]{_plain(subject)}[/][italic]{_plain(says)}[/][dim] - {_plain(finding)}.[/]"
+                f"[dim]{escape(subject)}[/][italic]{escape(says)}[/][dim] - {escape(finding)}.[/]"
             )
             console.print(Padding(note, (0, 0, 0, 4)))
     console.print()
@@ -117,25 +111,20 @@ def _print_document(console: Console, title: str, rows: Sequence[AuditRow], ever
 def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
     console.rule("[bold]The files against the documents", align="left", style="dim")
     for file, of_file in _grouped(rows, lambda row: row.file):
-        console.print(f"\n[bold]{_plain(file)}[/]")
-        table = Table.grid(padding=(0, 2))
-        for width in (9, 17, 7, None):
-            table.add_column(width=width)
+        console.print(f"\n[bold]{escape(file)}[/]")
+        table = Table.grid(*(Column(width=width) for width in (9, 17, 7, None)), padding=(0, 2))
         for row in of_file:
             deviation = "" if row.measured is None else f"{row.measured:.1e}"
-            table.add_row(_coloured(row.verdict), row.check, deviation, _plain(row.finding))
+            table.add_row(_coloured(row.verdict), row.check, deviation, escape(row.finding))
         console.print(Padding(table, (0, 0, 0, 2)))
     console.print()
 
 
 def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
     """Lines of verdict, subject, measured, must be, effect in columns that fit 80 characters."""
-    table = Table.grid(padding=(0, 1))
-    table.add_column(width=10)
-    table.add_column(width=17)
-    table.add_column(width=14, justify="right")
-    table.add_column(width=22)
-    table.add_column(width=11, justify="right")
+    columns = [Column(width=width) for width in (10, 17, 14, 22, 11)]
+    columns[2].justify = columns[4].justify = "right"
+    table = Table.grid(*columns, padding=(0, 1))
     for line in lines:
         table.add_row(*line, style=style)
     return Padding(table, (0, 0, 0, 2))
@@ -160,17 +149,6 @@ def _subjects(rows: Sequence[AuditRow]) -> str:
     return ", ".join(words)
 
 
-def _common(places: Sequence[str]) -> str:
-    """What the places begin with in common, comma by comma."""
-    parts = [place.split(", ") for place in places]
-    shared = []
-    for level in zip(*parts, strict=False):
-        if len(set(level)) > 1:
-            break
-        shared.append(level[0])
-    return ", ".join(shared)
-
-
 def _grouped(
     rows: Iterable[RowT], key: Callable[[RowT], KeyT]
 ) -> Iterable[tuple[KeyT, list[RowT]]]:
@@ -182,10 +160,6 @@ def _grouped(
 
 def _coloured(verdict: str) -> str:
     return f"[{_COLOUR[verdict]}]{verdict}[/]"
-
-
-def _plain(text: str) -> str:
-    return escape(text)
 
 
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:

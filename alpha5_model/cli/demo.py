@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -57,20 +58,16 @@ def _describe(output: Path) -> bool:
         path = atomic_write(output / name, text)
         rows = verify_urdf(path)
         failed = [row for row in rows if row.verdict == "failed"]
-        skipped = sum(row.verdict == "not run" for row in rows)
-        good = len(rows) - len(failed) - skipped
-        typer.echo(
-            f"   {name}: {good} checks against the tables passed"
-            + (f", {skipped} not run" if skipped else "")
-            + (f", {len(failed)} FAILED" if failed else "")
-        )
+        count = Counter(row.verdict for row in rows)
+        skipped = f", {count['not run']} not run" if count["not run"] else ""
+        bad = f", {len(failed)} FAILED" if failed else ""
+        typer.echo(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
         for row in failed:
             typer.echo(f"     {row.check}: {row.finding}")
         for row in rows:
             if row.measured is not None:
-                typer.echo(
-                    f"     {row.check}: off by {row.measured:.1e} {row.unit}".rstrip() + " at most"
-                )
+                off = f"{row.measured:.1e} {row.unit}".rstrip()
+                typer.echo(f"     {row.check}: off by {off} at most")
         passed = passed and not failed
     return passed
 
@@ -78,10 +75,9 @@ def _describe(output: Path) -> bool:
 def _audit() -> None:
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
+    agree = len(rows) - len(beyond)
     typer.echo("2. The document against itself")
-    typer.echo(
-        f"   {len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not:"
-    )
+    typer.echo(f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not:")
     for topic in dict.fromkeys(row.topic for row in beyond):
         found = [row for row in beyond if row.topic == topic]
         row = found[0]
@@ -109,16 +105,13 @@ def _solve() -> FloatArray:
 
 def _compute(q: FloatArray) -> None:
     water, air = load(), load(fluid_density=0.0)
-    typer.echo(
-        f"4. Torque [N m] that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)"
-    )
+    fluid = f"sea water ({water.fluid_density:g} kg/m^3)"
+    typer.echo(f"4. Torque [N m] that holds the arm there, {fluid}")
     typer.echo("   joint      weight   buoyancy   in water     in air")
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
-    for i, name in enumerate(water.joint_names):
-        typer.echo(
-            "   " + name + "".join(f"{round(column[i], 4) + 0.0:11.4f}" for column in columns)
-        )
+    for name, *row in zip(water.joint_names, *columns, strict=True):
+        typer.echo(f"   {name}" + "".join(f"{round(x, 4) + 0.0:11.4f}" for x in row))
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:

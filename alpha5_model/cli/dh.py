@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import json
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from alpha5_model.cli.options import numbers, print_json
 from alpha5_model.dh import DHChain, DHLink
 from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.errors import InputError, ShapeError
+
+_LINK = "'THETA D A ALPHA SIGMA'"
 
 
 def dh(
@@ -22,7 +25,7 @@ def dh(
     ] = None,
     link: Annotated[
         list[str] | None,
-        typer.Option("--link", help="'THETA D A ALPHA SIGMA' of another arm, once per link."),
+        typer.Option("--link", help=f"{_LINK} of another arm, once per link."),
     ] = None,
     urdf: Annotated[
         Path | None, typer.Option(help="Assign the frames to the arm of this URDF.")
@@ -36,15 +39,20 @@ def dh(
     Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
     """
     chain = _chain(link, urdf, frame)
-    position = chain.home if not q else _position(q, chain)
+    if q and len(q) != chain.n:
+        raise ShapeError("q", (len(q),), f"one number for each of {', '.join(chain.joint_names)}")
+    position = q or chain.home
     frames = chain.frames(position)
     kind, task = classify(chain), task_capability(chain)
     names = [f"{{{j}}}" for j in range(chain.n + 1)] + ["tool"]
     if as_json:
         result: dict[str, Any] = {
             "name": chain.name,
-            "links": [
-                {"joint": name, **{k: _finite(v) for k, v in vars(row).items()}}
+            "links": [  # JSON has no infinity: no limit is null
+                {
+                    "joint": name,
+                    **{k: v if math.isfinite(v) else None for k, v in vars(row).items()},
+                }
                 for name, row in zip(chain.joint_names, chain.links, strict=True)
             ],
             "base": chain.base.tolist(),
@@ -54,18 +62,17 @@ def dh(
             "q": list(map(float, position)),
             "frames": {name: f.tolist() for name, f in zip(names, frames, strict=True)},
         }
-        typer.echo(json.dumps(result, indent=2))
+        print_json(result)
         return
-    for line in _table(chain):
-        typer.echo(line)
+    typer.echo("\n".join(_table(chain)))
     typer.echo(f"\n{kind.joints}, type {kind.kind}: {kind.reason}")
     typer.echo(f"general tasks: {_yes(task.general)}, {task.general_reason}")
     typer.echo(f"vertical insertion: {_yes(task.vertical_insertion)}, {task.insertion_reason}")
     typer.echo(f"\nframes at q = ({', '.join(f'{x:.6g}' for x in position)})")
     for name, matrix in zip(names, frames, strict=True):
         for i, row in enumerate(matrix[:3]):
-            numbers = " ".join(f"{x + 0.0:10.6f}" for x in row.round(12))
-            typer.echo(f"{name if i == 0 else '':5s} {numbers}")
+            cells = " ".join(f"{x + 0.0:10.6f}" for x in row.round(12))
+            typer.echo(f"{name if i == 0 else '':5s} {cells}")
 
 
 def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
@@ -76,21 +83,8 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
     if urdf is not None:
         return DHChain.from_urdf(urdf, frame)
     if link:
-        return DHChain(tuple(DHLink.from_vector(_numbers(text)) for text in link))
+        return DHChain(tuple(DHLink.from_vector(numbers("--link", text, _LINK)) for text in link))
     return DHChain.alpha5()
-
-
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        raise InputError("--link", text, "'THETA D A ALPHA SIGMA'") from None
-
-
-def _position(q: list[float], chain: DHChain) -> list[float]:
-    if len(q) != chain.n:
-        raise ShapeError("q", (len(q),), f"one number for each of {', '.join(chain.joint_names)}")
-    return q
 
 
 def _table(chain: DHChain) -> list[str]:
@@ -98,21 +92,11 @@ def _table(chain: DHChain) -> list[str]:
     heads = ("theta", "d", "a", "alpha", "sigma", "lower", "upper")
     lines = [f"{'joint':{width}s} " + " ".join(f"{h:>11s}" for h in heads)]
     for name, row in zip(chain.joint_names, chain.links, strict=True):
-        theta, d = f"{row.theta:.6f}", f"{row.d:.6f}"
-        variable = f"q{row.offset:+.6f}" if row.offset else "q"
-        theta, d = (variable, d) if row.revolute else (theta, variable)
-        rest = (f"{row.a:.6f}", f"{row.alpha:.6f}", str(row.sigma), *_limits(row.lower, row.upper))
-        lines.append(f"{name:{width}s} " + " ".join(f"{x:>11s}" for x in (theta, d, *rest)))
+        cells = [*(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)), str(row.sigma)]
+        cells[0 if row.revolute else 1] = f"q{row.offset:+.6f}" if row.offset else "q"
+        cells += f"{row.lower:.5g}", f"{row.upper:.5g}"
+        lines.append(f"{name:{width}s} " + " ".join(f"{x:>11s}" for x in cells))
     return lines
-
-
-def _limits(lower: float, upper: float) -> tuple[str, str]:
-    return f"{lower:.5g}", f"{upper:.5g}"
-
-
-def _finite(value: float) -> float | None:
-    """JSON has no infinity: no limit is null."""
-    return value if abs(value) != float("inf") else None
 
 
 def _yes(answer: bool) -> str:

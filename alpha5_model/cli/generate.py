@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from alpha5_model.checks import choice
-from alpha5_model.cli.options import FLUID_HELP, correction_names, fluid_density, triple
+from alpha5_model.cli.options import (
+    FLUID_HELP,
+    correction_names,
+    fluid_density,
+    print_written,
+    triple,
+)
 from alpha5_model.description import committed
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
@@ -18,24 +24,19 @@ from alpha5_model.errors import InputError, OutputError
 from alpha5_model.files import atomic_write, atomic_write_all, check_outputs, is_stream
 from alpha5_model.paths import REPOSITORY_PATH
 
-MESH_URIS = ("relative", "package", "file")
+MESH_URIS = {
+    "relative": "meshes/",
+    "package": "package://alpha5_description/meshes/",
+    "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
+}
 FORMATS = ("urdf", "mjcf", "sdf")
-#: Options that not every format has.
-_URDF_ONLY = (
-    "prefix",
-    "parent",
-    "xyz",
-    "rpy",
-    "mesh_uri",
-    "dh_frames",
-    "ros2_control",
-    "ros2_control_plugin",
-)
-_NOT_IN_ALL = {
+#: Options that not every format has, and the formats that have them.
+_FORMATS_OF = {
+    **dict.fromkeys(("prefix", "parent", "xyz", "rpy", "mesh_uri", "dh_frames"), ("urdf",)),
+    **dict.fromkeys(("ros2_control", "ros2_control_plugin"), ("urdf",)),
+    **dict.fromkeys(("actuators", "drag"), ("mjcf",)),
     "fluid": ("mjcf", "sdf"),
     "collision": ("urdf", "mjcf"),
-    "actuators": ("mjcf",),
-    "drag": ("mjcf",),
 }
 
 
@@ -90,12 +91,20 @@ def generate(
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     """
+    given = _given(context)
     if check or update:
-        _refuse_options_beside(context, "check" if check else "update")
+        alone = "check" if check else "update"
+        for name, value in given.items():
+            if name != alone:
+                raise InputError(_option(name), value, f"nothing beside --{alone}")
         return _check() if check else _update()
 
     chosen_corrections = correction_names(corrections)
-    _refuse_options_of_other_formats(context, choice("format", description_format, FORMATS))
+    choice("format", description_format, FORMATS)
+    for name, formats in _FORMATS_OF.items():
+        if name in given and description_format not in formats:
+            expected = f"--format {' or '.join(formats)} with it"
+            raise InputError(_option(name), description_format, expected)
     if description_format == "mjcf":
         options = MjcfOptions(
             gripper, fluid_density(fluid), actuators, drag, collision, chosen_corrections
@@ -104,18 +113,13 @@ def generate(
     if description_format == "sdf":
         world = SdfOptions(gripper, fluid_density(fluid), chosen_corrections)
         return _write_folder(sdf_files(world), output, "model.sdf")
-    prefixes = {
-        "relative": "meshes/",
-        "package": "package://alpha5_description/meshes/",
-        "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
-    }
     variant = Variant(
         gripper=gripper,
         prefix=prefix,
         parent=parent,
         xyz=triple("xyz", xyz),
         rpy=triple("rpy", rpy),
-        mesh_prefix=prefixes[choice("mesh URI", mesh_uri, MESH_URIS)],
+        mesh_prefix=MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
         collision=collision,
         dh_frames=dh_frames,
         ros2_control=ros2_control,
@@ -128,33 +132,21 @@ def generate(
     if not output.suffix:
         raise OutputError(output, "give a file name, such as alpha5.urdf")
     check_outputs((), output=(output, (".urdf", ".xml")))
-    files: dict[Path, str | bytes] = {output: text}
-    if mesh_uri == "relative":
-        for name, content in mesh_assets(".obj", ".mtl").items():
-            files[output.parent / "meshes" / name] = content
-    atomic_write_all(files)
-    typer.echo(f"wrote {output}")
+    meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
+    beside = {output.parent / "meshes" / name: content for name, content in meshes.items()}
+    atomic_write_all({output: text, **beside})
+    print_written(output)
     return 0
 
 
-def _refuse_options_of_other_formats(context: typer.Context, description_format: str) -> None:
-    homes = dict.fromkeys(_URDF_ONLY, ("urdf",)) | _NOT_IN_ALL
-    for name, formats in homes.items():
-        if _given(context, name) and description_format not in formats:
-            raise InputError(
-                _option(name), description_format, f"--format {' or '.join(formats)} with it"
-            )
-
-
-def _refuse_options_beside(context: typer.Context, alone: str) -> None:
-    for name, value in context.params.items():
-        if name != alone and _given(context, name):
-            raise InputError(_option(name), value, f"nothing beside --{alone}")
-
-
-def _given(context: typer.Context, name: str) -> bool:
-    source = context.get_parameter_source(name)
-    return source is not None and source.name == "COMMANDLINE"
+def _given(context: typer.Context) -> dict[str, Any]:
+    """The options that stand on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {
+        name: context.params[name]
+        for name, source in sources.items()
+        if source is not None and source.name == "COMMANDLINE"
+    }
 
 
 def _option(name: str) -> str:
@@ -192,8 +184,7 @@ def _check() -> int:
 
 
 def _update() -> int:
-    for path in committed.update():
-        typer.echo(f"wrote {path}")
+    print_written(*committed.update())
     if not committed.can_draw():
         typer.echo(committed.NOT_DRAWN)
     return 0

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
 from rich import box
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
+from alpha5_model.cli.options import print_json
 from alpha5_model.kinematics.ik.solutions import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
@@ -21,7 +21,7 @@ def ik(
     z: Annotated[float, typer.Argument(help="(m)")],
     wrist: Annotated[float, typer.Option(help="Wrist angle theta_3 (rad).")] = 0.0,
     as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
-) -> int:
+) -> None:
     """All inverse kinematics solutions of a tcp position.
 
     Exit status: 0 solved, 2 out of reach within the joint limits.
@@ -31,10 +31,9 @@ def ik(
     solutions = inverse_kinematics([x, y, z], wrist)
     best = solutions.best(arm_plane().middle)
     if as_json:
-        typer.echo(json.dumps(_as_dict(solutions, best.tolist()), indent=2))
+        print_json(_as_dict(solutions, best.tolist()))
     else:
         _print(solutions, best.tolist())
-    return 0
 
 
 def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
@@ -55,24 +54,26 @@ def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
 
 
 def _print(solutions: Solutions, best: list[float]) -> None:
-    table = Table(box=box.SIMPLE_HEAD, title="joint positions (rad)", title_justify="left")
-    table.add_column("branch", no_wrap=True)
-    for joint in parameters().joints[:4]:
-        table.add_column(joint.name, justify="right")
-    table.add_column("in limits")
+    heads = (Column(joint.name, justify="right") for joint in parameters().joints[:4])
+    table = Table(
+        Column("branch", no_wrap=True),
+        *heads,
+        "in limits",
+        box=box.SIMPLE_HEAD,
+        title="joint positions (rad)",
+        title_justify="left",
+    )
     for i, name in enumerate(BRANCHES):
-        if not solutions.exists[i]:
+        if solutions.exists[i]:
+            angles = (f"{angle:.6f}" for angle in solutions.q[i])
+            table.add_row(name, *angles, "yes" if solutions.within_limits[i] else "no")
+        else:
             table.add_row(name, *["-"] * 4, "out of reach")
-            continue
-        angles = solutions.q[i].tolist()
-        table.add_row(
-            name,
-            *(f"{angle:.6f}" for angle in angles),
-            "yes" if solutions.within_limits[i] else "no",
-        )
     console = Console()
     console.print(table)
-    angles = " ".join(f"{angle:.9g}" for angle in best)
-    console.print(f"nearest to the middle of the ranges: {angles}", highlight=False, soft_wrap=True)
+    nearest = " ".join(f"{angle:.9g}" for angle in best)
+    console.print(
+        f"nearest to the middle of the ranges: {nearest}", highlight=False, soft_wrap=True
+    )
     if solutions.singular:
         console.print("The target is singular: on the yaw axis, or the arm is stretched or folded.")

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
+import json
 import sys
-from contextlib import AbstractContextManager, nullcontext, redirect_stdout
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout, suppress
 from pathlib import Path
+from typing import Annotated, Any
 
+import typer
+
+from alpha5_model.checks import real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
+from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
 
 # Units stand in round brackets: the terminal takes [m] for a style.
+FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
+Fluid = Annotated[str, typer.Option(help=FLUID_HELP)]
+Gravity = Annotated[str, typer.Option(help="In base_link, three numbers (m/s^2); tilts the mount.")]
+Constants = Annotated[
+    str,
+    typer.Option(
+        help="Table 4's K_t and K_v of one motor should agree and do not (`alpha5 trajectory` shows their "
+        "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
+        "both; voltage: K_v for both."
+    ),
+]
 #: Beyond any fluid and any ride: a slip of the hand, whose digits would fill the page.
 _MOST_DENSITY = 1e5
 _MOST_GRAVITY = 1e4
-FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
-GRAVITY_HELP = "In base_link, three numbers (m/s^2); tilts the mount."
+_FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
 
 
 def fluid_density(text: str) -> float:
@@ -24,25 +40,21 @@ def fluid_density(text: str) -> float:
     Raises:
         InputError: Anything else.
     """
-    from alpha5_model.checks import real
-    from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
-
-    named = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
-    if text in named:
-        return named[text]
-    try:
-        density = float(text)
-    except ValueError:
-        raise InputError("fluid", text, f"{', '.join(named)} or a density [kg/m^3]") from None
+    if text in _FLUIDS:
+        return _FLUIDS[text]
+    (density,) = numbers("fluid", text, f"{', '.join(_FLUIDS)} or a density [kg/m^3]", 1)
     if density > _MOST_DENSITY:
         raise InputError("fluid", text, f"at most {_MOST_DENSITY:g} kg/m^3")
     return real("fluid", density, minimum=0.0)
 
 
 def correction_names(text: str | None) -> tuple[str, ...]:
-    """Names between commas, the default ones for None; whoever takes them says which do not exist."""
-    if text is None:
-        return DEFAULT_CORRECTIONS
+    """Names of corrections, not checked; the default ones for None."""
+    return DEFAULT_CORRECTIONS if text is None else names(text)
+
+
+def names(text: str) -> tuple[str, ...]:
+    """What stands between commas."""
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
@@ -59,16 +71,34 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
 
 
 def triple(name: str, text: str) -> tuple[float, float, float]:
-    """Three numbers in one text, separated by spaces or commas.
+    """Three numbers in one text; see `numbers`."""
+    x, y, z = numbers(name, text, "three numbers, such as '0.2 0 -0.1'", 3)
+    return x, y, z
+
+
+def numbers(name: str, text: str, expected: str, count: int | None = None) -> list[float]:
+    """Numbers in one text, separated by spaces or commas; as many as there are if no count is given.
 
     Raises:
         InputError: Anything else.
     """
-    try:
-        x, y, z = (float(part) for part in text.replace(",", " ").split())
-    except ValueError:
-        raise InputError(name, text, "three numbers, such as '0.2 0 -0.1'") from None
-    return x, y, z
+    with suppress(ValueError):
+        values = [float(part) for part in text.replace(",", " ").split()]
+        if count in (None, len(values)):
+            return values
+    raise InputError(name, text, expected)
+
+
+def print_json(content: Any) -> None:
+    """A result for scripts."""
+    typer.echo(json.dumps(content, indent=2, allow_nan=False))
+
+
+def print_written(*written: Path | None) -> None:
+    """One line for each file that was asked for."""
+    for path in written:
+        if path is not None:
+            typer.echo(f"wrote {path}")
 
 
 def words_beside(*written: Path | None) -> AbstractContextManager[object]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from alpha5_model.cli.options import words_beside
+from alpha5_model.cli.options import numbers, print_json, words_beside
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.planar import (
@@ -53,52 +52,43 @@ def planar(
     if plot is not None:
         save(plot_planar(arm), plot)
     with words_beside(plot):
-        typer.echo(json.dumps(result, indent=2) if as_json else "\n".join(_lines(result)))
+        if as_json:
+            print_json(result)
+        else:
+            typer.echo("\n".join(_lines(result)))
 
 
 def _results(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
     space = arm.workspace()
     conditions = necessary_conditions(arm)
-    exact = arm.length_ranges is not None
+    missing = list(conditions.reasons)
     result: dict[str, Any] = {
         "joints": arm.joints,
         "lengths": list(arm.lengths),
         "workspace": {"shape": space.shape, "radii": list(space.radii), "area": space.area},
-        "necessary_conditions": {
-            "satisfied": conditions.satisfied,
-            "missing": list(conditions.reasons),
-        },
-        "dexterous_workspace": None,
-        "theorem": None,
-        "at_radius": None,
+        "necessary_conditions": {"satisfied": conditions.satisfied, "missing": missing},
+        **dict.fromkeys(("dexterous_workspace", "theorem", "at_radius")),
     }
-    if exact:
-        result["dexterous_workspace"] = {
-            "radii": [list(interval) for interval in dexterous_radii(arm)],
-            "area": dexterous_area(arm),
-            "resolution": None,
-        }
+    if arm.length_ranges is not None:
+        radii = [list(interval) for interval in dexterous_radii(arm)]
+        area = dexterous_area(arm)
+        result["dexterous_workspace"] = {"radii": radii, "area": area, "resolution": None}
         three = arm.joints == "RRR"
         if three:
             l_1, l_2, l_3 = arm.lengths
             interval = theorem_radii(l_1, l_2, l_3)
             result["theorem"] = {"l_4": None if interval is None else list(interval)}
         if radius is not None:
-            result["at_radius"] = {
-                "radius": radius,
-                "theorem": lecture_theorem(l_1, l_2, l_3, radius) if three else None,
-                "exact": turns_fully(arm, radius),
-            }
+            theorem = lecture_theorem(l_1, l_2, l_3, radius) if three else None
+            exact = turns_fully(arm, radius)
+            result["at_radius"] = {"radius": radius, "theorem": theorem, "exact": exact}
     elif radius is not None:
         raise InputError("--radius", radius, "an arm without limits on its revolute joints")
     elif arm.n == 3 and arm.joints[-1] == "R":
         found = dexterity_map(arm)
         resolution = {"spacing": found.spacing, "orientations": found.orientations}
-        result["dexterous_workspace"] = {
-            "radii": None,
-            "area": found.area,
-            "resolution": resolution,
-        }
+        dexterous = {"radii": None, "area": found.area, "resolution": resolution}
+        result["dexterous_workspace"] = dexterous
     return result
 
 
@@ -106,9 +96,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
     space, dexterous = result["workspace"], result["dexterous_workspace"]
     low, high = space["radii"]
     area = f", area {space['area']:.6g} m^2" if space["area"] else ""
-    lines = [
-        f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
-    ]
+    whole = f"{space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     if dexterous is None:
         text = (
             "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
@@ -124,9 +112,12 @@ def _lines(result: dict[str, Any]) -> list[str]:
     else:
         spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
         text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
-    lines.append(f"dexterous workspace  {text}")
     missing = result["necessary_conditions"]["missing"]
-    lines.append(f"necessary conditions {'; '.join(missing) or 'satisfied'}")
+    lines = [
+        f"workspace            {whole}",
+        f"dexterous workspace  {text}",
+        f"necessary conditions {'; '.join(missing) or 'satisfied'}",
+    ]
     if result["theorem"] is not None:
         interval = result["theorem"]["l_4"]
         text = f"{interval[0]:.6g} to {interval[1]:.6g} m" if interval else "no l_4"
@@ -144,8 +135,5 @@ def _lines(result: dict[str, Any]) -> list[str]:
 def _range(text: str) -> tuple[float, float] | None:
     if text.strip().lower() == "none":
         return None
-    try:
-        lower, upper = (float(part) for part in text.replace(",", " ").split())
-    except ValueError:
-        raise InputError("--limits", text, "'LOWER UPPER' or none") from None
+    lower, upper = numbers("--limits", text, "'LOWER UPPER' or none", 2)
     return lower, upper

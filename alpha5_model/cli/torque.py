@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -10,7 +9,14 @@ from typing import Annotated, Any
 import typer
 
 from alpha5_model.actuators import actuator
-from alpha5_model.cli.options import FLUID_HELP, GRAVITY_HELP, fluid_density, gravity_vector
+from alpha5_model.cli.options import (
+    Constants,
+    Fluid,
+    Gravity,
+    fluid_density,
+    gravity_vector,
+    print_json,
+)
 from alpha5_model.dynamics.loading import load
 from alpha5_model.dynamics.series import torque_terms
 from alpha5_model.parameters import parameters
@@ -26,17 +32,11 @@ def torque(
     v: Annotated[Four, typer.Option("--v", help="Velocities (rad/s).")] = (0.0, 0.0, 0.0, 0.0),
     a: Annotated[Four, typer.Option("--a", help="Accelerations (rad/s^2).")] = (0.0, 0.0, 0.0, 0.0),
     degrees: Annotated[bool, typer.Option("--degrees", help="--q, --v, --a in degrees.")] = False,
-    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
-    gravity: Annotated[str, typer.Option(help=GRAVITY_HELP)] = "0 0 -9.81",
-    constants: Annotated[
-        str,
-        typer.Option(
-            help="Which of Table 4's contradicting motor constants to believe: printed, torque "
-            "(K_t for both) or voltage (K_v for both)."
-        ),
-    ] = "printed",
+    fluid: Fluid = "sea",
+    gravity: Gravity = "0 0 -9.81",
+    constants: Constants = "printed",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> int:
+) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
 
     Example: alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
@@ -46,10 +46,9 @@ def torque(
     density, g = fluid_density(fluid), gravity_vector(gravity)
     result = _compute(position, velocity, acceleration, density, g, constants)
     if as_json:
-        typer.echo(json.dumps(result, indent=2, allow_nan=False))
+        print_json(result)
     else:
         _show(result)
-    return 0
 
 
 def _compute(q: Any, v: Any, a: Any, density: float, gravity: Any, constants: str) -> Any:
@@ -112,15 +111,9 @@ def _show(result: Any) -> None:
     typer.echo("\n".join(lines))
 
 
-#: Characters of name, five torques, current and its range: 80 in all.
-_WIDTHS = (8, 9, 9, 9, 9, 9, 8, 19)
-
-
 def _line(name: str, cells: Sequence[str]) -> str:
-    widths = _WIDTHS[1:]
-    return f"{name:{_WIDTHS[0]}}" + "".join(
-        f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True)
-    )
+    """Name, five torques, current and its range in 80 characters."""
+    return "{:8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>19}".format(name, *cells)
 
 
 def _cell(x: float) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -14,10 +13,13 @@ from alpha5_model import trajectory as library
 from alpha5_model.actuators import Actuator, actuator
 from alpha5_model.checks import choice
 from alpha5_model.cli.options import (
-    FLUID_HELP,
-    GRAVITY_HELP,
+    Constants,
+    Fluid,
+    Gravity,
     fluid_density,
     gravity_vector,
+    print_json,
+    print_written,
     words_beside,
 )
 from alpha5_model.dynamics.arm import Arm
@@ -25,12 +27,11 @@ from alpha5_model.dynamics.loading import load
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.trajectory import Motion
 from alpha5_model.trajectory.export import FORMATS
 from alpha5_model.view import figures, trajectory_plot
 
 _GRIPPERS = ("auto", *GRIPPERS)
-VELOCITIES = ("auto", "file", "positions")
+_USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 #: Shorter files are done before a bar of progress could be read.
 _PROGRESS_SAMPLES = 50_000
 
@@ -50,8 +51,8 @@ def trajectory(
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Page of curves, .png, .pdf or .svg.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Summary as JSON.")] = False,
-    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
-    gravity: Annotated[str, typer.Option(help=GRAVITY_HELP)] = "0 0 -9.81",
+    fluid: Fluid = "sea",
+    gravity: Gravity = "0 0 -9.81",
     gripper: Annotated[
         str,
         typer.Option(
@@ -69,14 +70,7 @@ def trajectory(
             help="file, positions (their slope), or auto: those of the file if it has any."
         ),
     ] = "auto",
-    constants: Annotated[
-        str,
-        typer.Option(
-            help="Table 4's K_t and K_v of one motor should agree and do not (the summary shows their "
-            "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
-            "both; voltage: K_v for both."
-        ),
-    ] = "printed",
+    constants: Constants = "printed",
     supply_voltage: Annotated[
         float | None, typer.Option(help="For margins (V); not published.")
     ] = None,
@@ -87,7 +81,7 @@ def trajectory(
         float | None,
         typer.Option(help="Of the jaw rod, for its current (m per turn); not published."),
     ] = None,
-) -> int:
+) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
@@ -95,13 +89,13 @@ def trajectory(
     # Whatever cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
-    use_velocity = {"auto": None, "file": True, "positions": False}[
-        choice("velocities", velocities, VELOCITIES)
-    ]
+    use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
     with _Progress() as progress:
         motion = library.read_motion(file, progress)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
-        arm = _arm(motion, gripper, fluid_density(fluid), gravity_vector(gravity))
+        if gripper == "auto":
+            gripper = "jaws" if "axis_a" in motion.joints else "locked"
+        arm = load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
         analysis = library.analyse(
             motion,
             arm,
@@ -121,19 +115,10 @@ def trajectory(
             trajectory_plot.write(analysis, plot)
     with words_beside(output, plot):
         if as_json:
-            typer.echo(json.dumps(summary, indent=2, allow_nan=False))
-            return 0
-        typer.echo(library.text(summary))
-        for path in (output, plot):
-            if path is not None:
-                typer.echo(f"wrote {path}")
-    return 0
-
-
-def _arm(motion: Motion, gripper: str, density: float, gravity: tuple[float, float, float]) -> Arm:
-    if gripper == "auto":
-        gripper = "jaws" if "axis_a" in motion.joints else "locked"
-    return load(fluid_density=density, gripper=gripper, gravity=gravity)
+            print_json(summary)
+        else:
+            typer.echo(library.text(summary))
+            print_written(output, plot)
 
 
 def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, Actuator]:

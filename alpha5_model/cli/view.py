@@ -11,11 +11,18 @@ from typing import Annotated
 
 import typer
 
-from alpha5_model.cli.options import FLUID_HELP, fluid_density, triple, words_beside
+from alpha5_model.cli.options import (
+    Fluid,
+    fluid_density,
+    names,
+    print_written,
+    triple,
+    words_beside,
+)
 from alpha5_model.dynamics.loading import load
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
-from alpha5_model.trajectory import Motion, read_motion
+from alpha5_model.trajectory import read_motion
 from alpha5_model.view.arm_poses import pose_of
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.framing import check_size, framed
@@ -41,7 +48,7 @@ def view(
         ),
     ] = None,
     gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "jaws",
-    fluid: Annotated[str, typer.Option(help=FLUID_HELP)] = "sea",
+    fluid: Fluid = "sea",
     html: Annotated[
         Path | None, typer.Option(help="Write one page that works from disk, and end.")
     ] = None,
@@ -53,7 +60,7 @@ def view(
     serve: Annotated[
         bool, typer.Option("--serve", help="Serve the live viewer without opening a browser.")
     ] = False,
-) -> int:
+) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
@@ -66,8 +73,8 @@ def view(
         arm,
         pose_of(arm, pose),
         target=None if target is None else triple("target", target),
-        motion=None if motion is None else _read(motion),
-        show=None if show is None else [name.strip() for name in show.split(",") if name.strip()],
+        motion=None if motion is None else read_motion(motion),
+        show=None if show is None else names(show),
     )
     if html is None and image is None and not serve and not _has_display():
         raise NoDisplayError(
@@ -81,9 +88,8 @@ def view(
     if files:
         atomic_write_all(files)
         with words_beside(*files):
-            for path in files:
-                typer.echo(f"wrote {path}")
-        return 0
+            print_written(*files)
+        return
     from alpha5_model.view.visualizer import ArmVisualizer
 
     visualizer = ArmVisualizer(arm, scene, port)
@@ -92,7 +98,6 @@ def view(
         visualizer.open()
     _wait()
     visualizer.close()
-    return 0
 
 
 def _has_display() -> bool:
@@ -119,7 +124,3 @@ def _size(text: str) -> tuple[int, int]:
     except ValueError:
         raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
     return check_size((width, height))
-
-
-def _read(path: Path) -> Motion:
-    return read_motion(path)

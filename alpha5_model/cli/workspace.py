@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -10,9 +9,9 @@ from typing import Annotated
 import typer
 from rich import box
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
-from alpha5_model.cli.options import spinner, words_beside
+from alpha5_model.cli.options import print_json, print_written, spinner, words_beside
 from alpha5_model.dynamics.self_collision import without_self_collision
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
@@ -31,7 +30,7 @@ def workspace(
     ] = False,
     samples: Annotated[int, typer.Option(help="Points that --self-collision tries.")] = 20_000,
     as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
-) -> int:
+) -> None:
     """The exact workspace, and how much of the published one is wrong.
 
     Example: alpha5 workspace --self-collision --plot collision.pdf
@@ -46,7 +45,7 @@ def workspace(
             write(plot, self_collision, samples)
     with words_beside(plot):
         if as_json:
-            typer.echo(json.dumps(_as_dict(share), indent=2))
+            print_json(_as_dict(share))
         else:
             _print()
             if share is not None:
@@ -57,9 +56,7 @@ def workspace(
                     f"{hit * litres:.2f} L, in self-collision only\n(standard error {error:.2%}, "
                     f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
                 )
-            if plot is not None:
-                typer.echo(f"wrote {plot}")
-    return 0
+            print_written(plot)
 
 
 def _as_dict(share: SampledShare | None) -> dict[str, object]:
@@ -79,10 +76,8 @@ def _as_dict(share: SampledShare | None) -> dict[str, object]:
 def _print() -> None:
     e = space.published_errors()
     console = Console()
-    table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("region")
-    table.add_column("half-plane (cm²)", justify="right")
-    table.add_column("volume (L)", justify="right")
+    figures = (Column(head, justify="right") for head in ("half-plane (cm²)", "volume (L)"))
+    table = Table("region", *figures, box=box.SIMPLE_HEAD)
     for name, area, volume in (
         ("reachable within the joint limits", e.reachable_area, e.reachable_volume),
         ("published (Section 1.2)", e.published_area, e.published_volume),
@@ -97,6 +92,10 @@ def _print() -> None:
         highlight=False,
     )
     arcs = Table(
+        *(
+            Column(c, no_wrap=True)
+            for c in ("pose", "bounded by", "centre", "radius", "from", "to")
+        ),
         box=box.SIMPLE_HEAD,
         title="boundary where both poses can turn (R, z and radius in mm)",
         title_justify="left",
@@ -104,8 +103,6 @@ def _print() -> None:
         pad_edge=False,
         padding=0,  # 80 columns hold every row
     )
-    for column in ("pose", "bounded by", "centre", "radius", "from", "to"):
-        arcs.add_column(column, no_wrap=True)
     for arc in space.boundary():
         start, end = arc.points([arc.start, arc.end]) * 1e3
         arcs.add_row(
