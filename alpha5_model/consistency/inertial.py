@@ -8,6 +8,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Callable
+from decimal import Decimal
 from functools import partial
 from typing import Any
 
@@ -177,7 +178,7 @@ def _total_mass(rows: tuple[InertialRow, ...]) -> AuditRow:
     def difference(x: FloatArray) -> float:
         return float(sum(_mass(y) - y[0] for y in x.reshape(len(rows), -1)))
 
-    total = sum((row.mass.value for row in rows), start=rows[0].mass.value * 0)
+    total = sum((row.mass.value for row in rows), start=Decimal(0))
     bound = float(rounding_bound(difference, inputs))
     return audited("total.mass", implied, float(total), bound, total=total)
 
