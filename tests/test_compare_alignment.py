@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import reference
 
@@ -19,7 +20,8 @@ from alpha5_model.comparison.report import compare, compare_robots
 from alpha5_model.comparison.rounding import last_digits, meant_angle
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
-from alpha5_model.errors import FileFormatError, UnknownNameError
+from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.view.comparison_plot import plot_comparison
 
 OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")
@@ -430,3 +432,60 @@ def test_public_models_of_this_arm(name):
     assert [("0.80 mm lower" in text) for text in shoulder] == ([] if rounded else [True])
     assert comparison.carried.get("vehicle_frame", 0.0) == (25.14 if rounded else 0.0)
     assert comparison.bodies[0].mass == pytest.approx(0.53 if rounded else 0.341, abs=2e-4)
+
+
+def test_what_to_write_instead_mends_the_axes():
+    root = ET.fromstring(OWN)
+    joints = {axis: root.find(f"joint[@name='{axis}']") for axis in AXES}
+    for axis, angle in (("axis_e", 0.4), ("axis_d", -1.1), ("axis_c", 2.0), ("axis_b", 0.7)):
+        shift_zero(joints[axis], angle)
+    reverse(joints["axis_d"])
+    reverse(joints["axis_b"])
+    joints["axis_c"].find("limit").set("upper", "9.5")
+    for left in (7, 4, 0):  # axes first; then the limits, which are told in the new zeros and signs
+        comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=20)
+        assert len(comparison.findings) == left, comparison.findings
+        for finding in comparison.findings:
+            name, tag, values = re.match(r"(\w+): <(\w+) (.*?)/>", finding.instead).groups()
+            joints[name].find(tag).attrib.update(re.findall(r'(\w+)="([^"]*)"', values))
+    np.testing.assert_allclose(comparison.alignment.base, np.eye(4), atol=1e-6)
+
+
+def gravity(text: str, q: np.ndarray) -> np.ndarray:
+    model = pin.buildModelFromXML(text)
+    data = model.createData()
+    return np.array([pin.computeGeneralizedGravity(model, data, row).copy() for row in q])
+
+
+def test_costs_of_axes_are_gravity_torques_by_pinocchio():
+    """Second route: our own arm, sent where somebody ends who does not know of the mistake."""
+    root = ET.fromstring(OWN)
+    joints = {axis: root.find(f"joint[@name='{axis}']") for axis in AXES}
+    reverse(joints["axis_d"])
+    shift_zero(joints["axis_c"], 0.5)
+    origin = joints["axis_c"].find("origin")
+    origin.set("xyz", "0.17 0 0")
+    found = compare_robots(parse_urdf(ET.tostring(root)), samples=40).findings
+    cost = {(f.where, f.text.split(" ")[0]): f.cost for f in found}
+    q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (40, 4))
+    ours = gravity(OWN, q)
+    longer = OWN.replace("0.1507053084665567", "0.17")
+    assert longer != OWN
+    expected = {
+        ("axis_d", "turns"): gravity(OWN, q * [1, -1, 1, 1]),
+        ("axis_c", "its"): gravity(OWN, q - [0, 0, 0.5, 0]),
+        ("axis_c", "stands"): gravity(longer, q),
+    }
+    assert cost.keys() == expected.keys()
+    for key, torque in expected.items():
+        assert cost[key] == pytest.approx(np.abs(torque - ours).max(), rel=1e-4), key
+
+
+def test_another_arm_has_no_picture(tmp_path, capsys):
+    path, picture = tmp_path / "six.urdf", tmp_path / "errors.png"
+    path.write_text(six_axes(1.0))
+    assert main(["compare", str(path), "--plot", str(picture)]) == 1
+    assert "is not a Reach Alpha 5" in capsys.readouterr().out
+    assert not picture.exists()
+    with pytest.raises(InputError, match="one of a Reach Alpha 5"):
+        plot_comparison(compare(path), picture)

@@ -44,7 +44,7 @@ def compare(
 ) -> int:
     """Hold another URDF of this arm against the tables.
 
-    Exit status: 0 the model agrees, 1 it differs, 2 it cannot be read.
+    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot be read.
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """
@@ -58,6 +58,8 @@ def compare(
             _pairs("package", package or [], "="),
             _pairs("arg", arg or [], ":="),
         )
+    if not comparison.joints:
+        plot = None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)
     with words_beside(plot):

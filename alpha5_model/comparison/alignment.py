@@ -98,13 +98,13 @@ def _oddities(
 ) -> float:
     """How unlikely an alignment is: everything that a person would have had to do to the model.
 
-    A turned sign, a shifted zero count one, a wrong dimension three, a base that stands elsewhere or
+    A turned sign, a shifted zero count one, a wrong dimension four, a base that stands elsewhere or
     upside down up to six, bodies elsewhere up to four.
     """
     base = min(6.0, 30 * _distance(alignment.stands))
     com = bodies_in_our_frames(ours, theirs, alignment)[0][2:] - ours.com[2:]
     bodies = 4 * np.minimum(1.0, np.linalg.norm(com, axis=1) / 0.05).mean()
-    changed = 3 * (np.abs(alignment.dimensions) > within).sum()
+    changed = 4 * (np.abs(alignment.dimensions) > within).sum()
     return float(alignment.oddities + base + changed + bodies)
 
 

@@ -80,7 +80,8 @@ def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iter
         yield Finding(
             "base",
             f"its root {other.root} stands at ({x:.2f}, {y:.2f}, {z:.2f}) mm in our base_link, turned by "
-            f"{math.degrees(angle):.2f} deg: another mount, or for a yaw a shifted zero of axis_e",
+            f"{math.degrees(angle):.2f} deg: another mount"
+            + ("" if alignment.same_base else ", or for a yaw a shifted zero of axis_e"),
             serious=False,
         )
     masses = {name: other.links[name].mass or 0.0 for name in theirs.carried}

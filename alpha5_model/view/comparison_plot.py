@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from alpha5_model.errors import InputError
 from alpha5_model.view.figures import new_figure, style, write_figure
 
 if TYPE_CHECKING:
@@ -21,10 +22,13 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
         path: Picture to write; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
 
     Raises:
+        InputError: Of another arm, which has no errors to draw.
         UnknownNameError: Another suffix.
         MissingDependencyError: matplotlib is not installed.
         OutputError: It cannot be written.
     """
+    if not comparison.joints:
+        raise InputError("comparison", comparison.verdict, "one of a Reach Alpha 5")
     bodies = [body.name for body in comparison.bodies]
     panels = (
         ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
