@@ -293,6 +293,19 @@ def test_a_vehicle_is_left_out_of_link_0():
     np.testing.assert_allclose(comparison.alignment.stands, np.eye(4), atol=1e-12)
 
 
+def test_a_vehicle_that_hangs_on_the_arm_is_left_out_too():
+    root = dressed(OWN, "", (0, 0, 0), (0, 0, 0))
+    mount = root.find("joint[@name='mount']")
+    mount.find("parent").set("link", "link_0")
+    mount.find("child").set("link", "vehicle")
+    body = ET.SubElement(root.find("link[@name='vehicle']"), "inertial")
+    ET.SubElement(body, "mass", value="11")
+    ET.SubElement(body, "inertia", dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), "0"))
+    comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=5)
+    assert comparison.carried == {"vehicle": 11.0}
+    assert [f.where for f in comparison.findings] == ["base"]
+
+
 def test_the_arms_first_link_can_be_given():
     light = parse_urdf(with_vehicle(0.005))  # found by its frame, no heavier than a dummy
     assert compare_robots(light).bodies[0].mass == pytest.approx(reference.MASS[0])

@@ -183,22 +183,24 @@ def _own_base(
     """Links of the arm's own base, among those that stand still with it and the paths to them.
 
     All that hangs on one link of the way from the root to axis_e: on the link where the mass comes
-    closest to that of link_0, the first such one. A link heavier than the whole arm that axis_e
-    turns in is the vehicle itself, and nothing is left for link_0.
+    closest to that of link_0, the first such one. What is heavier than the whole arm is a vehicle
+    also where it hangs on the arm's base; if axis_e turns in it, nothing is left for link_0.
     """
     links = parameters().links
-    sets = {at: {name for name, path in still.items() if at in path} for at in base_path}
+    whole = sum(link.mass for link in links)
+    below = {at: {name for name, path in still.items() if at in path} for at in still}
     if base is not None:
-        return sets[base]
-    weights = {at: sum(robot.links[n].mass or 0.0 for n in own) for at, own in sets.items()}
+        return below[base]
+    weights = {at: sum(robot.links[n].mass or 0.0 for n in names) for at, names in below.items()}
     best = base_path[0]
     for at in base_path[1:]:
         closer = abs(weights[at] - links[0].mass) < abs(weights[best] - links[0].mass)
         if closer and weights[best] - weights[at] > CARRIED_FROM:
             best = at
-    if (robot.links[base_path[-1]].mass or 0.0) > sum(link.mass for link in links):
+    if (robot.links[base_path[-1]].mass or 0.0) > whole:
         return set()
-    return sets[best]
+    heavy = [below[at] for at in below if at not in base_path and weights[at] > whole]
+    return below[best].difference(*heavy)
 
 
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
