@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -127,7 +128,10 @@ def analyse(
         raise InputError(
             "supply_voltage and current_limit", (supply_voltage, current_limit), "both or neither"
         )
-    motors = _motors(motion.joints, constants, actuators)
+    by_joint = {name: actuator(name, constants) for name in motion.joints}
+    for name, motor in (actuators or {}).items():
+        by_joint[choice("joint", name, motion.joints)] = motor
+    motors = tuple(by_joint.values())
     s = smooth(motion, method, bandwidth, use_velocity)
     parts: list[dict[str, FloatArray]] = []
     for start in range(0, s.time.size, _CHUNK):
@@ -179,31 +183,19 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     )
 
 
-def _motors(
-    joints: tuple[str, ...], constants: str, given: Mapping[str, Actuator] | None
-) -> tuple[Actuator, ...]:
-    motors = {name: actuator(name, constants) for name in joints}
-    for name, motor in (given or {}).items():
-        motors[choice("joint", name, joints)] = motor
-    return tuple(motors[name] for name in joints)
-
-
 def _motor_side(
     motors: tuple[Actuator, ...], s: SmoothMotion, torque: FloatArray
 ) -> dict[str, FloatArray]:
     out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
     velocity = s.signed_velocity
     for k, motor in enumerate(motors):
-        try:
-            ratio = motor.ratio
-        except MissingParameterError:
-            continue
         state = torque[:, k], velocity[:, k], s.acceleration[:, k], s.direction[:, k] == 0
-        current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
-        friction = motor.torque_constant * ratio * current - torque[:, k]
-        voltage = motor.voltage(current, velocity[:, k])
-        interval = np.minimum(*ends), np.maximum(*ends)
-        out[..., k] = friction, current, *interval, voltage, voltage * current
+        with suppress(MissingParameterError):
+            current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
+            friction = motor.torque_constant * motor.ratio * current - torque[:, k]
+            voltage = motor.voltage(current, velocity[:, k])
+            interval = np.minimum(*ends), np.maximum(*ends)
+            out[..., k] = friction, current, *interval, voltage, voltage * current
     return dict(zip(BY_MOTOR, out, strict=True))
 
 
@@ -221,13 +213,11 @@ def _limits(
     lower, upper = np.full((2, *s.position.shape), np.nan)
     velocity, rest = s.signed_velocity, s.direction == 0
     for k, motor in enumerate(motors):
-        try:
+        with suppress(MissingParameterError):
             moving = motor.torque_limits(velocity[:, k], supply_voltage, current_limit)
-        except MissingParameterError:
-            continue
-        most = min(current_limit, supply_voltage / motor.parameters.resistance)
-        lower[:, k] = np.where(rest[:, k], motor.holding_torque(-most).lower, moving.lower)
-        upper[:, k] = np.where(rest[:, k], motor.holding_torque(most).upper, moving.upper)
+            most = min(current_limit, supply_voltage / motor.parameters.resistance)
+            lower[:, k] = np.where(rest[:, k], motor.holding_torque(-most).lower, moving.lower)
+            upper[:, k] = np.where(rest[:, k], motor.holding_torque(most).upper, moving.upper)
     return Interval(frozen(lower), frozen(upper))
 
 
