@@ -22,7 +22,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.inertia import combine, rotate_tensor
-from alpha5_model.parameters import Alpha5Parameters, JointRange
+from alpha5_model.parameters import Alpha5Parameters, JointRange, RigidBody
 from alpha5_model.spatial import pose
 
 GRIPPERS = ("locked", "jaws")
@@ -44,28 +44,18 @@ class FingerJoint(JointRange):
 
 
 @dataclass(frozen=True, eq=False)
-class JawBody:
-    """One body of the opened link 4, in its own frame.
+class JawBody(RigidBody):
+    """One body of the opened link 4: ``link_4``, ``jaw_rod``, ``finger_1`` or ``finger_2``.
+
+    The rod moves inside the wrist and displaces nothing.
 
     Attributes:
-        name: ``link_4``, ``jaw_rod``, ``finger_1`` or ``finger_2``.
         roll: Rotation about x from the body's frame to link_4, jaws closed [rad].
         origin: Origin of the body's frame in link_4, jaws closed, (3,) [m].
-        mass: [kg].
-        com: (3,) [m].
-        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
-        volume: Displaced volume [m^3]; the rod moves inside the wrist and displaces nothing.
-        cob: (3,) [m].
     """
 
-    name: str
     roll: float
     origin: FloatArray
-    mass: float
-    com: FloatArray
-    inertia: FloatArray
-    volume: float
-    cob: FloatArray
 
     @property
     def closed(self) -> FloatArray:

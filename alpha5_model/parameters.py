@@ -42,17 +42,16 @@ class DHParameters:
 
 
 @dataclass(frozen=True, eq=False)
-class LinkParameters:
-    """Mass and displaced water of one link, in its inertial frame.
+class RigidBody:
+    """Mass and displaced water of one body, in its own frame.
 
     Attributes:
-        name: ``link_0`` to ``link_4``.
+        name: As the link of the URDF.
         mass: [kg].
         com: Centre of mass, (3,) [m].
         inertia: At the COM, URDF sign, (3, 3) [kg m^2].
         volume: Displaced volume [m^3].
         cob: Centre of buoyancy, (3,) [m].
-        bounds: Outer bounds of the body, (3, 2) [m].
     """
 
     name: str
@@ -61,6 +60,16 @@ class LinkParameters:
     inertia: FloatArray
     volume: float
     cob: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LinkParameters(RigidBody):
+    """One link, ``link_0`` to ``link_4``, in its inertial frame.
+
+    Attributes:
+        bounds: Outer bounds of the body, (3, 2) [m].
+    """
+
     bounds: FloatArray
 
 

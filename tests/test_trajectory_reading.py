@@ -321,8 +321,9 @@ def test_what_would_overflow_is_refused(size: float, tmp_path: Path) -> None:
         arrays[argument][6, 2] = -size
         with pytest.raises(
             InputError, match=rf"axis_c\[6\]: expected a {argument} of at most 1e\+09"
-        ):
+        ) as caught:
             a5.trajectory.motion(time, **arrays)
+        assert caught.value.value == -size
         arrays[argument][6, 2] = -1e9
         a5.trajectory.motion(time, **arrays)
     with pytest.raises(InputError, match=r"time\[9\]: expected a time of at most 1e\+12"):

@@ -5,7 +5,7 @@ Beside what URDF knows it holds the displaced volume and the centre of buoyancy 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from alpha5_model import __version__
 from alpha5_model.checks import FloatArray, choice, frozen
@@ -13,7 +13,7 @@ from alpha5_model.description.frames import Placement, base_placement, joint_pla
 from alpha5_model.jaws import GRIPPERS, JawBody, split_link_4
 from alpha5_model.meshing.collision_shapes import Primitive, collision_primitives
 from alpha5_model.meshing.materials import Material, material_of
-from alpha5_model.parameters import Alpha5Parameters, JointRange, LinkParameters
+from alpha5_model.parameters import Alpha5Parameters, JointRange, RigidBody
 from alpha5_model.published import published
 
 
@@ -27,31 +27,19 @@ class Mesh:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
-    """One rigid body.
+class Body(RigidBody):
+    """One rigid body in the tree.
 
     Attributes:
-        name: As the link of the URDF.
         placement: Parent body and pose in it, joint at zero.
         joint: About or along +z of the body; None for link_0, which is fixed in base_link.
-        mass: [kg].
-        com: (3,) [m].
-        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
-        volume: Displaced volume [m^3].
-        cob: Centre of buoyancy, (3,) [m].
         extent: Outer size along each axis, (3,) [m].
         meshes: What it looks like.
         shapes: What it collides with.
     """
 
-    name: str
     placement: Placement
     joint: JointRange | None
-    mass: float
-    com: FloatArray
-    inertia: FloatArray
-    volume: float
-    cob: FloatArray
     extent: FloatArray
     meshes: tuple[Mesh, ...]
     shapes: tuple[Primitive, ...]
@@ -72,7 +60,7 @@ def arm_bodies(parameters: Alpha5Parameters, gripper: str) -> tuple[Body, ...]:
     }
     placements = [base_placement(parameters), *joint_placements(parameters).values()]
     joints: list[JointRange | None] = [None, *arm_joints]
-    records: list[LinkParameters | JawBody] = list(parameters.links)
+    records: list[RigidBody] = list(parameters.links)
     if moving:
         records = [*parameters.links[:4], *jaws.bodies]
         placements += [placement for placement, _ in hinges.values()]
@@ -85,14 +73,9 @@ def arm_bodies(parameters: Alpha5Parameters, gripper: str) -> tuple[Body, ...]:
             meshes |= {name: hinges[name][0] for name in ("finger_1", "finger_2")}
         bodies.append(
             Body(
-                name=record.name,
+                **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
                 placement=placement,
                 joint=joint,
-                mass=record.mass,
-                com=record.com,
-                inertia=record.inertia,
-                volume=record.volume,
-                cob=record.cob,
                 extent=_extent(record, parameters),
                 meshes=tuple(Mesh(name, material_of(name), at) for name, at in meshes.items()),
                 shapes=shapes.get(record.name, ()),
@@ -117,7 +100,7 @@ def _placement(body: JawBody, joint: JointRange) -> Placement:
     return Placement("link_4", (x, y, z + joint.lower), (body.roll, 0.0, 0.0))
 
 
-def _extent(record: LinkParameters | JawBody, parameters: Alpha5Parameters) -> FloatArray:
+def _extent(record: RigidBody, parameters: Alpha5Parameters) -> FloatArray:
     jaws = parameters.jaws
     if record.name == "jaw_rod":
         return frozen([jaws.rod_diameter, jaws.rod_diameter, jaws.rod_length])

@@ -32,8 +32,8 @@ _LEAST_STEP = 1e-9
 
 #: (sample, joint or None for the time) -> where that number stands, for messages.
 Place = Callable[[int, "str | None"], str]
-#: (sample, joint or None for the time, what is wrong) -> the error to raise.
-Refuse = Callable[[int, "str | None", str], Alpha5Error]
+#: (sample, joint or None for the time, what was given, what is expected) -> the error to raise.
+Refuse = Callable[[int, "str | None", float, str], Alpha5Error]
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def motion(
     def place(sample: int, joint: str | None) -> str:
         return f"sample {sample}" + (f" of {joint}" if joint else "")
 
-    def refuse(sample: int, joint: str | None, problem: str) -> Alpha5Error:
-        return InputError(f"{joint or 'time'}[{sample}]", float(t[sample]), problem)
+    def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
+        return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
 
     return checked(t, wanted, q[:, order], None if v is None else v[:, order], place, refuse)
 
@@ -144,11 +144,11 @@ def checked(
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
             joint = None if what == "time" else joints[k]
-            raise refuse(sample, joint, f"a {what} of at most {most:g} in size")
+            raise refuse(sample, joint, table[sample, k], f"a {what} of at most {most:g} in size")
     steps = np.diff(time)
     if (steps < 0).any():
         k = int(np.argmax(steps < 0)) + 1
-        raise refuse(k, None, f"a time of at least {time[k - 1]:.9g} s: time runs back")
+        raise refuse(k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back")
     keep = np.concatenate([[True], steps >= _LEAST_STEP])
     samples = np.flatnonzero(keep)
     found: list[MotionWarning] = []
@@ -161,7 +161,8 @@ def checked(
     t, q = time[keep], position[keep]
     v = None if velocity is None else velocity[keep]
     if t.size < MINIMUM_SAMPLES:
-        raise refuse(0, None, f"at least {MINIMUM_SAMPLES} samples with different times")
+        expected = f"at least {MINIMUM_SAMPLES} samples with different times"
+        raise refuse(0, None, time[0], expected)
     steps = np.diff(t)
     gap = GAP_FACTOR * float(np.median(steps))
     warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")

@@ -68,8 +68,8 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
         column = time_column if joint is None else joint_columns[joint]
         return _place(line, column, header)
 
-    def refuse(sample: int, joint: str | None, problem: str) -> Alpha5Error:
-        return FileFormatError(path, f"expected {problem}", place(sample, joint))
+    def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
+        return FileFormatError(path, f"expected {expected}", place(sample, joint))
 
     n = len(joints)
     name = header[time_column]
