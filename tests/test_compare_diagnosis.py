@@ -499,6 +499,18 @@ def test_water_is_not_seen_where_the_cylinder_does_not_fit():
     assert inertia_reason(2, wet, mass=OLD_MASS[2]).startswith(f"{OLD}, about the wrong point")
 
 
+def test_the_mass_of_the_water_may_be_as_uncertain_as_its_length():
+    """The tensor tells L^3 to a thousandth of its largest moment, so the mass to a third of that."""
+    base = tensor(OLD_INERTIA_LINK[1])
+    water, wet = water_on(base, 2, 0.05, True)
+    across = (wet - base)[0, 0]
+    allowed = 5e-5 + water * 1e-3 * np.abs(wet).max() / (3 * across)
+    assert 1.3e-4 < allowed < 1.7e-4
+    for factor, named in ((0.98, True), (1.02, False), (-0.98, True), (-1.02, False)):
+        mass = OLD_MASS[1] + water + factor * allowed
+        assert ("cylinder of water" in (mass_reason(1, mass, wet) or "")) == named
+
+
 def test_each_wrong_mass_is_named():
     for body in range(5):
         water = {
