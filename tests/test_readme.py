@@ -90,3 +90,12 @@ def test_a_wrong_figure_would_be_seen() -> None:
     assert says("9.7 ± 0.6 % and −1", 9.675)
     assert says("9.7 ± 0.6 % and −1", -1)
     assert not says("9.7 ± 0.6 % and −1", 9.62)
+
+
+def test_the_architecture_page_names_files_that_exist() -> None:
+    text = (REPOSITORY / "docs" / "architecture.md").read_text("utf-8")
+    named = set(re.findall(r"`([\w./]+(?:\.\w+|/))`", text))
+    places = [REPOSITORY, REPOSITORY / "alpha5_model"]
+    assert len(named) > 40
+    assert [name for name in sorted(named) if not any((p / name).exists() for p in places)] == []
+    assert faults(text) == []
