@@ -67,7 +67,9 @@ def spoil(rng: Rng, value: Any) -> tuple[Any, bool]:
         changed.flat[place] = pick(rng, NUMBERS)
         return changed, False
     if way == 4:
-        return changed * pick(rng, NUMBERS[5:]) if rng.integers(2) else changed * 0.0, False
+        with np.errstate(over="ignore"):
+            scaled = changed * (pick(rng, NUMBERS[5:]) if rng.integers(2) else 0.0)
+        return scaled, not np.isfinite(scaled).all()
     if way == 5:
         mask = np.zeros(array.shape, bool)
         mask.flat[place] = True
