@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -122,28 +122,22 @@ def motion(
     def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
         return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
 
-    return checked(t, wanted, q[:, order], None if v is None else v[:, order], place, refuse)
+    return checked(
+        Motion(t, wanted, q[:, order], None if v is None else v[:, order]), place, refuse
+    )
 
 
-def checked(
-    time: FloatArray,
-    joints: tuple[str, ...],
-    position: FloatArray,
-    velocity: FloatArray | None,
-    place: Place,
-    refuse: Refuse,
-    source: str = "arrays",
-    ignored: tuple[str, ...] = (),
-) -> Motion:
+def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted."""
+    time, position, velocity = raw.time, raw.position, raw.velocity
     if time.size < MINIMUM_SAMPLES:
-        name = source if source != "arrays" else "time"
+        name = raw.source if raw.source != "arrays" else "time"
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
     tables = (("time", time[:, None], _MOST_TIME), ("position", position, _MOST))
     for what, table, most in (*tables, ("velocity", velocity, _MOST)):
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
-            joint = None if what == "time" else joints[k]
+            joint = None if what == "time" else raw.joints[k]
             raise refuse(sample, joint, table[sample, k], f"a {what} of at most {most:g} in size")
     steps = np.diff(time)
     if (steps < 0).any():
@@ -151,7 +145,7 @@ def checked(
         raise refuse(k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back")
     keep = np.concatenate([[True], steps >= _LEAST_STEP])
     samples = np.flatnonzero(keep)
-    found: list[MotionWarning] = []
+    found = list(raw.warnings)
 
     def warn(kind: str, bad: np.ndarray, joint: str | None, text: str) -> None:
         if bad.size:
@@ -166,7 +160,7 @@ def checked(
     steps = np.diff(t)
     gap = GAP_FACTOR * float(np.median(steps))
     warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")
-    for column, bound in enumerate(parameters().joints[: len(joints)]):
+    for column, bound in enumerate(parameters().joints[: len(raw.joints)]):
         name, span = bound.name, bound.upper - bound.lower
         unit = "m" if name == "axis_a" else "rad"
         jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * bound.velocity * steps
@@ -175,5 +169,5 @@ def checked(
         outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
         text = f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}"
         warn("outside_limits", samples[outside], name, text)
-    speeds = None if v is None else frozen(v)
-    return Motion(frozen(t), joints, frozen(q), speeds, tuple(found), source, ignored)
+    v = None if v is None else frozen(v)
+    return replace(raw, time=frozen(t), position=frozen(q), velocity=v, warnings=tuple(found))

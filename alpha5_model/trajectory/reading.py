@@ -7,7 +7,6 @@ import math
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, NoReturn
 
 import numpy as np
@@ -76,25 +75,25 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
     guess = _likely_unit(table[:, 0], table[:, 1 : 1 + n])
     stated = _TIME_WITH_UNIT.fullmatch(name)
     unit = guess if stated is None else stated[1].lower()
-    motion = checked(
-        table[:, 0] / _PER_SECOND[unit],
-        joints,
-        table[:, 1 : 1 + n],
-        table[:, 1 + n :] if velocities else None,
-        place,
-        refuse,
-        source=str(path),
-        ignored=tuple(name for k, name in enumerate(header) if k not in used),
-    )
-    warnings = motion.warnings
+    warnings: tuple[MotionWarning, ...] = ()
     if guess != "s" and (unit == "s" or stated is None):
         text = (
             f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
             if stated is None
             else f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
         )
-        warnings = (MotionWarning("time_unit", 1, place(0, None), text), *warnings)
-    return replace(motion, time_unit=unit, warnings=warnings)
+        warnings = (MotionWarning("time_unit", 1, place(0, None), text),)
+    raw = Motion(
+        table[:, 0] / _PER_SECOND[unit],
+        joints,
+        position=table[:, 1 : 1 + n],
+        velocity=table[:, 1 + n :] if velocities else None,
+        warnings=warnings,
+        source=str(path),
+        ignored=tuple(name for k, name in enumerate(header) if k not in used),
+        time_unit=unit,
+    )
+    return checked(raw, place, refuse)
 
 
 def _likely_unit(time: FloatArray, position: FloatArray) -> str:
