@@ -15,11 +15,12 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Kind = TypeVar("Kind")
 
-#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion from 1, before
-#: it is refused: URDFs and logs print some seven digits.
+#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion
+#: from 1, before it is refused: URDFs and logs print some seven digits.
 ROTATION_TOLERANCE = 1e-6
-#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has more than five such numbers
-#: as factors (energy: mass, length twice, speed twice), so that none overflows; the sixth is for sums.
+#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has more
+#: than five such factors (energy: mass, length twice, speed twice), so that none overflows; the sixth
+#: root leaves room for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
 
 
@@ -28,7 +29,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
     Args:
         name: Name of the argument, for the message.
-        value: Anything NumPy can read as real numbers without losing what else it says: a mask, a unit.
+        value: Anything NumPy reads as real numbers; not what has a mask or a unit, which it would drop.
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
@@ -59,7 +60,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
 
 def _plain(value: Any) -> bool:
-    """Whether it holds numbers only, at any depth of lists: NumPy drops masks and units without a word."""
+    """Whether it holds numbers only, at any depth of lists: NumPy silently drops masks and units."""
     kind = type(value)
     if kind in (np.ndarray, np.float64, float, int):
         return True

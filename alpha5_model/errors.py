@@ -23,9 +23,7 @@ class Alpha5Error(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        line = " ".join(
-            message.split()
-        )  # names and paths may hold newlines, or thousands of letters
+        line = " ".join(message.split())  # names and paths may hold newlines, or are very long
         super().__init__(line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -204,7 +202,7 @@ class MissingDependencyError(Alpha5Error, ImportError):
 
 
 def _restored(kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]) -> Any:
-    """An error without a call of its own ``__init__``, whose arguments are not those of the message."""
+    """An unpickled error: its own ``__init__`` takes other arguments than the message."""
     error = kind.__new__(kind)
     super(Alpha5Error, error).__init__(*args)  # the built-in's, which also keeps its own fields
     vars(error).update(attributes)
@@ -222,6 +220,6 @@ def _sent(value: Any) -> Any:
 def _short(value: Any) -> str:
     try:
         text = " ".join(repr(value).split())  # arrays print over several lines
-    except Exception:  # of a foreign class; the error being told is the caller's, not this one
+    except Exception:  # a foreign class whose repr fails must not hide the error to report
         text = f"a {type(value).__name__}"
     return text if len(text) <= 80 else text[:77] + "..."

@@ -1,4 +1,4 @@
-"""Files that somebody names: read, or written whole or not at all, never over what is no plain file."""
+"""Files named by the user: read, or written completely or not at all, replacing plain files only."""
 
 from __future__ import annotations
 
@@ -149,14 +149,14 @@ def output_format(kind: str, path: PathLike, formats: Sequence[str]) -> str:
 def check_outputs(
     read: Iterable[PathLike | None], **written: tuple[PathLike | None, Sequence[str]]
 ) -> None:
-    """Refuse, before the work, what must not be written; every command asks here.
+    """Refuse, before the work, what must not be written; every command calls this.
 
     Args:
         read: Paths that are read; None is skipped.
         written: Option -> path, None if not given, and the suffixes it may have.
 
     Raises:
-        InputError: A file that is also read, or two outputs into one, whatever their paths are called.
+        InputError: A file that is also read, or two outputs into one, under any of its names.
         UnknownNameError: A path with another suffix.
         OutputError: A folder, a socket, a read-only file.
     """

@@ -2,8 +2,8 @@
 
 Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative integrals,
 ``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook tensor have it. SolidWorks
-prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg]. What is no such array of
-numbers raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
+prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg]. Other
+input raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
 
 References:
     [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent inertial
@@ -259,7 +259,7 @@ def inconsistencies(
 
 
 def _together(**given: ArrayLike) -> list[FloatArray]:
-    """Arrays that fit one another, of the shapes that go with their names, and no number too large."""
+    """Arrays whose leading shapes fit; the trailing ones go by name. No number is too large."""
     shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
     named = {name: (value, shapes.get(name, (3, 3))) for name, value in given.items()}
     return [bounded(*pair) for pair in zip(named, fitting(**named), strict=True)]

@@ -1,6 +1,6 @@
 """The published numbers in SI units and URDF convention, frozen.
 
-`parameters` is the one door between the printed tables and everything that computes.
+Everything that computes takes its numbers from `parameters`.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ class JointRange:
     """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
 
     Attributes:
-        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod), ``finger_1_joint``, ``finger_2_joint``.
+        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod), ``finger_1_joint``,
+            ``finger_2_joint``.
         lower, upper: Ends of the range.
         velocity: Largest speed.
         effort: A placeholder that every public model copies; no rating is published.

@@ -26,7 +26,7 @@ __all__ = [
 SRDF_PATH = str(Path(URDF_PATH).with_suffix(".srdf"))
 #: Name -> positions of axis_e, axis_d, axis_c, axis_b [rad].
 REFERENCE_POSTURES = NAMED_POSES
-#: Metadata in the words of robot_descriptions' index (version 2), formats by name.
+#: Metadata with the keys of robot_descriptions' index (version 2), formats by name.
 DESCRIPTION: dict[str, object] = {
     "formats": ("URDF",),
     "tags": ("arm",),

@@ -63,7 +63,7 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
 
 @dataclass(frozen=True)
 class _Node:
-    """A value of a data file that knows its place."""
+    """A value of a data file, with its place for messages."""
 
     value: Any
     place: str
@@ -110,7 +110,7 @@ def _root(file: str, text: str) -> _Node:
 
 
 def _units(record: type[Any]) -> dict[str, Any]:
-    """Field -> printed unit of a record; two units where the jaw rod has another than the joints."""
+    """Field -> printed unit of a record; two units where the jaw rod has its own."""
     return {f.name: f.metadata["unit"] for f in fields(record) if f.metadata}
 
 

@@ -64,7 +64,7 @@ class Table(Generic[RowT]):
     Attributes:
         source: Where it stands.
         rows: One record per printed row.
-        origins: Column -> how the document came by it, in its words; empty where it does not say.
+        origins: Column -> how the document obtained it, quoted; empty where it does not say.
     """
 
     source: Source

@@ -1,4 +1,4 @@
-"""What a joint motion asks of the arm: torques by cause, motors, power, load on the mount, TCP path."""
+"""What a joint motion takes: torques by cause, motors, power, load on the mount, TCP path."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from alpha5_model.trajectory.smoothing import (
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
-#: A joint on the average slower than this share of its rated speed says nothing about its velocities.
+#: Velocities are judged where a joint's rms speed is above this share of its rated speed.
 _JUDGED_SHARE = 0.02
 #: Attributes of an analysis that need a motor's constants: NaN without.
 BY_MOTOR = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
@@ -42,7 +42,7 @@ class Analysis:
     Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
 
     Attributes:
-        motion: The samples as they came.
+        motion: The samples as given.
         smooth: Positions, velocities and accelerations that the rest is computed from.
         actuators: Motor of each joint.
         arm: The model.

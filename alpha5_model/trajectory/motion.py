@@ -1,4 +1,4 @@
-"""A joint motion over time, checked: what recordings are read into and planned motions are given as."""
+"""A joint motion over time, recorded or planned, checked."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from alpha5_model.published.tables import JOINT_NAMES
 
 #: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
 JOINTS = JOINT_NAMES
-#: Fewer samples have no acceleration worth the name.
+#: Fewer samples give no useful acceleration.
 MINIMUM_SAMPLES = 5
 #: A step is a jump beyond this share of the joint's range plus twice its rated speed.
 JUMP_SHARE = 0.1
@@ -24,7 +24,7 @@ LIMIT_SLACK = 1e-3
 #: A gap is longer than this many median sample times.
 GAP_FACTOR = 10.0
 
-#: Larger positions [rad], velocities and times [s] are no motion, and their derivatives would overflow.
+#: Larger positions [rad], velocities and times [s] are no motion; their derivatives would overflow.
 _MOST = 1e9
 _MOST_TIME = 1e12
 #: Times nearer than this are the same [s].
@@ -59,7 +59,7 @@ class MotionWarning:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Samples of a joint motion, as they came; times strictly increase.
+    """Samples of a joint motion, as given; times strictly increase.
 
     Attributes:
         time: (N,) [s].
@@ -69,7 +69,7 @@ class Motion:
         warnings: What was found odd.
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
-        time_unit: Of the file's time column, ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; `time` is in seconds.
+        time_unit: Of the file's time column: ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; `time` is in s.
     """
 
     time: FloatArray

@@ -32,11 +32,11 @@ Progress = Callable[[str, float], None]
 def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) -> Motion:
     """Read joint motion from a CSV file with a header line.
 
-    Columns stand in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and the like;
-    ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and the like for ``axis_e, axis_d, axis_c, axis_b``
-    [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``) and the
-    like, optional, for all of these joints or none. Other columns are ignored and named in
-    `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
+    Columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and the like;
+    ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d, axis_c,
+    axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
+    (``axis_b_velocity``) and so on, optional, for all of these joints or none. Other columns are
+    ignored and named in `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
     smaller unit if the joints can be so fast; a warning says so.
 
     Args:
@@ -99,7 +99,7 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
 def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
 
-    Seconds where some joint's mean speed would be beyond twice its rating, as in a plan of few points.
+    Seconds where some joint's mean speed would exceed twice its rating, as in a plan of few points.
     """
     with np.errstate(over="ignore"):
         steps, way = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)

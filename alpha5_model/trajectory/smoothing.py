@@ -41,8 +41,8 @@ DEFAULT_BANDWIDTH = 2.0
 REST_SHARE = 0.002
 #: Noise in velocities hides the direction of slow motion; the way gone in this time shows it [s].
 DIRECTION_WINDOW = 0.5
-#: Least bandwidth as a share of the sample rate: below it the spline's equations, whose condition grows with
-#: its inverse to the fourth power, lose the 0.1 % to which a sine's amplitude is right at it.
+#: Least bandwidth as a share of the sample rate: the condition of the spline's equations grows with its
+#: inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
 LEAST_BANDWIDTH = 1e-4
 _DEGREE = 3
 
@@ -58,7 +58,7 @@ class SmoothMotion:
         velocity: (N, n) [rad/s].
         acceleration: (N, n) [rad/s^2].
         direction: Way in which the joint moves, (N, n), -1, 0 (at rest) or 1: the sign of the mean velocity
-            over `DIRECTION_WINDOW` if there is smoothing, so that noise does not turn friction round.
+            over `DIRECTION_WINDOW` if there is smoothing, so that noise does not reverse friction.
         method: One of `METHODS`.
         bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
         from_velocity: Velocities and accelerations come from the motion's velocities.
@@ -152,7 +152,7 @@ def smooth(
 
 
 def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
-    """Way over time in a window around each sample; never turns round where the motion does not."""
+    """Way over time in a window around each sample; reverses only where the motion does."""
     early = np.maximum(time - DIRECTION_WINDOW / 2, time[0])
     late = np.minimum(time + DIRECTION_WINDOW / 2, time[-1])
     way = _columns(late, time, position) - _columns(early, time, position)

@@ -1,4 +1,4 @@
-"""The figures a reader of an analysed motion asks for first, as a plain record and as text."""
+"""Key figures of an analysed motion, as a plain record and as text."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_
 
 
 def summary(analysis: Analysis) -> dict[str, Any]:
-    """Peaks, margins, energies and warnings, made of what JSON knows.
+    """Peaks, margins, energies and warnings, in types that JSON has.
 
-    Units: s, A, V, W, J, N, m; of a joint's position, velocity and torque as its ``units`` say: rad, rad/s,
-    N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what is left to a limit, negative beyond it.
-    ``null`` where a motor cannot be computed or a limit is not given.
+    Units: s, A, V, W, J, N, m; a joint's position, velocity and torque are in its ``units``: rad,
+    rad/s, N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what is left to a limit, negative
+    beyond it. ``null`` where a motor cannot be computed or a limit is not given.
     """
     a, s = analysis, analysis.smooth
     steps, velocity = np.diff(s.time), s.signed_velocity
