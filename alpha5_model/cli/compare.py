@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,10 +9,10 @@ from typing import Annotated, Any
 import typer
 from rich import box
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
-from alpha5_model.cli.options import spinner, words_beside
+from alpha5_model.cli.options import print_json, print_written, spinner, words_beside
 from alpha5_model.comparison.records import Comparison
 from alpha5_model.comparison.report import compare as run
 from alpha5_model.errors import InputError
@@ -64,11 +63,10 @@ def compare(
         plot_comparison(comparison, plot)
     with words_beside(plot):
         if as_json:
-            typer.echo(json.dumps(comparison.as_dict(), indent=2))
+            print_json(comparison.as_dict())
         else:
             _print(comparison)
-            if plot is not None:
-                typer.echo(f"wrote {plot}")
+            print_written(plot)
     return 0 if comparison.agrees else 1
 
 
@@ -91,12 +89,11 @@ def _print(comparison: Comparison) -> None:
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
     console.print(Text(f"{comparison.name}: {joints}"))
     # Text, not markup: rich would take the units' brackets for a style.
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("body", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    units = ("mass\n[g]", *(f"COM {axis}\n[mm]" for axis in "xyz"))
-    for head in (*units, *(f"moment {n}\n[kg mm²]" for n in "123")):
-        table.add_column(Text(head), justify="right", no_wrap=True)
+    heads = ["mass\n[g]", *(f"COM {axis}\n[mm]" for axis in "xyz")]
+    heads += (f"moment {n}\n[kg mm²]" for n in "123")
+    figures = (Column(Text(head), justify="right", no_wrap=True) for head in heads)
+    names = (Column(name, no_wrap=True) for name in ("body", ""))
+    table = Table(*names, *figures, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for body in comparison.bodies:
         both = body.as_dict()
         sides = [_row(both), _row(both["ours"])]

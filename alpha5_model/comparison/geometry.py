@@ -225,7 +225,7 @@ def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
         turns = float(wrap(ends.mean(), middle) - ends.mean())
         ends, low, high = ends + turns, low - sign * turns, high - sign * turns
         if np.abs(ends - [ours.lower, ours.upper]).max() > LIMIT_TOLERANCE:
-            first, last = np.degrees(ends)
+            first, last = np.round(np.degrees(ends), 1) + 0.0  # no negative zero
             yield Finding(
                 ours.name,
                 f"range {first:.1f} to {last:.1f} deg in place of "

@@ -12,6 +12,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,7 @@ from alpha5_model.description.mjcf_control import (
     add_equality,
     add_keyframes,
 )
-from alpha5_model.description.poses import (
-    ADJACENT_PAIRS,
-    CLOSING_PAIRS,
-    NEVER_PAIRS,
-)
+from alpha5_model.description.poses import UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import GRAVITY, SEA_WATER
@@ -214,7 +211,7 @@ def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
 def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     contact = add(root, "contact")
     names = {body.name for body in bodies}
-    for one, other in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS):
+    for one, other in chain(*UNCHECKED_PAIRS.values()):
         if {one, other} <= names:
             add(contact, "exclude", body1=one, body2=other)
 
@@ -224,17 +221,12 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
 
     MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
     """
+    from scipy.spatial.transform import Rotation
+
     moments, axes = np.linalg.eigh(inertia)
-    r = axes if np.linalg.det(axes) > 0 else -axes
-    # Of the four expressions for the quaternion, the one with the largest component [Shepperd1978].
-    squares = np.array([np.trace(r), *np.diag(r)])
-    outer = np.empty((4, 4))
-    outer[0, 0] = 1 + np.trace(r)
-    outer[0, 1:] = outer[1:, 0] = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
-    outer[1:, 1:] = r + r.T + (1 - np.trace(r)) * np.eye(3)
-    quaternion = outer[np.argmax(squares)]
-    unit = quaternion / np.linalg.norm(quaternion)
-    return moments.tolist(), (unit if unit[0] >= 0 else -unit).tolist()
+    right_handed = axes if np.linalg.det(axes) > 0 else -axes
+    x, y, z, w = Rotation.from_matrix(right_handed).as_quat(canonical=True).tolist()
+    return moments.tolist(), [c + 0.0 for c in (w, x, y, z)]  # no negative zeros
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, tuple[float, ...] | None]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.description.bodies import Body, arm_bodies, provenance
-from alpha5_model.description.frames import Placement, base_placement, dh_placements, tcp_placement
+from alpha5_model.description.frames import base_placement, dh_placements, tcp_placement
 from alpha5_model.meshing.materials import MATERIALS
 from alpha5_model.parameters import Alpha5Parameters
 
@@ -30,9 +31,9 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         "links": {body.name: _body(body) for body in locked},
         "joints": _joints(locked),
         "frames": {
-            "link_0": _placement(base_placement(parameters)),
-            "tcp": _placement(tcp_placement(parameters)),
-            **{name: _placement(frame) for name, frame in dh_placements(parameters).items()},
+            "link_0": asdict(base_placement(parameters)),
+            "tcp": asdict(tcp_placement(parameters)),
+            **{name: asdict(frame) for name, frame in dh_placements(parameters).items()},
         },
         "jaws": {
             "links": {body.name: _body(body) for body in jaws},
@@ -51,35 +52,19 @@ def _body(body: Body) -> dict[str, Any]:
             f"i{'xyz'[i]}{'xyz'[j]}": float(body.inertia[i, j])
             for i, j in zip(*np.triu_indices(3), strict=True)
         },
-        "collision": [
-            {
-                "kind": shape.kind,
-                "size": list(shape.size),
-                "xyz": list(shape.xyz),
-                "rpy": list(shape.rpy),
-            }
-            for shape in body.shapes
-        ],
+        "collision": [asdict(shape) for shape in body.shapes],
     }
 
 
 def _joints(bodies: tuple[Body, ...]) -> dict[str, Any]:
     return {
         body.joint.name: {
-            **_placement(body.placement),
+            **asdict(body.placement),
             "child": body.name,
             **{key: getattr(body.joint, key) for key in _JOINT if hasattr(body.joint, key)},
         }
         for body in bodies
         if body.joint is not None
-    }
-
-
-def _placement(placement: Placement) -> dict[str, Any]:
-    return {
-        "parent": placement.parent,
-        "xyz": list(placement.xyz),
-        "rpy": list(placement.rpy),
     }
 
 

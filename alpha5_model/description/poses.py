@@ -37,6 +37,10 @@ NEVER_PAIRS: tuple[tuple[str, str], ...] = (
 )
 
 
+#: All of them: reason in the words of SRDF -> pairs.
+UNCHECKED_PAIRS = {"Adjacent": ADJACENT_PAIRS, "Default": CLOSING_PAIRS, "Never": NEVER_PAIRS}
+
+
 def named_pose(name: str) -> FloatArray:
     """A named pose as read-only array (4,) [rad].
 

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from alpha5_model.checks import choice
-from alpha5_model.description.poses import (
-    ADJACENT_PAIRS,
-    CLOSING_PAIRS,
-    NAMED_POSES,
-    NEVER_PAIRS,
-)
+from alpha5_model.description.poses import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.parameters import parameters
+from alpha5_model.parameters import JointRange, parameters
 
 
 def srdf(gripper: str = "locked") -> str:
@@ -38,22 +33,22 @@ def _body(jaws: bool) -> Iterator[str]:
         yield "  </group>"
         yield '  <end_effector name="jaws" parent_link="link_4" group="gripper" parent_group="arm"/>'
     for pose, q in NAMED_POSES.items():
-        yield f'  <group_state name="{pose}" group="arm">'
-        for joint, position in zip(arm, q, strict=True):
-            yield f'    <joint name="{joint.name}" value="{position!r}"/>'
-        yield "  </group_state>"
+        yield from _state(pose, "arm", arm, q)
     if jaws:
-        for pose, position in (("closed", rod.lower), ("open", rod.upper)):
-            yield f'  <group_state name="{pose}" group="gripper">'
-            yield f'    <joint name="{rod.name}" value="{position!r}"/>'
-            yield "  </group_state>"
+        yield from _state("closed", "gripper", [rod], [rod.lower])
+        yield from _state("open", "gripper", [rod], [rod.upper])
         for finger in ("finger_1", "finger_2"):
             yield f'  <passive_joint name="{finger}_joint"/>'
-    for reason, pairs in (
-        ("Adjacent", ADJACENT_PAIRS),
-        ("Default", CLOSING_PAIRS),
-        ("Never", NEVER_PAIRS),
-    ):
+    for reason, pairs in UNCHECKED_PAIRS.items():
         for one, other in pairs:
             if jaws or not any(name.startswith("finger") for name in (one, other)):
                 yield f'  <disable_collisions link1="{one}" link2="{other}" reason="{reason}"/>'
+
+
+def _state(
+    pose: str, group: str, joints: Iterable[JointRange], q: Iterable[float]
+) -> Iterator[str]:
+    yield f'  <group_state name="{pose}" group="{group}">'
+    for joint, position in zip(joints, q, strict=True):
+        yield f'    <joint name="{joint.name}" value="{position!r}"/>'
+    yield "  </group_state>"

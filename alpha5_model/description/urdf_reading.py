@@ -10,8 +10,10 @@ import codecs
 import math
 import re
 import xml.etree.ElementTree as ET
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from xml.parsers import expat
 
 import numpy as np
@@ -26,6 +28,7 @@ ABSURD, TINY = 1e12, 1e-100
 #: How propellers and wheels that turn for ever are written by many: as 1e16 or infinity.
 NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
 
+LIMITS = ("lower", "upper", "velocity", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 
@@ -73,13 +76,13 @@ class UrdfJoint:
     child: str
     transform: FloatArray
     axis: FloatArray
-    lower: float | None
-    upper: float | None
-    velocity: float | None
-    effort: float | None
-    mimic: str | None
-    multiplier: float
-    offset: float
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+    mimic: str | None = None
+    multiplier: float = 1.0
+    offset: float = 0.0
     printed: tuple[str, str] = ("", "")
 
     @property
@@ -155,12 +158,10 @@ class _Reader:
         return value
 
     def numbers(self, element: ET.Element, name: str, count: int, text: str) -> FloatArray:
-        try:
-            values = [float(part) for part in text.split()]
-        except ValueError:
-            values = []
-        if not text.isascii() or "_" in text:  # numbers to Python, to no reader of URDFs
-            values = []
+        values: list[float] = []
+        if text.isascii() and "_" not in text:  # else numbers to Python, to no reader of URDFs
+            with suppress(ValueError):
+                values = [float(part) for part in text.split()]
         if len(values) != count or not all(v == 0 or TINY < abs(v) < ABSURD for v in values):
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
@@ -242,26 +243,17 @@ class _Reader:
         shape = None if geometry is None or not len(geometry) else geometry[0]
         if shape is None:
             raise self.fail(collision, "<collision> has no geometry")
-        if shape.tag in ("box", "cylinder", "capsule", "sphere"):
-            volume = self.primitive(shape)
-            if not math.isfinite(volume):
-                raise self.fail(shape, f"<{shape.tag}> has no finite volume")
-            return volume, None
         if shape.tag == "mesh":
             return 0.0, self.attribute(shape, "filename")
-        raise self.fail(shape, f"unknown shape <{shape.tag}>")
-
-    def primitive(self, shape: ET.Element) -> float:
-        """Volume of a box, sphere, cylinder or capsule; infinite if it overflows."""
         if shape.tag == "box":
             x, y, z = self.numbers(shape, "size", 3, self.attribute(shape, "size")).tolist()
-            return float(x * y * z)
+            return x * y * z, None
+        if shape.tag not in ("cylinder", "capsule", "sphere"):
+            raise self.fail(shape, f"unknown shape <{shape.tag}>")
         r = self.number(shape, "radius")
-        ball = 4 / 3 * math.pi * (r * r * r)
-        if shape.tag == "sphere":
-            return ball
-        tube = math.pi * (r * r) * self.number(shape, "length")
-        return tube + ball if shape.tag == "capsule" else tube
+        ball = 0.0 if shape.tag == "cylinder" else 4 / 3 * math.pi * (r * r * r)
+        tube = 0.0 if shape.tag == "sphere" else math.pi * (r * r) * self.number(shape, "length")
+        return tube + ball, None
 
     def joint(self, element: ET.Element) -> UrdfJoint:
         name, kind = self.attribute(element, "name"), self.attribute(element, "type")
@@ -281,17 +273,17 @@ class _Reader:
             if not 0 < length < math.inf:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")
             axis = axis / length
-        limit, mimic = element.find("limit"), element.find("mimic")
-        limits: dict[str, float] = {}
+        limit, mimic, origin = (element.find(tag) for tag in ("limit", "mimic", "origin"))
+        limits: dict[str, Any] = {}
         if limit is not None:
-            ends_of_range = () if kind == "continuous" else ("lower", "upper")
-            for key in (*ends_of_range, "velocity", "effort"):
+            for key in LIMITS[2 if kind == "continuous" else 0 :]:
                 if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):
                     limits[key] = self.number(limit, key)
-        factor, shift, origin = 1.0, 0.0, element.find("origin")
+        follower: dict[str, Any] = {}
         if mimic is not None:
-            factor = self.number(mimic, "multiplier") if "multiplier" in mimic.attrib else 1.0
-            shift = self.number(mimic, "offset") if "offset" in mimic.attrib else 0.0
+            factors = (key for key in ("multiplier", "offset") if key in mimic.attrib)
+            follower = {key: self.number(mimic, key) for key in factors}
+            follower["mimic"] = self.attribute(mimic, "joint")
         return UrdfJoint(
             name=name,
             kind=kind,
@@ -299,13 +291,8 @@ class _Reader:
             child=ends[1],
             transform=self.pose(element),
             axis=axis,
-            lower=limits.get("lower"),
-            upper=limits.get("upper"),
-            velocity=limits.get("velocity"),
-            effort=limits.get("effort"),
-            mimic=None if mimic is None else self.attribute(mimic, "joint"),
-            multiplier=factor,
-            offset=shift,
+            **limits,
+            **follower,
             printed=("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", "")),
         )
 

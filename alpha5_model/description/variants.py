@@ -7,10 +7,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.expand import expand_xacro
 from alpha5_model.description.parameter_file import parameter_yaml
+from alpha5_model.description.xml_text import text_of
 from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
@@ -89,22 +92,14 @@ def urdf(variant: Variant | None = None) -> str:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
         values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
-        text = expand_xacro(
-            XACRO_PATH,
-            {
-                "prefix": chosen.prefix,
-                "parent": chosen.parent,
-                "xyz": " ".join(repr(float(x)) for x in chosen.xyz),
-                "rpy": " ".join(repr(float(x)) for x in chosen.rpy),
-                "gripper": chosen.gripper,
-                "mesh_prefix": chosen.mesh_prefix,
-                "collision": chosen.collision,
-                "dh_frames": str(chosen.dh_frames).lower(),
-                "ros2_control": str(chosen.ros2_control).lower(),
-                "ros2_control_plugin": chosen.ros2_control_plugin,
-                "parameters": str(values),
-            },
-        )
+        arguments = {
+            name: _xacro_text(x) for name, x in vars(chosen).items() if name != "corrections"
+        }
+        text = expand_xacro(XACRO_PATH, {**arguments, "parameters": str(values)})
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
     return text
+
+
+def _xacro_text(value: str | bool | Iterable[float]) -> str:
+    return str(value).lower() if isinstance(value, bool | np.bool_) else text_of(value)

@@ -22,6 +22,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.committed import NOT_DRAWN, can_draw, stale_files
+from alpha5_model.description.urdf_reading import LIMITS
 from alpha5_model.description.verification_frames import (
     NotInstalledError,
     Subject,
@@ -49,7 +50,6 @@ Verdict = Literal["passed", "failed", "not run"]
 FRAME_BOUND = 1e-12
 YOURDFPY_BOUND = 1e-9
 SAMPLES = 2000
-LIMITS = ("lower", "upper", "velocity", "effort")
 _LINKS = ("base_link", "link_0", "link_1", "link_2", "link_3", "link_4", "tcp")
 _JAW_LINKS = ("jaw_rod", "finger_1", "finger_2")
 

@@ -10,24 +10,21 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.urdf_reading import UrdfJoint, UrdfLink, read_urdf
+from alpha5_model.description.urdf_reading import UrdfRobot, read_urdf
 from alpha5_model.parameters import Alpha5Parameters
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(UrdfRobot):
     """A URDF file that is checked.
 
     Attributes:
         path: The file.
         prefix: What stands before ``base_link`` in it.
-        links, joints: By name, as read from the text.
     """
 
     path: Path
     prefix: str
-    links: dict[str, UrdfLink]
-    joints: dict[str, UrdfJoint]
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Subject:
@@ -35,7 +32,7 @@ class Subject:
         robot = read_urdf(Path(path))
         base = [name for name in robot.links if name.endswith("base_link")]
         prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
-        return cls(Path(path), prefix, robot.links, robot.joints)
+        return cls(**vars(robot), path=Path(path), prefix=prefix)
 
 
 class NotInstalledError(Exception):

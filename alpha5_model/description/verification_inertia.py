@@ -35,7 +35,7 @@ def _table_2() -> tuple[tuple[float, list[float], FloatArray, FloatArray], ...]:
 
 
 def _opposite_products(tensor: FloatArray) -> FloatArray:
-    return np.array([[x if i == j else -x for j, x in enumerate(r)] for i, r in enumerate(tensor)])
+    return np.where(np.eye(3, dtype=bool), tensor, -tensor)
 
 
 def inertial_differences(text: Subject, jaws: bool) -> list[str]:
@@ -90,10 +90,10 @@ def stray_masses(text: Subject, jaws: bool) -> list[str]:
 
 def _below(text: Subject, root: str) -> set[str]:
     """The link and everything that it carries: what it is mounted on is not the arm's."""
-    names, fresh = set(), {root}
-    while fresh:
-        names |= fresh
-        fresh = {joint.child for joint in text.joints.values() if joint.parent in fresh} - names
+    names = {root}
+    for joint in text.joints.values():  # from the root outwards
+        if joint.parent in names:
+            names.add(joint.child)
     return names
 
 
