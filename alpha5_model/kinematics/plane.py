@@ -31,6 +31,11 @@ class ArmPlane(NamedTuple):
         phi_offset, gamma_offset: phi less theta_1, gamma less theta_2 [rad].
         lower, upper: Limits of theta_0 ... theta_3, (4,) [rad].
         middle: Middle of each range, (4,) [rad].
+        limits: (lower, upper, middle) of each joint.
+        longest, shortest: Distance from shoulder to tcp of the stretched and of the folded arm [m]; the
+            folded one is beyond the limits of theta_2.
+        squares: Of the two [m^2].
+        k: ``(l_2 - l_1) / (l_2 + l_1)``, of the law of tangents.
     """
 
     a_0: float
@@ -43,6 +48,11 @@ class ArmPlane(NamedTuple):
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     middle: tuple[float, ...]
+    limits: tuple[tuple[float, float, float], ...]
+    longest: float
+    shortest: float
+    squares: tuple[float, float]
+    k: float
 
     @property
     def phi_range(self) -> tuple[float, float]:
@@ -53,16 +63,6 @@ class ArmPlane(NamedTuple):
     def gamma_range(self) -> tuple[float, float]:
         """Angles at the elbow within the limits of theta_2 [rad]."""
         return self.lower[2] + self.gamma_offset, self.upper[2] + self.gamma_offset
-
-    @property
-    def longest(self) -> float:
-        """Distance from shoulder to tcp of the stretched arm [m]."""
-        return self.l_1 + self.l_2
-
-    @property
-    def shortest(self) -> float:
-        """Distance from shoulder to tcp of the folded arm [m], beyond the limits of theta_2."""
-        return abs(self.l_1 - self.l_2)
 
 
 @cache
@@ -81,16 +81,24 @@ def arm_plane() -> ArmPlane:
         or wrist.d >= 0.0
     ):
         raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
-    joints = p.joints[:4]
+    l_1, l_2 = upper.a, math.hypot(fore.a, wrist.d)
+    longest, shortest = l_1 + l_2, abs(l_1 - l_2)
+    limits = tuple((j.lower, j.upper, (j.lower + j.upper) / 2) for j in p.joints[:4])
+    low, high, middle = zip(*limits, strict=True)
     return ArmPlane(
         a_0=base.a,
         d_0=base.d,
-        l_1=upper.a,
-        l_2=math.hypot(fore.a, wrist.d),
+        l_1=l_1,
+        l_2=l_2,
         azimuth_offset=base.theta_offset,
         phi_offset=upper.theta_offset,
         gamma_offset=fore.theta_offset + math.pi - math.atan2(-wrist.d, fore.a),
-        lower=tuple(j.lower for j in joints),
-        upper=tuple(j.upper for j in joints),
-        middle=tuple((j.lower + j.upper) / 2 for j in joints),
+        lower=low,
+        upper=high,
+        middle=middle,
+        limits=limits,
+        longest=longest,
+        shortest=shortest,
+        squares=(longest**2, shortest**2),
+        k=(l_2 - l_1) / longest,
     )

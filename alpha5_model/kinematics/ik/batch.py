@@ -13,10 +13,9 @@ from alpha5_model.kinematics.ik.one import (
     NEAR_AXIS,
     NEAR_EDGE,
     NEAR_LIMIT,
-    Constants,
-    constants,
     solve_one,
 )
+from alpha5_model.kinematics.plane import ArmPlane, arm_plane
 
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
 BLOCK = 8192
@@ -36,18 +35,42 @@ def solve_batch(
         `alpha5_model.kinematics.ik.solutions.Solutions`.
     """
     lead = position.shape[:-1]
-    q = np.empty((*lead, 4, 4))
-    exists, within = np.empty((*lead, 4), np.bool_), np.empty((*lead, 4), np.bool_)
-    singular = np.empty(lead, np.bool_)
-    _solve_rows(
-        position.reshape(-1, 3),
-        wrist if wrist.ndim == 0 else np.broadcast_to(wrist, lead).reshape(-1),
-        q.reshape(-1, 4, 4),
-        exists.reshape(-1, 4),
-        within.reshape(-1, 4),
-        singular.reshape(-1),
+    position = position.reshape(-1, 3)
+    if wrist.ndim:
+        wrist = np.broadcast_to(wrist, lead).reshape(-1)
+    rows = len(position)
+    q, singular = np.empty((rows, 4, 4)), np.zeros(rows, np.bool_)
+    exists, within = np.empty((rows, 4), np.bool_), np.empty((rows, 4), np.bool_)
+    g, scratch = arm_plane(), _Scratch(min(BLOCK, rows))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        theta_3, theta_3_fits = _wrist(wrist if wrist.ndim == 0 else wrist[:1], g)
+        for start in range(0, rows, BLOCK):
+            part = slice(start, start + BLOCK)
+            target = position[part]
+            if len(target) != scratch.rows:
+                del scratch  # never two at a time
+                scratch = _Scratch(len(target))
+            if wrist.ndim:
+                theta_3, theta_3_fits = _wrist(wrist[part], g)
+            near = _solve_block(
+                g, scratch, target, theta_3, theta_3_fits, q[part], exists[part], within[part]
+            )
+            for row in near.tolist():
+                x, y, z = target[row].tolist()
+                angle = float(theta_3[row] if wrist.ndim else theta_3)
+                angles, found, fit, edge = solve_one(x, y, z, angle)
+                at = start + row
+                q[at] = np.reshape(angles, (4, 4))
+                exists[at] = [found >> branch & 1 for branch in range(4)]
+                within[at] = [fit >> branch & 1 for branch in range(4)]
+                singular[at] = edge
+    shape = (*lead, 4)
+    return (
+        q.reshape(*shape, 4),
+        exists.reshape(shape),
+        within.reshape(shape),
+        singular.reshape(lead),
     )
-    return q, exists, within, singular
 
 
 def reached(position: FloatArray, limits: bool) -> BoolArray:
@@ -60,65 +83,14 @@ def reached(position: FloatArray, limits: bool) -> BoolArray:
     Returns:
         (..., 4), branch axis as in `alpha5_model.kinematics.ik.solutions.BRANCHES`.
     """
-    middle = constants().limits[3][2]
+    middle = arm_plane().middle[3]
     _, exists, within, _ = solve_batch(position, np.asarray(middle))
     return within if limits else exists
 
 
-def _solve_rows(
-    position: FloatArray,
-    wrist: FloatArray,
-    q: FloatArray,
-    exists: BoolArray,
-    within: BoolArray,
-    singular: BoolArray,
-) -> None:
-    """Solve finite targets into the arrays given.
-
-    Args:
-        position: (N, 3) [m].
-        wrist: () or (N,) [rad].
-        q: Output, (N, 4, 4).
-        exists, within: Output, (N, 4).
-        singular: Output, (N,).
-    """
-    constant = constants()
-    scratch = _Scratch(min(BLOCK, len(position)))
-    singular[...] = False
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        theta_3, theta_3_fits = _wrist(wrist if wrist.ndim == 0 else wrist[:1], constant)
-        for start in range(0, len(position), BLOCK):
-            part = slice(start, start + BLOCK)
-            target = position[part]
-            if len(target) != scratch.rows:
-                del scratch  # never two at a time
-                scratch = _Scratch(len(target))
-            if wrist.ndim:
-                theta_3, theta_3_fits = _wrist(wrist[part], constant)
-            near = _solve_block(
-                constant,
-                scratch,
-                target,
-                theta_3,
-                theta_3_fits,
-                q[part],
-                exists[part],
-                within[part],
-            )
-            for row in near.tolist():
-                x, y, z = target[row].tolist()
-                angle = float(theta_3[row] if wrist.ndim else theta_3)
-                angles, found, fit, edge = solve_one(x, y, z, angle)
-                at = start + row
-                q[at] = np.reshape(angles, (4, 4))
-                exists[at] = [found >> branch & 1 for branch in range(4)]
-                within[at] = [fit >> branch & 1 for branch in range(4)]
-                singular[at] = edge
-
-
-def _wrist(wrist: FloatArray, c: Constants) -> tuple[FloatArray, BoolArray]:
+def _wrist(wrist: FloatArray, g: ArmPlane) -> tuple[FloatArray, BoolArray]:
     """theta_3 in its range, and whether it fits; rounding beside a limit is removed."""
-    lower, upper, middle = c.limits[3]
+    lower, upper, middle = g.limits[3]
     angle = wrist - math.tau * np.rint((wrist - middle) / math.tau)
     clipped = np.clip(angle, lower, upper)
     fits = np.abs(angle - clipped) <= LIMIT_TOLERANCE
@@ -147,7 +119,7 @@ class _Scratch:
 
 
 def _solve_block(
-    c: Constants,
+    g: ArmPlane,
     s: _Scratch,
     target: FloatArray,
     wrist: FloatArray,
@@ -167,24 +139,24 @@ def _solve_block(
     # The target in the plane that faces it and in the plane that turns its back to it.
     for axis in range(3):
         s.xyz[axis] = target[:, axis]
-    h -= c.d_0
+    h -= g.d_0
     np.multiply(x, x, out=s.radius)
     np.multiply(y, y, out=pair_work[0])
     s.radius += pair_work[0]
     np.sqrt(s.radius, out=s.radius)
     np.less(s.radius, NEAR_AXIS, out=near)
-    np.subtract(s.radius, c.a_0, out=r[0])
-    np.subtract(-c.a_0, s.radius, out=r[1])
+    np.subtract(s.radius, g.a_0, out=r[0])
+    np.subtract(-g.a_0, s.radius, out=r[1])
     np.multiply(r, r, out=below)
     np.multiply(h, h, out=pair_work[0])
     below += pair_work[0]
-    np.subtract(c.longest_2, below, out=above)
-    below -= c.shortest_2
+    np.subtract(g.squares[0], below, out=above)
+    below -= g.squares[1]
     # above + below = 4 l_1 l_2 > 0: the product is positive within reach and small at its edges.
     np.multiply(above, below, out=pair_work)
     np.greater(pair_work, 0.0, out=s.found)
     np.abs(pair_work, out=pair_work)
-    np.less(pair_work, NEAR_EDGE * 4 * c.product, out=pair_test)
+    np.less(pair_work, NEAR_EDGE * 4 * g.l_1 * g.l_2, out=pair_test)
     near |= pair_test[0]
     near |= pair_test[1]
 
@@ -193,30 +165,30 @@ def _solve_block(
     np.divide(below, above, out=tangent)
     np.sqrt(tangent, out=tangent)
     np.arctan(tangent, out=half_gamma)
-    np.divide(c.k, tangent, out=tangent)
+    np.divide(g.k, tangent, out=tangent)
     np.arctan(tangent, out=alpha)
     alpha -= half_gamma
     alpha += math.pi / 2
     np.arctan2(h, r, out=s.theta_1[:2])
-    s.theta_1[:2] -= c.phi_offset
+    s.theta_1[:2] -= g.phi_offset
     np.add(s.theta_1[:2], alpha, out=s.theta_1[2:])
     s.theta_1[:2] -= alpha
     half_gamma *= 2.0
-    np.subtract(2 * math.pi - c.gamma_offset, half_gamma, out=s.theta_2[2:])
-    half_gamma -= c.gamma_offset
+    np.subtract(2 * math.pi - g.gamma_offset, half_gamma, out=s.theta_2[2:])
+    half_gamma -= g.gamma_offset
     np.arctan2(y, x, out=s.theta_0[0])
-    s.theta_0[0] -= c.azimuth_offset
+    s.theta_0[0] -= g.azimuth_offset
     np.add(s.theta_0[0], math.pi, out=s.theta_0[1])
-    _wrap(s.theta_0, c.limits[0][2], pair_work)
-    _wrap(s.theta_1, c.limits[1][2], s.work)
-    _wrap(s.theta_2[2:], c.limits[2][2], pair_work)  # gamma needs no shift
+    _wrap(s.theta_0, g.limits[0][2], pair_work)
+    _wrap(s.theta_1, g.limits[1][2], s.work)
+    _wrap(s.theta_2[2:], g.limits[2][2], pair_work)  # gamma needs no shift
 
-    _fit(s.theta_0, c.limits[0], pair_work, s.fits[:2], s.wide[:2], near)
+    _fit(s.theta_0, g.limits[0], pair_work, s.fits[:2], s.wide[:2], near)
     s.fits[:2] &= s.found
     if not wrist_fits.all():
         s.fits[:2] &= wrist_fits
     s.fits[2:] = s.fits[:2]
-    for theta, limits in ((s.theta_1, c.limits[1]), (s.theta_2, c.limits[2])):
+    for theta, limits in ((s.theta_1, g.limits[1]), (s.theta_2, g.limits[2])):
         s.fits &= _fit(theta, limits, s.work, s.test, s.wide, near)
 
     # NaN in the other two angles of a branch that does not exist.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,36 +15,19 @@ from alpha5_model.kinematics.reach import nearest_reachable, reachable
 from alpha5_model.parameters import parameters
 
 
-class HasBranches(Protocol):
-    """Solutions by branch: q (..., 4, 4), within_limits (..., 4), position (..., 3)."""
-
-    @property
-    def q(self) -> FloatArray: ...
-    @property
-    def within_limits(self) -> BoolArray: ...
-    @property
-    def position(self) -> FloatArray: ...
-
-
-def nearest_solution(solutions: HasBranches, q_reference: ArrayLike) -> FloatArray:
-    """`alpha5_model.kinematics.ik.solutions.Solutions.best`."""
-    require_solution(solutions)
-    q, reference = candidates(solutions, q_reference)
-    return pick(q, reference, solutions.within_limits)
-
-
-def candidates(solutions: HasBranches, q_reference: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def candidates(
+    q: FloatArray, position: FloatArray, q_reference: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
     """Solutions (..., 4, 4), theta_0 from the reference where it is free, and the reference (..., 4)."""
     reference = float_array("q_reference", q_reference, (4,))
     try:
-        lead = np.broadcast_shapes(reference.shape[:-1], solutions.q.shape[:-2])
+        lead = np.broadcast_shapes(reference.shape[:-1], q.shape[:-2])
     except ValueError:
         lead = None
-    if lead != solutions.q.shape[:-2]:
-        shape = (*solutions.q.shape[:-2], 4)
+    if lead != q.shape[:-2]:
+        shape = (*q.shape[:-2], 4)
         raise InputError("q_reference", reference.shape, f"shape (4,) or {shape}")
-    q = solutions.q
-    free = on_axis(solutions.position)
+    free = on_axis(position)
     if free.any():
         g = arm_plane()
         kept = np.clip(reference[..., 0], g.lower[0], g.upper[0])
@@ -63,21 +45,21 @@ def pick(q: FloatArray, reference: FloatArray, allowed: BoolArray) -> FloatArray
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
 
 
-def require_solution(solutions: HasBranches) -> None:
+def require_solution(q: FloatArray, within_limits: BoolArray, position: FloatArray) -> None:
     """Raise for the first target that has no solution within the limits.
 
     Raises:
         JointLimitError: It is within reach, and only its wrist angle is beyond the limits.
         UnreachableError: It is out of reach.
     """
-    solved = solutions.within_limits.any(axis=-1)
+    solved = within_limits.any(axis=-1)
     if solved.all():
         return
     index = tuple(int(i) for i in np.argwhere(~solved)[0])
-    target = solutions.position[index]
+    target = position[index]
     if bool(reachable(target)):
         joint = parameters().joints[3]
-        angles = solutions.q[index][:, 3]
+        angles = q[index][:, 3]
         angle = float(angles[~np.isnan(angles)][0])
         if not joint.lower - LIMIT_TOLERANCE <= angle <= joint.upper + LIMIT_TOLERANCE:
             bound = joint.lower if angle < joint.lower else joint.upper

@@ -2,7 +2,7 @@
 
 The formulas of `alpha5_model.kinematics.ik.solutions`, written out for speed: constants bound once, no tuple of
 limits to walk, no edge to treat. Where rounding could matter, at the edge of reach, beside a joint
-limit or near the yaw axis, the answer is None and `alpha5_model.kinematics.ik.one` has the word.
+limit or near the yaw axis, the answer is None and `alpha5_model.kinematics.ik.one` decides.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from struct import Struct
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.ik.one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, constants, solve_one
+from alpha5_model.kinematics.ik.one import NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT, solve_one
+from alpha5_model.kinematics.plane import arm_plane
 
 #: q (4, 4), exists (4,), within_limits (4,), singular (), position (3,), all read-only.
 Answer = tuple[FloatArray, BoolArray, BoolArray, BoolArray, FloatArray]
@@ -36,10 +37,10 @@ _NOWHERE = (nan, nan, nan, nan, nan, 0, 0)
 @cache
 def fast_solver() -> Callable[[float, float, float, float], Answer | None]:
     """A function of x, y, z [m] and the wrist angle [rad], all finite."""
-    c = constants()
-    a_0, d_0, longest_2, shortest_2, k = c.a_0, c.d_0, c.longest_2, c.shortest_2, c.k
+    g = arm_plane()
+    a_0, d_0, k, (longest_2, shortest_2) = g.a_0, g.d_0, g.k, g.squares
     (low_0, high_0, mid_0), (low_1, high_1, mid_1), (low_2, high_2, mid_2), (low_3, high_3, _) = (
-        c.limits
+        g.limits
     )
     # Ends of the windows of one turn around each range; the ranges less and plus a margin.
     top_0, bottom_0, top_1, bottom_1, top_2 = (
@@ -55,7 +56,7 @@ def fast_solver() -> Callable[[float, float, float, float], Answer | None]:
     far_0, far_1, far_2 = high_0 + slack, high_1 + slack, high_2 + slack
     high_0, high_1, high_2 = high_0 - slack, high_1 - slack, high_2 - slack
     tau = 2 * pi
-    azimuth_offset, phi_offset, gamma_offset = c.azimuth_offset, c.phi_offset, c.gamma_offset
+    azimuth_offset, phi_offset, gamma_offset = g.azimuth_offset, g.phi_offset, g.gamma_offset
     flipped_offset = tau - gamma_offset
     half_pi = pi / 2
     near_axis, near_edge = NEAR_AXIS, NEAR_EDGE

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -29,50 +27,6 @@ NEAR_EDGE = 2e-9
 NEAR_LIMIT = 1e-6
 
 
-class Constants(NamedTuple):
-    """What the formulas need, computed once."""
-
-    a_0: float
-    d_0: float
-    longest: float
-    longest_2: float
-    shortest_2: float
-    k: float
-    azimuth_offset: float
-    phi_offset: float
-    gamma_offset: float
-    edge: float  # of (l_1 + l_2)^2 - rho^2, at EDGE_TOLERANCE [m^2]
-    edge_folded: float
-    singular: float
-    singular_folded: float
-    product: float  # l_1 l_2 [m^2]
-    slide: float  # (l_1 + l_2) / l_2
-    limits: tuple[tuple[float, float, float], ...]  # lower, upper, middle of each joint
-
-
-@cache
-def constants() -> Constants:
-    g = arm_plane()
-    return Constants(
-        a_0=g.a_0,
-        d_0=g.d_0,
-        longest=g.longest,
-        longest_2=g.longest**2,
-        shortest_2=g.shortest**2,
-        k=(g.l_2 - g.l_1) / g.longest,
-        azimuth_offset=g.azimuth_offset,
-        phi_offset=g.phi_offset,
-        gamma_offset=g.gamma_offset,
-        edge=2 * g.longest * EDGE_TOLERANCE,
-        edge_folded=2 * g.shortest * EDGE_TOLERANCE,
-        singular=2 * g.longest * SINGULAR_TOLERANCE,
-        singular_folded=2 * g.shortest * SINGULAR_TOLERANCE,
-        product=g.l_1 * g.l_2,
-        slide=g.longest / g.l_2,
-        limits=tuple(zip(g.lower, g.upper, g.middle, strict=True)),
-    )
-
-
 def on_axis(position: FloatArray) -> BoolArray:
     """Targets on the yaw axis, where theta_0 is free, (...)."""
     x, y = position[..., 0], position[..., 1]
@@ -87,48 +41,50 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
         q of the four branches (16 numbers), ``exists`` and ``within_limits`` with branch i as
         bit i, singular.
     """
-    c = constants()
-    limits = c.limits
+    g = arm_plane()
+    limits, (longest_2, shortest_2) = g.limits, g.squares
+    # Of rho^2 at the edge of reach, for a distance of 1 m from it: d(rho^2) = 2 rho d(rho).
+    stretched, folded = 2 * g.longest, 2 * g.shortest
     turns = math.floor((wrist - limits[3][2]) / math.tau + 0.5)
     theta_3, wrist_fits = _into_range(wrist - turns * math.tau, limits[3], LIMIT_TOLERANCE)
     radius = math.sqrt(x * x + y * y)
-    h = z - c.d_0
+    h = z - g.d_0
     singular = free = radius <= AXIS_TOLERANCE
     if free:
         radius = 0.0
     q = [math.nan] * 16
     exists = within = 0
     for pair in (0, 1):
-        r = (-radius if pair else radius) - c.a_0
+        r = (-radius if pair else radius) - g.a_0
         rho_2 = r * r + h * h
-        above = c.longest_2 - rho_2
-        below = rho_2 - c.shortest_2
-        if above < -c.edge or below < -c.edge_folded:
+        above = longest_2 - rho_2
+        below = rho_2 - shortest_2
+        if above < -EDGE_TOLERANCE * stretched or below < -EDGE_TOLERANCE * folded:
             continue
-        if above <= c.singular or below <= c.singular_folded:
+        if above <= SINGULAR_TOLERANCE * stretched or below <= SINGULAR_TOLERANCE * folded:
             singular = True
         if free:
             theta_0, fits_0 = limits[0][2], True
         else:
             # The azimuth of a point at distance R is known to rounding / R.
-            theta_0 = math.atan2(y, x) - c.azimuth_offset + (math.pi if pair else 0.0)
+            theta_0 = math.atan2(y, x) - g.azimuth_offset + (math.pi if pair else 0.0)
             theta_0, fits_0 = _into_range(
                 _near(theta_0, limits[0][2]), limits[0], LIMIT_TOLERANCE + 1e-15 / radius
             )
         root_above = math.sqrt(above) if above > 0.0 else 0.0
         root_below = math.sqrt(below) if below > 0.0 else 0.0
         half_gamma = math.atan2(root_below, root_above)
-        alpha = math.atan2(root_above, root_below) + math.atan2(c.k * root_above, root_below)
-        phi = math.atan2(h, r) - c.phi_offset
+        alpha = math.atan2(root_above, root_below) + math.atan2(g.k * root_above, root_below)
+        phi = math.atan2(h, r) - g.phi_offset
         # Close to the stretched arm, sin(gamma)^2 = above / (l_1 l_2), and rounding of rho^2 moves
         # the two angles against each other by rounding / sin(gamma).
-        slack = LIMIT_TOLERANCE + 1e-14 / max(math.sqrt(abs(above) / c.product), 1e-7)
+        slack = LIMIT_TOLERANCE + 1e-14 / max(math.sqrt(abs(above) / (g.l_1 * g.l_2)), 1e-7)
         for branch, side in ((pair, 1.0), (pair + 2, -1.0)):
             theta_1 = _near(phi - side * alpha, limits[1][2])
-            theta_2 = _near(side * 2.0 * half_gamma - c.gamma_offset, limits[2][2])
+            theta_2 = _near(side * 2.0 * half_gamma - g.gamma_offset, limits[2][2])
             snapped, fits_1 = _into_range(theta_1, limits[1], slack)
             # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
-            theta_2 += c.slide * (snapped - theta_1)
+            theta_2 += g.longest / g.l_2 * (snapped - theta_1)
             theta_2, fits_2 = _into_range(theta_2, limits[2], LIMIT_TOLERANCE)
             q[4 * branch : 4 * branch + 4] = theta_0, snapped, theta_2, theta_3
             exists |= 1 << branch

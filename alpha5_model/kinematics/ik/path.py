@@ -227,7 +227,6 @@ def _options(solutions: Solutions, k: int) -> FloatArray:
     """
     options: FloatArray = solutions.q[k][solutions.within_limits[k]]
     if not len(options):
-        q, exists, within, singular, position = solutions
         end = slice(k + 1)
-        require_solution(Solutions(q[end], exists[end], within[end], singular[end], position[end]))
+        require_solution(solutions.q[end], solutions.within_limits[end], solutions.position[end])
     return options

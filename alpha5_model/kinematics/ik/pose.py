@@ -69,8 +69,8 @@ class PoseSolutions(NamedTuple):
         Raises:
             UnreachableError: A position that no branch reaches within the limits.
         """
-        require_solution(self)
-        _, reference = candidates(self, q_reference)
+        require_solution(self.q, self.within_limits, self.position)
+        _, reference = candidates(self.q, self.position, q_reference)
         error = np.where(self.within_limits, self.rotation_error, np.inf)
         least = error <= error.min(axis=-1, keepdims=True) + TIE
         return pick(self.q, reference, least & self.within_limits)

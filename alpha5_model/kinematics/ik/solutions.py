@@ -74,11 +74,12 @@ class Solutions(NamedTuple):
                 to the nearest point that is reached and that point.
             JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
         """
-        from alpha5_model.kinematics.ik.choice import (
-            nearest_solution,  # late: few need the boundary
-        )
+        # Late: few need the boundary.
+        from alpha5_model.kinematics.ik.choice import candidates, pick, require_solution
 
-        return nearest_solution(self, q_reference)
+        require_solution(self.q, self.within_limits, self.position)
+        q, reference = candidates(self.q, self.position, q_reference)
+        return pick(q, reference, self.within_limits)
 
 
 def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions:
