@@ -1,4 +1,4 @@
-"""For eyes: the arm in a browser, on a page, in a picture."""
+"""The arm in a browser, on a page, in a picture; plots of its workspace and of motions."""
 
 from __future__ import annotations
 

@@ -67,17 +67,13 @@ def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, 
 def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
     """The joint tree of a URDF text, placed as in the arm's own model: its corrections may differ."""
     tree = tuple(parse_urdf(urdf).joints.values())
-    zero = with_base(arm, np.zeros(len(arm.joint_names)))
-    poses = link_poses(arm, tree, zero)
-    return tuple(
-        replace(
-            joint,
-            transform=np.linalg.inv(poses[joint.parent])
-            @ poses[joint.child]
-            @ np.linalg.inv(joint.motion(joint.offset)),
-        )
-        for joint in tree
-    )
+    poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
+    placed = []
+    for joint in tree:
+        child_in_parent = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
+        still = np.linalg.inv(joint.motion(joint.offset))
+        placed.append(replace(joint, transform=child_in_parent @ still))
+    return tuple(placed)
 
 
 def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -60,20 +60,20 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
     sent: dict[int, str] = {}
     for shape in scene.shapes:
         yield _set_object(shape, sent)
-    yield from pose_commands(scene, scene.poses)
+    yield from pose_commands(scene)
     for group in DRAWN:
         yield set_visible(group, group in scene.show)
     for path, name, value in _SURROUNDINGS:
         yield _set_property(path, name, value)
 
 
-def pose_commands(scene: Scene, poses: Mapping[str, FloatArray]) -> Iterator[Command]:
-    """Commands that move everything to other link poses."""
-    for link in poses:
-        yield set_transform(link_path(link), poses[link])
+def pose_commands(scene: Scene) -> Iterator[Command]:
+    """Commands that move everything to where the scene has it."""
+    for link, pose in scene.poses.items():
+        yield set_transform(link_path(link), pose)
     for shape in scene.shapes:
         if shape.group != "bodies":
-            yield set_transform(shape_path(shape), shape.anchor.transform(poses))
+            yield set_transform(shape_path(shape), shape.anchor.transform(scene.poses))
 
 
 def set_transform(path: str, matrix: FloatArray) -> Command:

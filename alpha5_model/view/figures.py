@@ -6,6 +6,7 @@ import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,6 @@ from alpha5_model.errors import MissingDependencyError
 from alpha5_model.files import atomic_write, output_format
 
 FORMATS = (".png", ".pdf", ".svg")
-#: Okabe and Ito's colours, told apart by colour-blind readers as well.
-BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILION, PINK = "#0072B2", "#D55E00", "#CC79A7"
 _STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.spines.right": False,
@@ -26,6 +24,18 @@ _STYLE: dict[Any, Any] = {
     "axes.titlesize": 10,
     "legend.frameon": False,
 }
+
+
+class Color(StrEnum):
+    """Okabe and Ito's colours, told apart by colour-blind readers as well."""
+
+    BLACK = "#222222"
+    ORANGE = "#E69F00"
+    SKY = "#56B4E9"
+    GREEN = "#009E73"
+    BLUE = "#0072B2"
+    VERMILION = "#D55E00"
+    PINK = "#CC79A7"
 
 
 @contextmanager
@@ -111,7 +121,7 @@ def fill(axes: Any, loops: Iterable[FloatArray], color: str, **options: Any) -> 
         axes.add_patch(PathPatch(whole, facecolor=color, linewidth=0, **options))
 
 
-def legend_below(axes: Any, drop: float, **options: Any) -> None:
+def legend(axes: Any, drop: float, **options: Any) -> None:
     """A legend under the axes, ``drop`` of their height below them, each label once."""
     unique = {
         label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)

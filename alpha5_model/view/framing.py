@@ -31,13 +31,8 @@ def framing(
         show: Groups that are shown; the bodies count in any case.
         aspect: Width over height of the part of the frame that may be used.
     """
-    points = np.concatenate(
-        [
-            shape.mesh.moved(shape.anchor.transform(poses)).vertices
-            for shape in shapes
-            if shape.group in {"bodies", *show}
-        ]
-    )
+    seen = [shape.placed(poses) for shape in shapes if shape.group in {"bodies", *show}]
+    points = np.concatenate([mesh.vertices for mesh in seen])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     camera = Camera(center + _SIGHT, center)
     half = _MARGIN * np.tan(np.deg2rad(camera.field_of_view) / 2)
@@ -48,8 +43,8 @@ def framing(
         distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half))
         ahead = distance - back
         for coordinate, axis in ((right, camera.axes()[0]), (up, camera.axes()[1])):
-            seen = coordinate / ahead
-            center = center + (seen.max() + seen.min()) / 2 * distance * axis
+            tangent = coordinate / ahead
+            center = center + (tangent.max() + tangent.min()) / 2 * distance * axis
     return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
 
 

@@ -18,6 +18,8 @@ from alpha5_model.view.commands import link_path, scene_commands, shape_path
 from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Scene
 
 _HERE = Path(__file__).parent
+#: meshcat's viewer in its package.
+_VIEWER = "viewer/dist/main.min.js"
 #: Fields of a scene that the page gets as they are.
 _AS_IT_STANDS = ("title", "notes", "sliders", "labels", "loads", "gravity", "camera")
 
@@ -70,12 +72,10 @@ def page_data(scene: Scene) -> dict[str, Any]:
 def meshcat_script() -> str:
     """meshcat's viewer with three.js inside, from the installed package."""
     found = find_spec("meshcat")
-    places = [] if found is None else list(found.submodule_search_locations or [])
-    for place in places:
-        script = Path(place) / "viewer" / "dist" / "main.min.js"
-        if script.is_file():
-            return script.read_text(encoding="utf-8")
-    raise MissingDependencyError("meshcat", "the viewer", "pip install meshcat")
+    script = Path(found.origin if found and found.origin else "").parent / _VIEWER
+    if not script.is_file():
+        raise MissingDependencyError("meshcat", "the viewer", "pip install meshcat")
+    return script.read_text(encoding="utf-8")
 
 
 def _page(scene: Scene, live: bool, commands: list[str]) -> str:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.view.framing import check_size
 from alpha5_model.view.raster import Canvas, shade
-from alpha5_model.view.scene import SEE_THROUGH, Label, Scene, Shape
+from alpha5_model.view.scene import SEE_THROUGH, Scene, Shape
 from alpha5_model.view.shapes import Mesh
 
 #: Drawn this much finer, then averaged, so that edges are smooth.
@@ -40,18 +39,14 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
         if shape.on_top > layer:
             layer = shape.on_top
             canvas.clear_depth()
-        color = (
-            np.tile(shape.color, (len(mesh.vertices), 1)) if mesh.colors is None else mesh.colors
-        )
+        own = shape.color if mesh.colors is None else mesh.colors
+        color = np.broadcast_to(np.asarray(own, np.float64), mesh.vertices.shape)
         if not shape.flat:
             color = shade(mesh.normals, color, canvas.axes, shape.shine)
         canvas.draw(mesh.vertices, color, mesh.faces, opacity, two_sided=shape.flat)
     fine = canvas.color.reshape(height, _FINER, width, _FINER, 3).mean(axis=(1, 3))
     pixels: NDArray[np.uint8] = np.clip(fine * 255.0 + 0.5, 0, 255).astype(np.uint8)
-    if "labels" not in scene.show:
-        return pixels
-    labels = [label for label in scene.labels if label.group in scene.show]
-    return _write(pixels, canvas, scene, labels)
+    return _labelled(pixels, canvas, scene) if "labels" in scene.show else pixels
 
 
 def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
@@ -63,7 +58,7 @@ def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
     for shape in scene.shapes:
         if shape.group not in scene.show:
             continue
-        mesh = shape.mesh.moved(shape.anchor.transform(scene.poses))
+        mesh = shape.placed(scene.poses)
         veiled = shape.group == "bodies" and "see-through" in scene.show
         opacity = SEE_THROUGH if veiled else shape.opacity
         distance = float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
@@ -72,9 +67,8 @@ def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
     return [entry for _, entry in sorted(found, key=lambda item: item[0])]
 
 
-def _write(
-    pixels: NDArray[np.uint8], canvas: Canvas, scene: Scene, labels: Sequence[Label]
-) -> NDArray[np.uint8]:
+def _labelled(pixels: NDArray[np.uint8], canvas: Canvas, scene: Scene) -> NDArray[np.uint8]:
+    """Labels beside their points, from the top down, each below those that it would cover."""
     from PIL import Image, ImageDraw, ImageFont
 
     text_height = max(11, round(len(pixels) / 62))
@@ -83,6 +77,7 @@ def _write(
     draw = ImageDraw.Draw(image, "RGBA")
     placed: list[tuple[float, float, float]] = []
     step = 1.35 * text_height
+    labels = [label for label in scene.labels if label.group in scene.show]
     points = np.array([label.anchor.transform(scene.poses)[:3, 3] for label in labels])
     at = canvas.project(points.reshape(-1, 3))[:, :2] / _FINER
     for i in np.lexsort(at.T):

@@ -18,7 +18,7 @@ from alpha5_model.planar import (
     dexterity_map,
     dexterous_radii,
 )
-from alpha5_model.view.figures import fill, joined, legend_below, new_figure, write_figure
+from alpha5_model.view.figures import fill, joined, legend, new_figure, write_figure
 
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
 #: Points along a full circle.
@@ -72,7 +72,7 @@ def plot_planar(
     axes.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_title(title(arm, space), fontsize=10)
-    legend_below(axes, 0.14, ncols=9, fontsize=8, frameon=False)
+    legend(axes, 0.14, ncols=9, fontsize=8, frameon=False)
     return axes
 
 
@@ -82,9 +82,8 @@ def title(arm: PlanarArm, space: Workspace) -> str:
     limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
     low, high = space.radii
     size = f"area {space.area:.4g} m²" if space.edges else f"radii {low:.4g} to {high:.4g} m"
-    return (
-        f"{arm.joints}, l = ({lengths}){', joint limits' if limited else ''}: {space.shape}, {size}"
-    )
+    limits = ", joint limits" if limited else ""
+    return f"{arm.joints}, l = ({lengths}){limits}: {space.shape}, {size}"
 
 
 def middle_position(arm: PlanarArm) -> FloatArray:
@@ -115,21 +114,15 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
 
 
 def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
-    from matplotlib.patches import Annulus, Circle
-
     point = 1e-12 * arm.reach
     for low, high in dexterous_radii(arm):
+        inner, outer = (_polyline(Arc((0.0, 0.0), radius)) for radius in (low, high))
         if high <= point:
             axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
         elif high - low <= point:
-            ring = _polyline(Arc((0.0, 0.0), high))
-            axes.plot(*ring.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
+            axes.plot(*outer.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
         else:
-            style: dict[str, Any] = {"color": DEXTEROUS, "lw": 0, "label": "dexterous"}
-            band = (
-                Annulus((0, 0), high, high - low, **style) if low else Circle((0, 0), high, **style)
-            )
-            axes.add_patch(band)
+            fill(axes, [outer, inner[::-1]], DEXTEROUS, label="dexterous")
 
 
 def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:

@@ -31,7 +31,7 @@ GROUPS: dict[str, str] = {
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
 }
-#: Of these, the ones that are drawn; the others say how the rest is.
+#: Of these, what is drawn; the others say how.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
 #: Shown if nothing else is asked for.
 DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
@@ -107,6 +107,10 @@ class Shape:
     on_top: int = 0
     shine: float = 0.0
     flat: bool = False
+
+    def placed(self, poses: Mapping[str, FloatArray]) -> Mesh:
+        """The mesh in the world."""
+        return self.mesh.moved(self.anchor.transform(poses))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,23 +10,17 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import parameters
-from alpha5_model.view.figures import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    PINK,
-    SKY,
-    VERMILION,
-    new_figure,
-    style,
-    write_figure,
-)
+from alpha5_model.view.figures import Color, new_figure, style, write_figure
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
 
-_CAUSES = {"weight": ORANGE, "buoyancy": SKY, "inertia": PINK, "coriolis": GREEN}
+_CAUSES = {
+    "weight": Color.ORANGE,
+    "buoyancy": Color.SKY,
+    "inertia": Color.PINK,
+    "coriolis": Color.GREEN,
+}
 #: More points than a page can show are thinned, keeping the extremes of each stretch.
 _POINTS = 4000
 
@@ -105,7 +99,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
     scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
     samples = thin(a.motion.time, scale * a.motion.position[:, k])
     axes.plot(*samples, ".", color="#999999", markersize=4, label="samples")
-    _curve(axes, a, scale * a.smooth.position[:, k], color=BLUE)
+    _curve(axes, a, scale * a.smooth.position[:, k], color=Color.BLUE)
     _widen(axes, 0.04 * scale * (joint.upper - joint.lower))
     _bounds(axes, scale * joint.lower, scale * joint.upper)
     axes.set_ylabel(f"{name} [{unit}]")
@@ -114,7 +108,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     for cause, color in _CAUSES.items():
         _curve(axes, a, getattr(a, cause)[:, k], color=color, label=cause)
-    _curve(axes, a, a.torque[:, k], color=BLACK, linewidth=1.5, label="torque")
+    _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.5, label="torque")
     _mark(axes, a.smooth.time, a.torque[:, k])
     axes.set_ylabel("N" if a.smooth.joints[k] == "axis_a" else "N m")
 
@@ -131,7 +125,7 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
     time, low = thin(a.smooth.time, a.current_lower[:, k])
     high = np.interp(time, a.smooth.time, a.current_upper[:, k])
     axes.fill_between(time, low, high, color="#9ECAE9", linewidth=0)
-    _curve(axes, a, current, color=BLUE)
+    _curve(axes, a, current, color=Color.BLUE)
     _mark(axes, a.smooth.time, current)
     if a.current_limit is not None:
         _bounds(axes, -a.current_limit, a.current_limit)
@@ -139,15 +133,17 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
 
 def _power(axes: Any, a: Analysis) -> None:
     electrical, mechanical = np.nansum(a.electrical_power, axis=1), a.mechanical_power.sum(axis=1)
-    _curve(axes, a, electrical, color=BLUE, linewidth=1.1, label="electrical")
-    _curve(axes, a, mechanical, color=VERMILION, linewidth=1.1, label="mechanical")
+    _curve(axes, a, electrical, color=Color.BLUE, linewidth=1.1, label="electrical")
+    _curve(axes, a, mechanical, color=Color.VERMILION, linewidth=1.1, label="mechanical")
     axes.set(title="power of all motors", xlabel="time [s]", ylabel="W")
     axes.legend()
 
 
 def _mount(axes: Any, a: Analysis) -> None:
     force, moment = np.linalg.norm(a.base_wrench[:, :3], axis=1), a.base_wrench[:, 3:].T
-    for name, color, values in zip("xyz", (VERMILION, GREEN, BLUE), moment, strict=True):
+    for name, color, values in zip(
+        "xyz", (Color.VERMILION, Color.GREEN, Color.BLUE), moment, strict=True
+    ):
         _curve(axes, a, values, color=color, linewidth=1.2, label=f"moment {name}")
     title = f"moment on the mount (force {force.min():.2f} to {force.max():.2f} N)"
     axes.set(title=title, xlabel="time [s]", ylabel="N m")
@@ -157,12 +153,12 @@ def _mount(axes: Any, a: Analysis) -> None:
 def _path(axes: Any, a: Analysis) -> None:
     step = max(1, len(a.tcp) // _POINTS)
     x, y, z = 1e3 * a.tcp[::step].T
-    axes.plot(x, z, color=BLUE, linewidth=1.2, label="side (x, z)")
-    axes.plot(x, y, color=ORANGE, linewidth=1.2, label="top (x, y)")
+    axes.plot(x, z, color=Color.BLUE, linewidth=1.2, label="side (x, z)")
+    axes.plot(x, y, color=Color.ORANGE, linewidth=1.2, label="top (x, y)")
     for other in (z, y):
-        axes.plot(x[0], other[0], "o", color="white", markeredgecolor=BLACK, markersize=6)
-        axes.plot(x[-1], other[-1], "o", color=BLACK, markersize=5)
-    axes.plot(0, 0, "+", color=VERMILION, markersize=10, label="base_link")
+        axes.plot(x[0], other[0], "o", color="white", markeredgecolor=Color.BLACK, markersize=6)
+        axes.plot(x[-1], other[-1], "o", color=Color.BLACK, markersize=5)
+    axes.plot(0, 0, "+", color=Color.VERMILION, markersize=10, label="base_link")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(title="path of the TCP, from ○ to ●", xlabel="x [mm]", ylabel="z or y [mm]")
     axes.legend()
@@ -179,7 +175,7 @@ def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
     at = int(np.abs(values).argmax())
     value = values[at]
     axes.margins(y=0.18)
-    axes.plot(time[at], value, "o", color=BLACK, markersize=4)
+    axes.plot(time[at], value, "o", color=Color.BLACK, markersize=4)
     offset = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points"}
     axes.annotate(f"{value:.3g}", (time[at], value), ha="center", fontsize=8, **offset)
 
@@ -190,7 +186,7 @@ def _bounds(axes: Any, *bounds: float) -> None:
     axes.set_ylim(low, high)
     for bound in bounds:
         if low <= bound <= high:
-            axes.axhline(bound, color=VERMILION, linestyle="--")
+            axes.axhline(bound, color=Color.VERMILION, linestyle="--")
 
 
 def _widen(axes: Any, least: float) -> None:

@@ -42,12 +42,12 @@ _HOST = "127.0.0.1"
 
 
 class _Page(tornado.web.RequestHandler):
-    def initialize(self, html: Callable[[], str]) -> None:
-        self._html = html
+    def initialize(self, scene: Callable[[], Scene]) -> None:
+        self._scene = scene
 
     def get(self) -> None:
         self.set_header("Cache-Control", "no-store")
-        self.finish(self._html())
+        self.finish(live_page(self._scene()))
 
 
 class _Connection(WebSocketHandler):  # type: ignore[misc]
@@ -62,18 +62,13 @@ class _Connection(WebSocketHandler):  # type: ignore[misc]
 
 
 class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
-    def __init__(
-        self,
-        opened: socket.socket,
-        live: Callable[[], str],
-        static: Callable[[list[bytes]], str],
-    ) -> None:
-        self._opened, self._live, self._static = opened, live, static
+    def __init__(self, opened: socket.socket, scene: Callable[[], Scene]) -> None:
+        self._opened, self._scene = opened, scene
         super().__init__(host=_HOST, port=opened.getsockname()[1])
 
     def make_app(self) -> Any:
         handlers: list[Any] = [
-            (r"/static/?", _Page, {"html": self._live}),
+            (r"/static/?", _Page, {"scene": self._scene}),
             (r"/", _Connection, {"bridge": self}),
         ]
         self.server = tornado.httpserver.HTTPServer(tornado.web.Application(handlers))
@@ -95,7 +90,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         for node in walk(self.tree):
             parts = [node.object, *node.properties, node.transform, node.animation]
             commands += [part for part in parts if part is not None]
-        self.zmq_socket.send(self._static(commands).encode("utf-8"))
+        self.zmq_socket.send(static_page(self._scene(), commands).encode("utf-8"))
 
 
 class Window(ViewerWindow):  # type: ignore[misc]
@@ -103,22 +98,19 @@ class Window(ViewerWindow):  # type: ignore[misc]
 
     Args:
         port: Of the page; 0 for a free one.
-        live: Text of the page to serve.
-        static: Text of a page on disk, from packed meshcat commands.
+        scene: What its pages show, as it stands.
 
     Raises:
         PortInUseError: The port is taken.
     """
 
-    def __init__(
-        self, port: int, live: Callable[[], str], static: Callable[[list[bytes]], str]
-    ) -> None:
+    def __init__(self, port: int, scene: Callable[[], Scene]) -> None:
         opened = _open(port)
         ready = threading.Event()
 
         def serve() -> None:
             asyncio.set_event_loop(asyncio.new_event_loop())
-            self._bridge = _Bridge(opened, live, static)
+            self._bridge = _Bridge(opened, scene)
             ready.set()
             self._bridge.run()
             self._bridge.ioloop.close()
@@ -132,7 +124,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self.connect_zmq()
 
     def move(self, commands: Iterable[Command]) -> None:
-        """Send many transforms at once: a pose of the arm is one step, not a question and answer each."""
+        """Send many transforms at once: a pose of the arm is one step, with no answer to each to wait for."""
         bridge, done = self._bridge, threading.Event()
         moves = [(c["path"].strip("/").split("/"), c.packed()) for c in commands]
 
@@ -190,14 +182,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
         self.scene = scene
-        window = Window(
-            port,
-            live=lambda: live_page(self.scene),
-            static=lambda commands: static_page(self.scene, commands),
-        )
-        super().__init__(window=window)
+        super().__init__(window=Window(port, lambda: self.scene))
         for command in scene_commands(scene):
-            window.send(command)
+            self.window.send(command)
 
     def display(self, q: ArrayLike) -> None:
         """Show the arm at joint positions q (nq,)."""
@@ -205,7 +192,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         poses = link_poses(self.arm, self.scene.tree, position)
         joints = position[len(position) - len(self.scene.sliders) :]
         self.scene = replace(self.scene, q=joints, poses=poses)
-        self.window.move(pose_commands(self.scene, poses))
+        self.window.move(pose_commands(self.scene))
 
     def play(self, q: ArrayLike, dt: float) -> float:
         """Play joint positions in real time, dropping frames rather than falling behind.

@@ -17,22 +17,10 @@ from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.paths import URDF_PATH
 from alpha5_model.view.bodies import urdf_bodies
-from alpha5_model.view.figures import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    VERMILION,
-    fill,
-    joined,
-    legend_below,
-    new_figure,
-    style,
-    write_figure,
-)
+from alpha5_model.view.figures import Color, fill, joined, legend, new_figure, style, write_figure
 from alpha5_model.view.reach import arc_points
 
-_COLOR = {"underarm": BLUE, "overarm": ORANGE}
+_COLOR = {"underarm": Color.BLUE, "overarm": Color.ORANGE}
 _FILL = "#E8EEF3"
 #: Ends of arcs that are closer than this meet [m].
 _MEET = 1e-9
@@ -72,7 +60,7 @@ def figure() -> Any:
     panels = page.subplots(1, 2, sharey=True)
     for axes, draw in zip(panels, (_draw_exact, _draw_published), strict=True):
         draw(axes)
-        legend_below(axes, 0.08)
+        legend(axes, 0.08)
         axes.set(aspect="equal", xlim=(0.0, 370.0), ylim=(-310.0, 400.0))
         axes.set_xlabel("distance from the yaw axis R (mm)")
     panels[0].set_ylabel("height above the base z (mm)")
@@ -116,7 +104,9 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         _cells(axes, x, rows, seen, ListedColormap([_FILL]))
         image = _cells(axes, x, rows, share, "YlOrRd")
         faces = triangles[:, :, [0, 3 - along]] * 1e3
-        axes.add_collection(PolyCollection(faces, facecolor=BLACK, edgecolor=BLACK, linewidth=0.3))
+        axes.add_collection(
+            PolyCollection(faces, facecolor=Color.BLACK, edgecolor=Color.BLACK, linewidth=0.3)
+        )
         axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
         span = (-390, 390)
         axes.set(aspect="equal", xlim=span, ylim=span, xlabel="x (mm)", ylabel=f"{name} (mm)")
@@ -151,14 +141,14 @@ def _draw_exact(axes: Any) -> None:
             axes.plot(*arc_points(arc, _CHORD).T * 1e3, line, color=color, linewidth=1.8)
     plane = arm_plane()
     shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
-    axes.plot(*shoulder, "+", color=BLACK)
+    axes.plot(*shoulder, "+", color=Color.BLACK)
     axes.annotate("shoulder", shoulder, (-14, 6), textcoords="offset points", fontsize=7)
     for color, line, text in (
-        (BLUE, "-", "underarm: the arm faces the point"),
-        (ORANGE, "-", "overarm: the arm turns its back to it"),
-        (BLACK, "-", "arm stretched"),
-        (BLACK, "--", "theta_1 (axis_d) at a limit"),
-        (BLACK, ":", "theta_2 (axis_c) at a limit"),
+        (Color.BLUE, "-", "underarm: the arm faces the point"),
+        (Color.ORANGE, "-", "overarm: the arm turns its back to it"),
+        (Color.BLACK, "-", "arm stretched"),
+        (Color.BLACK, "--", "theta_1 (axis_d) at a limit"),
+        (Color.BLACK, ":", "theta_2 (axis_c) at a limit"),
     ):
         axes.plot([], [], line, color=color, label=text)
     axes.set_title(
@@ -173,14 +163,18 @@ def _draw_published(axes: Any) -> None:
         circle = workspace.Arc(torus.center, torus.radius, -np.pi, np.pi, 0, torus.name, "")
         points = arc_points(circle, _CHORD) * 1e3
         points[points[:, 0] < 0] = np.nan
-        axes.plot(*points.T, color=BLACK, linewidth=1.0, label="the three published tori")
+        axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
     e = workspace.published_errors()
     wrong, missed = e.unreachable_area / e.published_area, e.missed_area / e.reachable_area
     unreachable = workspace.published_but_unreachable()
     _fill(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
     for arcs, color, text in (
-        (unreachable, VERMILION, f"published, not reachable: {wrong:.1%}"),
-        (workspace.reachable_but_unpublished(), GREEN, f"reachable, not published: {missed:.1%}"),
+        (unreachable, Color.VERMILION, f"published, not reachable: {wrong:.1%}"),
+        (
+            workspace.reachable_but_unpublished(),
+            Color.GREEN,
+            f"reachable, not published: {missed:.1%}",
+        ),
     ):
         _fill(axes, arcs, color, alpha=0.55, label=text)
     axes.set_title(
