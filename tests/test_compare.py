@@ -225,6 +225,14 @@ def test_shifted_zeros_and_signs_are_measured():
     np.testing.assert_allclose(alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12)
 
 
+def test_a_limit_a_hair_below_zero_prints_no_negative_zero():
+    def limits(root):
+        root.find("joint[@name='axis_d']/limit").attrib.update(lower="-0.0001", upper="3.8")
+
+    (finding,) = (f for f in inject(limits).findings if f.text.startswith("range"))
+    assert finding.text == "range 0.0 to 217.7 deg in place of 1.0 to 195.0 deg"
+
+
 def test_dynamic_errors_equal_pinocchio_on_the_files():
     """Second route: Pinocchio parses both files; the seeded samples are drawn again."""
     root = ET.fromstring(OWN)

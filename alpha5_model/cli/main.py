@@ -119,7 +119,7 @@ def run() -> None:
 
 
 def _complain(message: str) -> int:
-    # A file name may hold bytes that are no UTF-8; whoever replaced stderr may not expect them.
+    # A file name may hold bytes that are not UTF-8, which stderr may refuse.
     line = " ".join(message.split()).encode(errors="backslashreplace").decode()
     print(f"alpha5: {line}", file=sys.stderr)
     return 2

@@ -28,7 +28,7 @@ Constants = Annotated[
         "both; voltage: K_v for both."
     ),
 ]
-#: Beyond any fluid and any ride: a slip of the hand, whose digits would fill the page.
+#: Larger than any fluid or vehicle has: a typing error.
 _MOST_DENSITY = 1e5
 _MOST_GRAVITY = 1e4
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
@@ -108,7 +108,7 @@ def words_beside(*written: Path | None) -> AbstractContextManager[object]:
 
 
 def spinner(words: str) -> AbstractContextManager[object]:
-    """A spinner on a terminal's stderr; nothing where nobody looks."""
+    """A spinner on stderr, on a terminal only."""
     from rich.console import Console
 
     console = Console(stderr=True)

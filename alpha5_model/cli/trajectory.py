@@ -86,7 +86,7 @@ def trajectory(
 
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
     """
-    # Whatever cannot be written or chosen is refused before the work, not after it.
+    # What cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
@@ -126,14 +126,13 @@ def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, 
         return {}
     motor = actuator("axis_a", constants, screw_lead=screw_lead)
     if "axis_a" not in arm.joint_names:
-        raise InputError(
-            "screw-lead", screw_lead, "no value: the jaw rod is not part of the motion"
-        )
+        expected = "no value: the jaw rod is not part of the motion"
+        raise InputError("screw-lead", screw_lead, expected)
     return {"axis_a": motor}
 
 
 class _Progress:
-    """A bar on stderr for long files, if somebody watches."""
+    """A bar on stderr for long files, on a terminal only."""
 
     def __init__(self) -> None:
         console = Console(stderr=True)

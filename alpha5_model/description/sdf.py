@@ -127,14 +127,14 @@ def _link(model: ET.Element, body: Body, files: set[str]) -> None:
     if body.joint is not None:
         _pose(link, body.placement).set("relative_to", body.placement.parent)
     inertial = add(link, "inertial")
-    _pose(inertial, _at(body.com))
+    _value(inertial, "pose", (*body.com, 0.0, 0.0, 0.0))
     _value(inertial, "mass", body.mass)
     inertia = add(inertial, "inertia")
     for i, j in zip(*np.triu_indices(3), strict=True):
         _value(inertia, f"i{'xyz'[i]}{'xyz'[j]}", body.inertia[i, j])
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
-        _pose(collision, _at(body.cob))
+        _value(collision, "pose", (*body.cob, 0.0, 0.0, 0.0))
         box = add(add(collision, "geometry"), "box")
         _value(box, "size", buoyancy_box(body))
     for mesh in body.meshes:
@@ -160,11 +160,6 @@ def _joint(model: ET.Element, joint: JointRange, body: Body) -> None:
     limit = add(axis, "limit")
     for name in ("lower", "upper", "effort", "velocity"):
         _value(limit, name, getattr(joint, name))
-
-
-def _at(point: Iterable[float]) -> Placement:
-    x, y, z = (float(c) for c in point)
-    return Placement("", (x, y, z))
 
 
 def _pose(parent: ET.Element, placement: Placement) -> ET.Element:

@@ -88,7 +88,7 @@ def verify_generated() -> tuple[FileCheck, ...]:
 
 
 def _verify_committed(path: str) -> tuple[FileCheck, ...]:
-    """A committed file that cannot be read has failed; it is nobody's wrong input."""
+    """A committed file that cannot be read has failed: it is not the caller's input."""
     try:
         return verify_urdf(path)
     except (FileFormatError, MissingFileError) as error:

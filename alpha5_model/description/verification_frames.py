@@ -36,7 +36,7 @@ class Subject(UrdfRobot):
 
 
 class NotInstalledError(Exception):
-    """The tool is not there: a row says so, nobody sees this."""
+    """The tool is not installed; caught, and said in the row."""
 
 
 def configurations(p: Alpha5Parameters, count: int) -> FloatArray:

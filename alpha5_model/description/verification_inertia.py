@@ -89,7 +89,7 @@ def stray_masses(text: Subject, jaws: bool) -> list[str]:
 
 
 def _below(text: Subject, root: str) -> set[str]:
-    """The link and everything that it carries: what it is mounted on is not the arm's."""
+    """The link and all links that it carries, without what it is mounted on."""
     names = {root}
     for joint in text.joints.values():  # from the root outwards
         if joint.parent in names:
