@@ -19,16 +19,14 @@ from typing import Any
 import alpha5_model as a5
 from alpha5_model.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
-from alpha5_model.view import workspace_plot
+from alpha5_model.view import trajectory_plot, workspace_plot
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.figures import new_figure
+from alpha5_model.view.figures import Color, new_figure, style
 from alpha5_model.view.framing import framed
 from alpha5_model.view.picture import picture_png
 
 ROOT = Path(__file__).resolve().parent.parent
 BESIDE = ROOT.parent / "shared" / "data"
-#: Okabe and Ito's colours.
-TEAL, ORANGE, PINK, SKY, BLACK = "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#222222"
 
 
 def main(folder: Path) -> None:
@@ -58,6 +56,7 @@ def workspace_figure() -> bytes:
     return _png(workspace_plot.figure())
 
 
+@style({"axes.grid": True, "grid.color": "#E6E6E6", "grid.linewidth": 0.6})
 def torque_figure() -> bytes | None:
     """Torque of shoulder and elbow over a recorded trajectory, split into its terms."""
     recordings = Path(os.environ.get("ALPHA5_RECORDINGS", BESIDE))
@@ -66,35 +65,19 @@ def torque_figure() -> bytes | None:
         return None
     # The pool is fresh water.
     a = analyse(read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws"))
-    figure, rows = _figure(2, (9.6, 5.2), sharex=True)
-    names = ("axis_d", "axis_c")
-    for axes, name in zip(rows, names, strict=True):
+    figure = new_figure(9.6, 5.2)
+    rows = figure.subplots(2, 1, sharex=True)
+    for axes, name in zip(rows, ("axis_d", "axis_c"), strict=True):
         k = a.smooth.joints.index(name)
-        for term, colour in (
-            ("weight", ORANGE),
-            ("buoyancy", SKY),
-            ("inertia", PINK),
-            ("coriolis", TEAL),
-        ):
-            axes.plot(
-                a.smooth.time, getattr(a, term)[:, k], color=colour, linewidth=1.2, label=term
-            )
-        axes.plot(a.smooth.time, a.torque[:, k], color=BLACK, linewidth=1.6, label="torque")
+        for term, color in trajectory_plot.CAUSES.items():
+            values = getattr(a, term)[:, k]
+            axes.plot(a.smooth.time, values, color=color, linewidth=1.2, label=term)
+        axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.6, label="torque")
         axes.set_ylabel(f"{name} [N m]")
         axes.margins(x=0.01)
-    rows[0].legend(ncols=5, fontsize=9, frameon=False, loc="lower left", bbox_to_anchor=(0, 1.0))
+    rows[0].legend(ncols=5, fontsize=9, loc="lower left", bbox_to_anchor=(0, 1.0))
     rows[-1].set_xlabel(f"time [s]   ({found[0].name}, fresh water)")
     return _png(figure)
-
-
-def _figure(rows: int, size: tuple[float, float], sharex: bool = False) -> tuple[Any, Any]:
-    figure = new_figure(*size)
-    axes = figure.subplots(rows, 1, sharex=sharex, squeeze=False)[:, 0]
-    for one in axes:
-        one.grid(color="#E6E6E6", linewidth=0.6)
-        one.set_axisbelow(True)
-        one.spines[["top", "right"]].set_visible(False)
-    return figure, axes
 
 
 def _png(figure: Any) -> bytes:

@@ -15,7 +15,8 @@ from alpha5_model.view.figures import Color, new_figure, style, write_figure
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
 
-_CAUSES = {
+#: Terms of the torque and their colours.
+CAUSES = {
     "weight": Color.ORANGE,
     "buoyancy": Color.SKY,
     "inertia": Color.PINK,
@@ -106,7 +107,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
-    for cause, color in _CAUSES.items():
+    for cause, color in CAUSES.items():
         _curve(axes, a, getattr(a, cause)[:, k], color=color, label=cause)
     _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.5, label="torque")
     _mark(axes, a.smooth.time, a.torque[:, k])
