@@ -11,6 +11,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfRobot, read_urdf
+from alpha5_model.dh.pinocchio import urdf_model
 from alpha5_model.parameters import Alpha5Parameters
 
 
@@ -97,7 +98,7 @@ def pinocchio_frames(
     """Poses in base_link of the named links, name -> (N, 4, 4), by Pinocchio."""
     import pinocchio as pin
 
-    model = pin.buildModelFromXML(text.path.read_text(encoding="utf-8"))
+    model = urdf_model(text.path)
     data = model.createData()
     if absent := [n for n in joints if not model.existJointName(text.prefix + n)]:
         raise ValueError(f"no movable joint {', '.join(absent)}")
