@@ -144,7 +144,7 @@ def task_capability(
     axis = _last_axis(chain) if tool_axis is None else _unit_vector("tool_axis", tool_axis)
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
-    jacobian = chain.jacobian(q) / _row_scale(chain)
+    jacobian = chain.jacobian(q) / row_scale(chain)
     dimension = int(matrix_rank(jacobian).max())
     position, orientation = (
         int(matrix_rank(jacobian[:, r]).max()) for r in (slice(3), slice(3, 6))
@@ -214,7 +214,7 @@ def _insertion_dimension(
     good &= ((q >= chain.lower) & (q <= chain.upper)).all(axis=1)
     best = 0
     for start in q[good][:16]:
-        jacobian = chain.jacobian(start) / _row_scale(chain)
+        jacobian = chain.jacobian(start) / row_scale(chain)
         _, s, vt = np.linalg.svd(across @ jacobian[3:])
         tangents = vt[int((s > 1e-6).sum()) :]
         rank = int(matrix_rank(jacobian @ tangents.T)) if len(tangents) else 0
@@ -253,7 +253,7 @@ def _tilt(chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray) -
     return np.asarray(chain.forward_kinematics(q)[:, :3, :3] @ axis @ across.T)
 
 
-def _row_scale(chain: DHChain) -> FloatArray:
+def row_scale(chain: DHChain) -> FloatArray:
     """Divides the Jacobian's linear rows by the arm's size, (6, 1)."""
     return np.array([chain_size(chain)] * 3 + [1.0] * 3)[:, None]
 

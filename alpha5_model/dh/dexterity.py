@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model.checks import FloatArray, count, float_array, generator, instance
 from alpha5_model.dh.arm_types import (
     GENERAL,
-    chain_size,
     matrix_rank,
+    row_scale,
     sample_configurations,
     task_capability,
 )
@@ -84,8 +84,7 @@ def orientation_freedom(chain: DHChain, q: ArrayLike) -> NDArray[np.int64]:
     Returns:
         0 to 3, (...).
     """
-    scale = np.array([chain_size(chain)] * 3 + [1.0] * 3)[:, None]
-    jacobian = chain.jacobian(q) / scale
+    jacobian = chain.jacobian(q) / row_scale(chain)
     # rank [J_v; J_w] = rank J_v + rank of J_w on the null space of J_v.
     return np.asarray(matrix_rank(jacobian) - matrix_rank(jacobian[..., :3, :]))
 
@@ -153,8 +152,7 @@ def _solve(
     chain: DHChain, q: FloatArray, position: FloatArray, rotation: FloatArray, steps: int
 ) -> np.ndarray:
     """Levenberg-Marquardt steps from q, clipped to the limits; which targets are met in the end."""
-    size = chain_size(chain)
-    scale = np.array([size] * 3 + [1.0] * 3)
+    scale = row_scale(chain)[:, 0]
     done = np.zeros(len(q), dtype=bool)
     active = np.arange(len(q))
     for _ in range(steps):

@@ -47,7 +47,7 @@ def united(curves: list[Curve], tolerance: float) -> list[Curve]:
     for members in groups.values():
         first = members[0]
         spans = sorted(_span_on(first, member) for member in members)
-        slack = tolerance / (first.radius if isinstance(first, Arc) else 1.0)
+        slack = tolerance / _per_parameter(first)
         merged = [list(spans[0])]
         for low, high in spans[1:]:
             if low <= merged[-1][1] + slack:
@@ -137,19 +137,17 @@ def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float
     cuts: list[list[float]] = [list(c.interval) for c in curves]
     arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
     lines = [(i, c) for i, c in enumerate(curves) if isinstance(c, Segment)]
-    centers = np.array([c.center for _, c in arcs])
+    centers = np.array([c.center for _, c in arcs]).reshape(-1, 2)
     radii = np.array([c.radius for _, c in arcs])
-    starts = np.array([c.start for _, c in lines])
-    along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines])
+    starts = np.array([c.start for _, c in lines]).reshape(-1, 2)
+    along = np.array([(math.cos(c.angle), math.sin(c.angle)) for _, c in lines]).reshape(-1, 2)
+    cutters: list[tuple[int, Curve]] = [*arcs, *lines]
     for j, other in enumerate(curves):
-        hits: list[tuple[int, Curve, FloatArray]] = []
-        if arcs:
-            found = circle_hits(centers, radii, other, tolerance)
-            hits += [(i, c, p) for (i, c), p in zip(arcs, found, strict=True)]
-        if lines:
-            found = line_hits(starts, along, other, tolerance)
-            hits += [(i, c, p) for (i, c), p in zip(lines, found, strict=True)]
-        for i, curve, points in hits:
+        hits = [
+            *circle_hits(centers, radii, other, tolerance),
+            *line_hits(starts, along, other, tolerance),
+        ]
+        for (i, curve), points in zip(cutters, hits, strict=True):
             if i != j:
                 t = curve.parameter(points, tolerance)
                 cuts[i] += t[~np.isnan(t)].tolist()

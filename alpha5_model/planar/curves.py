@@ -156,9 +156,9 @@ def circle_hits(
     else:
         start = np.asarray(curve.start)
         meet = _line_circle(start, _unit(curve.angle), centers, radii, tolerance)
-    ends = np.broadcast_to(curve.point(np.array(curve.interval)), (len(centers), 2, 2))
+    ends = curve.point(np.array(curve.interval))
     gap = np.abs(np.linalg.norm(ends - centers[:, None], axis=-1) - radii[:, None])
-    return _within(np.concatenate([meet, ends], axis=1), gap, curve, tolerance)
+    return _within(meet, ends, gap, curve, tolerance)
 
 
 def line_hits(
@@ -181,14 +181,17 @@ def line_hits(
         meet = _line_circle(starts, directions, center, radius, tolerance)
     else:
         meet = _line_line(starts, directions, np.asarray(curve.start), _unit(curve.angle))
-    ends = np.broadcast_to(curve.point(np.array(curve.interval)), (len(starts), 2, 2))
+    ends = curve.point(np.array(curve.interval))
     normals = np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
     gap = np.abs(np.einsum("mki,mi->mk", ends - starts[:, None], normals))
-    return _within(np.concatenate([meet, ends], axis=1), gap, curve, tolerance)
+    return _within(meet, ends, gap, curve, tolerance)
 
 
-def _within(points: FloatArray, gap: FloatArray, curve: Curve, tolerance: float) -> FloatArray:
-    """Points that lie on the curve's extent; the last two are its ends, at distance `gap`."""
+def _within(
+    meet: FloatArray, ends: FloatArray, gap: FloatArray, curve: Curve, tolerance: float
+) -> FloatArray:
+    """Points that lie on the curve's extent, and its ends (2, 2) where `gap` (M, 2) is small."""
+    points = np.concatenate([meet, np.broadcast_to(ends, (len(meet), 2, 2))], axis=1)
     off = np.isnan(curve.parameter(points, tolerance))
     off[:, -2:] |= gap > tolerance
     return np.where(off[..., None], np.nan, points)

@@ -83,8 +83,8 @@ def lecture_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
 
 def theorem_row(l_1: float, l_2: float, l_3: float, l_4: float) -> TheoremRow:
     """Both sides of the theorem and both verdicts for one set of lengths; see `lecture_theorem`."""
-    first, second = real("l_1", l_1, 0.0, strict=True), real("l_2", l_2, 0.0, strict=True)
-    third, fourth = real("l_3", l_3, 0.0, strict=True), real("l_4", l_4, 0.0)
+    first, second, third = _lengths(l_1=l_1, l_2=l_2, l_3=l_3)
+    fourth = real("l_4", l_4, 0.0)
     pair = sum(sorted((first, second, fourth))[:2])
     half = (first + second + third + fourth) / 2
     exact = turns_fully(PlanarArm((first, second, third)), fourth)
@@ -97,8 +97,7 @@ def theorem_radii(l_1: float, l_2: float, l_3: float) -> tuple[float, float] | N
     Returns:
         Least and greatest l_4, or None if there is none.
     """
-    first, second = real("l_1", l_1, 0.0, strict=True), real("l_2", l_2, 0.0, strict=True)
-    third = real("l_3", l_3, 0.0, strict=True)
+    first, second, third = _lengths(l_1=l_1, l_2=l_2, l_3=l_3)
     low, high = abs(first - second) + third, first + second - third
     return (low, max(low, high)) if low <= high + ROUNDING * low else None
 
@@ -189,3 +188,7 @@ def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
         )
     low, high = annulus(ranges[:-1]) if len(ranges) > 1 else (0.0, 0.0)
     return (low, high, *ranges[-1])
+
+
+def _lengths(**lengths: float) -> list[float]:
+    return [real(name, length, 0.0, strict=True) for name, length in lengths.items()]

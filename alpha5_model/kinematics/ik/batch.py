@@ -104,17 +104,10 @@ class _Scratch:
         self.rows = rows
         self.xyz = np.empty((3, rows))
         self.radius = np.empty(rows)
-        self.r = np.empty((2, rows))
-        self.above = np.empty((2, rows))
-        self.below = np.empty((2, rows))
-        self.theta_0 = np.empty((2, rows))
-        self.theta_1 = np.empty((4, rows))
-        self.theta_2 = np.empty((4, rows))
-        self.work = np.empty((4, rows))
+        self.r, self.above, self.below, self.theta_0 = np.empty((4, 2, rows))
+        self.theta_1, self.theta_2, self.work = np.empty((3, 4, rows))
         self.found = np.empty((2, rows), np.bool_)
-        self.fits = np.empty((4, rows), np.bool_)
-        self.test = np.empty((4, rows), np.bool_)
-        self.wide = np.empty((4, rows), np.bool_)
+        self.fits, self.test, self.wide = np.empty((3, 4, rows), np.bool_)
         self.near = np.empty(rows, np.bool_)
 
 

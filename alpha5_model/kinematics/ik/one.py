@@ -59,9 +59,9 @@ def solve_one(x: float, y: float, z: float, wrist: float) -> tuple[list[float], 
         rho_2 = r * r + h * h
         above = longest_2 - rho_2
         below = rho_2 - shortest_2
-        if above < -EDGE_TOLERANCE * stretched or below < -EDGE_TOLERANCE * folded:
-            continue
         if above <= SINGULAR_TOLERANCE * stretched or below <= SINGULAR_TOLERANCE * folded:
+            if above < -EDGE_TOLERANCE * stretched or below < -EDGE_TOLERANCE * folded:
+                continue
             singular = True
         if free:
             theta_0, fits_0 = limits[0][2], True

@@ -214,9 +214,8 @@ def shared_turn(size: FloatArray, turn: float, first: float, most: float) -> Flo
 def _sizes(step: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Euclidean norm and largest joint of steps (..., J), (...) each; 0 where there is no step."""
     with np.errstate(over="ignore"):
-        return np.nan_to_num(np.sqrt(np.square(step).sum(-1)), posinf=np.inf), np.nan_to_num(
-            np.abs(step).max(axis=-1)
-        )
+        norm = np.sqrt(np.square(step).sum(axis=-1))
+    return np.nan_to_num(norm, posinf=np.inf), np.nan_to_num(np.abs(step).max(axis=-1))
 
 
 def _options(solutions: Solutions, k: int) -> FloatArray:

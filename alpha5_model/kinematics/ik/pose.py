@@ -116,15 +116,7 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     exact = error <= EXACT_TOLERANCE
     for array in (q, error, exact):
         array.flags.writeable = False
-    return PoseSolutions(
-        q=q,
-        exists=solutions.exists,
-        within_limits=solutions.within_limits,
-        singular=solutions.singular,
-        position=solutions.position,
-        rotation_error=error,
-        exact=exact,
-    )
+    return PoseSolutions(q, *solutions[1:], rotation_error=error, exact=exact)
 
 
 def _turn_wrist(
