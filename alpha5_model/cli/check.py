@@ -169,7 +169,7 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
         if counts := Counter(str(row.verdict) for row in document if row.kind == kind):
             found = (f"{counts[key]} {word}" for word, key in words if counts[key])
             parts.append(f"{name} " + ", ".join(found))
-    verdicts = Counter(str(row.verdict) for row in files)
-    shown = ("passed", "failed", "not run") if verdicts["not run"] else ("passed", "failed")
-    parts.append("files " + ", ".join(f"{verdicts[word]} {word}" for word in shown))
+    verdicts = Counter({"passed": 0, "failed": 0})
+    verdicts.update(row.verdict for row in files)
+    parts.append("files " + ", ".join(f"{count} {word}" for word, count in verdicts.items()))
     return "; ".join(parts).capitalize()

@@ -111,7 +111,7 @@ def _compute(q: FloatArray) -> None:
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
     for name, *row in zip(water.joint_names, *columns, strict=True):
-        typer.echo(f"   {name}" + "".join(f"{round(x, 4) + 0.0:11.4f}" for x in row))
+        typer.echo(f"   {name}" + "".join(f"{x:z11.4f}" for x in row))
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:

@@ -71,7 +71,7 @@ def dh(
     typer.echo(f"\nframes at q = ({', '.join(f'{x:.6g}' for x in position)})")
     for name, matrix in zip(names, frames, strict=True):
         for i, row in enumerate(matrix[:3]):
-            cells = " ".join(f"{x + 0.0:10.6f}" for x in row.round(12))
+            cells = " ".join(f"{x:z10.6f}" for x in row)
             typer.echo(f"{name if i == 0 else '':5s} {cells}")
 
 

@@ -117,5 +117,4 @@ def _line(name: str, cells: Sequence[str]) -> str:
 
 
 def _cell(x: float) -> str:
-    # Adding zero turns the -0.0 of rounding into 0.0.
-    return f"{round(x, 4) + 0.0:.4f}" if abs(x) < 1000 else f"{x:.2e}"
+    return f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"

@@ -117,5 +117,4 @@ def _print() -> None:
 
 
 def _point(radius: float, z: float) -> str:
-    # Adding zero turns the -0.0 of rounding into 0.0.
-    return f"{round(radius, 1) + 0.0:.1f}, {round(z, 1) + 0.0:.1f}"
+    return f"{radius:z.1f}, {z:z.1f}"

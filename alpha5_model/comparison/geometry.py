@@ -225,10 +225,10 @@ def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
         turns = float(wrap(ends.mean(), middle) - ends.mean())
         ends, low, high = ends + turns, low - sign * turns, high - sign * turns
         if np.abs(ends - [ours.lower, ours.upper]).max() > LIMIT_TOLERANCE:
-            first, last = np.round(np.degrees(ends), 1) + 0.0  # no negative zero
+            first, last = np.degrees(ends)
             yield Finding(
                 ours.name,
-                f"range {first:.1f} to {last:.1f} deg in place of "
+                f"range {first:z.1f} to {last:z.1f} deg in place of "
                 f"{math.degrees(ours.lower):.1f} to {math.degrees(ours.upper):.1f} deg",
                 serious=False,
                 instead=f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>',
