@@ -84,7 +84,7 @@ def orientation_freedom(chain: DHChain, q: ArrayLike) -> NDArray[np.int64]:
     Returns:
         0 to 3, (...).
     """
-    jacobian = chain.jacobian(q) / row_scale(chain)
+    jacobian = instance("chain", chain, DHChain).jacobian(q) / row_scale(chain)
     # rank [J_v; J_w] = rank J_v + rank of J_w on the null space of J_v.
     return np.asarray(matrix_rank(jacobian) - matrix_rank(jacobian[..., :3, :]))
 
