@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import reference
 
-from alpha5_model.comparison import bodies, diagnosis
+from alpha5_model.comparison import bodies
 from alpha5_model.comparison.diagnosis import (
     Inertial,
     explain_com,
@@ -643,7 +643,7 @@ def test_guesses_are_named_link_by_link():
 def test_subjects_are_the_whole_without_dummies_then_the_heaviest_link():
     light = link("light", 0.1, np.eye(3) * 1e-4, (0.1, 0, 0))
     heavy = link("heavy", 0.3, np.eye(3) * 2e-4, (0, 0, 0), ASTRAY)
-    dust = link("dust", diagnosis.TOKEN_MASS, np.eye(3))
+    dust = link("dust", 0.001, np.eye(3))
     whole, heaviest = subjects([light, dust, heavy])
     assert heaviest is heavy
     assert (whole.link, whole.mass) == ("", pytest.approx(0.4))
@@ -652,4 +652,5 @@ def test_subjects_are_the_whole_without_dummies_then_the_heaviest_link():
     np.testing.assert_allclose(whole.inertia, np.eye(3) * 3e-4 + steiner(0.075, apart))
     assert subjects([dust, heavy]) == [heavy]
     assert subjects([dust]) == []
+    assert len(subjects([link("light", 0.0015, np.eye(3)), heavy])) == 2
     assert subjects([light, link("hole", -0.1, np.eye(3))]) == [light]
