@@ -248,7 +248,9 @@ class Tests:
     def job(self, mutant: Mutant) -> Job:
         """Those that pass the mutant's statement: first what passes most of its file, within the budget."""
         at = _statement(SOURCES[mutant.file], mutant.line)
-        passing = [t for (f, t), lines in self.lines.items() if f == mutant.file and lines & at]
+        own = {t: lines for (f, t), lines in self.lines.items() if f == mutant.file}
+        # A line that only another process passes is seen by none: all tests of its file are asked.
+        passing = [t for t, lines in own.items() if lines & at] or list(own)
         passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), self.seconds[t]))
         ordered: list[str] = []
         total = 0.0

@@ -163,3 +163,11 @@ def test_a_mount_is_three_numbers_not_rows_of_them():
     for name in ("dh_frames", "ros2_control"):
         with pytest.raises(InputError, match=name):
             Variant(**{name: np.zeros(4)})
+
+
+def test_a_table_with_an_endless_integer_is_refused():
+    from alpha5_model.errors import PublishedDataError
+    from alpha5_model.published.reading import parse
+
+    with pytest.raises(PublishedDataError, match="4300 digits"):
+        parse(f"x = {'9' * 5000}", "")

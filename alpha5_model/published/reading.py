@@ -105,7 +105,7 @@ class _Node:
 def _root(file: str, text: str) -> _Node:
     try:
         return _Node(tomllib.loads(text), file)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # TOMLDecodeError, or an integer of more than 4300 digits
         raise PublishedDataError(file, str(error)) from None
 
 
