@@ -111,6 +111,8 @@ def test_no_kind_of_error_has_a_way_of_its_own() -> None:
         if not info.name.endswith("__main__"):
             importlib.import_module(info.name)
     for kind in every_kind():
+        if not kind.__module__.startswith("alpha5_model"):
+            continue  # other tests make kinds of their own
         assert kind.__reduce__ is errors.Alpha5Error.__reduce__
         assert {"__reduce_ex__", "__getstate__", "__copy__"}.isdisjoint(vars(kind))
 
