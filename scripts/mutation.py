@@ -466,6 +466,10 @@ def main() -> int:
         def done(job: Job, status: str, seconds: float, copy: Path) -> None:
             assert job.mutant is not None
             results.append(mutant := replace(job.mutant, status=status, seconds=seconds))
+            chosen.output.parent.mkdir(parents=True, exist_ok=True)
+            chosen.output.write_text(
+                table(results), encoding="utf-8"
+            )  # so far: a run takes its time
             if not status.startswith("killed"):
                 print(f"[{len(results)}] {mutant.place} {status}\n{mutant.diff()}", flush=True)
 
@@ -475,8 +479,6 @@ def main() -> int:
             if not job.tests:
                 done(job, "no test", 0.0, copies[0])
         run([job for job in jobs if job.tests], copies, done)
-    chosen.output.parent.mkdir(parents=True, exist_ok=True)
-    chosen.output.write_text(table(results), encoding="utf-8")
     killed = sum(m.status.startswith("killed") for m in results)
     print(
         f"{killed} of {len(results)} killed ({killed / max(len(results), 1):.1%}); see {chosen.output}"

@@ -496,6 +496,8 @@ def test_impossible_payloads():
     ):
         with pytest.raises(InputError):
             arm.with_payload(**bad)
+    with pytest.raises(InputError, match="the smallest principal moment -2"):  # the worst first
+        arm.with_payload(1.0, inertia=np.diag([1.0, -2.0, 30.0]))
 
 
 # loading ------------------------------------------------------------------------------------------------------
