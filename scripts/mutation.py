@@ -9,8 +9,8 @@ place with the same chance. Here is only what a session of it would cost minutes
 the third-party packages forks once per mutant, in a copy of the checkout, and the child runs the tests that
 coverage saw on the changed line, cheapest first, until one fails.
 
-Left out by rule, because they change nothing that a test could see: annotations (compared as syntax
-trees), and a cache taken off a function.
+Left out by rule, because they change nothing that a test could see: annotations (compared as syntax trees),
+a cache taken off a function, ``strict=True`` of a zip, which asserts what the code itself made so.
 """
 
 from __future__ import annotations
@@ -142,7 +142,8 @@ def sites(file: Path) -> list[Site]:
         kind = name.split("/")[-1].split("_")[0]
         for node in _nodes(tree):
             for start, _ in operator.mutation_positions(node):
-                if not (kind == "RemoveDecorator" and "cache" in node.get_code()):
+                cache = kind == "RemoveDecorator" and "cache" in node.get_code()
+                if not cache and node.parent.get_code().strip() != "strict=True":
                     found[start, kind].append((name, occurrence))
                 occurrence += 1
     return [Site(file, start, tuple(choices)) for (start, _), choices in sorted(found.items())]
