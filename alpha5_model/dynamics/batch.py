@@ -81,31 +81,20 @@ def rnea(
 
 
 def inverse_dynamics(
-    model: Any,
-    fluid: Any,
-    pools: Pools,
-    threads: int | None,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
+    model: Any, fluid: Any, pools: Pools, threads: int | None, *states: FloatArray
 ) -> FloatArray:
-    """RNEA of each row with the torque of the water taken off, (N, nv)."""
-    n = thread_count(threads, len(q))
-    tau = rnea(model, pools, n, q, v, a)
-    tau -= _buoyancy(fluid, n, pools, q)
+    """RNEA of each row of q, v, a with the torque of the water taken off, (N, nv)."""
+    n = thread_count(threads, len(states[0]))
+    tau = rnea(model, pools, n, *states)
+    tau -= _buoyancy(fluid, n, pools, states[0])
     return tau
 
 
 def forward_dynamics(
-    model: Any,
-    fluid: Any,
-    pools: Pools,
-    threads: int | None,
-    q: FloatArray,
-    v: FloatArray,
-    tau: FloatArray,
+    model: Any, fluid: Any, pools: Pools, threads: int | None, *states: FloatArray
 ) -> FloatArray:
-    """ABA of each row with the torque of the water added, (N, nv)."""
+    """ABA of each row of q, v, tau with the torque of the water added, (N, nv)."""
+    q, v, tau = states
     n = thread_count(threads, len(q))
     total = _buoyancy(fluid, n, pools, q)
     total += tau
