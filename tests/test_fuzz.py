@@ -155,6 +155,22 @@ def test_angles_of_a_planar_arm_that_overflow_are_refused():
         a5.planar.PlanarArm((1, 1)).jacobian([1.7e308, 1.7e308])
 
 
+def test_a_distance_beyond_all_numbers_is_refused():
+    assert a5.distance_to_reach((1.7e308, 0, 0)) == pytest.approx(1.7e308)
+    with pytest.raises(InputError, match="a distance that is a number"):
+        a5.distance_to_reach(np.full((2, 3), 1.7e308))
+    with pytest.raises(InputError, match="gravity"):
+        a5.gravity_in_base(np.eye(3), np.full(3, 1.7e308))
+
+
+def test_a_limit_without_effort_moves(tmp_path, capfd):
+    text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+    (tmp_path / "arm.urdf").write_text(text.replace(' effort="', ' force="'))
+    chain = a5.dh.DHChain.from_urdf(tmp_path / "arm.urdf")
+    assert chain.links == a5.dh.DHChain.from_urdf(a5.URDF_PATH).links
+    assert capfd.readouterr().err == ""
+
+
 def test_a_mount_is_three_numbers_not_rows_of_them():
     from alpha5_model.description.variants import Variant
 

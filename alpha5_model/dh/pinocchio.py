@@ -80,6 +80,8 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
     for element in tree:
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
+        for limit in element.findall("limit"):  # which moves without the two that it asks for
+            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
     except (ValueError, RuntimeError) as error:

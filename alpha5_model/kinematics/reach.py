@@ -98,7 +98,11 @@ def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
     """
     target, nearest = _nearest(positions, limits)
     x, y, z = np.moveaxis(target - nearest, -1, 0)
-    return np.asarray(np.hypot(np.hypot(x, y), z))
+    with np.errstate(over="ignore"):
+        distance = np.asarray(np.hypot(np.hypot(x, y), z))
+    if not np.isfinite(distance).all():
+        raise InputError("positions", float(np.abs(target).max()), "a distance that is a number")
+    return distance
 
 
 def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
