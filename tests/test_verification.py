@@ -445,3 +445,12 @@ def test_corrections_of_another_file(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "choose from base_frame" in capsys.readouterr().err
     assert main(["check", "--corrections", ""]) == 2
     assert "--urdf FILE" in capsys.readouterr().err
+
+
+def test_a_finger_on_another_link_is_no_split_of_link_4(tmp_path: Path) -> None:
+    head, joint, tail = JAWS.partition('<joint name="finger_1_joint"')
+    moved = head + joint + tail.replace('<parent link="link_4"/>', '<parent link="link_3"/>', 1)
+    assert moved != JAWS
+    for text, finding in ((JAWS, "wrist, rod and fingers have link 4's"), (moved, "not all there")):
+        (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
+        assert finding in row.finding
