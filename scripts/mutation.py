@@ -252,7 +252,12 @@ class Tests:
         own = {t: lines for (f, t), lines in self.lines.items() if f == mutant.file}
         # A line that only another process passes is seen by none: all tests of its file are asked.
         passing = [t for t, lines in own.items() if lines & at] or list(own)
-        passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), self.seconds[t]))
+        # What a module computes as it is read is passed by all; those that work in its room go first.
+        near = dict.fromkeys(passing, 0)
+        for (file, test), lines in self.lines.items():
+            if test in near and file.parts[0] == mutant.file.parts[0]:
+                near[test] += len(lines)
+        passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), -near[t], self.seconds[t]))
         ordered: list[str] = []
         total = 0.0
         for test in passing:

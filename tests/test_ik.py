@@ -11,6 +11,7 @@ from fk import FOLDED, STRETCHED, fk, sample, tip
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model.errors import InputError
 from alpha5_model.kinematics.ik.fast import fast_solver
 from alpha5_model.kinematics.ik.one import solve_one
 
@@ -165,6 +166,8 @@ def test_wrist_broadcasts() -> None:
     assert not s.within_limits[3].any()
     grid = a5.inverse_kinematics(np.full((5, 1, 3), 0.1), np.zeros(6))
     assert grid.q.shape == (5, 6, 4, 4)
+    with pytest.raises(InputError, match=r"broadcasts with \(2, 5\), got"):
+        a5.inverse_kinematics(np.zeros((2, 5, 3)), np.zeros(4))
 
 
 def test_integers_and_float32_are_numbers() -> None:

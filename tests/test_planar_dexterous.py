@@ -264,6 +264,16 @@ def test_reached_orientations_are_reached(kinds: str) -> None:
         assert dexterity(turned, point, orientations=1, samples=101) == 1
 
 
+def test_a_free_first_joint_makes_all_bearings_alike() -> None:
+    """Turned by the spacing of samples and orientations, the same poses are asked for."""
+    arm = PlanarArm((5, 2, 0.5, 0.3), [None, (-0.5, 1), (-1, 1), (-2, 2)])
+    bearing = np.arange(24) * (2 * math.pi / 24)
+    circle = 7.2 * np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
+    share = dexterity(arm, circle, orientations=24, samples=25)
+    assert 0 < share[0] < 1
+    assert share == pytest.approx(np.full(24, share[0]), abs=1e-12)
+
+
 def test_the_map_has_the_exact_area() -> None:
     arm = PlanarArm((5, 4, 1))
     found = dexterity_map(arm, resolution=81, orientations=120)

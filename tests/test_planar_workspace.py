@@ -202,6 +202,8 @@ def test_areas_against_closed_forms() -> None:
         (PlanarArm((5, 4), [None, (-2.5, 2.5)]), "annulus"),
         (PlanarArm((5, 4), [(0, 2), (0.3, 2.5)]), "region"),
         (PlanarArm((1, 1), [(0, 1), (0, 1)], "PP"), "interval"),
+        (PlanarArm((3, 5, 4), [(1, 1), None, None]), "annulus"),
+        (PlanarArm((3, 5, 5), [(1, 1), None, None]), "disc"),
     ],
 )
 def test_shapes(arm: PlanarArm, shape: str) -> None:
@@ -262,6 +264,22 @@ def test_jacobian_is_the_derivative(name: str) -> None:
         e = h * np.eye(arm.n)[j]
         rate = (arm.forward_kinematics(q + e) - arm.forward_kinematics(q - e)) / (2 * h)
         assert np.abs(rate - arm.jacobian(q)[..., j]).max() < 1e-8
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_boundary_counts_to_a_billionth_of_the_reach(scale: float) -> None:
+    space = PlanarArm((5 * scale, 4 * scale)).workspace()
+    for radius, outwards in ((9 * scale, 1), (1 * scale, -1)):
+        off = outwards * 9 * scale * np.array([-1e-9, 0.5e-9, 2e-9])
+        found = space.contains(np.stack([np.zeros(3), radius + off], axis=-1))
+        assert found.tolist() == [True, True, False]
+
+
+def test_beyond_the_last_joint_there_is_the_tip_alone() -> None:
+    tip = PlanarArm((5,)).workspace().inner
+    assert tip is not None
+    assert tip.contains([[0, 0], [1e-10, 0], [0, 1e-8]]).tolist() == [True, True, False]
+    assert (tip.shape, tip.area, tip.radii) == ("point", 0, (0, 0))
 
 
 def test_a_hole_and_a_slit() -> None:

@@ -92,10 +92,9 @@ class Workspace:
         """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or ``region``."""
         full = [isinstance(c, Arc) and c.closed for c in self.curves]
         if self.edges and not self.thin and all(full):
-            concentric = len({e.curve.center for e in self.edges if isinstance(e.curve, Arc)}) == 1
-            if concentric and len(full) <= 2:
-                return ("disc", "annulus")[len(full) - 1]
-        elif not self.edges and len(self.thin) == 1:
+            # Of one piece and bounded by whole circles only: these are concentric, and two at most.
+            return "disc" if len(full) == 1 else "annulus"
+        if not self.edges and len(self.thin) == 1:
             curve = self.thin[0]
             if isinstance(curve, Segment):
                 return "interval"
