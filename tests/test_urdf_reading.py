@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from alpha5_model.description.urdf_reading import parse_urdf
+from alpha5_model.description.urdf_reading import parse_urdf, urdf_shapes
 from alpha5_model.errors import FileFormatError
 
 ROBOT = """<?xml version="1.0"?>
@@ -184,3 +184,24 @@ def test_several_roots_loops_and_none() -> None:
 def test_a_primitive_too_large_has_no_volume() -> None:
     huge = ROBOT.replace('radius="0.3"', 'radius="9e11"')
     assert parse_urdf(huge).links["tray"].volume == pytest.approx(4 / 3 * math.pi * 9e11**3)
+
+
+def test_shapes() -> None:
+    plain = "<collision><geometry><sphere"
+    ball = (
+        '<collision><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>'
+        '<material name="red"><color rgba="1 0 0.5 0.25"/></material><geometry><sphere'
+    )
+    hit = urdf_shapes(ROBOT.replace(plain, ball), "collision")
+    assert [(s.link, s.index) for s in hit] == [("tray", k) for k in range(5)]
+    assert [s.kind for s in hit] == ["box", "sphere", "cylinder", "capsule", "mesh"]
+    assert [s.size for s in hit] == [(0.1, 0.2, 0.5), (0.3,), (0.2, 0.7), (0.1, 0.4), ()]
+    assert [s.file for s in hit] == ["", "", "", "", "hit.stl"]
+    assert [s.color for s in hit] == [(), (1.0, 0.0, 0.5, 0.25), (), (), ()]
+    assert hit[0].placement.tolist() == np.eye(4).tolist()
+    turned = [[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]
+    np.testing.assert_allclose(hit[1].placement, turned, atol=1e-15)
+    (seen,) = urdf_shapes(ROBOT)
+    assert (seen.link, seen.kind, seen.file) == ("tray", "mesh", "seen.obj")
+    with pytest.raises(FileFormatError, match="<visual> has no geometry"):
+        urdf_shapes(ROBOT.replace('<geometry><mesh filename="seen.obj"/></geometry>', ""))

@@ -10,6 +10,7 @@ import codecs
 import math
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,37 @@ NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNO
 
 LIMITS = ("lower", "upper", "velocity", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+#: Kind of shape -> its attributes, and how many numbers each holds.
+_SIZES: dict[str, dict[str, int]] = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {},
+}
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfShape:
+    """A ``<visual>`` or ``<collision>`` element.
+
+    Attributes:
+        link: Name of the link that carries it.
+        index: Its number among the link's elements of its kind.
+        kind: ``box``, ``cylinder``, ``capsule``, ``sphere`` or ``mesh``.
+        size: Edges x, y, z; radius and length; radius; nothing for a mesh [m].
+        file: File name of a mesh.
+        placement: Pose in the link, (4, 4).
+        color: Red, green, blue, alpha, each 0 to 1; empty without a colour of its own.
+    """
+
+    link: str
+    index: int
+    kind: str
+    size: tuple[float, ...]
+    file: str
+    placement: FloatArray
+    color: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +153,19 @@ def read_urdf(path: str | Path) -> UrdfRobot:
 def parse_urdf(text: str | bytes, origin: str = "URDF") -> UrdfRobot:
     """Read the text of a URDF; ``origin`` names it in errors."""
     return _Reader(text, origin).robot()
+
+
+def urdf_shapes(text: str | bytes, element: str = "visual") -> tuple[UrdfShape, ...]:
+    """Read the shapes of a URDF's text, link by link.
+
+    Args:
+        text: The URDF.
+        element: ``visual`` or ``collision``.
+
+    Raises:
+        FileFormatError: Not a URDF; the message names the line and what is wrong.
+    """
+    return tuple(_Reader(text, "URDF").shapes(element))
 
 
 class _Reader:
@@ -217,9 +262,9 @@ class _Reader:
     def link(self, element: ET.Element) -> UrdfLink:
         volume, meshes = 0.0, []
         for collision in element.findall("collision"):
-            part, mesh = self.volume(collision)
-            volume += part
-            meshes += [mesh] if mesh else []
+            kind, size, file = self.geometry(collision)
+            volume += _volume(kind, *size)
+            meshes += [file] if file else []
         mass, com, inertia = None, np.zeros(3), np.zeros((3, 3))
         inertial = element.find("inertial")
         if inertial is not None:
@@ -237,23 +282,29 @@ class _Reader:
         name = self.attribute(element, "name")
         return UrdfLink(name, mass, com, inertia, volume, tuple(meshes), files)
 
-    def volume(self, collision: ET.Element) -> tuple[float, str | None]:
-        """Volume of a primitive, or the file name of a mesh."""
-        geometry = collision.find("geometry")
+    def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
+        """Kind, size and file name of a visual's or collision's shape; see `UrdfShape`."""
+        geometry = element.find("geometry")
         shape = None if geometry is None or not len(geometry) else geometry[0]
         if shape is None:
-            raise self.fail(collision, "<collision> has no geometry")
-        if shape.tag == "mesh":
-            return 0.0, self.attribute(shape, "filename")
-        if shape.tag == "box":
-            x, y, z = self.numbers(shape, "size", 3, self.attribute(shape, "size")).tolist()
-            return x * y * z, None
-        if shape.tag not in ("cylinder", "capsule", "sphere"):
+            raise self.fail(element, f"<{element.tag}> has no geometry")
+        if shape.tag not in _SIZES:
             raise self.fail(shape, f"unknown shape <{shape.tag}>")
-        r = self.number(shape, "radius")
-        ball = 0.0 if shape.tag == "cylinder" else 4 / 3 * math.pi * (r * r * r)
-        tube = 0.0 if shape.tag == "sphere" else math.pi * (r * r) * self.number(shape, "length")
-        return tube + ball, None
+        size: list[float] = []
+        for name, count in _SIZES[shape.tag].items():
+            size += self.numbers(shape, name, count, self.attribute(shape, name)).tolist()
+        return shape.tag, size, self.attribute(shape, "filename") if shape.tag == "mesh" else ""
+
+    def shapes(self, element: str) -> Iterator[UrdfShape]:
+        for link in self.top.findall("link"):
+            for index, item in enumerate(link.findall(element)):
+                kind, size, file = self.geometry(item)
+                color = item.find("material/color")
+                rgba: list[float] = []
+                if color is not None:
+                    rgba = self.numbers(color, "rgba", 4, self.attribute(color, "rgba")).tolist()
+                name, placement = self.attribute(link, "name"), self.pose(item)
+                yield UrdfShape(name, index, kind, tuple(size), file, placement, tuple(rgba))
 
     def joint(self, element: ET.Element) -> UrdfJoint:
         name, kind = self.attribute(element, "name"), self.attribute(element, "type")
@@ -295,6 +346,15 @@ class _Reader:
             **follower,
             printed=("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", "")),
         )
+
+
+def _volume(kind: str, *size: float) -> float:
+    """Volume of a shape with these sizes; none of a mesh, whose file is not read."""
+    if kind == "box":
+        return math.prod(size)
+    r, length = (*size, 0.0, 0.0)[:2]
+    ball = 0.0 if kind == "cylinder" else 4 / 3 * math.pi * (r * r * r)
+    return math.pi * (r * r) * length + ball
 
 
 def _outwards(root: str, joints: dict[str, UrdfJoint]) -> dict[str, UrdfJoint]:
