@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from alpha5_model import trajectory as trajectory
     from alpha5_model.comparison.report import compare as compare
     from alpha5_model.consistency.document import audit as audit
-    from alpha5_model.description.poses import named_pose as named_pose
+    from alpha5_model.description.srdf import named_pose as named_pose
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 _DEFINED = {
     "comparison.report": ("compare",),
     "consistency.document": ("audit",),
-    "description.poses": ("named_pose",),
+    "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),
     "dynamics.self_collision": ("without_self_collision",),

@@ -23,14 +23,14 @@ from reference import LOWER, UPPER
 from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5
-from alpha5_model.description.poses import (
+from alpha5_model.description.srdf import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
     NAMED_POSES,
     NEVER_PAIRS,
     named_pose,
+    srdf,
 )
-from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
 from alpha5_model.meshing.collision_shapes import collision_primitives
@@ -132,7 +132,7 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     import trimesh
 
     from alpha5_model.meshing.bodies import bodies
-    from alpha5_model.meshing.surface import surface
+    from alpha5_model.meshing.solid import surface
 
     outside = surface(bodies()[name].outside)
     mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)

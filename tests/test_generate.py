@@ -13,8 +13,7 @@ import yaml
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
-from alpha5_model.description.parameter_file import parameter_yaml
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.variants import Variant, parameter_yaml, urdf
 from alpha5_model.description.verification import verify_generated
 from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
 from alpha5_model.files import atomic_write, atomic_write_all
@@ -225,7 +224,7 @@ def test_errors_have_attributes():
 
 
 def test_a_broken_xacro_file_is_named(tmp_path):
-    from alpha5_model.description.expand import expand_xacro
+    from alpha5_model.description.variants import expand_xacro
 
     broken = tmp_path / "broken.xacro"
     broken.write_text("<robot><oops></robot>")

@@ -176,7 +176,7 @@ def test_imports_run_in_one_direction() -> None:
         ("alpha5_model.published.tables", "from ..parameters import parameters"),
         ("alpha5_model.errors", "def f():\n    import alpha5_model.cli.main"),
         ("alpha5_model.dynamics.arm", "import alpha5_model as a5"),
-        ("alpha5_model.kinematics.x", "from alpha5_model.description import frames"),
+        ("alpha5_model.kinematics.x", "from alpha5_model.description import bodies"),
         ("alpha5_model.dh.chain", "from alpha5_model.description import urdf_reading"),
         ("alpha5_model.actuators", "from alpha5_model import dh"),
         ("alpha5_model.consistency.row", "from alpha5_model import view"),

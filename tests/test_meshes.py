@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from reference import COB, VOLUME, inertial_frames, rotation_x, rotation_z
 
-from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
 from alpha5_model.paths import REPOSITORY_PATH
 
@@ -499,7 +499,7 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.meshing.surface import check_closed
+    from alpha5_model.meshing.solid import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     check_closed(closed)

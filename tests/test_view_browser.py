@@ -16,7 +16,7 @@ from demo_run import demo_run
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.view.arm_poses import pose_of
 
 pytestmark = needs_browser

@@ -13,7 +13,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.document import audit
 from alpha5_model.description import variants
 from alpha5_model.description.meshes import mesh_assets
-from alpha5_model.description.poses import named_pose
+from alpha5_model.description.srdf import named_pose
 from alpha5_model.description.verification import verify_urdf
 from alpha5_model.dynamics.loading import load
 from alpha5_model.errors import OutputError

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from alpha5_model.description.expand import expand_xacro
 from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf
+from alpha5_model.description.variants import expand_xacro
 from alpha5_model.errors import FileFormatError
 from alpha5_model.files import read_named
 

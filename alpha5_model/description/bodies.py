@@ -1,20 +1,44 @@
-"""The arm as a tree of bodies: what every writer, YAML, MJCF and SDF, walks along.
+"""The arm as a tree of bodies: what every writer, YAML, MJCF, SDF and GLB, walks along.
 
 Beside what URDF knows it holds the displaced volume and the centre of buoyancy of each body.
+
+Where the frames are: inertial frame {i+1} is DH frame {i} turned by the joint (Section 2), so joint i
+turns about +z of its child link, and the rest of the DH row, ``Tz(d) Tx(a) Rx(alpha)``, leads on to the
+next joint.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from alpha5_model import __version__
-from alpha5_model.checks import FloatArray, choice, frozen
-from alpha5_model.description.frames import Placement, base_placement, joint_placements
+from alpha5_model.checks import choice
+from alpha5_model.errors import PublishedDataError
 from alpha5_model.jaws import GRIPPERS, JawBody, split_link_4
 from alpha5_model.meshing.collision_shapes import Primitive, collision_primitives
-from alpha5_model.meshing.materials import Material, material_of
-from alpha5_model.parameters import Alpha5Parameters, JointRange, RigidBody
+from alpha5_model.meshing.formats import Material, material_of
+from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
 from alpha5_model.published import published
+from alpha5_model.spatial import Triple
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Pose of a child frame in its parent.
+
+    Attributes:
+        parent: Name of the parent frame.
+        xyz: Origin [m].
+        rpy: Fixed-axis roll, pitch, yaw [rad].
+    """
+
+    parent: str
+    xyz: Triple = (0.0, 0.0, 0.0)
+    rpy: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -33,55 +57,122 @@ class Body(RigidBody):
     Attributes:
         placement: Parent body and pose in it, joint at zero.
         joint: About or along +z of the body; None for link_0, which is fixed in base_link.
-        extent: Outer size along each axis, (3,) [m].
         meshes: What it looks like.
         shapes: What it collides with.
     """
 
     placement: Placement
     joint: JointRange | None
-    extent: FloatArray
     meshes: tuple[Mesh, ...]
     shapes: tuple[Primitive, ...]
 
+    @property
+    def moments(self) -> dict[str, float]:
+        """The tensor's upper half, ``ixx`` to ``izz``, as URDF and SDF name it [kg m^2]."""
+        return {
+            f"i{'xyz'[i]}{'xyz'[j]}": float(self.inertia[i, j])
+            for i, j in zip(*np.triu_indices(3), strict=True)
+        }
 
-def arm_bodies(parameters: Alpha5Parameters, gripper: str) -> tuple[Body, ...]:
+
+def arm_bodies(
+    parameters: Alpha5Parameters, gripper: str, meshes: Iterable[str] | None = None
+) -> tuple[Body, ...]:
     """The bodies, each after its parent.
 
     Args:
         parameters: The arm's parameters.
         gripper: ``locked`` (link_0 to link_4) or ``jaws`` (adds rod and fingers).
+        meshes: File names of the meshes that are there, others are left out; all if None.
     """
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
-    jaws, arm_joints = split_link_4(parameters), parameters.joints[:4]
-    hinges = {  # body -> its pose with its joint at zero, and the joint
-        body.name: (_placement(body, joint), joint)
+    jaws = split_link_4(parameters)
+    hinged = [
+        (body, _hinge(body, joint), joint)
         for body, joint in zip(jaws.bodies[1:], jaws.joints, strict=True)
-    }
-    placements = [base_placement(parameters), *joint_placements(parameters).values()]
-    joints: list[JointRange | None] = [None, *arm_joints]
-    records: list[RigidBody] = list(parameters.links)
-    if moving:
-        records = [*parameters.links[:4], *jaws.bodies]
-        placements += [placement for placement, _ in hinges.values()]
-        joints += jaws.joints
+    ]
+    arm: list[tuple[RigidBody, Placement, JointRange | None]] = [
+        *zip(
+            (*parameters.links[:4], jaws.wrist if moving else parameters.links[4]),
+            (base_placement(parameters), *joint_placements(parameters).values()),
+            (None, *parameters.joints[:4]),
+            strict=True,
+        ),
+        *(hinged if moving else ()),
+    ]
+    there = None if meshes is None else {name.removesuffix(".obj") for name in meshes}
     shapes = collision_primitives(gripper)
     bodies = []
-    for record, placement, joint in zip(records, placements, joints, strict=True):
-        meshes = {} if record.name == "jaw_rod" else {record.name: Placement(record.name)}
+    for record, placement, joint in arm:
+        drawn = {} if record.name == "jaw_rod" else {record.name: Placement(record.name)}
         if record.name == "link_4" and not moving:  # the closed fingers
-            meshes |= {name: hinges[name][0] for name in ("finger_1", "finger_2")}
+            drawn |= {finger.name: at for finger, at, _ in hinged[1:]}
+        visible = {name: at for name, at in drawn.items() if there is None or name in there}
         bodies.append(
             Body(
                 **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
                 placement=placement,
                 joint=joint,
-                extent=_extent(record, parameters),
-                meshes=tuple(Mesh(name, material_of(name), at) for name, at in meshes.items()),
+                meshes=tuple(Mesh(name, material_of(name), at) for name, at in visible.items()),
                 shapes=shapes.get(record.name, ()),
             )
         )
     return tuple(bodies)
+
+
+def _hinge(body: JawBody, joint: JointRange) -> Placement:
+    x, y, z = body.origin.tolist()
+    # Closed, the joint is at its lower limit; rod and fingers have +z along -z or across link_4's.
+    return Placement("link_4", (x, y, z + joint.lower), (body.roll, 0.0, 0.0))
+
+
+def base_placement(parameters: Alpha5Parameters) -> Placement:
+    """Pose of link_0 in base_link, DH frame {0}."""
+    return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
+
+
+def joint_placements(parameters: Alpha5Parameters) -> dict[str, Placement]:
+    """Pose of each child link at joint position zero, keyed ``axis_e`` to ``axis_b``."""
+    dh, joints = parameters.dh, parameters.joints
+    first = _turn(0.0, dh[0].theta_offset - parameters.base_yaw)
+    return {
+        joints[0].name: Placement("link_0", rpy=first),
+        **{joints[i].name: _after(i - 1, dh[i - 1], dh[i].theta_offset) for i in (1, 2, 3)},
+    }
+
+
+def tcp_placement(parameters: Alpha5Parameters) -> Placement:
+    """Pose of the TCP, DH frame {5}, in link_4."""
+    wrist, last = parameters.dh[3], parameters.dh[4]
+    if last.variable is not None or any((last.d, last.a, last.alpha)):
+        raise PublishedDataError("Table 1, link 4", "expected a fixed rotation about z only")
+    return _after(3, wrist, last.theta_offset)
+
+
+def dh_placements(parameters: Alpha5Parameters) -> dict[str, Placement]:
+    """Poses of the DH frames {1} to {5}, keyed ``dh_1`` to ``dh_5``."""
+    return {
+        **{f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])},
+        "dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset)),
+    }
+
+
+def _after(i: int, row: DHParameters, angle: float) -> Placement:
+    """What follows joint i in its DH row, and a turn about z."""
+    return Placement(f"link_{i + 1}", (row.a, 0.0, row.d), _turn(row.alpha, angle))
+
+
+def _turn(alpha: float, beta: float) -> Triple:
+    """Roll, pitch, yaw of ``Rx(alpha) Rz(beta)``, exact for alpha a multiple of pi/2.
+
+    ``Rx(alpha) Rz(beta) Rx(-alpha)`` turns by beta about ``(0, -sin alpha, cos alpha)``, which is
+    then a coordinate axis. Reading the angles off the matrix instead would fail at axis_b, where
+    the pitch is pi/2.
+    """
+    sine, cosine = round(math.sin(alpha)), round(math.cos(alpha))
+    if abs(sine) + abs(cosine) != 1:
+        raise PublishedDataError("Table 1", f"alpha = {alpha} rad is not a multiple of pi/2")
+    return (alpha, -sine * beta + 0.0, cosine * beta + 0.0)
 
 
 def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
@@ -92,20 +183,3 @@ def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
         "package": f"alpha5_model {__version__}",
         "corrections": ", ".join(parameters.corrections) or "none",
     }
-
-
-def _placement(body: JawBody, joint: JointRange) -> Placement:
-    x, y, z = body.origin.tolist()
-    # Closed, the joint is at its lower limit; rod and fingers have +z along -z or across link_4's.
-    return Placement("link_4", (x, y, z + joint.lower), (body.roll, 0.0, 0.0))
-
-
-def _extent(record: RigidBody, parameters: Alpha5Parameters) -> FloatArray:
-    jaws = parameters.jaws
-    if record.name == "jaw_rod":
-        return frozen([jaws.rod_diameter, jaws.rod_diameter, jaws.rod_length])
-    if record.name.startswith("finger"):
-        thickness = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
-        return frozen([thickness, jaws.finger_length, jaws.finger_width])
-    bounds = parameters.links[int(record.name[-1])].bounds
-    return frozen(bounds[:, 1] - bounds[:, 0])

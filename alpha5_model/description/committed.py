@@ -9,9 +9,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from alpha5_model.description.meshes import mesh_files
-from alpha5_model.description.parameter_file import parameter_yaml
 from alpha5_model.description.srdf import srdf
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.variants import Variant, parameter_yaml, urdf
 from alpha5_model.files import atomic_write_all
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH

@@ -7,18 +7,14 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from alpha5_model.description.frames import joint_placements
-from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import MissingFileError
-from alpha5_model.jaws import split_link_4
 from alpha5_model.meshing.bodies import bodies
-from alpha5_model.meshing.glb import Node, glb
-from alpha5_model.meshing.materials import MATERIALS, material_of
-from alpha5_model.meshing.obj import MTL_NAME, mtl, obj
-from alpha5_model.meshing.surface import Surface, surface
+from alpha5_model.meshing.formats import MTL_NAME, Node, glb, mtl, obj
+from alpha5_model.meshing.solid import Surface, surface
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.spatial import quaternion_from_rpy
 
 GLB_NAME = "alpha5.glb"
 
@@ -53,34 +49,22 @@ def mesh_files() -> dict[str, bytes]:
         MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
     """
     return {
-        **{f"{name}.obj": obj(name, s, material_of(name)) for name, s in surfaces().items()},
-        MTL_NAME: mtl(MATERIALS),
-        GLB_NAME: glb(list(_scene()), MATERIALS),
+        **{f"{name}.obj": obj(name, body) for name, body in surfaces().items()},
+        MTL_NAME: mtl(),
+        GLB_NAME: glb(list(_scene())),
     }
 
 
 def _scene() -> Iterator[Node]:
     """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
-    arm = parameters()
     # glTF has y up, the base frame has z up.
-    yield Node("base_link", quaternion=quaternion_from_rpy((-math.pi / 2, 0.0, 0.0)))
-    yield _body("link_0", "base_link", (0.0, 0.0, arm.base_yaw))
-    angles = NAMED_POSES["home"]
-    for i, (joint, at) in enumerate(joint_placements(arm).items()):
-        yield Node(joint, at.parent, at.xyz, quaternion_from_rpy(at.rpy))
-        yield _body(f"link_{i + 1}", joint, (0.0, 0.0, angles[i]))
-    jaws = split_link_4(arm)
-    for finger in (jaws.finger_1, jaws.finger_2):
-        hinge, origin = f"{finger.name}_joint", tuple(finger.origin.tolist())
-        yield Node(hinge, "link_4", origin, quaternion_from_rpy((finger.roll, 0.0, 0.0)))
-        yield _body(finger.name, hinge, (0.0, 0.0, 0.0))
-
-
-def _body(name: str, parent: str, rpy: tuple[float, float, float]) -> Node:
-    return Node(
-        name,
-        parent,
-        quaternion=quaternion_from_rpy(rpy),
-        surface=surfaces()[name],
-        material=material_of(name),
-    )
+    yield Node("base_link", rpy=(-math.pi / 2, 0.0, 0.0))
+    angles = iter(NAMED_POSES["home"])
+    for body in arm_bodies(parameters(), "jaws"):
+        if not body.meshes:  # the rod
+            continue
+        parent, turn = body.placement.parent, body.placement.rpy
+        if body.joint is not None:
+            yield Node(body.joint.name, parent, body.placement.xyz, turn)
+            parent, turn = body.joint.name, (0.0, 0.0, next(angles, 0.0))
+        yield Node(body.name, parent, rpy=turn, surface=surfaces()[body.name])

@@ -13,30 +13,41 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import Body, Mesh, arm_bodies, provenance
-from alpha5_model.description.frames import Placement, base_placement, tcp_placement
-from alpha5_model.description.meshes import mesh_assets
-from alpha5_model.description.mjcf_control import (
-    ACTUATORS,
-    add_actuators,
-    add_equality,
-    add_keyframes,
+from alpha5_model.description.bodies import (
+    Body,
+    Placement,
+    arm_bodies,
+    base_placement,
+    provenance,
+    tcp_placement,
 )
-from alpha5_model.description.poses import UNCHECKED_PAIRS
+from alpha5_model.description.meshes import mesh_assets
+from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
-from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
+from alpha5_model.description.xml_text import (
+    Value,
+    add,
+    add_provenance,
+    serialized,
+    template,
+    text_of,
+)
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
-from alpha5_model.meshing.materials import MATERIALS
-from alpha5_model.parameters import parameters
+from alpha5_model.meshing.formats import MATERIALS
+from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
+ACTUATORS = ("position", "velocity", "motor")
+#: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
+_STIFFNESS = {"axis_e": 200.0, "axis_d": 200.0, "axis_c": 200.0, "axis_b": 5.0, "axis_a": 500.0}
+#: MuJoCo would take the critical damping of the rod from the rod alone; the fingers weigh more [N s/m].
+_ROD_DAMPING = 8.0
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
 #: keep every mass above the least that MuJoCo knows, 1e-15 kg.
 DILUTION = 1e9
@@ -44,8 +55,6 @@ DILUTION = 1e9
 VISCOSITY = 1.08e-3
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
-
-
 #: What the README says of the gripper.
 _JAWS = {
     "locked": "The jaws are closed and part of link_4, as in Table 2.",
@@ -123,11 +132,8 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     """
     chosen = options or MjcfOptions()
     values = parameters(chosen.corrections)
-    bodies = arm_bodies(values, chosen.gripper)
-    files = {name.removesuffix(".obj") for name in meshes}
-    shown = [mesh for body in bodies for mesh in body.meshes if mesh.name in files]
+    bodies = arm_bodies(values, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
-
     root = ET.Element("mujoco", model="alpha5")
     add_provenance(root, values)
     # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
@@ -139,14 +145,14 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         option.set("density", text_of(chosen.fluid_density))
         option.set("viscosity", text_of(VISCOSITY))
     _defaults(root)
-    _assets(root, shown)
-    _worldbody(root, values, bodies, files, chosen)
-    if chosen.collision == "primitives" and any(body.shapes for body in bodies):
+    _assets(root, bodies)
+    _worldbody(root, values, bodies, chosen)
+    if chosen.collision == "primitives":
         _contact(root, bodies)
     if chosen.gripper == "jaws":
-        add_equality(root, joints)
-    add_actuators(root, joints, chosen.actuators)
-    add_keyframes(root, joints, chosen.actuators)
+        _equality(root, joints)
+    _actuators(root, joints, chosen.actuators)
+    _keyframes(root, joints, chosen.actuators)
     return serialized(root)
 
 
@@ -163,16 +169,16 @@ def _defaults(root: ET.Element) -> None:
     add(no_drag, "geom", **shape, **fluid, **untouched, group="4", mass="0")
 
 
-def _assets(root: ET.Element, shown: list[Mesh]) -> None:
+def _assets(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     asset = add(root, "asset")
     for material in MATERIALS:
         add(asset, "material", **vars(material))
-    for mesh in shown:
+    for mesh in chain(*(body.meshes for body in bodies)):
         add(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
 
 
 def _worldbody(
-    root: ET.Element, values: Any, bodies: tuple[Body, ...], files: set[str], options: MjcfOptions
+    root: ET.Element, values: Alpha5Parameters, bodies: tuple[Body, ...], options: MjcfOptions
 ) -> None:
     base = add(add(root, "worldbody"), "body", name="base_link", childclass="alpha5")
     elements = {base_placement(values).parent: base}
@@ -187,9 +193,8 @@ def _worldbody(
         moments, quat = _principal(body.inertia)
         add(element, "inertial", pos=body.com, quat=quat, mass=body.mass, diaginertia=moments)
         for mesh in body.meshes:
-            if mesh.name in files:
-                look = {"mesh": mesh.name, "material": mesh.material.name}
-                add(element, "geom", "visual", **look, **_pose(mesh.placement))
+            look = {"mesh": mesh.name, "material": mesh.material.name}
+            add(element, "geom", "visual", **look, **_pose(mesh.placement))
         for shape in body.shapes if options.collision == "primitives" else ():
             size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
             add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))
@@ -214,6 +219,49 @@ def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     for one, other in chain(*UNCHECKED_PAIRS.values()):
         if {one, other} <= names:
             add(contact, "exclude", body1=one, body2=other)
+
+
+def _equality(root: ET.Element, joints: list[JointRange]) -> None:
+    """The fingers follow the rod."""
+    equality = add(root, "equality")
+    for joint in joints:
+        if isinstance(joint, FingerJoint):
+            line = (joint.offset, joint.multiplier, 0.0, 0.0, 0.0)
+            pair = {"joint1": joint.name, "joint2": joint.leader}
+            # stiffer than MuJoCo's default, with which servo and fingers excite each other
+            add(equality, "joint", **pair, polycoef=line, solref="0.005 1")
+
+
+def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
+    """One actuator per joint that has its own."""
+    actuator = add(root, "actuator")
+    for joint in joints:
+        if isinstance(joint, FingerJoint):
+            continue
+        limits, effort = (joint.lower, joint.upper), (-joint.effort, joint.effort)
+        common: dict[str, Value] = {"name": joint.name, "joint": joint.name}
+        if kind == "motor":
+            add(actuator, "motor", **common, ctrlrange=effort)
+            continue
+        common |= {"kp": _STIFFNESS[joint.name], "forcerange": effort}
+        common |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
+        if kind == "position":
+            add(actuator, "position", **common, ctrlrange=limits)
+        else:  # a position servo whose target moves at the speed asked for: it holds against weight
+            speeds = (-joint.velocity, joint.velocity)
+            add(actuator, "intvelocity", **common, ctrlrange=speeds, actrange=limits)
+
+
+def _keyframes(root: ET.Element, joints: list[JointRange], kind: str) -> None:
+    """The named poses, jaws closed, servos at rest."""
+    keyframe = add(root, "keyframe")
+    for name, pose in NAMED_POSES.items():
+        # The jaws are closed at their lower limits.
+        at = [*pose, *(joint.lower for joint in joints[len(pose) :])]
+        own = [x for x, j in zip(at, joints, strict=True) if not isinstance(j, FingerJoint)]
+        # servos start at rest: their targets are where the joints are
+        targets = {} if kind == "motor" else {"ctrl" if kind == "position" else "act": own}
+        add(keyframe, "key", name=name, qpos=at, **targets)
 
 
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:

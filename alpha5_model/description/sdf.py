@@ -17,13 +17,12 @@ import numpy as np
 
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import Body, Mesh, arm_bodies
-from alpha5_model.description.frames import Placement, tcp_placement
+from alpha5_model.description.bodies import Body, Mesh, Placement, arm_bodies, tcp_placement
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.parameters import JointRange, parameters
+from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
 SDF_VERSION = "1.9"
 
@@ -96,25 +95,29 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
 
 def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
     values = parameters(options.corrections)
-    files = {name.removesuffix(".obj") for name in meshes}
     root = ET.Element("sdf", version=SDF_VERSION)
     add_provenance(root, values)
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)
     _frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0)))
-    for body in arm_bodies(values, options.gripper):
-        _link(model, body, files)
+    for body in arm_bodies(values, options.gripper, meshes):
+        _link(model, body, values)
         if body.joint is not None:
             _joint(model, body.joint, body)
     _frame(model, "tcp", tcp_placement(values))
     return root, model
 
 
-def buoyancy_box(body: Body) -> tuple[float, float, float]:
+def _buoyancy_box(body: Body, values: Alpha5Parameters) -> tuple[float, float, float]:
     """Edges of a box of the body's displaced volume and of its proportions [m]."""
-    scale = math.cbrt(body.volume / math.prod(map(float, body.extent)))
-    x, y, _ = (scale * float(edge) for edge in body.extent)
+    jaws = values.jaws
+    edges = [jaws.finger_volume / (jaws.finger_length * jaws.finger_width)]
+    edges += [jaws.finger_length, jaws.finger_width]
+    if not body.name.startswith("finger"):
+        edges = np.ptp(values.links[int(body.name[-1])].bounds, axis=1).tolist()
+    scale = math.cbrt(body.volume / math.prod(edges))
+    x, y, _ = (scale * edge for edge in edges)
     return x, y, body.volume / (x * y)
 
 
@@ -122,7 +125,7 @@ def _frame(model: ET.Element, name: str, placement: Placement) -> None:
     _pose(add(model, "frame", name=name, attached_to=placement.parent), placement)
 
 
-def _link(model: ET.Element, body: Body, files: set[str]) -> None:
+def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> None:
     link = add(model, "link", name=body.name)
     if body.joint is not None:
         _pose(link, body.placement).set("relative_to", body.placement.parent)
@@ -130,16 +133,15 @@ def _link(model: ET.Element, body: Body, files: set[str]) -> None:
     _value(inertial, "pose", (*body.com, 0.0, 0.0, 0.0))
     _value(inertial, "mass", body.mass)
     inertia = add(inertial, "inertia")
-    for i, j in zip(*np.triu_indices(3), strict=True):
-        _value(inertia, f"i{'xyz'[i]}{'xyz'[j]}", body.inertia[i, j])
+    for name, moment in body.moments.items():
+        _value(inertia, name, moment)
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
         _value(collision, "pose", (*body.cob, 0.0, 0.0, 0.0))
         box = add(add(collision, "geometry"), "box")
-        _value(box, "size", buoyancy_box(body))
+        _value(box, "size", _buoyancy_box(body, values))
     for mesh in body.meshes:
-        if mesh.name in files:
-            _visual(link, mesh)
+        _visual(link, mesh)
 
 
 def _visual(link: ET.Element, mesh: Mesh) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.paths import JAWS_URDF_PATH, PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH, XACRO_PATH
 
 __all__ = [

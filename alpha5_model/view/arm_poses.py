@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array
-from alpha5_model.description.poses import NAMED_POSES
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.errors import InputError
 from alpha5_model.parameters import parameters

@@ -1,0 +1,205 @@
+"""The formats of the meshes: Wavefront OBJ with its materials, and binary glTF 2.0.
+
+OBJ is the one mesh format that Pinocchio, MuJoCo, Drake and PyBullet all read. The GLB is the whole arm in
+one file, each link a node that turns about its own z.
+
+Neither is written by trimesh. Its OBJ has one index for point and normal: the surface would fall apart at
+its creases. Its GLB nodes are matrices, which glTF does not let an animation turn (section 3.5.3), its
+colours are rounded to 1/255, and its files, a fifth larger, change with its version.
+
+Reference: Khronos glTF 2.0 specification, sections 3 (structure) and 4 (GLB).
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model.meshing.solid import DECIMALS, Surface
+from alpha5_model.spatial import Triple, quaternion_from_rpy
+
+MTL_NAME = "alpha5.mtl"
+#: Type of an array's numbers -> its code in glTF.
+_COMPONENTS = {"<f4": 5126, "<u2": 5123, "<u4": 5125}
+_ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a surface looks.
+
+    Attributes:
+        name: Its name in URDF, MTL and GLB.
+        rgba: Colour, sRGB, each 0 to 1.
+        metallic, roughness: Of the metallic-roughness model of glTF 2.0, section 3.9.
+    """
+
+    name: str
+    rgba: tuple[float, float, float, float]
+    metallic: float
+    roughness: float
+
+
+ANODISED = Material("anodised", (0.17, 0.18, 0.2, 1.0), 0.3, 0.45)
+BARE_METAL = Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.6, 0.35)
+MATERIALS = (ANODISED, BARE_METAL)
+
+
+def material_of(body: str) -> Material:
+    """Hard-anodised bodies, bare-metal fingers."""
+    return BARE_METAL if body.startswith("finger") else ANODISED
+
+
+def obj(name: str, surface: Surface) -> bytes:
+    """One body with smooth normals [m]."""
+    corners = np.stack([surface.faces, surface.corner_normals], axis=-1) + 1
+    lines = [
+        "# Reach Alpha 5, drawn by alpha5-model; volume after the manufacturer's Table 3. Metres.",
+        f"mtllib {MTL_NAME}",
+        f"o {name}",
+        *(f"v {_numbers(v, DECIMALS)}" for v in surface.vertices.tolist()),
+        *(f"vn {_numbers(v, 4)}" for v in surface.normals.tolist()),
+        f"usemtl {material_of(name).name}",
+        *("f " + " ".join(f"{v}//{n}" for v, n in face) for face in corners.tolist()),
+    ]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def mtl() -> bytes:
+    """The material library that the objects name."""
+    lines: list[str] = []
+    for m in MATERIALS:
+        shine = 0.2 + 0.6 * m.metallic * (1.0 - m.roughness)
+        lines += [
+            f"newmtl {m.name}",
+            f"Kd {_numbers(m.rgba[:3], 3)}",
+            f"Ks {_numbers((shine,) * 3, 3)}",
+            f"Ns {10 ** (2.5 * (1.0 - m.roughness)):.1f}",
+            f"d {_numbers(m.rgba[3:], 3)}",
+            "illum 2",
+        ]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _numbers(values: Iterable[float], decimals: int) -> str:
+    return " ".join(f"{v:.{decimals}f}".rstrip("0").rstrip(".") or "0" for v in values)
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A frame of the GLB's scene, with or without a body.
+
+    Attributes:
+        name: Its name, also that of its body.
+        parent: Name of an earlier node; empty for a root.
+        xyz: Origin in the parent [m].
+        rpy: Fixed-axis roll, pitch, yaw [rad].
+        surface: Body drawn in this frame.
+    """
+
+    name: str
+    parent: str = ""
+    xyz: Triple = (0.0, 0.0, 0.0)
+    rpy: Triple = (0.0, 0.0, 0.0)
+    surface: Surface | None = None
+
+
+def glb(nodes: Sequence[Node]) -> bytes:
+    """The scene as one GLB file; a parent stands before its children."""
+    blob = _Blob()
+    children: dict[str, list[int]] = {}
+    for i, node in enumerate(nodes):
+        children.setdefault(node.parent, []).append(i)
+    meshes: list[dict[str, Any]] = []
+    scene_nodes: list[dict[str, Any]] = []
+    for node in nodes:
+        entry: dict[str, Any] = {"name": node.name}
+        if any(node.xyz):
+            entry["translation"] = [round(c, 9) for c in node.xyz]
+        if any(node.rpy):
+            entry["rotation"] = [round(c, 9) + 0.0 for c in quaternion_from_rpy(node.rpy)]
+        if node.name in children:
+            entry["children"] = children[node.name]
+        if node.surface is not None:
+            entry["mesh"] = len(meshes)
+            material = MATERIALS.index(material_of(node.name))
+            primitive = {**blob.add_surface(node.surface), "material": material}
+            meshes.append({"name": node.name, "primitives": [primitive]})
+        scene_nodes.append(entry)
+    header = {
+        "asset": {"version": "2.0", "generator": "alpha5-model"},
+        "scene": 0,
+        "scenes": [{"nodes": children[""]}],
+        "nodes": scene_nodes,
+        "meshes": meshes,
+        "materials": [_material(m) for m in MATERIALS],
+        "accessors": blob.accessors,
+        "bufferViews": blob.views,
+        "buffers": [{"byteLength": len(blob.data)}],
+    }
+    text = json.dumps(header, separators=(",", ":")).encode("ascii")
+    chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", bytes(blob.data), b"\0")
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _chunk(kind: bytes, content: bytes, filler: bytes) -> bytes:
+    content += filler * (-len(content) % 4)
+    return struct.pack("<I4s", len(content), kind) + content
+
+
+def _material(material: Material) -> dict[str, Any]:
+    # glTF wants linear light, MTL and URDF carry sRGB (IEC 61966-2-1).
+    linear = [
+        round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 6)
+        for c in material.rgba[:3]
+    ]
+    return {
+        "name": material.name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*linear, material.rgba[3]],
+            "metallicFactor": material.metallic,
+            "roughnessFactor": material.roughness,
+        },
+    }
+
+
+class _Blob:
+    """The binary part, and the tables that say what is where in it."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add_surface(self, surface: Surface) -> dict[str, Any]:
+        """Append a surface; glTF has one normal per vertex, so vertices split at creases."""
+        corners = np.column_stack([surface.faces.reshape(-1), surface.corner_normals.reshape(-1)])
+        pairs, place = np.unique(corners, axis=0, return_inverse=True)
+        positions = surface.vertices[pairs[:, 0]].astype("<f4")
+        normals = surface.normals[pairs[:, 1]]
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        indices = place.reshape(-1).astype("<u2" if len(pairs) < 2**16 - 1 else "<u4")
+        bounds = {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}
+        return {
+            "attributes": {
+                "POSITION": self._add(positions, "VEC3", _ARRAY_BUFFER, **bounds),
+                "NORMAL": self._add(normals.astype("<f4"), "VEC3", _ARRAY_BUFFER),
+            },
+            "indices": self._add(indices, "SCALAR", _ELEMENT_ARRAY_BUFFER),
+        }
+
+    def _add(self, array: NDArray[Any], kind: str, target: int, **bounds: list[float]) -> int:
+        """Append an array; returns the number of its accessor."""
+        self.data += b"\0" * (-len(self.data) % 4)
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}
+        self.views.append({**view, "target": target})
+        self.data += array.tobytes()
+        place = {"bufferView": len(self.accessors), "componentType": _COMPONENTS[array.dtype.str]}
+        self.accessors.append({**place, "count": len(array), "type": kind, **bounds})
+        return len(self.accessors) - 1
