@@ -22,8 +22,8 @@ from alpha5_model.trajectory import analyse, read_motion
 from alpha5_model.view import trajectory_plot, workspace_plot
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.figures import Color, new_figure, style
-from alpha5_model.view.framing import framed
 from alpha5_model.view.picture import picture_png
+from alpha5_model.view.scene import framed
 
 ROOT = Path(__file__).resolve().parent.parent
 BESIDE = ROOT.parent / "shared" / "data"

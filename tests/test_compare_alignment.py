@@ -21,7 +21,7 @@ from alpha5_model.comparison.rounding import last_digits, meant_angle
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
-from alpha5_model.view.comparison_plot import plot_comparison
+from alpha5_model.view.figures import plot_comparison
 
 OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

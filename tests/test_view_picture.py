@@ -16,8 +16,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.picture import picture, picture_png
-from alpha5_model.view.raster import Canvas, shade
+from alpha5_model.view.picture import Canvas, picture, picture_png, shade
 from alpha5_model.view.scene import Camera
 from alpha5_model.view.shapes import ball
 

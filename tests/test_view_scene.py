@@ -13,6 +13,7 @@ from reference import COB, COM, LOWER, MASS, UPPER, VOLUME, inertial_frames
 from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
+from alpha5_model.description.urdf_reading import urdf_shapes
 from alpha5_model.errors import (
     Alpha5Error,
     FileFormatError,
@@ -24,11 +25,9 @@ from alpha5_model.errors import (
 )
 from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
 from alpha5_model.view.arm_poses import pose_of, tour
-from alpha5_model.view.bodies import read_obj, urdf_bodies
-from alpha5_model.view.build import build_scene
-from alpha5_model.view.markers import ARROW_SCALE
+from alpha5_model.view.build import ARROW_SCALE, build_scene
 from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
-from alpha5_model.view.shapes import arrow, ball, triad, tube
+from alpha5_model.view.shapes import arrow, ball, drawn, read_obj, triad, tube
 
 
 @pytest.fixture(scope="module")
@@ -221,10 +220,11 @@ def test_the_section_is_what_the_arm_reaches() -> None:
 
 
 def test_the_base_body_lies_on_the_minus_x_side() -> None:
-    (base, *_) = urdf_bodies(Path(URDF_PATH).read_text(), str(Path(URDF_PATH).parent))
+    (base, *_) = urdf_shapes(Path(URDF_PATH).read_text())
+    mesh = drawn(base, str(Path(URDF_PATH).parent))
     assert base.link == "link_0"
-    assert base.mesh.vertices[:, 0].min() < -0.12
-    assert base.mesh.vertices[:, 0].max() < 0.03
+    assert mesh.vertices[:, 0].min() < -0.12
+    assert mesh.vertices[:, 0].max() < 0.03
 
 
 @pytest.mark.parametrize("name", ["link_0", "link_2", "link_4", "finger_1"])

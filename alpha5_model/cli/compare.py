@@ -17,8 +17,7 @@ from alpha5_model.comparison.records import Comparison
 from alpha5_model.comparison.report import compare as run
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
-from alpha5_model.view.comparison_plot import plot_comparison
-from alpha5_model.view.figures import FORMATS
+from alpha5_model.view.figures import FORMATS, plot_comparison
 
 
 def compare(

@@ -21,9 +21,9 @@ from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik.solutions import BRANCHES, inverse_kinematics
 from alpha5_model.view.arm_poses import named_poses, tour
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.framing import framed
 from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import picture_png
+from alpha5_model.view.scene import framed
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)

@@ -112,7 +112,7 @@ def trajectory(
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:
-            trajectory_plot.write(analysis, plot)
+            figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
     with words_beside(output, plot):
         if as_json:
             print_json(summary)

@@ -25,9 +25,9 @@ from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
 from alpha5_model.view.arm_poses import pose_of
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.framing import check_size, framed
 from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import picture_png
+from alpha5_model.view.scene import check_size, framed
 
 
 def view(

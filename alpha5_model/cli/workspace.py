@@ -16,8 +16,8 @@ from alpha5_model.dynamics.self_collision import without_self_collision
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.workspace import SampledShare, sampled_share
-from alpha5_model.view.figures import FORMATS
-from alpha5_model.view.workspace_plot import write
+from alpha5_model.view.figures import FORMATS, write_figure
+from alpha5_model.view.workspace_plot import figure, self_collision_figure
 
 
 def workspace(
@@ -42,7 +42,8 @@ def workspace(
             share = sampled_share(without_self_collision, samples)
     if plot is not None:
         with spinner("drawing"):
-            write(plot, self_collision, samples)
+            page = self_collision_figure(samples=samples) if self_collision else figure()
+            write_figure(page, plot, dpi=150)
     with words_beside(plot):
         if as_json:
             print_json(_as_dict(share))

@@ -1,26 +1,53 @@
-"""From an arm and its joint positions to a scene with everything that can be seen of it."""
+"""From an arm and its joint positions to a scene: its bodies, and what explains them.
+
+Frames, centres of mass and buoyancy, forces as arrows, what the tcp reaches, solutions of the inverse
+kinematics as ghosts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import choice, shaped
+from alpha5_model.checks import FloatArray, choice, shaped
+from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
+from alpha5_model.kinematics.ik.solutions import BRANCHES, inverse_kinematics
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.spatial import transform
+from alpha5_model.view import scene
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
-from alpha5_model.view.bodies import urdf_bodies
-from alpha5_model.view.framing import framing
-from alpha5_model.view.markers import ARROW_SCALE, frame_markers, ghosts_of, load_markers, loads_of
-from alpha5_model.view.reach import workspace_shapes
-from alpha5_model.view.scene import DEFAULT_SHOW, GROUPS, Label, Rigid, Scene, Shape
+from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape
+from alpha5_model.view.shapes import arrow, ball, drawn, triad
+from alpha5_model.view.workspace_plot import workspace_shapes
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.trajectory.motion import Motion
+
+#: Length of an arrow per force [m/N].
+ARROW_SCALE = 0.015
+#: Length of the axes of a frame [m].
+_AXES = 0.05
+_YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
+_BLUE, _WHITE, _ORANGE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97), (0.95, 0.55, 0.1)
+_RED, _SKY, _PINK = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86), (0.85, 0.1, 0.5)
+#: Kinds of centre. Attributes of `Load`: the point, its weight in the whole arm's mean, the force that acts
+#: there. What the label says; colours of the centre, its label and the arrow; 1 along gravity, -1 against it.
+_CENTERS = (
+    ("com", "mass", "weight", "centre of mass", (_YELLOW, _BLACK), _OCHRE, _RED, 1.0),
+    ("cob", "volume", "buoyancy", "centre of buoyancy", (_BLUE, _WHITE), _BLUE, _SKY, -1.0),
+)
+#: Links that no joint moves.
+_STILL = ("base_link", "link_0")
+#: One colour for each branch.
+_GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
+_ball = cache(ball)
 
 
 def build_scene(
@@ -46,26 +73,24 @@ def build_scene(
         UnknownNameError: An unknown group.
     """
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
-    text = source.read_text(encoding="utf-8")
-    tree = tree_of(arm, text)
-    sliders = arm.joint_names
-    named = named_poses(arm)
+    text, folder = source.read_text(encoding="utf-8"), str(source.parent)
+    tree, sliders, named = tree_of(arm, text), arm.joint_names, named_poses(arm)
     position = shaped("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
-    loads = loads_of(arm, tree)
+    loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
     if show is None:
-        show = DEFAULT_SHOW if target is None else (*DEFAULT_SHOW, "ghosts")
-    shown = tuple(choice("group", group, tuple(GROUPS)) for group in show)
-    bodies = list(_bodies(text, str(source.parent)))
+        show = scene.DEFAULT_SHOW if target is None else (*scene.DEFAULT_SHOW, "ghosts")
+    shown = tuple(choice("group", group, tuple(scene.GROUPS)) for group in show)
+    bodies = list(_bodies(text, folder))
     things: list[Shape | Label] = [
         *bodies,
-        *frame_markers(tree, sliders),
-        *load_markers(arm, loads),
-        *_collision(text, str(source.parent)),
+        *_frames(tree, sliders),
+        *_centers(gravity, loads),
+        *_collision(text, folder),
         *workspace_shapes(),
     ]
     if target is not None:
-        things += ghosts_of(arm, tree, bodies, position, target)
+        things += _ghosts(arm, tree, bodies, position, shaped("target", target, (3,)))
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
@@ -82,8 +107,8 @@ def build_scene(
         shapes=shapes,
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
-        gravity=np.array(arm.model.gravity.linear),
-        camera=framing(shapes, poses, shown),
+        gravity=gravity,
+        camera=scene.framing(shapes, poses, shown),
         show=shown,
         named_poses=named,
         motion=None if motion is None else motion_track(motion, sliders, position),
@@ -91,14 +116,109 @@ def build_scene(
 
 
 def _bodies(text: str, folder: str) -> Iterator[Shape]:
-    for body in urdf_bodies(text, folder):
+    for shape in urdf_shapes(text):
+        r, g, b = shape.color[:3]
         # Only highlights show the form of a dark body.
-        shine = 0.9 if max(body.color) < 0.4 else 0.4
-        name = f"{body.link}/part_{body.index}"
-        yield Shape("bodies", name, Rigid(body.link), body.mesh, body.color, shine=shine)
+        shine = 0.9 if max(r, g, b) < 0.4 else 0.4
+        name, mesh = f"{shape.link}/part_{shape.index}", drawn(shape, folder)
+        yield Shape("bodies", name, Rigid(shape.link), mesh, (r, g, b), shine=shine)
 
 
 def _collision(text: str, folder: str) -> Iterator[Shape]:
-    for body in urdf_bodies(text, folder, "collision"):
-        name = f"{body.link}_{body.index}"
-        yield Shape("collision", name, Rigid(body.link), body.mesh, body.color, opacity=0.35)
+    for shape in urdf_shapes(text, "collision"):
+        name, mesh = f"{shape.link}_{shape.index}", drawn(shape, folder)
+        yield Shape("collision", name, Rigid(shape.link), mesh, _ORANGE, opacity=0.35)
+
+
+def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
+    """Weight and buoyancy on each joint of the model, payloads included."""
+    carrier = {joint.name: joint.child for joint in tree}
+    strength = float(np.linalg.norm(arm.model.gravity.linear))
+    loads = []
+    for name, inertia in zip(arm.model.names, arm.model.inertias, strict=True):
+        displaced = [d for d in arm.displacements if d.joint == name and d.volume > 0.0]
+        volume = sum(d.volume for d in displaced)
+        if inertia.mass == 0.0 and volume == 0.0:
+            continue
+        cob = sum((d.volume * np.asarray(d.cob) for d in displaced), np.zeros(3))
+        loads.append(
+            Load(
+                # the universe and the free-flyer carry the base
+                link=carrier.get(name, tree[0].parent),
+                mass=inertia.mass,
+                com=np.array(inertia.lever),
+                volume=volume,
+                cob=cob / volume if volume else np.array(inertia.lever),
+                weight=inertia.mass * strength,
+                buoyancy=arm.fluid_density * volume * strength,
+            )
+        )
+    return tuple(loads)
+
+
+def _frames(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> Iterator[Shape | Label]:
+    """Axes of every link frame, over the bodies; names of joints, frames and the tcp."""
+    axes = triad(_AXES, 0.0013)
+    beside = transform(translation=(_AXES, 0.0, 0.0))  # the tip of x
+    yield Shape("frames", tree[0].parent, Rigid(tree[0].parent), axes, on_top=1)
+    for joint in tree:
+        link = joint.child
+        yield Shape("frames", link, Rigid(link), axes, on_top=1)
+        if link != "tcp":
+            yield Label("frames", link, Rigid(link, beside), (0.1, 0.3, 0.6))
+        if joint.name in sliders or link == "tcp":
+            yield Label("bodies", "tcp" if link == "tcp" else joint.name, Rigid(link))
+
+
+def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
+    """Balls at the centres of each body, arrows of its forces to scale; larger of the whole arm."""
+    down = gravity / (np.linalg.norm(gravity) or 1.0)
+    named = {**{f"load_{i}": [load] for i, load in enumerate(loads)}, "arm": loads}
+    for kind, (name, carried) in product(_CENTERS, named.items()):
+        center, share, force, text, balls, ink, color, sense = kind
+        points = tuple(
+            (load.link, getattr(load, share), getattr(load, center))
+            for load in carried
+            if getattr(load, share)
+        )
+        if not points:
+            continue
+        whole = name == "arm"
+        marker = _ball(0.0095 if whole else 0.0048, *balls)
+        yield Shape(center, name, Mean(points), marker, on_top=2)
+        if whole:
+            yield Label(center, text, Mean(points), ink)
+        strength = sum(getattr(load, force) for load in carried)
+        if not strength:
+            continue
+        tip = ARROW_SCALE * sense * strength * down
+        r, g, b = (0.8 * c if whole else c for c in color)
+        mesh = arrow(tip, 0.004 if whole else 0.0022)
+        yield Shape(force, name, Mean(points), mesh, (r, g, b), on_top=1)
+        if whole:
+            yield Label(force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b))
+
+
+def _ghosts(
+    arm: Arm, tree: Sequence[UrdfJoint], bodies: Sequence[Shape], q: FloatArray, target: FloatArray
+) -> Iterator[Shape | Label]:
+    """Every solution of the inverse kinematics for a target, as a ghost of the moving links' bodies."""
+    solutions = inverse_kinematics(target)
+    first = len(q) - len(arm.joint_names)
+    for i, (branch, color) in enumerate(zip(BRANCHES, _GHOSTS, strict=True)):
+        if not solutions.exists[i]:
+            continue
+        solution = q.copy()
+        solution[first : first + 4] = solutions.q[i]
+        poses = link_poses(arm, tree, solution)
+        for body in bodies:
+            if isinstance(body.anchor, Rigid) and body.anchor.link not in _STILL:
+                at = Rigid(WORLD, poses[body.anchor.link])
+                yield Shape("ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3)
+        limits = "" if solutions.within_limits[i] else ", beyond the limits"
+        elbow = Rigid(WORLD, transform(translation=poses["link_3"][:3, 3]))
+        yield Label("ghosts", branch.replace("_", " ") + limits, elbow, color)
+    base = arm.forward_kinematics(q, frame="base_link")
+    at = Rigid(WORLD, transform(translation=base.act(target)))
+    yield Shape("ghosts", "target", at, ball(0.008, _PINK, _WHITE), on_top=2)
+    yield Label("ghosts", "target", at, (0.75, 0.05, 0.4))

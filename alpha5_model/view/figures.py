@@ -1,4 +1,7 @@
-"""Figures of matplotlib that no window shows: their style, what they share, how they become files."""
+"""Figures of matplotlib that no window shows: their style, what they share, how they become files.
+
+The smallest of them is here too: how far another model is off.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import MissingDependencyError
+from alpha5_model.errors import InputError, MissingDependencyError
 from alpha5_model.files import atomic_write, output_format
 
+if TYPE_CHECKING:
+    from alpha5_model.comparison.records import Comparison
+
 FORMATS = (".png", ".pdf", ".svg")
-_STYLE: dict[Any, Any] = {
+_STYLE = {
     "axes.axisbelow": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -38,26 +44,24 @@ class Color(StrEnum):
     PINK = "#CC79A7"
 
 
-@contextmanager
-def _matplotlib() -> Iterator[None]:
+def _matplotlib() -> Any:
     try:
-        yield
+        import matplotlib.backends.backend_agg
+        import matplotlib.figure
     except ImportError:
-        raise MissingDependencyError(
-            "matplotlib", "a picture", "pip install 'alpha5-model[plot]'"
-        ) from None
+        remedy = "pip install 'alpha5-model[plot]'"
+        raise MissingDependencyError("matplotlib", "a picture", remedy) from None
+    return matplotlib
 
 
 @contextmanager
-def style(changes: Mapping[Any, Any] | None = None) -> Iterator[None]:
+def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
     """The figures' common settings of matplotlib with some changes; also a decorator.
 
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    with _matplotlib():
-        from matplotlib import rc_context
-    with rc_context({**_STYLE, **(changes or {})}):
+    with _matplotlib().rc_context({**_STYLE, **(changes or {})}):
         yield
 
 
@@ -67,12 +71,9 @@ def new_figure(width: float, height: float) -> Any:
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    with _matplotlib():
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    mpl = _matplotlib()
+    figure = mpl.figure.Figure(figsize=(width, height), layout="constrained")
+    return mpl.backends.backend_agg.FigureCanvasAgg(figure).figure
 
 
 def write_figure(figure: Any, path: str | os.PathLike[str], dpi: int) -> Path:
@@ -123,9 +124,45 @@ def fill(axes: Any, loops: Iterable[FloatArray], color: str, **options: Any) -> 
 
 def legend(axes: Any, drop: float, **options: Any) -> None:
     """A legend under the axes, ``drop`` of their height below them, each label once."""
-    unique = {
-        label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    axes.legend(
-        unique.values(), unique.keys(), loc="upper center", bbox_to_anchor=(0.5, -drop), **options
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    where = {"loc": "upper center", "bbox_to_anchor": (0.5, -drop)}
+    axes.legend(unique.values(), unique.keys(), **where, **options)
+
+
+@style({"xtick.labelsize": 8, "ytick.labelsize": 8})
+def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
+    """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
+
+    Args:
+        comparison: What `alpha5_model.compare` returns.
+        path: Picture to write; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises:
+        InputError: Of another arm, which has no errors to draw.
+        UnknownNameError: Another suffix.
+        MissingDependencyError: matplotlib is not installed.
+        OutputError: It cannot be written.
+    """
+    if not comparison.joints:
+        raise InputError("comparison", comparison.verdict, "one of a Reach Alpha 5")
+    bodies = [body.name for body in comparison.bodies]
+    panels = (
+        ("mass [g]", bodies, [body.mass_error * 1e3 for body in comparison.bodies]),
+        ("COM [mm]", bodies, [body.com_error * 1e3 for body in comparison.bodies]),
+        ("inertia [kg mm²]", bodies, [body.inertia_error * 1e6 for body in comparison.bodies]),
+        ("gravity torque [N m]", list(comparison.joints), list(comparison.gravity_error)),
     )
+    figure = new_figure(11, 3.2)
+    for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
+        # Rounding of the arithmetic is no error to look at: it would stretch to the full width.
+        values = [value if abs(value) > 1e-9 else 0.0 for value in values]
+        bars = axes.barh(names, values, color="#c0504d")
+        axes.bar_label(bars, fmt=lambda v: f"{v:.3g}", padding=3, fontsize=8)
+        axes.invert_yaxis()
+        axes.margins(x=0.25)
+        axes.axvline(0, color="black", linewidth=0.8)
+        axes.set_title(title)
+    verdict = "agrees with" if comparison.agrees else "differs from"
+    figure.suptitle(f"{comparison.name} {verdict} the tables: largest errors", fontsize=11)
+    return write_figure(figure, path, dpi=150)

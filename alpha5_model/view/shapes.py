@@ -1,4 +1,4 @@
-"""Triangle meshes: arrows, balls, axes, boxes, solids of revolution, tubes along curves.
+"""Triangle meshes: the shapes of a URDF, arrows, balls, axes, solids of revolution, tubes along curves.
 
 Every shape is a `Mesh` with a normal at each corner, so that the page and the picture shade it alike.
 """
@@ -6,12 +6,17 @@ Every shape is a `Mesh` with a normal at each corner, so that the page and the p
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise, product
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.description.urdf_reading import UrdfShape
+from alpha5_model.errors import FileFormatError
+from alpha5_model.files import read_named
 from alpha5_model.spatial import transform
 
 
@@ -39,6 +44,48 @@ class Mesh:
     def painted(self, color: ArrayLike) -> Mesh:
         """The same mesh in one colour (3,)."""
         return replace(self, colors=np.tile(np.asarray(color, np.float64), (len(self.vertices), 1)))
+
+
+def drawn(shape: UrdfShape, folder: str) -> Mesh:
+    """The mesh of a URDF's shape, in its link's frame; the folder is where relative file names start.
+
+    Raises:
+        MissingFileError, FileFormatError: A mesh that is not there or not a triangle OBJ; another kind of shape.
+    """
+    if shape.kind == "mesh":
+        mesh = read_obj(str(Path(folder, shape.file).resolve()))
+    elif shape.kind == "box":
+        mesh = box(shape.size)
+    elif shape.kind == "cylinder":
+        r, half = shape.size[0], shape.size[1] / 2
+        mesh = lathe([(0.0, -half), (r, -half), (r, half), (0.0, half)])
+    else:
+        raise FileFormatError("URDF", f"cannot draw a {shape.kind}")
+    return mesh.moved(shape.placement)
+
+
+@cache
+def read_obj(path: str) -> Mesh:
+    """Read an OBJ of triangles with normals.
+
+    Raises:
+        MissingFileError, FileFormatError: Not there, or not made of triangles with normals.
+    """
+    lines = read_named(path, "a mesh named by the URDF").decode("utf-8", "replace").splitlines()
+    vertices, normals = (
+        np.array([line.split()[1:4] for line in lines if line.startswith(tag)], float)
+        for tag in ("v ", "vn ")
+    )
+    corners = [line.split()[1:] for line in lines if line.startswith("f ")]
+    try:
+        index = np.array([[part.split("//") for part in corner] for corner in corners], int) - 1
+    except ValueError:
+        index = np.empty(0)
+    if index.ndim != 3 or index.shape[1:] != (3, 2):
+        raise FileFormatError(path, "expected triangles with normals, f a//n b//n c//n")
+    pairs, inverse = np.unique(index.reshape(-1, 2), axis=0, return_inverse=True)
+    faces = inverse.reshape(-1, 3).astype(np.uint32)
+    return Mesh(vertices[pairs[:, 0]], normals[pairs[:, 1]], faces)
 
 
 def join(meshes: list[Mesh]) -> Mesh:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import parameters
-from alpha5_model.view.figures import Color, new_figure, style, write_figure
+from alpha5_model.view.figures import Color, new_figure, style
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
@@ -24,17 +23,6 @@ CAUSES = {
 }
 #: More points than a page can show are thinned, keeping the extremes of each stretch.
 _POINTS = 4000
-
-
-def write(analysis: Analysis, path: str | os.PathLike[str]) -> Path:
-    """Draw the page and write it; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
-
-    Raises:
-        UnknownNameError: Another suffix.
-        MissingDependencyError: matplotlib is not installed.
-        OutputError: The file cannot be written.
-    """
-    return write_figure(figure(analysis), path, dpi=110)
 
 
 @style(

@@ -30,9 +30,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import float_array, real, shaped
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
+from alpha5_model.view import page
 from alpha5_model.view.arm_poses import link_poses
-from alpha5_model.view.commands import Command, pose_commands, scene_commands, set_visible
-from alpha5_model.view.page import live_page, static_page
 from alpha5_model.view.scene import DRAWN, Scene
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ class _Page(tornado.web.RequestHandler):
 
     def get(self) -> None:
         self.set_header("Cache-Control", "no-store")
-        self.finish(live_page(self._scene()))
+        self.finish(page.live_page(self._scene()))
 
 
 class _Connection(WebSocketHandler):  # type: ignore[misc]
@@ -90,7 +89,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         for node in walk(self.tree):
             parts = [node.object, *node.properties, node.transform, node.animation]
             commands += [part for part in parts if part is not None]
-        self.zmq_socket.send(static_page(self._scene(), commands).encode("utf-8"))
+        self.zmq_socket.send(page.static_page(self._scene(), commands).encode("utf-8"))
 
 
 class Window(ViewerWindow):  # type: ignore[misc]
@@ -123,7 +122,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self.web_url: str = self._bridge.web_url
         self.connect_zmq()
 
-    def move(self, commands: Iterable[Command]) -> None:
+    def move(self, commands: Iterable[page.Command]) -> None:
         """Send many transforms at once: a pose of the arm is one step, with no answer to each to wait for."""
         bridge, done = self._bridge, threading.Event()
         moves = [(c["path"].strip("/").split("/"), c.packed()) for c in commands]
@@ -183,7 +182,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.arm = arm
         self.scene = scene
         super().__init__(window=Window(port, lambda: self.scene))
-        for command in scene_commands(scene):
+        for command in page.scene_commands(scene):
             self.window.send(command)
 
     def display(self, q: ArrayLike) -> None:
@@ -192,7 +191,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         poses = link_poses(self.arm, self.scene.tree, position)
         joints = position[len(position) - len(self.scene.sliders) :]
         self.scene = replace(self.scene, q=joints, poses=poses)
-        self.window.move(pose_commands(self.scene))
+        self.window.move(page.pose_commands(self.scene))
 
     def play(self, q: ArrayLike, dt: float) -> float:
         """Play joint positions in real time, dropping frames rather than falling behind.
@@ -224,7 +223,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         for group in groups:
             if group not in DRAWN:
                 raise InputError("group", group, f"one of {', '.join(DRAWN)}")
-            self.window.send(set_visible(group, visible))
+            self.window.send(page.set_visible(group, visible))
             others = tuple(name for name in self.scene.show if name != group)
             self.scene = replace(self.scene, show=(*others, group) if visible else others)
 

@@ -1,12 +1,13 @@
-"""Pictures of the workspace: the exact reachable set beside the published one, in the half-plane, and where
-it is reached in self-collision only.
+"""What the tcp reaches, drawn: as shapes of a scene, and as pictures beside the published region.
+
+The pictures are in the half-plane, and from above and from the side where it is reached in self-collision only.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,38 +16,76 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.plane import arm_plane
-from alpha5_model.paths import URDF_PATH
-from alpha5_model.view.bodies import urdf_bodies
-from alpha5_model.view.figures import Color, fill, joined, legend, new_figure, style, write_figure
-from alpha5_model.view.reach import arc_points
+from alpha5_model.paths import REPOSITORY_PATH
+from alpha5_model.view.figures import Color, fill, joined, legend, new_figure, style
+from alpha5_model.view.scene import Rigid, Shape
+from alpha5_model.view.shapes import Mesh, join, lathe, quads, read_obj, tube
 
 _COLOR = {"underarm": Color.BLUE, "overarm": Color.ORANGE}
 _FILL = "#E8EEF3"
+#: Colour of the shapes.
+_GREEN = (0.08, 0.60, 0.50)
 #: Ends of arcs that are closer than this meet [m].
 _MEET = 1e-9
-#: Longest chord of an arc [rad].
-_CHORD = 0.01
+#: Longest chord of an arc in a picture, and of a shape [rad].
+_CHORD, _COARSE = 0.01, 0.08
+#: Width of the strips that fill the section, and step along them [m].
+_STRIP, _STEP = 1.5e-3, 0.5e-3
+#: Radius of the boundary line [m].
+_LINE = 1.1e-3
 #: Edge of the cells in which self-collision is counted [m].
 CELL = 0.015
 
 
-def write(
-    path: str | os.PathLike[str], self_collision: bool = False, samples: int = 20_000
-) -> Path:
-    """Draw the picture and write it; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
+def workspace_shapes() -> list[Shape]:
+    """Section (turns with the arm: outwards underarm, behind the yaw axis overarm) and surface."""
+    plane = Rigid("link_1")
+    edges, fill, shell = _workspace_meshes()
+    return [
+        Shape("workspace", "section", plane, fill, _GREEN, opacity=0.16, flat=True),
+        Shape("workspace", "boundary", plane, edges, _GREEN),
+        Shape("surface", "shell", Rigid("base_link"), shell, _GREEN, opacity=0.10, flat=True),
+    ]
 
-    Args:
-        path: The file.
-        self_collision: `self_collision_figure` in place of `figure`.
-        samples: Points behind its share.
 
-    Raises:
-        UnknownNameError: Another suffix.
-        MissingDependencyError: matplotlib is not installed.
-        OutputError: The file cannot be written.
-    """
-    page = self_collision_figure(samples=samples) if self_collision else figure()
-    return write_figure(page, path, dpi=150)
+def arc_points(arc: workspace.Arc, step: float) -> FloatArray:
+    """Points (R, z) along an arc, (N, 2) [m], at most an angle of ``step`` [rad] apart."""
+    count = max(2, math.ceil((arc.end - arc.start) / step) + 1)
+    return arc.points(np.linspace(arc.start, arc.end, count))
+
+
+@cache
+def _workspace_meshes() -> tuple[Mesh, Mesh, Mesh]:
+    edges, fill = [], []
+    for side, sign in (("underarm", 1.0), ("overarm", -1.0)):
+        outline = [arc_points(arc, _COARSE) for arc in workspace.boundary(side)]
+        edges += [tube(_in_plane(points, sign), _LINE) for points in outline]
+        fill.append(_section(side, sign, np.concatenate(outline)))
+    shell = [lathe(arc_points(arc, _COARSE), sides=48) for arc in workspace.boundary("both")]
+    return join(edges), join(fill), join(shell)
+
+
+def _in_plane(points: FloatArray, sign: float) -> FloatArray:
+    """(R, z) to the arm's plane, x and z of link_1, (..., 3)."""
+    radius, z = points[..., 0], points[..., 1]
+    return np.stack([sign * radius, np.zeros_like(z), z], axis=-1)
+
+
+def _section(side: str, sign: float, outline: FloatArray) -> Mesh:
+    """Vertical strips over what can be reached; their ragged ends hide behind the boundary line."""
+    (_, bottom), (width, top) = outline.min(axis=0), outline.max(axis=0)
+    radius = np.arange(_STRIP / 2, width + _STRIP, _STRIP)
+    z = np.arange(bottom - _STEP, top + 2 * _STEP, _STEP)
+    inside = workspace.in_half_plane(*np.meshgrid(radius, z, indexing="ij"), side)
+    # runs of reachable points in each column
+    change = np.diff(np.pad(inside.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    column, first = np.nonzero(change == 1)
+    last = np.nonzero(change == -1)[1] - 1
+    low, high = z[first] - _STEP / 2, z[last] + _STEP / 2
+    left, right = radius[column] - _STRIP / 2, radius[column] + _STRIP / 2
+    corners = [left, low, right, low, right, high, left, high]
+    points = np.stack(corners, axis=1).reshape(-1, 4, 2)
+    return quads(_in_plane(points, sign), [0.0, 1.0, 0.0])
 
 
 @style({"axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.5, "legend.fontsize": 8.5})
@@ -78,7 +117,8 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import ListedColormap
 
-    from alpha5_model.dynamics.loading import load  # late: the other picture needs no Pinocchio
+    # late: all else here needs no Pinocchio
+    from alpha5_model.dynamics.loading import load
     from alpha5_model.dynamics.self_collision import without_self_collision
 
     plane = arm_plane()
@@ -90,10 +130,8 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     reached = workspace.reachable(grid)
     free = np.zeros_like(reached)
     free[reached] = workspace.reachable(grid[reached], accept=without_self_collision)
-    urdf, at = Path(URDF_PATH), load().forward_kinematics(np.zeros(4), "link_0").homogeneous
-    bodies = urdf_bodies(urdf.read_text("utf-8"), str(urdf.parent))
-    base = [body.mesh.moved(at) for body in bodies if body.link == "link_0"]
-    triangles: Any = np.concatenate([mesh.vertices[mesh.faces] for mesh in base])
+    at = load().forward_kinematics(np.zeros(4), "link_0").homogeneous
+    base = read_obj(str(Path(REPOSITORY_PATH, "meshes", "link_0.obj"))).moved(at)
 
     page = new_figure(9.6, 4.7)
     views = page.subplots(1, 2)
@@ -103,7 +141,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         share = 100 * only_hit / np.maximum(seen, 1)
         _cells(axes, x, rows, seen, ListedColormap([_FILL]))
         image = _cells(axes, x, rows, share, "YlOrRd")
-        faces = triangles[:, :, [0, 3 - along]] * 1e3
+        faces: Any = base.vertices[base.faces][:, :, [0, 3 - along]] * 1e3
         axes.add_collection(
             PolyCollection(faces, facecolor=Color.BLACK, edgecolor=Color.BLACK, linewidth=0.3)
         )
@@ -165,18 +203,11 @@ def _draw_published(axes: Any) -> None:
         points[points[:, 0] < 0] = np.nan
         axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
     e = workspace.published_errors()
-    wrong, missed = e.unreachable_area / e.published_area, e.missed_area / e.reachable_area
-    unreachable = workspace.published_but_unreachable()
+    wrong = f"published, not reachable: {e.unreachable_area / e.published_area:.1%}"
+    missed = f"reachable, not published: {e.missed_area / e.reachable_area:.1%}"
     _fill(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
-    for arcs, color, text in (
-        (unreachable, Color.VERMILION, f"published, not reachable: {wrong:.1%}"),
-        (
-            workspace.reachable_but_unpublished(),
-            Color.GREEN,
-            f"reachable, not published: {missed:.1%}",
-        ),
-    ):
-        _fill(axes, arcs, color, alpha=0.55, label=text)
+    _fill(axes, workspace.published_but_unreachable(), Color.VERMILION, alpha=0.55, label=wrong)
+    _fill(axes, workspace.reachable_but_unpublished(), Color.GREEN, alpha=0.55, label=missed)
     axes.set_title(
         "The document's workspace (Section 1.2)\n"
         f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached, "
