@@ -10,8 +10,7 @@ one arm may be used from any number of threads. What a method returns belongs to
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any, Self
 
@@ -26,27 +25,34 @@ from alpha5_model.dynamics.hydrostatics import (
     displaced_fluid_model,
     net_weight_model,
 )
-from alpha5_model.dynamics.mount import Mount
-from alpha5_model.dynamics.payload import Payload
-from alpha5_model.dynamics.scratch import Scratch
-from alpha5_model.dynamics.vectors import forces, motion_check, position_check, state_check
+from alpha5_model.dynamics.models import on_free_flyer, with_body
+from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.kinematics import approach
 
 # Bound once: where a whole call takes 0.3 us, looking up a module's attribute is seen.
-_rnea, _aba, _crba = pin.rnea, pin.aba, pin.crba
-_kinetic_energy = pin.computeKineticEnergy
-_gravity = pin.computeGeneralizedGravity
-_gravity_derivative = pin.computeGeneralizedGravityDerivatives
+_Algorithm = Callable[..., FloatArray]
+_rnea: _Algorithm = pin.rnea
+_aba: _Algorithm = pin.aba
+_crba: _Algorithm = pin.crba
+_coriolis: _Algorithm = pin.computeCoriolisMatrix
+_nonlinear_effects: _Algorithm = pin.nonLinearEffects
+_gravity: _Algorithm = pin.computeGeneralizedGravity
+_gravity_derivative: _Algorithm = pin.computeGeneralizedGravityDerivatives
+_jacobian: _Algorithm = pin.computeFrameJacobian
+_center_of_mass: _Algorithm = pin.centerOfMass
+_kinetic_energy: Callable[..., float] = pin.computeKineticEnergy
+_potential_energy: Callable[..., float] = pin.computePotentialEnergy
 _forward_kinematics = pin.forwardKinematics
 _frames_forward_kinematics = pin.framesForwardKinematics
-_jacobian = pin.computeFrameJacobian
-_potential_energy = pin.computePotentialEnergy
-_center_of_mass = pin.centerOfMass
 
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
+#: Derivatives with respect to positions, velocities and accelerations or torques.
+Partials = tuple[FloatArray, FloatArray, FloatArray]
+#: A free-flyer at the world's origin: position and quaternion.
+_HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 
 
 class Arm:
@@ -86,8 +92,7 @@ class Arm:
         self.fluid_model = self._fluid.copy()
         self.floating_base = model.joints[1].nq == 7
         self._net = net_weight_model(model, self._fluid)
-        self._own = Scratch(self._model, self._fluid, self._net)
-        self._users = threading.local()
+        self._own = batch.Scratch(self._model, self._fluid, self._net, self.model)
         self._clean_q = position_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         # Pinocchio leaves the bodies fixed to the universe (link_0 on a fixed base) out of its sums.
@@ -98,7 +103,7 @@ class Arm:
         self._fixed_fraction = fixed.lever * (fixed.mass / total)
         net = self._net.inertias[0]
         self._link_0_load = net * -model.gravity  # holds what is fixed to the universe
-        self._fixed_potential = -net.mass * float(model.gravity.linear @ net.lever)
+        self._fixed_potential = float(-net.mass * (model.gravity.linear @ net.lever))
         self._volume = sum(body.volume for body in self.displacements)
         self._clean_qv = state_check(self._model)
         self._clean_qva = motion_check(self._model, "a")
@@ -107,11 +112,7 @@ class Arm:
     @property
     def data(self) -> Any:
         """pin.Data of `model`, the caller's to use: one for each thread; no method touches it."""
-        try:
-            return self._users.data
-        except AttributeError:
-            self._users.data = self.model.createData()
-            return self._users.data
+        return self._own.callers_data
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -162,8 +163,7 @@ class Arm:
                 "reference_frame", reference_frame, "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
             )
         index = self._frame(frame)
-        out: FloatArray = _jacobian(self._model, self._own.data, q, index, reference_frame)
-        return out
+        return _jacobian(self._model, self._own.data, q, index, reference_frame)
 
     def approach_directions(self, position: ArrayLike) -> approach.ApproachDirections:
         """From which directions the arm reaches points; see `kinematics.approach`.
@@ -182,9 +182,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        q = self._clean_q(q)
-        out: FloatArray = _gravity(self._model, self._own.data, q)
-        return out
+        return _gravity(self._model, self._own.data, self._clean_q(q))
 
     def buoyancy_torque(self, q: ArrayLike) -> FloatArray:
         """Generalized force that the fluid applies, on the right side of the equation of motion.
@@ -195,9 +193,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        q = self._clean_q(q)
-        out: FloatArray = _gravity(self._fluid, self._own.fluid_data, q)
-        return out
+        return _gravity(self._fluid, self._own.fluid_data, self._clean_q(q))
 
     def hydrostatic_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the arm still in the fluid: gravity_torque - buoyancy_torque.
@@ -208,9 +204,7 @@ class Arm:
         Returns:
             (nv,) [N m, N].
         """
-        q = self._clean_q(q)
-        out: FloatArray = _gravity(self._net, self._own.net_data, q)
-        return out
+        return _gravity(self._net, self._own.net_data, self._clean_q(q))
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
         """Derivative of `hydrostatic_torque` with respect to q (tangent space for a floating base).
@@ -224,7 +218,7 @@ class Arm:
         q = self._clean_q(q)
         own = self._own
         # Not of the net weights: Pinocchio joins bodies here, which takes positive masses.
-        out: FloatArray = _gravity_derivative(self._model, own.data, q)
+        out = _gravity_derivative(self._model, own.data, q)
         out -= _gravity_derivative(self._fluid, own.fluid_data, q)
         return out
 
@@ -253,15 +247,12 @@ class Arm:
 
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
         """
-        q = self._clean_q(q)
-        energy: float = _potential_energy(self._net, self._own.net_data, q)
-        total: float = energy + self._fixed_potential
-        return total
+        moving = _potential_energy(self._net, self._own.net_data, self._clean_q(q))
+        return moving + self._fixed_potential
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        q = self._in_base(q)
-        out: FloatArray = _center_of_mass(self._model, self._own.data, q)
+        out = _center_of_mass(self._model, self._own.data, self._in_base(q))
         out *= self._moving_fraction
         out += self._fixed_fraction
         return out
@@ -302,24 +293,18 @@ class Arm:
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Joint-space inertia M(q), (nv, nv), symmetric positive definite [kg m^2]."""
-        q = self._clean_q(q)
-        out: FloatArray = _crba(self._model, self._own.data, q)
-        return out
+        return _crba(self._model, self._own.data, self._clean_q(q))
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v), (nv, nv), with ``dM/dt - 2 C`` skew-symmetric; C v is Coriolis and centrifugal."""
         q, v = self._clean_qv(q, v)
-        out: FloatArray = pin.computeCoriolisMatrix(self._model, self._own.data, q, v)
-        return out
+        return _coriolis(self._model, self._own.data, q, v)
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
         q, v = self._clean_qv(q, v)
-        own = self._own
-        out: FloatArray = pin.nonLinearEffects(self._model, own.data, q, v) - _gravity(
-            self._fluid, own.fluid_data, q
-        )
-        return out
+        water = _gravity(self._fluid, self._own.fluid_data, q)
+        return _nonlinear_effects(self._model, self._own.data, q, v) - water
 
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
@@ -337,7 +322,6 @@ class Arm:
         """
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
-        tau: FloatArray
         if fext is None:
             tau = _rnea(self._model, own.data, q, v, a)
         else:
@@ -363,12 +347,9 @@ class Arm:
         own = self._own
         outside = () if fext is None else (forces(fext, self._model.njoints),)
         total = tau + _gravity(self._fluid, own.fluid_data, q)
-        out: FloatArray = _aba(self._model, own.data, q, v, total, *outside)
-        return out
+        return _aba(self._model, own.data, q, v, total, *outside)
 
-    def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
         """Analytic derivatives of `inverse_dynamics` [Carpentier2018], water included.
 
         [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics algorithms,
@@ -385,13 +366,10 @@ class Arm:
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
-        water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
         # Pinocchio hands out views of its data here.
-        return dq - water, dv.copy(), da.copy()
+        return dq - _gravity_derivative(self._fluid, own.fluid_data, q), dv.copy(), da.copy()
 
-    def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def forward_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Partials:
         """Analytic derivatives of `forward_dynamics`, from those of its inverse.
 
         Args:
@@ -436,9 +414,7 @@ class Arm:
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
-    def base_wrench_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def base_wrench_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
         """Analytic derivatives of `base_wrench`.
 
         Args:
@@ -450,17 +426,17 @@ class Arm:
             dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between arm and
             vehicle, linearised.
         """
-        q, v, a = self._clean_qva(q, v, a)
-        if self.floating_base:
-            dq, dv, da = self.inverse_dynamics_derivatives(q, v, a)
-            return -dq[:6], -dv[:6], -da[:6]
-        return self._mount.derivatives(q, v, a)
+        state = self._on_free_flyer(*self._clean_qva(q, v, a))
+        (model, data), (fluid, fluid_data) = ((m, self._own.pool(m).getData(0)) for m in self._free)
+        dq, dv, da = pin.computeRNEADerivatives(model, data, *state)
+        water = _gravity_derivative(fluid, fluid_data, state[0])
+        joints = slice(model.nv - self._model.nv, None)
+        return (water - dq)[:6, joints], -dv[:6, joints], -da[:6, joints]
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         q, v = self._clean_qv(q, v)
-        energy: float = _kinetic_energy(self._model, self._own.data, q, v)
-        return energy
+        return _kinetic_energy(self._model, self._own.data, q, v)
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -477,15 +453,15 @@ class Arm:
         Returns:
             (N, nv).
         """
-        states = batch.rows(self._model, q=q, v=v, a=a)
-        return batch.inverse_dynamics(self._model, self._fluid, self._own.pools, threads, *states)
+        states = rows(self._model, q=q, v=v, a=a)
+        return batch.inverse_dynamics(self._model, self._fluid, self._own, threads, *states)
 
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
         """`forward_dynamics` of many states, in parallel; arguments as `inverse_dynamics_batch`."""
-        states = batch.rows(self._model, q=q, v=v, tau=tau)
-        return batch.forward_dynamics(self._model, self._fluid, self._own.pools, threads, *states)
+        states = rows(self._model, q=q, v=v, tau=tau)
+        return batch.forward_dynamics(self._model, self._fluid, self._own, threads, *states)
 
     def base_wrench_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -498,10 +474,8 @@ class Arm:
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.
         """
-        q, v, a = batch.rows(self._model, q=q, v=v, a=a)
-        if self.floating_base:
-            return -self.inverse_dynamics_batch(q, v, a, threads)[:, :6]
-        return self._mount.wrenches(self._own.pools, threads, q, v, a)
+        states = self._on_free_flyer(*rows(self._model, q=q, v=v, a=a))
+        return -batch.inverse_dynamics(*self._free, self._own, threads, *states)[:, :6]
 
     def with_payload(
         self,
@@ -529,12 +503,9 @@ class Arm:
             InputError: Negative mass or volume, or an inertia that no body can have.
             UnknownNameError: No such frame.
         """
-        return self._holding(Payload.checked(mass, com, inertia, volume, cob), frame)
-
-    def _holding(self, payload: Payload, frame: str) -> Self:
-        self._frame(frame)
-        model, displacement = payload.attached(self._model, frame)
-        return type(self)(model, (*self.displacements, displacement), self.fluid_density)
+        model, volumes, *rest = self._arguments
+        model, displaced = with_body(model, frame, mass, com, inertia, volume, cob)
+        return type(self)(model, (*volumes, displaced), *rest)
 
     def _frame(self, name: str) -> int:
         try:
@@ -545,17 +516,29 @@ class Arm:
     def _in_base(self, q: ArrayLike) -> FloatArray:
         """q with base_link at the world's origin."""
         checked: FloatArray = self._clean_q(q)
-        if self.floating_base:
-            checked = checked.copy()
-            checked[:7] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
-        return checked
+        return np.concatenate([_HOME, checked[7:]]) if self.floating_base else checked
 
     @cached_property
-    def _mount(self) -> Mount:
-        return Mount(self._model, self._fluid)
+    def _free(self) -> tuple[Any, Any]:
+        """Arm and fluid on a free-flyer, whose six torques are those of the mount."""
+        arm, fluid = self._model, self._fluid
+        return (arm, fluid) if self.floating_base else (on_free_flyer(arm), on_free_flyer(fluid))
+
+    def _on_free_flyer(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
+        """States (..., n) of the models in `_free`: on a fixed base, the free-flyer stays where it is."""
+        if self.floating_base:
+            return [q, *rates]
+        start = np.broadcast_to(_HOME, (*q.shape[:-1], 7))
+        still = (np.concatenate([start[..., :6], x], axis=-1) for x in rates)
+        return [np.concatenate([start, q], axis=-1), *still]
+
+    @property
+    def _arguments(self) -> tuple[Any, ...]:
+        """What makes the same arm."""
+        return self._model, self.displacements, self.fluid_density
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._model, self.displacements, self.fluid_density)
+        return type(self), self._arguments
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"

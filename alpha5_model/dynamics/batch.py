@@ -10,27 +10,46 @@ Its siblings use the other processors; processes that are spawned use all thread
 from __future__ import annotations
 
 import os
+import threading
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike
 
-from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, bounded, count, float_array
-from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.checks import FloatArray, count
+from alpha5_model.dynamics.collision import CollisionModel
 
 #: States for which a further thread is worth waking: 3 ms of work, what a busy machine takes to run one.
 STATES_PER_THREAD = 5000
 _PROCESS = os.getpid()
 
 
-class Pools:
-    """Pinocchio's sets of pin.Data for its parallel algorithms, made when first asked for."""
+class Scratch(threading.local):
+    """The memory that Pinocchio computes in, one set for each thread.
 
-    def __init__(self) -> None:
+    Attributes:
+        data, fluid_data, net_data: pin.Data of the arm, of the fluid and of their difference.
+        placements: Frame -> pin.SE3 that refers to `data`: the next computation moves it.
+    """
+
+    def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
+        self.data, self.fluid_data, self.net_data = (m.createData() for m in (model, fluid, net))
+        self.placements = {frame.name: self.data.oMf[i] for i, frame in enumerate(model.frames)}
+        self._model, self._callers = model, callers
         self._pools: dict[int, Any] = {}
 
-    def of(self, model: Any, threads: int) -> Any:
+    @cached_property
+    def callers_data(self) -> Any:
+        """pin.Data of the caller's own model, made when first asked for."""
+        return self._callers.createData()
+
+    @cached_property
+    def collisions(self) -> CollisionModel:
+        """The collision bodies, made when first asked for."""
+        return CollisionModel(self._model)
+
+    def pool(self, model: Any, threads: int = 1) -> Any:
         """pin.ModelPool, for that many threads or more, of a model that lives as long as this object."""
         pool = self._pools.get(id(model))
         if pool is None or pool.size() < threads:
@@ -38,74 +57,39 @@ class Pools:
         return pool
 
 
-def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
-    """Check and convert states in rows; the first one has nq columns, the others nv.
-
-    Raises:
-        InputError: Not real numbers, too large ones, or a quaternion without unit norm.
-        ShapeError: Wrong number of columns, or of rows.
-        NonFiniteError: NaN or infinity.
-    """
-    columns = [model.nq, *[model.nv] * (len(states) - 1)]
-    arrays = {}
-    for (name, value), n in zip(states.items(), columns, strict=True):
-        array = bounded(name, float_array(name, value, (n,)))
-        if array.ndim > 2:
-            raise ShapeError(name, array.shape, f"shape (N, {n})")
-        arrays[name] = np.atleast_2d(array)
-    n_rows = max((len(array) for array in arrays.values()), key=lambda n: (n != 1, n))
-    for name, array in arrays.items():
-        if len(array) not in (1, n_rows):
-            raise ShapeError(name, array.shape, f"{n_rows} rows, as the others, or one")
-    if model.nq > model.nv:
-        quaternion = arrays["q"][:, 3:7]
-        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) > ROTATION_TOLERANCE
-        if off.any():
-            row = int(np.argmax(off))
-            norm = float(np.linalg.norm(quaternion[row]))
-            raise InputError(f"q[{row}, 3:7]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
-    return [
-        np.ascontiguousarray(np.broadcast_to(array, (n_rows, array.shape[1])))
-        for array in arrays.values()
-    ]
-
-
-def rnea(
-    model: Any, pools: Pools, threads: int, q: FloatArray, v: FloatArray, a: FloatArray
-) -> FloatArray:
-    """Pinocchio's RNEA of each row on one model, (N, nv)."""
-    tau = np.empty_like(v)
-    # columns are samples there; the transposed views need no copy
-    pin.rneaInParallel(threads, pools.of(model, threads), q.T, v.T, a.T, tau.T)
+def rnea(model: Any, own: Scratch, threads: int, *states: FloatArray) -> FloatArray:
+    """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv)."""
+    tau = np.empty_like(states[1])
+    pin.rneaInParallel(threads, own.pool(model, threads), *(x.T for x in states), tau.T)
     return tau
 
 
 def inverse_dynamics(
-    model: Any, fluid: Any, pools: Pools, threads: int | None, *states: FloatArray
+    model: Any, fluid: Any, own: Scratch, threads: int | None, *states: FloatArray
 ) -> FloatArray:
     """RNEA of each row of q, v, a with the torque of the water taken off, (N, nv)."""
     n = thread_count(threads, len(states[0]))
-    tau = rnea(model, pools, n, *states)
-    tau -= _buoyancy(fluid, n, pools, states[0])
+    tau = rnea(model, own, n, *states)
+    tau -= _buoyancy(fluid, own, n, states[0])
     return tau
 
 
 def forward_dynamics(
-    model: Any, fluid: Any, pools: Pools, threads: int | None, *states: FloatArray
+    model: Any, fluid: Any, own: Scratch, threads: int | None, *states: FloatArray
 ) -> FloatArray:
     """ABA of each row of q, v, tau with the torque of the water added, (N, nv)."""
     q, v, tau = states
     n = thread_count(threads, len(q))
-    total = _buoyancy(fluid, n, pools, q)
+    total = _buoyancy(fluid, own, n, q)
     total += tau
     a = np.empty_like(v)
-    pin.abaInParallel(n, pools.of(model, n), q.T, v.T, total.T, a.T)
+    pin.abaInParallel(n, own.pool(model, n), q.T, v.T, total.T, a.T)
     return a
 
 
-def _buoyancy(fluid: Any, threads: int, pools: Pools, q: FloatArray) -> FloatArray:
+def _buoyancy(fluid: Any, own: Scratch, threads: int, q: FloatArray) -> FloatArray:
     still = np.zeros((len(q), fluid.nv))
-    return rnea(fluid, pools, threads, q, still, still)
+    return rnea(fluid, own, threads, q, still, still)
 
 
 def thread_count(threads: int | None, states: int) -> int:

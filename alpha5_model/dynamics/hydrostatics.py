@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from alpha5_model.checks import FloatArray, choice, frozen, real
-from alpha5_model.dynamics.vectors import vector
+from alpha5_model.dynamics.states import vector
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import Alpha5Parameters
 

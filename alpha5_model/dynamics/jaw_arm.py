@@ -9,7 +9,7 @@ rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and so for every de
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,11 +17,9 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
-from alpha5_model.dynamics import batch
-from alpha5_model.dynamics.arm import Arm, Forces
+from alpha5_model.dynamics.arm import Arm, Forces, Partials
 from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.payload import Payload
-from alpha5_model.fluids import SEA_WATER
+from alpha5_model.dynamics.states import rows
 
 
 def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
@@ -39,9 +37,9 @@ class JawArm(Arm):
     def __init__(
         self,
         tree: Any,
-        mimics: Iterable[UrdfJoint],
         displacements: Iterable[Displacement],
-        fluid_density: float = SEA_WATER,
+        fluid_density: float,
+        mimics: Iterable[UrdfJoint],
     ) -> None:
         self._mimics = tuple(mimics)
         model = mimicking(tree, self._mimics)
@@ -50,8 +48,8 @@ class JawArm(Arm):
         self._g, self._g_q, self._g_0 = _expansion(model, tree, self._mimics)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        q, v = self._clean_qv(q, v)
-        return self._project(self._tree.coriolis_matrix(self._expand(q), self._g @ v))
+        state = self._expand(*self._clean_qv(q, v))
+        return self._project(self._tree.coriolis_matrix(*state))
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
@@ -63,84 +61,62 @@ class JawArm(Arm):
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
-        q, v, tau = batch.rows(self._model, q=q, v=v, tau=tau)
+        q, v, tau = rows(self._model, q=q, v=v, tau=tau)
         rest = tau - self.inverse_dynamics_batch(q, v, np.zeros((1, self._model.nv)), threads)
-        rows = [np.linalg.solve(self.mass_matrix(row), r) for row, r in zip(q, rest, strict=True)]
-        return np.array(rows, dtype=np.float64).reshape(rest.shape)
+        a = [np.linalg.solve(self.mass_matrix(row), r) for row, r in zip(q, rest, strict=True)]
+        return np.array(a, dtype=np.float64).reshape(rest.shape)
 
-    def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        q, v, a = self._clean_qva(q, v, a)
-        g = self._g
-        dq, dv, da = self._tree.inverse_dynamics_derivatives(self._expand(q), g @ v, g @ a)
+    def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
+        state = self._expand(*self._clean_qva(q, v, a))
+        dq, dv, da = self._tree.inverse_dynamics_derivatives(*state)
         return self._project(dq), self._project(dv), self._project(da)
 
     def hydrostatic_torque_derivative(self, q: ArrayLike) -> FloatArray:
-        q = self._clean_q(q)
-        return self._project(self._tree.hydrostatic_torque_derivative(self._expand(q)))
+        state = self._expand(self._clean_q(q))
+        return self._project(self._tree.hydrostatic_torque_derivative(*state))
 
     def base_wrench_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
     ) -> FloatArray:
-        q, v, a = batch.rows(self._model, q=q, v=v, a=a)
-        g = self._g.T
-        return self._tree.base_wrench_batch(q @ self._g_q.T + self._g_0, v @ g, a @ g, threads)
+        q, v, a = self._expand(*rows(self._model, q=q, v=v, a=a))
+        return self._tree.base_wrench_batch(q, v, a, threads)
 
-    def base_wrench_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        q, v, a = self._clean_qva(q, v, a)
-        g = self._g
-        dq, dv, da = self._tree.base_wrench_derivatives(self._expand(q), g @ v, g @ a)
-        return dq @ g, dv @ g, da @ g
+    def base_wrench_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
+        state = self._expand(*self._clean_qva(q, v, a))
+        dq, dv, da = self._tree.base_wrench_derivatives(*state)
+        return dq @ self._g, dv @ self._g, da @ self._g
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
-        q, v = self._clean_qv(q, v)
-        return self._tree.kinetic_energy(self._expand(q), self._g @ v)
+        return self._tree.kinetic_energy(*self._expand(*self._clean_qv(q, v)))
 
     def potential_energy(self, q: ArrayLike) -> float:
-        return self._tree.potential_energy(self._expand(self._clean_q(q)))
+        return self._tree.potential_energy(*self._expand(self._clean_q(q)))
 
-    def _expand(self, q: FloatArray) -> FloatArray:
-        out: FloatArray = self._g_q @ q + self._g_0
-        return out
+    def _expand(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
+        """States (..., n) of the tree."""
+        return [q @ self._g_q.T + self._g_0, *(rate @ self._g.T for rate in rates)]
 
     def _project(self, matrix: FloatArray) -> FloatArray:
         out: FloatArray = self._g.T @ matrix @ self._g
         return out
 
-    def _holding(self, payload: Payload, frame: str) -> Self:
-        self._frame(frame)
-        tree, displacement = payload.attached(self._tree._model, frame)
-        displaced = (*self.displacements, displacement)
-        return type(self)(tree, self._mimics, displaced, self.fluid_density)
-
-    def __reduce__(self) -> tuple[Any, ...]:
+    @property
+    def _arguments(self) -> tuple[Any, ...]:
         # Pinocchio 4.1 pickles mimic joints into a model that crashes; the tree is sound.
-        return type(self), (
-            self._tree._model,
-            self._mimics,
-            self.displacements,
-            self.fluid_density,
-        )
+        return self._tree._model, self.displacements, self.fluid_density, self._mimics
 
 
 def _expansion(
-    model: Any, tree: Any, mimics: tuple[UrdfJoint, ...]
+    model: Any, tree: Any, mimics: Iterable[UrdfJoint]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,)."""
     g, g_q, g_0 = np.zeros((tree.nv, model.nv)), np.zeros((tree.nq, model.nq)), np.zeros(tree.nq)
-    following = {mimic.name: mimic for mimic in mimics}
+    following = {m.name: (m.mimic, m.multiplier, m.offset) for m in mimics}
     for name in tree.names[1:]:
-        inner, scale = tree.joints[tree.getJointId(name)], 1.0
-        leader = name
-        if name in following:
-            mimic = following[name]
-            leader, scale, g_0[inner.idx_q] = mimic.source, mimic.multiplier, mimic.offset
-        joint = model.joints[model.getJointId(leader)]
-        for k in range(inner.nv):
-            g[inner.idx_v + k, joint.idx_v + k] = scale
-        for k in range(inner.nq):
-            g_q[inner.idx_q + k, joint.idx_q + k] = scale
+        leader, scale, offset = following.get(name, (name, 1.0, 0.0))
+        inner, joint = tree.joints[tree.getJointId(name)], model.joints[model.getJointId(leader)]
+        n, n_q = np.arange(inner.nv), np.arange(inner.nq)
+        g[inner.idx_v + n, joint.idx_v + n] = scale
+        g_q[inner.idx_q + n_q, joint.idx_q + n_q] = scale
+        g_0[inner.idx_q] = offset
     return g, g_q, g_0

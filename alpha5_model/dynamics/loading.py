@@ -17,7 +17,7 @@ from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
-from alpha5_model.dynamics.vectors import vector
+from alpha5_model.dynamics.states import vector
 from alpha5_model.errors import MissingFileError
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS
@@ -57,7 +57,7 @@ def load(
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
-        return JawArm(tree, mimics, displaced, fluid_density)
+        return JawArm(tree, displaced, fluid_density, mimics)
     return Arm(tree, displaced, fluid_density)
 
 

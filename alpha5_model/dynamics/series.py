@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,12 +56,12 @@ def torque_terms(
     """
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
-    q, v, a = batch.rows(arm._model, q=q, v=v, a=a)
-    n, pools, still = batch.thread_count(threads, len(q)), arm._own.pools, np.zeros_like(v)
-    total = batch.rnea(arm._model, pools, n, q, v, a)
-    bias = batch.rnea(arm._model, pools, n, q, v, still)
-    weight = batch.rnea(arm._model, pools, n, q, still, still)
-    buoyancy = -batch.rnea(arm._fluid, pools, n, q, still, still)
+    q, v, a = rows(arm._model, q=q, v=v, a=a)
+    n, own, still = batch.thread_count(threads, len(q)), arm._own, np.zeros_like(v)
+    total = batch.rnea(arm._model, own, n, q, v, a)
+    bias = batch.rnea(arm._model, own, n, q, v, still)
+    weight = batch.rnea(arm._model, own, n, q, still, still)
+    buoyancy = -batch.rnea(arm._fluid, own, n, q, still, still)
     return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
 
 
@@ -80,7 +81,7 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         UnknownNameError: No such frame.
     """
     model, index = arm._model, arm._frame(frame)
-    (configurations,) = batch.rows(model, q=q)
+    (configurations,) = rows(model, q=q)
     data = model.createData()
     placement = data.oMf[index]  # refers to the data, no copy in the loop
     out = np.empty((len(configurations), 3))
