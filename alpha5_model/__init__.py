@@ -38,13 +38,13 @@ if TYPE_CHECKING:
     from alpha5_model.fluids import SEA_WATER as SEA_WATER
     from alpha5_model.fluids import gravity_in_base as gravity_in_base
     from alpha5_model.kinematics import workspace as workspace
-    from alpha5_model.kinematics.ik.path import inverse_kinematics_path as inverse_kinematics_path
-    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose as inverse_kinematics_pose
-    from alpha5_model.kinematics.ik.published import (
+    from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
+    from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
+    from alpha5_model.kinematics.ik import (
         published_inverse_kinematics as published_inverse_kinematics,
     )
-    from alpha5_model.kinematics.ik.solutions import BRANCHES as BRANCHES
-    from alpha5_model.kinematics.ik.solutions import inverse_kinematics as inverse_kinematics
+    from alpha5_model.kinematics.ik.path import inverse_kinematics_path as inverse_kinematics_path
+    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose as inverse_kinematics_pose
     from alpha5_model.kinematics.reach import distance_to_reach as distance_to_reach
     from alpha5_model.kinematics.reach import nearest_reachable as nearest_reachable
     from alpha5_model.kinematics.reach import reachable as reachable
@@ -61,10 +61,9 @@ _DEFINED = {
     "dynamics.loading": ("load", "robot_wrapper"),
     "dynamics.self_collision": ("without_self_collision",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
-    "kinematics.ik.solutions": ("BRANCHES", "inverse_kinematics"),
+    "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
     "kinematics.ik.path": ("inverse_kinematics_path",),
     "kinematics.ik.pose": ("inverse_kinematics_pose",),
-    "kinematics.ik.published": ("published_inverse_kinematics",),
     "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
     "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
 }

@@ -12,8 +12,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik.fast import fast_solver
-from alpha5_model.kinematics.ik.one import solve_one
+from alpha5_model.kinematics.ik.one import fast_solver, solve_one
 
 TAU = 2 * math.pi
 

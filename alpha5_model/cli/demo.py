@@ -18,7 +18,7 @@ from alpha5_model.description.verification import verify_urdf
 from alpha5_model.dynamics.loading import load
 from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
-from alpha5_model.kinematics.ik.solutions import BRANCHES, inverse_kinematics
+from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.view.arm_poses import named_poses, tour
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.page import static_page

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from alpha5_model.cli.options import print_json
-from alpha5_model.kinematics.ik.solutions import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 

@@ -13,8 +13,7 @@ import numpy as np
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, sampled_share
 from alpha5_model.consistency.units import GRAVITY, MM, excess_of_box
 from alpha5_model.dh import DHChain
-from alpha5_model.kinematics.ik.published import published_inverse_kinematics
-from alpha5_model.kinematics.ik.solutions import inverse_kinematics
+from alpha5_model.kinematics.ik import inverse_kinematics, published_inverse_kinematics
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published

@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.dh import DHChain
+from alpha5_model.kinematics.ik import inverse_kinematics
 from alpha5_model.kinematics.ik.one import on_axis
-from alpha5_model.kinematics.ik.solutions import inverse_kinematics
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
-from alpha5_model.kinematics.ik.solutions import BRANCHES, inverse_kinematics
+from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
 from alpha5_model.view import scene

@@ -221,7 +221,7 @@ def _imports() -> list[Row]:
         command = [sys.executable, "-c", f"import {module}"]
         return lambda: subprocess.run(command, check=True)
 
-    modules = {"alpha5_model.kinematics.ik.solutions": None, "numpy": 1 / 1.3}
+    modules = {"alpha5_model.kinematics.ik": None, "numpy": 1 / 1.3}
     if find_spec("roboticstoolbox"):
         modules["roboticstoolbox"] = None
     seconds = measure({module: run(module) for module in modules}, rounds=11)

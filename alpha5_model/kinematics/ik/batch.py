@@ -8,14 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.kinematics.ik.one import (
-    LIMIT_TOLERANCE,
-    NEAR_AXIS,
-    NEAR_EDGE,
-    NEAR_LIMIT,
-    solve_one,
-)
+from alpha5_model.kinematics.ik import one
 from alpha5_model.kinematics.plane import ArmPlane, arm_plane
+from alpha5_model.spatial import wrap
 
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
 BLOCK = 8192
@@ -32,43 +27,33 @@ def solve_batch(
 
     Returns:
         q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
-        `alpha5_model.kinematics.ik.solutions.Solutions`.
+        `alpha5_model.kinematics.ik.Solutions`.
     """
     lead = position.shape[:-1]
     position = position.reshape(-1, 3)
-    if wrist.ndim:
-        wrist = np.broadcast_to(wrist, lead).reshape(-1)
     rows = len(position)
+    if wrist.ndim:
+        wrist = np.broadcast_to(wrist, lead).reshape(rows)
     q, singular = np.empty((rows, 4, 4)), np.zeros(rows, np.bool_)
     exists, within = np.empty((rows, 4), np.bool_), np.empty((rows, 4), np.bool_)
-    g, scratch = arm_plane(), _Scratch(min(BLOCK, rows))
+    g, scratch = arm_plane(), np.empty((24, min(BLOCK, rows)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        theta_3, theta_3_fits = _wrist(wrist if wrist.ndim == 0 else wrist[:1], g)
+        fixed = None if wrist.ndim else _wrist(wrist, g)
         for start in range(0, rows, BLOCK):
             part = slice(start, start + BLOCK)
-            target = position[part]
-            if len(target) != scratch.rows:
-                del scratch  # never two at a time
-                scratch = _Scratch(len(target))
-            if wrist.ndim:
-                theta_3, theta_3_fits = _wrist(wrist[part], g)
-            near = _solve_block(
-                g, scratch, target, theta_3, theta_3_fits, q[part], exists[part], within[part]
-            )
+            target, out = position[part], (q[part], exists[part], within[part])
+            theta_3, fits_3 = fixed or _wrist(wrist[part], g)
+            near = _solve_block(g, scratch, target, theta_3, fits_3, *out)
             for row in near.tolist():
-                x, y, z = target[row].tolist()
+                (x, y, z), at = target[row].tolist(), start + row
                 angle = float(theta_3[row] if wrist.ndim else theta_3)
-                angles, found, fit, edge = solve_one(x, y, z, angle)
-                at = start + row
+                angles, found, fit, singular[at] = one.solve_one(x, y, z, angle)
                 q[at] = np.reshape(angles, (4, 4))
-                exists[at] = [found >> branch & 1 for branch in range(4)]
-                within[at] = [fit >> branch & 1 for branch in range(4)]
-                singular[at] = edge
-    shape = (*lead, 4)
+                exists[at], within[at] = one.FLAGS[found], one.FLAGS[fit]
     return (
-        q.reshape(*shape, 4),
-        exists.reshape(shape),
-        within.reshape(shape),
+        q.reshape(*lead, 4, 4),
+        exists.reshape(*lead, 4),
+        within.reshape(*lead, 4),
         singular.reshape(lead),
     )
 
@@ -81,7 +66,7 @@ def reached(position: FloatArray, limits: bool) -> BoolArray:
         limits: Within the limits of theta_0, theta_1 and theta_2; without, all angles are free.
 
     Returns:
-        (..., 4), branch axis as in `alpha5_model.kinematics.ik.solutions.BRANCHES`.
+        (..., 4), branch axis as in `alpha5_model.kinematics.ik.BRANCHES`.
     """
     middle = arm_plane().middle[3]
     _, exists, within, _ = solve_batch(position, np.asarray(middle))
@@ -91,29 +76,15 @@ def reached(position: FloatArray, limits: bool) -> BoolArray:
 def _wrist(wrist: FloatArray, g: ArmPlane) -> tuple[FloatArray, BoolArray]:
     """theta_3 in its range, and whether it fits; rounding beside a limit is removed."""
     lower, upper, middle = g.limits[3]
-    angle = wrist - math.tau * np.rint((wrist - middle) / math.tau)
+    angle = wrap(wrist, middle)
     clipped = np.clip(angle, lower, upper)
-    fits = np.abs(angle - clipped) <= LIMIT_TOLERANCE
+    fits = np.abs(angle - clipped) <= one.LIMIT_TOLERANCE
     return np.where(fits, clipped, angle), fits
-
-
-class _Scratch:
-    """Arrays of one block. First axis: the plane's two ways to face, or the four branches."""
-
-    def __init__(self, rows: int) -> None:
-        self.rows = rows
-        self.xyz = np.empty((3, rows))
-        self.radius = np.empty(rows)
-        self.r, self.above, self.below, self.theta_0 = np.empty((4, 2, rows))
-        self.theta_1, self.theta_2, self.work = np.empty((3, 4, rows))
-        self.found = np.empty((2, rows), np.bool_)
-        self.fits, self.test, self.wide = np.empty((3, 4, rows), np.bool_)
-        self.near = np.empty(rows, np.bool_)
 
 
 def _solve_block(
     g: ArmPlane,
-    s: _Scratch,
+    scratch: FloatArray,
     target: FloatArray,
     wrist: FloatArray,
     wrist_fits: BoolArray,
@@ -121,40 +92,40 @@ def _solve_block(
     exists: BoolArray,
     within: BoolArray,
 ) -> NDArray[np.intp]:
-    """The formulas of `alpha5_model.kinematics.ik.solutions` on one block.
+    """The formulas of `alpha5_model.kinematics.ik` on one block, in scratch (24, at least its rows).
 
     Returns:
         The rows that are near an edge, whose solution is not to be relied on.
     """
-    (x, y, h), r, above, below, near = s.xyz, s.r, s.above, s.below, s.near
-    pair_work, pair_test = s.work[:2], s.test[:2]
+    # Axes: the two elbows, the plane's two ways to face, rows.
+    scratch = scratch[:, : len(target)]
+    x, y, h, radius = scratch[:4]
+    r, above, below, theta_0 = scratch[4:12].reshape(4, 2, -1)
+    theta_1, theta_2, work = scratch[12:].reshape(3, 2, 2, -1)
+    (half_gamma, flipped_2), (tangent, alpha) = theta_2, work
 
     # The target in the plane that faces it and in the plane that turns its back to it.
-    for axis in range(3):
-        s.xyz[axis] = target[:, axis]
+    scratch[:3] = target.T
     h -= g.d_0
-    np.multiply(x, x, out=s.radius)
-    np.multiply(y, y, out=pair_work[0])
-    s.radius += pair_work[0]
-    np.sqrt(s.radius, out=s.radius)
-    np.less(s.radius, NEAR_AXIS, out=near)
-    np.subtract(s.radius, g.a_0, out=r[0])
-    np.subtract(-g.a_0, s.radius, out=r[1])
+    np.multiply(x, x, out=radius)
+    np.multiply(y, y, out=work[0, 0])
+    radius += work[0, 0]
+    np.sqrt(radius, out=radius)
+    near = radius < one.NEAR_AXIS
+    np.subtract(radius, g.a_0, out=r[0])
+    np.subtract(-g.a_0, radius, out=r[1])
     np.multiply(r, r, out=below)
-    np.multiply(h, h, out=pair_work[0])
-    below += pair_work[0]
+    np.multiply(h, h, out=work[0, 0])
+    below += work[0, 0]
     np.subtract(g.squares[0], below, out=above)
     below -= g.squares[1]
     # above + below = 4 l_1 l_2 > 0: the product is positive within reach and small at its edges.
-    np.multiply(above, below, out=pair_work)
-    np.greater(pair_work, 0.0, out=s.found)
-    np.abs(pair_work, out=pair_work)
-    np.less(pair_work, NEAR_EDGE * 4 * g.l_1 * g.l_2, out=pair_test)
-    near |= pair_test[0]
-    near |= pair_test[1]
+    np.multiply(above, below, out=work[0])
+    found = work[0] > 0.0
+    np.abs(work[0], out=work[0])
+    near |= (work[0] < one.NEAR_EDGE * 4 * g.l_1 * g.l_2).any(axis=0)
 
     # Where a target is out of reach, the root is NaN and so is what follows.
-    tangent, half_gamma, alpha = s.work[:2], s.theta_2[:2], s.work[2:]
     np.divide(below, above, out=tangent)
     np.sqrt(tangent, out=tangent)
     np.arctan(tangent, out=half_gamma)
@@ -162,40 +133,45 @@ def _solve_block(
     np.arctan(tangent, out=alpha)
     alpha -= half_gamma
     alpha += math.pi / 2
-    np.arctan2(h, r, out=s.theta_1[:2])
-    s.theta_1[:2] -= g.phi_offset
-    np.add(s.theta_1[:2], alpha, out=s.theta_1[2:])
-    s.theta_1[:2] -= alpha
+    np.arctan2(h, r, out=theta_1[0])
+    theta_1[0] -= g.phi_offset
+    np.add(theta_1[0], alpha, out=theta_1[1])
+    theta_1[0] -= alpha
     half_gamma *= 2.0
-    np.subtract(2 * math.pi - g.gamma_offset, half_gamma, out=s.theta_2[2:])
+    np.subtract(2 * math.pi - g.gamma_offset, half_gamma, out=flipped_2)
     half_gamma -= g.gamma_offset
-    np.arctan2(y, x, out=s.theta_0[0])
-    s.theta_0[0] -= g.azimuth_offset
-    np.add(s.theta_0[0], math.pi, out=s.theta_0[1])
-    _wrap(s.theta_0, g.limits[0][2], pair_work)
-    _wrap(s.theta_1, g.limits[1][2], s.work)
-    _wrap(s.theta_2[2:], g.limits[2][2], pair_work)  # gamma needs no shift
+    np.arctan2(y, x, out=theta_0[0])
+    theta_0[0] -= g.azimuth_offset
+    np.add(theta_0[0], math.pi, out=theta_0[1])
+    _wrap(theta_0, g.middle[0], work[0])
+    _wrap(theta_1, g.middle[1], work)
+    _wrap(flipped_2, g.middle[2], work[0])  # gamma needs no shift
 
-    _fit(s.theta_0, g.limits[0], pair_work, s.fits[:2], s.wide[:2], near)
-    s.fits[:2] &= s.found
+    fits = np.array([found, found])
     if not wrist_fits.all():
-        s.fits[:2] &= wrist_fits
-    s.fits[2:] = s.fits[:2]
-    for theta, limits in ((s.theta_1, g.limits[1]), (s.theta_2, g.limits[2])):
-        s.fits &= _fit(theta, limits, s.work, s.test, s.wide, near)
+        fits &= wrist_fits
+    for theta, (lower, upper, middle) in zip(
+        (theta_0[None], theta_1, theta_2), g.limits[:3], strict=True
+    ):
+        off, half = work[: len(theta)], (upper - lower) / 2
+        np.subtract(theta, middle, out=off)
+        np.abs(off, out=off)
+        inside, close = off < half - one.NEAR_LIMIT, off < half + one.NEAR_LIMIT
+        if np.count_nonzero(close) != np.count_nonzero(inside):
+            near |= (close & ~inside).any(axis=(0, 1))
+        fits &= inside
 
     # NaN in the other two angles of a branch that does not exist.
-    np.multiply(half_gamma, 0.0, out=pair_work)
-    s.theta_0 += pair_work
-    pair_work += wrist
+    theta_3 = np.multiply(half_gamma, 0.0, out=work[0])
+    theta_0 += theta_3
+    theta_3 += wrist
     for branch in range(4):
-        pair = branch % 2
-        q[:, branch, 0] = s.theta_0[pair]
-        q[:, branch, 1] = s.theta_1[branch]
-        q[:, branch, 2] = s.theta_2[branch]
-        q[:, branch, 3] = pair_work[pair]
-        exists[:, branch] = s.found[pair]
-        within[:, branch] = s.fits[branch]
+        elbow, pair = divmod(branch, 2)
+        q[:, branch, 0] = theta_0[pair]
+        q[:, branch, 1] = theta_1[elbow, pair]
+        q[:, branch, 2] = theta_2[elbow, pair]
+        q[:, branch, 3] = theta_3[pair]
+        exists[:, branch], within[:, branch] = found[pair], fits[elbow, pair]
     return np.flatnonzero(near)
 
 
@@ -206,23 +182,3 @@ def _wrap(angle: FloatArray, middle: float, work: FloatArray) -> None:
     np.rint(work, out=work)
     work *= math.tau
     angle -= work
-
-
-def _fit(
-    angle: FloatArray,
-    limits: tuple[float, float, float],
-    work: FloatArray,
-    fits: BoolArray,
-    wide: BoolArray,
-    near: BoolArray,
-) -> BoolArray:
-    """Which angles lie in a range; columns with one close to a limit are added to ``near``."""
-    lower, upper, middle = limits
-    half = (upper - lower) / 2
-    np.subtract(angle, middle, out=work)
-    np.abs(work, out=work)
-    np.less(work, half - NEAR_LIMIT, out=fits)
-    np.less(work, half + NEAR_LIMIT, out=wide)
-    if np.count_nonzero(wide) != np.count_nonzero(fits):
-        near |= (wide & ~fits).any(axis=0)
-    return fits

@@ -23,9 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
-from alpha5_model.kinematics.ik.choice import require_solution
+from alpha5_model.kinematics.ik import Solutions, inverse_kinematics, require_solution
 from alpha5_model.kinematics.ik.one import on_axis
-from alpha5_model.kinematics.ik.solutions import Solutions, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
@@ -132,21 +131,20 @@ def _along_axis(
     gap = np.nan_to_num(np.abs(inside - starts[:, 0]))
 
     # Least travel of the other joints from each start to each elbow, point by point, (starts, elbows).
-    elbows, parents = [], []
+    elbows, parents = [starts[:, 1:]], []
+    length = np.where(np.eye(len(starts)), 0.0, np.inf)
     for i in range(k, stop):
         elbows.append(_options(solutions, i)[::2, 1:])  # facing and turning its back are the same
+        size, largest = _sizes(elbows[-1] - elbows[-2][:, None])
         if i == k:
-            size, largest = _sizes(elbows[0] - starts[:, None, 1:])
             largest = np.maximum(largest, gap[:, None])
-            length = np.where(largest <= max_step, size, np.inf)
-        else:
-            size, largest = _sizes(elbows[-1] - elbows[-2][:, None])
-            ways = length[:, :, None] + np.where(largest <= max_step, size, np.inf)
-            largest = largest[np.isfinite(length).any(axis=0)]
-            parents.append(ways.argmin(axis=1))
-            length = ways.min(axis=1)
+        ways = length[:, :, None] + np.where(largest <= max_step, size, np.inf)
+        parents.append(ways.argmin(axis=1))
+        reachable = np.isfinite(length).any(axis=0)
+        length = ways.min(axis=1)
         if not np.isfinite(length).any():
-            raise DiscontinuousPathError(i, solutions.position[i], float(largest.min()), max_step)
+            needed = float(largest[reachable].min())
+            raise DiscontinuousPathError(i, solutions.position[i], needed, max_step)
 
     ends = _options(solutions, stop) if stop < len(solutions.position) else missing
     found: dict[int, tuple[float, FloatArray, int]] = {}
@@ -157,7 +155,7 @@ def _along_axis(
             chosen.append(int(parent[start, chosen[-1]]))
         way = [rows[i] for rows, i in zip(elbows, reversed(chosen), strict=True)]
         for j, end in enumerate(ends):
-            joints = np.array([starts[start, 1:], *way, end[1:]])
+            joints = np.array([*way, end[1:]])
             size, largest = _sizes(np.diff(joints, axis=0))
             first, last = starts[start, 0], end[0]
             if np.isnan(first):
@@ -176,7 +174,7 @@ def _along_axis(
                 theta_0[-1] = last
                 theta_0 = np.clip(theta_0, g.lower[0], g.upper[0])  # rounding
                 rows = np.column_stack([theta_0, joints])[1:]
-                found[j] = cost, rows[: len(way) + (stop < len(solutions.position))], start
+                found[j] = cost, rows[: stop - k + (stop < len(solutions.position))], start
     if not found:
         raise DiscontinuousPathError(stop, solutions.position[stop], least, max_step)
     costs, ways_found, origins = zip(*found.values(), strict=True)

@@ -19,9 +19,8 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rotation
 from alpha5_model.dh import DHChain
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik.choice import candidates, pick, require_solution
+from alpha5_model.kinematics.ik import candidates, inverse_kinematics, pick, require_solution
 from alpha5_model.kinematics.ik.one import on_axis
-from alpha5_model.kinematics.ik.solutions import inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import wrap
 
