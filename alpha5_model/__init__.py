@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from alpha5_model.consistency.document import audit as audit
     from alpha5_model.description.srdf import named_pose as named_pose
     from alpha5_model.dynamics.arm import Arm as Arm
-    from alpha5_model.dynamics.loading import load as load
-    from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
-    from alpha5_model.dynamics.self_collision import (
+    from alpha5_model.dynamics.collision import (
         without_self_collision as without_self_collision,
     )
+    from alpha5_model.dynamics.loading import load as load
+    from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
     from alpha5_model.fluids import AIR as AIR
     from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
     from alpha5_model.fluids import SEA_WATER as SEA_WATER
@@ -59,7 +59,7 @@ _DEFINED = {
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),
-    "dynamics.self_collision": ("without_self_collision",),
+    "dynamics.collision": ("without_self_collision",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
     "kinematics.ik.path": ("inverse_kinematics_path",),

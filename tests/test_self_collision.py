@@ -47,7 +47,7 @@ def test_free_at_some_wrist_angle_by_distances(arm: Any) -> None:
 
 
 def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> None:
-    from alpha5_model.dynamics.self_collision import _collides, _model
+    from alpha5_model.dynamics.collision import _collides, _model
 
     model, before, moved = _model()
     q = sample(300, seed=91)

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from alpha5_model.cli.options import print_json, print_written, spinner, words_beside
-from alpha5_model.dynamics.self_collision import without_self_collision
+from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.workspace import SampledShare, sampled_share

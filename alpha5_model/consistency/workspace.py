@@ -162,7 +162,7 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
 
 @cache
 def _self_collision() -> AuditRow:
-    from alpha5_model.dynamics.self_collision import without_self_collision  # late: Pinocchio
+    from alpha5_model.dynamics.collision import without_self_collision  # late: Pinocchio
 
     free = sampled_share(without_self_collision, SAMPLES)
     error = free.standard_error

@@ -1,20 +1,36 @@
-"""Does the arm hit itself, and how far is it from doing so? Pinocchio and coal on the primitives.
+"""Whether the arm touches itself, and how far it is from that: Pinocchio and coal on the primitives.
 
 Pairs of links that turn against each other at a joint are left out, as in ``urdf/alpha5.srdf``.
+
+`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist turns the hand
+about an axis through the tcp and moves no point, so a point of the workspace is reached without
+self-collision if any wrist angle is free of it.
+
+References:
+    [ReachAlpha] Manufacturer's document, Figure 2: "without self collision".
+    [Pan2012] Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity queries,
+        ICRA 2012 (dynamic AABB trees).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 from typing import Any
 
 import coal
+import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, frozen
+from alpha5_model.checks import BoolArray, FloatArray, count, float_array, frozen
 from alpha5_model.description.srdf import srdf
+from alpha5_model.files import read_named
+from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+
+#: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
+WRISTS = 25
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +112,69 @@ def collision_geometry(model: Any) -> Any:
     Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
     """
     jaws = model.existFrame("finger_1")
-    urdf = Path(JAWS_URDF_PATH if jaws else URDF_PATH).read_text(encoding="utf-8")
-    geometry = pin.buildGeomFromUrdfString(model, urdf, pin.GeometryType.COLLISION)
+    geometry = pin.buildGeomFromUrdfString(model, _urdf(jaws), pin.GeometryType.COLLISION)
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairsFromXML(model, geometry, srdf("jaws" if jaws else "locked"))
     return geometry
+
+
+def _urdf(jaws: bool) -> str:
+    path = JAWS_URDF_PATH if jaws else URDF_PATH
+    return read_named(path, "the generated URDF (alpha5 generate)").decode()
+
+
+def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
+    """Whether there is a wrist angle at which the arm does not touch itself, the jaws closed.
+
+    Args:
+        q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
+        wrists: How many more are tried, evenly over the range of axis_b. A window that is narrower than
+            their distance can be missed.
+
+    Returns:
+        (...) bool.
+
+    Raises:
+        InputError: Not finite real numbers of that shape, or no whole number of wrist angles.
+    """
+    position = float_array("q", q, (4,))
+    joint = parameters().joints[3]
+    turns = np.linspace(joint.lower, joint.upper, count("wrists", wrists))
+    rows = position.reshape(-1, 4).copy()
+    model, before_wrist, with_wrist = _model()
+    free = np.zeros(len(rows), np.bool_)
+    left = np.flatnonzero(~_collides(model, before_wrist, rows))
+    for angle in (None, *turns):
+        if angle is not None:
+            rows[left, 3] = angle
+        hits = _collides(model, with_wrist, rows[left])
+        free[left[~hits]] = True
+        left = left[hits]
+        if not len(left):
+            break
+    return free.reshape(position.shape[:-1])
+
+
+@cache
+def _model() -> tuple[Any, Any, Any]:
+    """The arm, its pairs of bodies that the wrist does not move, and those that it does."""
+    model = pin.buildModelFromXML(_urdf(jaws=False))
+    wrist = model.getJointId(parameters().joints[3].name)
+    parts = []
+    for moved in (False, True):
+        geometry = collision_geometry(model)
+        for pair in list(geometry.collisionPairs):
+            joints = (geometry.geometryObjects[i].parentJoint for i in (pair.first, pair.second))
+            if (wrist in joints) != moved:
+                geometry.removeCollisionPair(pair)
+        parts.append(geometry)
+    return model, *parts
+
+
+def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
+    """Whether any pair touches at q, (N, 4)."""
+    data, objects = model.createData(), geometry.createData()
+    # A search that starts where the last one ended was seen to miss overlaps.
+    objects.collisionRequests[:] = [coal.CollisionRequest()] * len(objects.collisionRequests)
+    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, geometry, objects)
+    return np.array([pin.computeCollisions(model, data, tree, row, True) for row in q], np.bool_)

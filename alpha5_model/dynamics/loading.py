@@ -18,7 +18,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
 from alpha5_model.dynamics.states import vector
-from alpha5_model.errors import MissingFileError
+from alpha5_model.files import read_named
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
@@ -107,9 +107,8 @@ def _parsed(
 def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:
     """Text of the URDF, and the folder to which its mesh paths are relative."""
     path = Path(JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH)
-    if corrections != DEFAULT_CORRECTIONS:
-        return urdf(Variant(gripper=gripper, corrections=corrections)), str(path.parent)
-    try:
-        return path.read_text(encoding="utf-8"), str(path.parent)
-    except FileNotFoundError:
-        raise MissingFileError(path, "the generated URDF (alpha5 generate)") from None
+    if corrections == DEFAULT_CORRECTIONS:
+        text = read_named(path, "the generated URDF (alpha5 generate)").decode()
+    else:
+        text = urdf(Variant(gripper=gripper, corrections=corrections))
+    return text, str(path.parent)

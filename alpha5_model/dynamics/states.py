@@ -21,6 +21,7 @@ from alpha5_model.checks import (
     FloatArray,
     bounded,
     float_array,
+    listed,
     shaped,
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
@@ -152,16 +153,12 @@ def forces(fext: Any, njoints: int) -> Any:
         InputError: Not a sequence of ``njoints`` pin.Force.
         NonFiniteError: NaN or infinity in a force; an InputError if it is too large.
     """
-    try:
-        count = len(fext)
-        if not all(isinstance(force, pin.Force) for force in fext):
-            count = -1
-    except TypeError:
-        count = -1
-    if count != njoints:
-        raise InputError("fext", fext, f"{njoints} pin.Force, one for each joint and the universe")
-    for joint, force in enumerate(fext):
+    expected = f"{njoints} pin.Force, one for each joint and the universe"
+    given = listed("fext", fext, expected)
+    if len(given) != njoints or not all(isinstance(force, pin.Force) for force in given):
+        raise InputError("fext", fext, expected)
+    for joint, force in enumerate(given):
         if not isfinite(sum(force.vector.tolist())):
             raise NonFiniteError("fext", force.vector.tolist(), (joint,))
         bounded(f"fext[{joint}]", force.vector)
-    return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(list(fext))
+    return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)

@@ -117,9 +117,10 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import ListedColormap
 
+    from alpha5_model.dynamics.collision import without_self_collision
+
     # late: all else here needs no Pinocchio
     from alpha5_model.dynamics.loading import load
-    from alpha5_model.dynamics.self_collision import without_self_collision
 
     plane = arm_plane()
     side = math.ceil((plane.a_0 + plane.longest) / cell)
