@@ -122,9 +122,7 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     there = np.append(q, poses["home"][joint])
     opened = there.copy()
     opened[joint] = 0.008
-    motion = tour(
-        [poses["stow"], poses["home"], there, opened, there, poses["stow"]], arm.joint_names
-    )
+    motion = tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]])
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
     scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)
     size = (1400, 1000)

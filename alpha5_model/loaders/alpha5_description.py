@@ -8,20 +8,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from alpha5_model import paths
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.paths import JAWS_URDF_PATH, PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH, XACRO_PATH
 
-__all__ = [
-    "DESCRIPTION",
-    "JAWS_URDF_PATH",
-    "PACKAGE_PATH",
-    "REFERENCE_POSTURES",
-    "REPOSITORY_PATH",
-    "SRDF_PATH",
-    "URDF_PATH",
-    "XACRO_PATH",
-]
-
+REPOSITORY_PATH, PACKAGE_PATH = paths.REPOSITORY_PATH, paths.PACKAGE_PATH
+URDF_PATH, JAWS_URDF_PATH, XACRO_PATH = paths.URDF_PATH, paths.JAWS_URDF_PATH, paths.XACRO_PATH
 #: Collision pairs and the postures below, for ``URDF_PATH``.
 SRDF_PATH = str(Path(URDF_PATH).with_suffix(".srdf"))
 #: Name -> positions of axis_e, axis_d, axis_c, axis_b [rad].

@@ -22,30 +22,25 @@ from alpha5_model.view.scene import WORLD, MotionTrack
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
-#: Samples per second of a tour.
-_RATE = 25.0
+#: Samples per second of a tour, and its rest at each pose [s].
+_RATE, _PAUSE = 25.0, 0.6
 
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
     """Named poses as joint positions (n,) of the arm, its jaws closed."""
-    return {name: np.array([*pose, *_closed(arm)]) for name, pose in NAMED_POSES.items()}
-
-
-def _closed(arm: Arm) -> list[float]:
-    """Position of closed jaws, if the arm has any."""
-    return [parameters().joints[4].lower] * ("axis_a" in arm.joint_names)
+    closed = [joint.lower for joint in parameters().joints[4 : len(arm.joint_names)]]
+    return {name: np.array([*pose, *closed]) for name, pose in NAMED_POSES.items()}
 
 
 def pose_of(arm: Arm, text: str) -> FloatArray:
     """Joint positions (nq,) from the name of a pose or from numbers with commas or spaces."""
+    named, n = named_poses(arm), len(arm.joint_names)
     try:
         values = [float(part) for part in text.replace(",", " ").split()]
     except ValueError:
-        named = named_poses(arm)
         return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
-    n = len(arm.joint_names)
     if len(values) == 4:
-        values += _closed(arm)
+        values += named["home"][4:].tolist()
     if len(values) != n:
         names = ", ".join(arm.joint_names)
         raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
@@ -86,34 +81,31 @@ def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> Motio
     return MotionTrack(Path(motion.source).name, time, track)
 
 
-def tour(waypoints: ArrayLike, joints: Sequence[str] | None = None, pause: float = 0.6) -> Motion:
+def tour(waypoints: ArrayLike) -> Motion:
     """Move from pose to pose, resting at each.
 
     Each leg follows ``s = (1 - cos(pi t / T)) / 2`` and takes the time at which the fastest joint just
     reaches its speed.
 
     Args:
-        waypoints: (N, n), at least two [rad; jaw rod m].
-        joints: Names of the n joints; base to tip if None.
-        pause: Rest at each pose [s].
+        waypoints: (N, n), at least two, joints base to tip [rad; jaw rod m].
 
     Returns:
         The motion, sampled at 25 Hz.
 
     Raises:
-        InputError: Fewer than two poses, or names that do not fit.
+        InputError: Fewer than two poses, or not of four or five joints.
     """
-    known = {joint.name: joint for joint in parameters().joints}
-    names = list(known)[: np.shape(waypoints)[-1]] if joints is None else list(joints)
-    poses = float_array("waypoints", waypoints, (len(names),))
+    joints = parameters().joints[: np.shape(waypoints)[-1]]
+    poses = float_array("waypoints", waypoints, (len(joints),))
     if poses.ndim != 2 or len(poses) < 2:
         raise InputError("waypoints", poses.shape, "at least two poses in rows")
-    speed = np.array([known[name].velocity for name in names])
-    pieces: list[FloatArray] = [np.repeat(poses[:1], round(pause * _RATE), axis=0)]
+    speed, rest = np.array([joint.velocity for joint in joints]), round(_PAUSE * _RATE)
+    pieces: list[FloatArray] = [np.repeat(poses[:1], rest, axis=0)]
     for start, end in pairwise(poses):
         duration = float(np.max(np.pi / 2 * np.abs(end - start) / speed))
         phase = np.linspace(0.0, np.pi, max(2, round(duration * _RATE) + 2))[1:]
-        pieces.append(start + (end - start) * ((1.0 - np.cos(phase)) / 2)[:, None])
-        pieces.append(np.repeat(end[None], round(pause * _RATE), axis=0))
+        leg = start + (end - start) * ((1.0 - np.cos(phase)) / 2)[:, None]
+        pieces += [leg, np.repeat(end[None], rest, axis=0)]
     q = np.concatenate(pieces)
-    return replace(motion(np.arange(len(q)) / _RATE, q, joints=names), source="a short motion")
+    return replace(motion(np.arange(len(q)) / _RATE, q), source="a short motion")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -140,19 +141,13 @@ def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
         volume = sum(d.volume for d in displaced)
         if inertia.mass == 0.0 and volume == 0.0:
             continue
-        cob = sum((d.volume * np.asarray(d.cob) for d in displaced), np.zeros(3))
-        loads.append(
-            Load(
-                # the universe and the free-flyer carry the base
-                link=carrier.get(name, tree[0].parent),
-                mass=inertia.mass,
-                com=np.array(inertia.lever),
-                volume=volume,
-                cob=cob / volume if volume else np.array(inertia.lever),
-                weight=inertia.mass * strength,
-                buoyancy=arm.fluid_density * volume * strength,
-            )
-        )
+        com = cob = np.array(inertia.lever)
+        if volume:
+            cob = sum((d.volume * np.asarray(d.cob) for d in displaced), np.zeros(3)) / volume
+        # The universe and the free-flyer carry the base.
+        link = carrier.get(name, tree[0].parent)
+        weight, buoyancy = inertia.mass * strength, arm.fluid_density * volume * strength
+        loads.append(Load(link, inertia.mass, com, volume, cob, weight, buoyancy))
     return tuple(loads)
 
 
@@ -176,11 +171,8 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
     named = {**{f"load_{i}": [load] for i, load in enumerate(loads)}, "arm": loads}
     for kind, (name, carried) in product(_CENTERS, named.items()):
         center, share, force, text, balls, ink, color, sense = kind
-        points = tuple(
-            (load.link, getattr(load, share), getattr(load, center))
-            for load in carried
-            if getattr(load, share)
-        )
+        weighted = map(attrgetter("link", share, center), carried)
+        points = tuple(point for point in weighted if point[1])
         if not points:
             continue
         whole = name == "arm"

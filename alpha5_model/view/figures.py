@@ -102,11 +102,10 @@ def joined(
     while rest:
         loop = [rest.pop(0)]
         while rest:
-            gaps = [gap(loop[-1][-1], line[0]) for line in rest]
-            nearest = int(np.argmin(gaps))
-            if gap(loop[-1][-1], loop[0][0]) <= gaps[nearest]:
+            gaps = [gap(loop[-1][-1], line[0]) for line in (loop[0], *rest)]
+            if not (nearest := int(np.argmin(gaps))):
                 break
-            loop.append(rest.pop(nearest))
+            loop.append(rest.pop(nearest - 1))
         loops.append(np.concatenate(loop))
     return loops
 

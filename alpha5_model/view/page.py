@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import umsgpack  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from alpha5_model.checks import FloatArray
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Scene, Shape
+from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Mean, Rigid, Scene, Shape
 
 _HERE = Path(__file__).parent
 #: meshcat's viewer in its package.
@@ -52,8 +52,6 @@ class Command(dict[str, Any]):
 
     def packed(self) -> bytes:
         """The message as the browser reads it."""
-        import umsgpack  # type: ignore[import-untyped]
-
         return bytes(umsgpack.packb(self))
 
 
@@ -65,6 +63,11 @@ def shape_path(shape: Shape) -> str:
 def link_path(link: str) -> str:
     """Node that carries the bodies of a link."""
     return f"{ROOT}/bodies/{link}"
+
+
+def _anchors(scene: Scene) -> dict[str, Rigid | Mean]:
+    """Path -> anchor of every shape that does not move with the node of its link."""
+    return {shape_path(s): s.anchor for s in scene.shapes if s.group != "bodies"}
 
 
 def scene_commands(scene: Scene) -> Iterator[Command]:
@@ -84,16 +87,10 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
 
 def pose_commands(scene: Scene) -> Iterator[Command]:
     """Commands that move everything to where the scene has it."""
-    for link, pose in scene.poses.items():
-        yield set_transform(link_path(link), pose)
-    for shape in scene.shapes:
-        if shape.group != "bodies":
-            yield set_transform(shape_path(shape), shape.anchor.transform(scene.poses))
-
-
-def set_transform(path: str, matrix: FloatArray) -> Command:
-    """Place a node by a (4, 4) pose in its parent."""
-    return Command(type="set_transform", path=path, matrix=matrix.T.ravel().tolist())
+    placed = {link_path(link): pose for link, pose in scene.poses.items()}
+    placed |= {path: anchor.transform(scene.poses) for path, anchor in _anchors(scene).items()}
+    for path, pose in placed.items():
+        yield Command(type="set_transform", path=path, matrix=pose.T.ravel().tolist())
 
 
 def set_visible(group: str, visible: bool) -> Command:
@@ -136,21 +133,16 @@ def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
 
 def _geometry(shape: Shape) -> dict[str, Any]:
     mesh = shape.mesh
-    normals = None if shape.flat else mesh.normals
-    corners = {"position": mesh.vertices, "normal": normals, "color": mesh.colors}
-    return {
-        "attributes": {
-            name: _typed(values.astype("<f4"), 3)
-            for name, values in corners.items()
-            if values is not None
-        },
-        "index": _typed(mesh.faces.ravel().astype("<u4"), 1),
-    }
+    corners = {"position": mesh.vertices}
+    if not shape.flat:
+        corners["normal"] = mesh.normals
+    if mesh.colors is not None:
+        corners["color"] = mesh.colors
+    attributes = {name: _typed(values.astype("<f4"), 3) for name, values in corners.items()}
+    return {"attributes": attributes, "index": _typed(mesh.faces.ravel().astype("<u4"), 1)}
 
 
 def _typed(array: NDArray[Any], item_size: int) -> dict[str, Any]:
-    import umsgpack
-
     name, code = _CODES[array.dtype.kind]
     return {
         "itemSize": item_size,
@@ -192,11 +184,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "root": {link: pose for link, pose in scene.poses.items() if link not in moved},
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
         "links": {link: link_path(link) for link in scene.poses},
-        "anchors": [
-            {"path": shape_path(shape), "anchor": shape.anchor}
-            for shape in scene.shapes
-            if shape.group != "bodies"
-        ],
+        "anchors": [{"path": path, "anchor": at} for path, at in _anchors(scene).items()],
         "groups": [
             {"name": name, "title": title, "shown": name in scene.show}
             for name, title in GROUPS.items()

@@ -9,15 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from alpha5_model import planar
 from alpha5_model.checks import FloatArray
-from alpha5_model.planar import (
-    Arc,
-    Curve,
-    PlanarArm,
-    Workspace,
-    dexterity_map,
-    dexterous_radii,
-)
 from alpha5_model.view.figures import fill, joined, legend, new_figure, write_figure
 
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
@@ -26,7 +19,7 @@ FINENESS = 361
 
 
 def plot_planar(
-    arm: PlanarArm,
+    arm: planar.PlanarArm,
     q: ArrayLike | None = None,
     axes: Any = None,
     dexterous: bool = True,
@@ -76,7 +69,7 @@ def plot_planar(
     return axes
 
 
-def title(arm: PlanarArm, space: Workspace) -> str:
+def title(arm: planar.PlanarArm, space: planar.Workspace) -> str:
     """Kind and size of the workspace, in one line."""
     lengths = ", ".join(f"{x:g}" for x in arm.lengths)
     limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
@@ -86,7 +79,7 @@ def title(arm: PlanarArm, space: Workspace) -> str:
     return f"{arm.joints}, l = ({lengths}){limits}: {space.shape}, {size}"
 
 
-def middle_position(arm: PlanarArm) -> FloatArray:
+def middle_position(arm: planar.PlanarArm) -> FloatArray:
     """A joint position that shows the arm well: joints in mid-range, free ones bent, (N,)."""
     free = [0.5, 0.9, -0.7]
     return np.array(
@@ -113,10 +106,10 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
     write_figure(np.ravel(axes)[0].figure, path, dpi=120)
 
 
-def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
+def _dexterous_rings(axes: Any, arm: planar.PlanarArm) -> None:
     point = 1e-12 * arm.reach
-    for low, high in dexterous_radii(arm):
-        inner, outer = (_polyline(Arc((0.0, 0.0), radius)) for radius in (low, high))
+    for low, high in planar.dexterous_radii(arm):
+        inner, outer = (_polyline(planar.Arc((0.0, 0.0), radius)) for radius in (low, high))
         if high <= point:
             axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
         elif high - low <= point:
@@ -125,8 +118,8 @@ def _dexterous_rings(axes: Any, arm: PlanarArm) -> None:
             fill(axes, [outer, inner[::-1]], DEXTEROUS, label="dexterous")
 
 
-def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:
-    found = dexterity_map(arm, resolution)
+def _dexterity_map(axes: Any, arm: planar.PlanarArm, resolution: int) -> None:
+    found = planar.dexterity_map(arm, resolution)
     x, y, share = found.x, found.y, found.share
     seen, look = np.ma.masked_equal(share, 0), {"cmap": "Blues", "vmin": 0, "vmax": 1}
     mesh = axes.pcolormesh(x, y, seen, shading="nearest", zorder=0.5, **look)
@@ -137,7 +130,7 @@ def _dexterity_map(axes: Any, arm: PlanarArm, resolution: int) -> None:
         axes.plot([], [], color=ALL, lw=1, label="dexterous (numerical)")
 
 
-def _draw_arm(axes: Any, arm: PlanarArm, poses: FloatArray) -> None:
+def _draw_arm(axes: Any, arm: planar.PlanarArm, poses: FloatArray) -> None:
     axes.plot(poses[:, 0], poses[:, 1], color=ARM, lw=3, solid_capstyle="round", label="arm")
     for kind, pose in zip(arm.joints, poses[:-1], strict=True):
         marker = "o" if kind == "R" else "s"
@@ -145,8 +138,8 @@ def _draw_arm(axes: Any, arm: PlanarArm, poses: FloatArray) -> None:
     axes.plot(*poses[-1, :2], ".", ms=9, color=ARM)
 
 
-def _polyline(curve: Curve) -> FloatArray:
+def _polyline(curve: planar.Curve) -> FloatArray:
     count = 2
-    if isinstance(curve, Arc):
+    if isinstance(curve, planar.Arc):
         count = max(2, math.ceil(curve.span / math.tau * (FINENESS - 1)) + 1)
     return curve.point(np.linspace(*curve.interval, count))

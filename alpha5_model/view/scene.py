@@ -247,15 +247,14 @@ def framing(
     points = np.concatenate([mesh.vertices for mesh in seen])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     camera = Camera(center + _SIGHT, center)
+    axes, distance = camera.axes(), 0.0
     half = _MARGIN * np.tan(np.deg2rad(camera.field_of_view) / 2)
-    distance = 0.0
     # The middle of the corners in space is not their middle in the picture: move it there.
     for _ in range(4):
-        right, up, back = ((points - center) @ camera.axes().T).T
+        right, up, back = ((points - center) @ axes.T).T
         distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half))
-        ahead = distance - back
-        for coordinate, axis in ((right, camera.axes()[0]), (up, camera.axes()[1])):
-            tangent = coordinate / ahead
+        for coordinate, axis in zip((right, up), axes, strict=False):
+            tangent = coordinate / (distance - back)
             center = center + (tangent.max() + tangent.min()) / 2 * distance * axis
     return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
 

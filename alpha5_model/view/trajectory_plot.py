@@ -83,15 +83,14 @@ def figure(analysis: Analysis) -> Any:
 
 
 def _position(axes: Any, a: Analysis, k: int) -> None:
-    name = a.smooth.joints[k]
-    joint = next(j for j in parameters().joints if j.name == name)
-    scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
+    joint = parameters().joints[k]
+    scale, unit = (1e3, "mm") if joint.name == "axis_a" else (180 / np.pi, "°")
     samples = thin(a.motion.time, scale * a.motion.position[:, k])
     axes.plot(*samples, ".", color="#999999", markersize=4, label="samples")
     _curve(axes, a, scale * a.smooth.position[:, k], color=Color.BLUE)
     _widen(axes, 0.04 * scale * (joint.upper - joint.lower))
     _bounds(axes, scale * joint.lower, scale * joint.upper)
-    axes.set_ylabel(f"{name} [{unit}]")
+    axes.set_ylabel(f"{joint.name} [{unit}]")
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
@@ -130,9 +129,8 @@ def _power(axes: Any, a: Analysis) -> None:
 
 def _mount(axes: Any, a: Analysis) -> None:
     force, moment = np.linalg.norm(a.base_wrench[:, :3], axis=1), a.base_wrench[:, 3:].T
-    for name, color, values in zip(
-        "xyz", (Color.VERMILION, Color.GREEN, Color.BLUE), moment, strict=True
-    ):
+    colors = (Color.VERMILION, Color.GREEN, Color.BLUE)
+    for name, color, values in zip("xyz", colors, moment, strict=True):
         _curve(axes, a, values, color=color, linewidth=1.2, label=f"moment {name}")
     title = f"moment on the mount (force {force.min():.2f} to {force.max():.2f} N)"
     axes.set(title=title, xlabel="time [s]", ylabel="N m")

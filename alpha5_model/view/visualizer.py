@@ -41,12 +41,9 @@ _HOST = "127.0.0.1"
 
 
 class _Page(tornado.web.RequestHandler):
-    def initialize(self, scene: Callable[[], Scene]) -> None:
-        self._scene = scene
-
     def get(self) -> None:
         self.set_header("Cache-Control", "no-store")
-        self.finish(page.live_page(self._scene()))
+        self.finish(page.live_page(self.settings["scene"]()))
 
 
 class _Connection(WebSocketHandler):  # type: ignore[misc]
@@ -66,11 +63,9 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         super().__init__(host=_HOST, port=opened.getsockname()[1])
 
     def make_app(self) -> Any:
-        handlers: list[Any] = [
-            (r"/static/?", _Page, {"scene": self._scene}),
-            (r"/", _Connection, {"bridge": self}),
-        ]
-        self.server = tornado.httpserver.HTTPServer(tornado.web.Application(handlers))
+        handlers: list[Any] = [(r"/static/?", _Page), (r"/", _Connection, {"bridge": self})]
+        application = tornado.web.Application(handlers, scene=self._scene)
+        self.server = tornado.httpserver.HTTPServer(application)
         self.server.add_sockets([self._opened])
         # meshcat would listen to the whole network here; this server's socket is open already.
         return SimpleNamespace(listen=lambda port: None)

@@ -123,8 +123,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     from alpha5_model.dynamics.loading import load
 
     plane = arm_plane()
-    side = math.ceil((plane.a_0 + plane.longest) / cell)
-    up = math.ceil(plane.longest / cell)
+    side, up = (math.ceil(far / cell) for far in (plane.a_0 + plane.longest, plane.longest))
     x, y, z = (cell * np.arange(-n, n + 1) for n in (side, side, up))
     z = z + plane.d_0
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
@@ -138,14 +137,11 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     views = page.subplots(1, 2)
     for axes, along, rows, name in ((views[0], 2, y, "y"), (views[1], 1, z, "z")):
         seen = reached.sum(axis=along)
-        only_hit = seen - free.sum(axis=along)
-        share = 100 * only_hit / np.maximum(seen, 1)
+        share = 100 * (seen - free.sum(axis=along)) / np.maximum(seen, 1)
         _cells(axes, x, rows, seen, ListedColormap([_FILL]))
         image = _cells(axes, x, rows, share, "YlOrRd")
         faces: Any = base.vertices[base.faces][:, :, [0, 3 - along]] * 1e3
-        axes.add_collection(
-            PolyCollection(faces, facecolor=Color.BLACK, edgecolor=Color.BLACK, linewidth=0.3)
-        )
+        axes.add_collection(PolyCollection(faces, color=Color.BLACK, linewidth=0.3))
         axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
         span = (-390, 390)
         axes.set(aspect="equal", xlim=span, ylim=span, xlabel="x (mm)", ylabel=f"{name} (mm)")
@@ -166,10 +162,8 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
 
 def _cells(axes: Any, x: Any, y: Any, values: Any, colors: Any) -> Any:
     """Cells about (x, y) [m], left open where there is nothing."""
-    shown = np.ma.masked_equal(values, 0).T
-    return axes.pcolormesh(
-        x * 1e3, y * 1e3, shown, cmap=colors, vmin=0, vmax=100, shading="nearest"
-    )
+    look = {"cmap": colors, "vmin": 0, "vmax": 100, "shading": "nearest"}
+    return axes.pcolormesh(x * 1e3, y * 1e3, np.ma.masked_equal(values, 0).T, **look)
 
 
 def _draw_exact(axes: Any) -> None:
