@@ -14,7 +14,7 @@ import reference
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description import verification, verification_frames
+from alpha5_model.description import verification
 from alpha5_model.description.urdf_reading import read_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
@@ -83,7 +83,7 @@ def test_the_letter_of_the_document_needs_its_name(tmp_path: Path) -> None:
 def test_the_dh_product_equals_the_tests_own() -> None:
     p = a5.parameters()
     q = reference.configurations(40, seed=3)
-    ours = verification_frames.dh_product(p, q)
+    ours = verification.dh_product(p, q)
     for k, row in enumerate(q):
         for name, theirs in zip(
             [f"dh_{i}" for i in range(1, 6)], reference.dh_frames(row)[1:], strict=True
@@ -95,11 +95,11 @@ def test_the_dh_product_equals_the_tests_own() -> None:
 
 
 def test_configurations_are_within_the_limits_and_at_all_corners() -> None:
-    q = verification_frames.configurations(a5.parameters(), 100)
+    q = verification.configurations(a5.parameters(), 100)
     assert len({tuple(row) for row in q[:16].tolist()}) == 16
     assert set(q[:16].ravel()) == {*reference.LOWER, *reference.UPPER}
     assert ((q >= reference.LOWER) & (q <= reference.UPPER)).all()
-    np.testing.assert_array_equal(q, verification_frames.configurations(a5.parameters(), 100))
+    np.testing.assert_array_equal(q, verification.configurations(a5.parameters(), 100))
 
 
 def test_the_frame_error_sees_position_and_orientation() -> None:
@@ -108,9 +108,9 @@ def test_the_frame_error_sees_position_and_orientation() -> None:
     half = reference.rotation_x(np.pi)[None]
     moved = np.eye(4)[None]
     moved = moved + np.array([[0, 0, 0, 0], [0, 0, 0, 3e-7], [0, 0, 0, 4e-7], [0, 0, 0, 0]])
-    assert verification_frames.frame_error(turned, here) == pytest.approx(1e-9, rel=1e-6)
-    assert verification_frames.frame_error(half, here) == pytest.approx(np.pi)
-    assert verification_frames.frame_error(moved, here) == pytest.approx(5e-7)
+    assert verification.frame_error(turned, here) == pytest.approx(1e-9, rel=1e-6)
+    assert verification.frame_error(half, here) == pytest.approx(np.pi)
+    assert verification.frame_error(moved, here) == pytest.approx(5e-7)
 
 
 def test_a_committed_file_that_cannot_be_read_has_failed(

@@ -1,20 +1,54 @@
-"""The inertias of a URDF's text against the digits of Table 2."""
+"""What the text of a URDF says against the printed tables: names, joints, inertias and jaws."""
 
 from __future__ import annotations
 
 import math
+import os
+from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.urdf_reading import UrdfJoint
-from alpha5_model.description.verification_frames import Subject
+from alpha5_model.description.urdf_reading import LIMITS, UrdfJoint, UrdfRobot, read_urdf
 from alpha5_model.inertia import inconsistencies, pseudo_inertia
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published import published
 
-_JAWS = ("link_4", "jaw_rod", "finger_1", "finger_2")
+LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
+JAW_LINKS = ("jaw_rod", "finger_1", "finger_2")
+
+
+@dataclass(frozen=True, eq=False)
+class Subject(UrdfRobot):
+    """A URDF file that is checked.
+
+    Attributes:
+        path: The file.
+        prefix: What stands before ``base_link`` in it.
+    """
+
+    path: Path
+    prefix: str
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Subject:
+        """Read a file; see `read_urdf` for what it raises."""
+        robot = read_urdf(Path(path))
+        base = [name for name in robot.links if name.endswith("base_link")]
+        prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
+        return cls(**vars(robot), path=Path(path), prefix=prefix)
+
+    @property
+    def jaws(self) -> bool:
+        """Whether there is a link of moving jaws."""
+        return any(self.prefix + name in self.links for name in JAW_LINKS)
+
+    @property
+    def carriers(self) -> dict[str, UrdfJoint]:
+        """Link -> the joint that carries it."""
+        return {joint.child: joint for joint in self.joints.values()}
 
 
 @cache
@@ -38,13 +72,43 @@ def _opposite_products(tensor: FloatArray) -> FloatArray:
     return np.where(np.eye(3, dtype=bool), tensor, -tensor)
 
 
-def inertial_differences(text: Subject, jaws: bool) -> list[str]:
+def missing_names(text: Subject, p: Alpha5Parameters) -> list[str]:
+    """Links and joints of the arm that are not there."""
+    links = ["base_link", *LINKS, "tcp", *(JAW_LINKS if text.jaws else ())]
+    joints = [joint.name for joint in p.joints[: 5 if text.jaws else 4]]
+    return [
+        *(f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links),
+        *(f"no joint {text.prefix}{n}" for n in joints if text.prefix + n not in text.joints),
+    ]
+
+
+def joint_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
+    """Types, parents, children, axes and limits that are not the arm's."""
+    found = []
+    for i, joint in enumerate(p.joints):
+        given = text.joints.get(text.prefix + joint.name)
+        if given is None:
+            continue
+        child = "jaw_rod" if joint.name == "axis_a" else f"link_{i + 1}"
+        for what, ours, theirs in (
+            ("type", joint.kind, given.kind),
+            ("parent", text.prefix + f"link_{i}", given.parent),
+            ("child", text.prefix + child, given.child),
+            ("axis", [0.0, 0.0, 1.0], given.axis.tolist()),
+            ("limits", *({k: getattr(j, k) for k in LIMITS} for j in (joint, given))),
+        ):
+            if ours != theirs:
+                found.append(f"{given.name}: {what} {theirs}, expected {ours}")
+    return found
+
+
+def inertial_differences(text: Subject) -> list[str]:
     """Masses, COMs and tensors that are not Table 2's, to the last bit.
 
     With jaws, link 4 is in four parts and `closed_jaws` compares their sum.
     """
     found = []
-    for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if jaws else 5]):
+    for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if text.jaws else 5]):
         name = f"{text.prefix}link_{i}"
         given = text.links.get(name)
         if given is None or given.mass is None:
@@ -73,12 +137,15 @@ def _usual_mistake(given: FloatArray, tensor: FloatArray, at_link: FloatArray) -
     return " (it is I_Link)" if alike(np.abs(given), np.abs(at_link)) else ""
 
 
-def stray_masses(text: Subject, jaws: bool) -> list[str]:
+def stray_masses(text: Subject) -> list[str]:
     """Links beside the arm's that weigh something, and massless frames that do not say so."""
-    heavy = {text.prefix + f"link_{i}" for i in range(5)}
-    heavy |= {text.prefix + name for name in _JAWS} if jaws else set()
+    mine = {text.prefix + "base_link"}  # and what it carries, not what it is mounted on
+    for joint in text.joints.values():  # from the root outwards
+        if joint.parent in mine:
+            mine.add(joint.child)
+    heavy = {text.prefix + name for name in (*LINKS, *(JAW_LINKS if text.jaws else ()))}
     found = []
-    for name in _below(text, text.prefix + "base_link") - heavy:
+    for name in mine - heavy:
         given = text.links.get(name)
         if given is None or given.mass is None:
             # PyBullet gives a link without an inertial element a mass of 1 kg.
@@ -88,63 +155,46 @@ def stray_masses(text: Subject, jaws: bool) -> list[str]:
     return sorted(found)
 
 
-def _below(text: Subject, root: str) -> set[str]:
-    """The link and all links that it carries, without what it is mounted on."""
-    names = {root}
-    for joint in text.joints.values():  # from the root outwards
-        if joint.parent in names:
-            names.add(joint.child)
-    return names
-
-
 def impossible_links(text: Subject) -> list[str]:
     """Links that cannot be bodies; see `alpha5_model.inertia.inconsistencies`."""
-    found = []
-    for name, given in text.links.items():
-        if given.mass is not None and (given.mass or given.inertia.any()):
-            problems = inconsistencies(given.mass, given.com, given.inertia)
-            found += [f"{name}: {problem}" for problem in problems]
-    return found
+    return [
+        f"{name}: {problem}"
+        for name, given in text.links.items()
+        if given.mass is not None and (given.mass or given.inertia.any())
+        for problem in inconsistencies(given.mass, given.com, given.inertia)
+    ]
 
 
-def link_4_is_split(text: Subject) -> bool:
-    """Whether wrist, rod and both fingers are there, with the joints that carry them."""
-    names = {text.prefix + name for name in _JAWS}
-    bodies = {name for name, link in text.links.items() if link.mass is not None}
-    wrist = text.prefix + "link_4"
-    carried = {joint.child for joint in text.joints.values() if joint.parent == wrist}
-    return names <= bodies and names - {wrist} <= carried
-
-
-def closed_jaws(text: Subject) -> float:
+def closed_jaws(text: Subject) -> float | None:
     """Largest relative error of the assembly's pseudo-inertia about the origin of link 4.
 
     The 4x4 pseudo-inertia holds mass, first and second moments, and adds up over the bodies, so the
     sum needs no parallel-axis theorem. Each entry is compared with the size of its block.
+
+    Returns:
+        The error; None if wrist, rod and fingers are not all there, with the joints that carry them.
     """
+    wrist = text.prefix + "link_4"
+    total = np.zeros((4, 4))
+    for name in (wrist, *(text.prefix + name for name in JAW_LINKS)):
+        body, joint = text.links.get(name), text.carriers.get(name)
+        if body is None or body.mass is None:
+            return None
+        placed = np.eye(4)
+        if name != wrist:
+            if joint is None or joint.parent != wrist:
+                return None
+            leader = text.joints.get(joint.source)
+            closed = 0.0 if leader is None else leader.lower or 0.0
+            placed = joint.transform @ joint.motion(joint.multiplier * closed + joint.offset)
+        total += placed @ pseudo_inertia(body.mass, body.com, body.inertia) @ placed.T
     mass, com, tensor, _ = _table_2()[4]
     printed = pseudo_inertia(mass, com, tensor)
-    total = np.zeros((4, 4))
-    for name in _JAWS:
-        body = text.links[text.prefix + name]
-        placed = np.eye(4)
-        for joint in text.joints.values():
-            if name != "link_4" and joint.child == text.prefix + name:
-                placed = joint.transform @ joint.motion(_position_when_closed(text, joint))
-        own = pseudo_inertia(body.mass or 0.0, body.com, body.inertia)
-        total += placed @ own @ placed.T
     scale = np.empty((4, 4))
     scale[:3, :3] = np.abs(printed[:3, :3]).max()
     scale[:3, 3] = scale[3, :3] = np.abs(printed[:3, 3]).max()
     scale[3, 3] = printed[3, 3]
     return float((np.abs(total - printed) / scale).max())
-
-
-def _position_when_closed(text: Subject, joint: UrdfJoint) -> float:
-    """Position of a jaw joint with the rod at its lower limit."""
-    leader = joint if joint.mimic is None else text.joints.get(joint.mimic)
-    lower = 0.0 if leader is None or leader.lower is None else leader.lower
-    return lower if joint.mimic is None else joint.multiplier * lower + joint.offset
 
 
 def jaw_limit_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
@@ -153,9 +203,8 @@ def jaw_limit_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
     if rod is None or rod.lower is None or rod.upper is None or rod.velocity is None:
         return ["axis_a: no limits"]
     found = []
-    for number in (1, 2):
-        child = f"{text.prefix}finger_{number}"
-        finger = next((j for j in text.joints.values() if j.child == child), None)
+    for child in (text.prefix + "finger_1", text.prefix + "finger_2"):
+        finger = text.carriers.get(child)
         if finger is None or finger.mimic != rod.name:
             found.append(f"{child}: no joint that follows {rod.name}")
             continue
