@@ -485,6 +485,11 @@ def test_tori(rows: dict[str, AuditRow]) -> None:
     inner = rows["workspace.inner_torus"]
     assert inner.measured == pytest.approx(math.hypot(39.94 + a_2, length - d_3))
     assert inner.expected == pytest.approx(folded)
+    # Half of each last digit along its leg; a_2 and d_3 are in both radii.
+    printed, caption = [(x + a_2, length - d_3) for x in (39.94, offset)]
+    expected = (printed[0] * 0.005 - printed[1] * 0.05) / math.hypot(*printed)
+    expected += (caption[0] * 0.5 - caption[1] * 0.05) / math.hypot(*caption)
+    assert inner.bound == pytest.approx(expected, rel=3e-3)
     outer = rows["workspace.outer_torus"]
     assert outer.expected == pytest.approx(math.hypot(offset, length) + math.hypot(d_3, a_2))
     assert outer.verdict == "agrees"

@@ -254,7 +254,7 @@ def test_jaws_beside_a_whole_wrist_are_counted_twice():
         "right_jaw with 100 g: the jaws are counted twice"
     )
     root = edited()
-    add_link(root, "motor", "0.05", "1e-5", parent="link_3")
+    add_link(root, "motor", "0.05048", "1e-5", parent="link_3")
     text = found(compared(root), "link_3", "mass ").text
     assert text.endswith("link_3 has the mass of Table 2; beside it motor with 50 g")
 

@@ -201,6 +201,7 @@ def test_joints_that_have_no_dh_row_are_refused() -> None:
     ("arguments", "words"),
     [
         (([], []), "shape"),
+        ((np.zeros((0, 3)), np.zeros((0, 3))), "N at least 1"),
         (([[0, 0, 0]], [[0, 0, 0]]), "not zero"),
         (([[0, 0, 0]], [[0, 0, 1], [0, 0, 1]]), r"\(N, 3\)"),
         (([0, 0, 0], [0, 0, 1]), r"\(N, 3\)"),

@@ -145,6 +145,15 @@ def test_a_stale_file_is_found_and_mended(tmp_path):
     assert stale_files(str(tmp_path)) == []
 
 
+def test_a_stale_file_that_is_no_text_is_told_by_its_size(tmp_path):
+    (tmp_path / "arm.glb").write_bytes(b"glTF\xff")
+    (tmp_path / "arm.obj").write_bytes(b"v 0 0 0\n")
+    fresh = {"arm.glb": b"glTF\xfe\xff\xff", "arm.obj": b"\xff"}
+    first, second = stale_files(str(tmp_path), fresh)
+    assert first.diff == "arm.glb: 5 bytes differ from 7 fresh ones\n"
+    assert second.diff == "arm.obj: 8 bytes differ from 1 fresh ones\n"
+
+
 def test_check_exits_1_with_a_diff(monkeypatch, capsys):
     import alpha5_model.description.committed as committed
 

@@ -446,6 +446,7 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
     rotation = Rotation.random(40, random_state=86).as_matrix()
     # A quarter of them ask for the wrist where its range has a gap and theta_0 has none, and so on.
     yaw = np.linspace(LOWER[0], UPPER[0], 121)
+    fine = np.linspace(LOWER[0], UPPER[0], 4001)
     wrist = np.linspace(LOWER[3], UPPER[3], 121)
     at_limit = 0
     for k in range(40):
@@ -470,6 +471,12 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
             grid[..., 0], grid[..., 3] = yaw[:, None], wrist
             turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], pose[:3, :3])
             cosine = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
+            # At a limit of the wrist theta_0 is one number, which a finer scan finds.
+            grid = np.tile(q, (2, 4001, 1))
+            grid[..., 0], grid[..., 3] = fine, [[LOWER[3]], [UPPER[3]]]
+            turned = np.einsum("abij,kj->abik", fk(grid)[..., :3, :3], pose[:3, :3])
+            at_ends = (np.trace(turned, axis1=-2, axis2=-1) - 1) / 2
+            assert error <= math.acos(min(1.0, at_ends.max())) + 1e-7
             scanned = math.acos(min(1.0, cosine.max()))
             assert error <= scanned + 1e-9
             assert error >= scanned - 0.06  # as far as a step of the grid

@@ -264,6 +264,25 @@ def test_reached_orientations_are_reached(kinds: str) -> None:
         assert dexterity(turned, point, orientations=1, samples=101) == 1
 
 
+@pytest.mark.parametrize("kinds", ["RRR", "RPR", "PRR", "PPR"])
+def test_the_mirror_image_reaches_as_much(kinds: str) -> None:
+    rng = np.random.default_rng(9)
+    some = 0
+    for _ in range(10):
+        lengths, angles = rng.uniform(0.5, 2, 3), rng.uniform(-1, 1, 3)
+        limits = np.sort(rng.uniform(-2, 2, (3, 2)))
+        slides = np.array([k == "P" for k in kinds])
+        limits[slides] = np.abs(limits[slides].sum(axis=1))[:, None] + [0.1, 1.0]
+        image = np.where(slides[:, None], limits, -limits[:, ::-1])
+        arm = PlanarArm(lengths, limits, kinds, angles)
+        mirrored = PlanarArm(lengths, image, kinds, -angles)
+        points = arm.forward_kinematics(rng.uniform(*limits.T, (20, 3)))[:, :2]
+        share = dexterity(arm, points, orientations=72)
+        assert share == pytest.approx(dexterity(mirrored, points * (1, -1), orientations=72))
+        some += (share > 0).sum()
+    assert some > 50
+
+
 def test_a_free_first_joint_makes_all_bearings_alike() -> None:
     """Turned by the spacing of samples and orientations, the same poses are asked for."""
     arm = PlanarArm((5, 2, 0.5, 0.3), [None, (-0.5, 1), (-1, 1), (-2, 2)])

@@ -12,6 +12,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.description import bodies, verification
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
+from alpha5_model.description.urdf_reading import read_urdf
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.parameters import parameters
 
@@ -42,6 +43,13 @@ def test_records_of_arrays_have_no_equality() -> None:
     of_arrays = [r for r in records() if any("Array" in str(f.type) for f in dataclasses.fields(r))]
     assert len(of_arrays) > 20
     assert [r for r in of_arrays if r.__dataclass_params__.eq] == []
+
+
+def test_robots_as_read_are_told_apart_and_hashed_by_identity() -> None:
+    """A record of records of arrays: their ``==`` would be by identity, its own by content."""
+    one, other = read_urdf(a5.URDF_PATH), read_urdf(a5.URDF_PATH)
+    assert one != other
+    assert len({one, other, one}) == 2
 
 
 # --- numbers and branches of the description that no other test holds ---------------------------

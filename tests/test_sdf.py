@@ -19,6 +19,7 @@ from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import parameters
+from alpha5_model.paths import URDF_PATH
 
 
 def numbers(element: ET.Element | None) -> np.ndarray:
@@ -198,6 +199,19 @@ def test_every_mesh_is_beside_the_model():
         if line.startswith("mtllib")
     }
     assert {f"meshes/{library}" for library in libraries} <= set(files)
+
+
+def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
+    """The URDF's visuals are written by the xacro, these by the package."""
+    root = ET.fromstring(sdf_files()["model.sdf"])
+    shown = {visual.get("name"): pose(visual) for visual in root.iter("visual")}
+    urdf = ET.parse(URDF_PATH).getroot()
+    for visual in urdf.findall("link[@name='link_4']/visual"):
+        origin = visual.find("origin")
+        element = ET.fromstring(f"<v><pose>{origin.get('xyz')} {origin.get('rpy')}</pose></v>")
+        name = Path(visual.find("geometry/mesh").get("filename")).stem
+        np.testing.assert_allclose(shown.pop(name), pose(element), atol=1e-12)
+    assert set(shown) == {f"link_{i}" for i in range(4)}
 
 
 def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
