@@ -1,1 +1,1 @@
-"""The model in the shapes in which the collections of robot models hold theirs."""
+"""The model as a member of robot_descriptions and of example-robot-data."""

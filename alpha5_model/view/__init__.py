@@ -24,14 +24,14 @@ def view(
 ) -> ArmVisualizer:
     """Start a live meshcat viewer on an arm.
 
-    The page has a slider for each joint, switches for everything that can be shown, and the motion's
-    player; ``open()`` shows it in a browser, ``url()`` says where it is, ``display(q)`` and ``play(q, dt)``
-    move the arm, ``static_html()`` is the same as a page for the disk.
+    The page has a slider for each joint, switches for everything that can be shown, and a player
+    for the motion. ``open()`` shows it in a browser, ``url()`` is its address, ``display(q)`` and
+    ``play(q, dt)`` move the arm, ``static_html()`` is the same page as one file.
 
     Args:
         arm: What to show.
         q: Joint positions, (nq,); the pose ``home`` if None.
-        target: Position for which all solutions of the inverse kinematics stand as ghosts, (3,) [m].
+        target: Position, (3,) [m]; every solution of its inverse kinematics is shown as a ghost.
         motion: Played in real time by the page.
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on.
         port: Of the page on this machine; 0 for a free one.

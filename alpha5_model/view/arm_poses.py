@@ -60,7 +60,7 @@ def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, 
 
 
 def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
-    """The joint tree of a URDF text, placed as in the arm's own model: its corrections may differ."""
+    """The joint tree of a URDF, placed as in the arm's model: its corrections may differ."""
     tree = tuple(parse_urdf(urdf).joints.values())
     poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
     placed = []
@@ -84,8 +84,8 @@ def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> Motio
 def tour(waypoints: ArrayLike) -> Motion:
     """Move from pose to pose, resting at each.
 
-    Each leg follows ``s = (1 - cos(pi t / T)) / 2`` and takes the time at which the fastest joint just
-    reaches its speed.
+    Each leg follows ``s = (1 - cos(pi t / T)) / 2`` and takes the time at which the fastest joint
+    just reaches its speed.
 
     Args:
         waypoints: (N, n), at least two, joints base to tip [rad; jaw rod m].

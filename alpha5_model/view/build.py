@@ -1,8 +1,4 @@
-"""From an arm and its joint positions to a scene: its bodies, and what explains them.
-
-Frames, centres of mass and buoyancy, forces as arrows, what the tcp reaches, solutions of the inverse
-kinematics as ghosts.
-"""
+"""Build the scene of an arm: bodies, frames, centres, forces, reach, solutions of the IK."""
 
 from __future__ import annotations
 
@@ -38,8 +34,8 @@ _AXES = 0.05
 _YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
 _BLUE, _WHITE, _ORANGE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97), (0.95, 0.55, 0.1)
 _RED, _SKY, _PINK = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86), (0.85, 0.1, 0.5)
-#: Kinds of centre. Attributes of `Load`: the point, its weight in the whole arm's mean, the force that acts
-#: there. What the label says; colours of the centre, its label and the arrow; 1 along gravity, -1 against it.
+#: Kinds of centre: the attributes of `Load` for the point, its weight in the mean and its force;
+#: text of the label; colours of the centre, label and arrow; 1 along gravity, -1 against it.
 _CENTERS = (
     ("com", "mass", "weight", "centre of mass", (_YELLOW, _BLACK), _OCHRE, _RED, 1.0),
     ("cob", "volume", "buoyancy", "centre of buoyancy", (_BLUE, _WHITE), _BLUE, _SKY, -1.0),
@@ -59,12 +55,12 @@ def build_scene(
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
 ) -> Scene:
-    """Everything that can be seen of an arm.
+    """Build the scene of an arm.
 
     Args:
         arm: What to show.
         q: Joint positions, (nq,); the pose ``home`` if None.
-        target: Position for which all solutions of the inverse kinematics stand as ghosts, (3,) [m].
+        target: Position, (3,) [m]; every solution of its inverse kinematics is shown as a ghost.
         motion: Played in real time.
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on. If
             None: bodies, labels, centres, and the ghosts if there is a target.
@@ -194,7 +190,7 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
 def _ghosts(
     arm: Arm, tree: Sequence[UrdfJoint], bodies: Sequence[Shape], q: FloatArray, target: FloatArray
 ) -> Iterator[Shape | Label]:
-    """Every solution of the inverse kinematics for a target, as a ghost of the moving links' bodies."""
+    """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
     solutions = inverse_kinematics(target)
     first = len(q) - len(arm.joint_names)
     for i, (branch, color) in enumerate(zip(BRANCHES, _GHOSTS, strict=True)):

@@ -1,7 +1,4 @@
-"""Figures of matplotlib that no window shows: their style, what they share, how they become files.
-
-The smallest of them is here too: how far another model is off.
-"""
+"""Matplotlib figures without a window: style, shared parts, files; the plot of a comparison."""
 
 from __future__ import annotations
 
@@ -66,7 +63,7 @@ def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """A matplotlib Figure that no window or global state knows of; sizes in inches.
+    """A matplotlib Figure outside of pyplot's global state; width and height in inches.
 
     Raises:
         MissingDependencyError: matplotlib is not installed.
@@ -77,7 +74,9 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def write_figure(figure: Any, path: str | os.PathLike[str], dpi: int) -> Path:
-    """Write a figure; the suffix says how: one of `FORMATS`, PNG for ``-``, devices and pipes.
+    """Write a figure in the format of the suffix, one of `FORMATS`.
+
+    Standard output (``-``), devices and pipes get PNG.
 
     Raises:
         UnknownNameError: Another suffix.
@@ -135,7 +134,7 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
 
     Args:
         comparison: What `alpha5_model.compare` returns.
-        path: Picture to write; the suffix says how: ``.png``, ``.pdf`` or ``.svg``.
+        path: Picture to write: ``.png``, ``.pdf`` or ``.svg``.
 
     Raises:
         InputError: Of another arm, which has no errors to draw.
@@ -154,7 +153,7 @@ def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Pat
     )
     figure = new_figure(11, 3.2)
     for axes, (title, names, values) in zip(figure.subplots(1, 4), panels, strict=True):
-        # Rounding of the arithmetic is no error to look at: it would stretch to the full width.
+        # Rounding errors alone would fill the panel.
         values = [value if abs(value) > 1e-9 else 0.0 for value in values]
         bars = axes.barh(names, values, color="#c0504d")
         axes.bar_label(bars, fmt=lambda v: f"{v:.3g}", padding=3, fontsize=8)

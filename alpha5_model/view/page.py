@@ -1,4 +1,4 @@
-"""A scene as meshcat commands, and as a page: meshcat's own viewer with sliders, switches and labels around it.
+"""A scene as meshcat commands, and as a page: meshcat's viewer with sliders, switches and labels.
 
 The live viewer and the page on disk get the same commands.
 """
@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Mean, Rigid, Scene, Shape
 
-_HERE = Path(__file__).parent
 #: meshcat's viewer in its package.
 _VIEWER = "viewer/dist/main.min.js"
-#: Fields of a scene that the page gets as they are.
+#: Fields of a scene that go to the page unchanged.
 _AS_IT_STANDS = ("title", "notes", "sliders", "labels", "loads", "gravity", "camera")
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
@@ -207,14 +206,17 @@ def meshcat_script() -> str:
 
 
 def _page(scene: Scene, live: bool, commands: list[str]) -> str:
-    # The policy makes "no request leaves the machine" a promise that the browser keeps.
+    # With this policy the browser itself refuses any request that would leave the machine.
     policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+    data = {**page_data(scene), "live": live, "commands": commands}
+    text = json.dumps(data, separators=(",", ":"), default=_plain)
     parts = {
         "policy": policy + ("; connect-src 'self' ws: wss:" if live else ""),
         "title": scene.title,
         "style": _read("page.css"),
         "meshcat": meshcat_script(),
-        "data": _json({**page_data(scene), "live": live, "commands": commands}),
+        # "<" cannot close the script element that holds the data.
+        "data": text.replace("<", "\\u003c"),
         "script": _read("page.js"),
     }
     page = _read("page.html")
@@ -223,14 +225,11 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
     return page
 
 
-def _json(value: Any) -> str:
-    def plain(part: Any) -> Any:
-        return part.tolist() if isinstance(part, np.ndarray) else vars(part)
-
-    # "<" cannot close the script element that holds the data.
-    return json.dumps(value, separators=(",", ":"), default=plain).replace("<", "\\u003c")
+def _plain(part: Any) -> Any:
+    """What JSON takes in place of an array or a record."""
+    return part.tolist() if isinstance(part, np.ndarray) else vars(part)
 
 
 @cache
 def _read(name: str) -> str:
-    return (_HERE / name).read_text(encoding="utf-8")
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """A picture of a scene as PNG, by a small software renderer: triangles to pixels with NumPy.
 
-No graphics card, no browser, no window system; the same scene gives the same pixels everywhere.
+It needs no graphics card, browser or window system, and gives the same pixels everywhere.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from alpha5_model.view.shapes import Mesh
 
 #: Drawn this much finer, then averaged, so that edges are smooth.
 _FINER = 2
-#: Pixels looked at in one go.
+#: Pixels processed at once.
 _BLOCK = 1 << 21
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
 _LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.80), (np.array([0.85, 0.1, 0.52]), 0.45))
@@ -60,7 +60,8 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
 def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
     """What is shown, in the world, with its opacity.
 
-    Solid things first, then what is seen through, bodies before the rest, from far to near; layers on top last.
+    Opaque shapes first, then transparent ones, bodies before the rest, from far to near; layers on
+    top last.
     """
     found = []
     for shape in scene.shapes:

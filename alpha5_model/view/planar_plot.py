@@ -27,8 +27,8 @@ def plot_planar(
 ) -> Any:
     """Draw an arm, its workspace and its dexterous workspace.
 
-    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms of three joints, the
-    last one revolute, it is a map of the share of orientations reached.
+    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms of three joints,
+    the last one revolute, it is a map of the share of orientations reached.
 
     Args:
         arm: The arm.
@@ -88,7 +88,7 @@ def middle_position(arm: planar.PlanarArm) -> FloatArray:
 
 
 def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:
-    """One set of matplotlib axes, or an array of them, on a figure that no window shows.
+    """One set of matplotlib axes, or an array of them, on a new figure.
 
     Raises:
         MissingDependencyError: matplotlib is not installed.
@@ -97,7 +97,7 @@ def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:
 
 
 def save(axes: Any, path: str | os.PathLike[str]) -> None:
-    """Write the figure that the axes stand on; the suffix says how, as in `write_figure`.
+    """Write the figure of the axes in the format of the suffix, as `write_figure` does.
 
     Raises:
         UnknownNameError: Another suffix.

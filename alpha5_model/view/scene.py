@@ -1,7 +1,7 @@
-"""What is drawn, as data: shapes and labels, each anchored to the arm, in named groups, and a camera.
+"""What is drawn, as data: shapes and labels in named groups, each anchored to the arm; a camera.
 
-A `Scene` knows nothing of browsers or pixels. `page` turns it into meshcat commands and a page, `picture`
-into a PNG.
+A `Scene` knows nothing of browsers or pixels. `page` turns it into meshcat commands and a page,
+`picture` into a PNG.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ GROUPS: dict[str, str] = {
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
 }
-#: Of these, what is drawn; the others say how.
+#: Groups of shapes; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
-#: Shown if nothing else is asked for.
+#: Shown by default.
 DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
 #: Opacity of bodies that are seen through.
 SEE_THROUGH = 0.4
@@ -160,7 +160,7 @@ class Load:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """Where it is seen from.
+    """A perspective camera.
 
     Attributes:
         eye, target: (3,) [m].
@@ -196,7 +196,7 @@ class MotionTrack:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Everything to see.
+    """All that is drawn, and the numbers that the page's sliders need.
 
     Attributes:
         title: Heading of the page.
@@ -207,7 +207,7 @@ class Scene:
         poses: Pose of every link in the world at ``q``, (4, 4).
         shapes, labels, loads: What to draw.
         gravity: (3,) [m/s^2].
-        camera: Where it is seen from.
+        camera: From where the scene is seen.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
@@ -249,7 +249,7 @@ def framing(
     camera = Camera(center + _SIGHT, center)
     axes, distance = camera.axes(), 0.0
     half = _MARGIN * np.tan(np.deg2rad(camera.field_of_view) / 2)
-    # The middle of the corners in space is not their middle in the picture: move it there.
+    # The centre of the corners in space is not their centre in the picture: correct it in steps.
     for _ in range(4):
         right, up, back = ((points - center) @ axes.T).T
         distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half))

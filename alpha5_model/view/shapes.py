@@ -1,6 +1,6 @@
-"""Triangle meshes: the shapes of a URDF, arrows, balls, axes, solids of revolution, tubes along curves.
+"""Triangle meshes: the shapes of a URDF, arrows, balls, axes, solids of revolution, tubes.
 
-Every shape is a `Mesh` with a normal at each corner, so that the page and the picture shade it alike.
+Every mesh has a normal at each corner, so that the page and the picture shade it alike.
 """
 
 from __future__ import annotations
@@ -47,10 +47,11 @@ class Mesh:
 
 
 def drawn(shape: UrdfShape, folder: str) -> Mesh:
-    """The mesh of a URDF's shape, in its link's frame; the folder is where relative file names start.
+    """The mesh of a URDF's shape in its link's frame; relative file names start at the folder.
 
     Raises:
-        MissingFileError, FileFormatError: A mesh that is not there or not a triangle OBJ; another kind of shape.
+        MissingFileError, FileFormatError: A mesh that is missing or not a triangle OBJ, or another
+            kind of shape.
     """
     if shape.kind == "mesh":
         mesh = read_obj(str(Path(folder, shape.file).resolve()))
@@ -123,7 +124,7 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
 
 
 def quads(corners: FloatArray, normals: ArrayLike) -> Mesh:
-    """Flat quadrilaterals, corners (N, 4, 3) counter-clockwise from outside, normals (N, 3) or (3,)."""
+    """Flat quadrilaterals: corners (N, 4, 3), counter-clockwise; normals (N, 3) or (3,)."""
     each = np.broadcast_to(np.asarray(normals, np.float64), (len(corners), 3))
     faces = _triangles(4 * np.arange(len(corners)), 1, 2, 3)
     return Mesh(corners.reshape(-1, 3), np.repeat(each, 4, axis=0), faces)
@@ -132,7 +133,7 @@ def quads(corners: FloatArray, normals: ArrayLike) -> Mesh:
 def box(size: ArrayLike) -> Mesh:
     """A box about the origin with edges along the axes, (3,) [m]."""
     side = np.array([[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]) / 2
-    # A point mirrored at the origin turns its side around: the order of the corners is reversed.
+    # Mirroring at the origin reverses the sense of a face, so its corners are reversed too.
     sides = [np.roll(sign * side[::sign], k, axis=1) for sign in (1, -1) for k in range(3)]
     corners = np.array(sides)
     return quads(corners * np.asarray(size), 2.0 * corners.mean(axis=1))
@@ -148,7 +149,7 @@ def arrow(vector: ArrayLike, radius: float) -> Mesh:
 
 
 def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) -> Mesh:
-    """A sphere at the origin with octants of two colours, the drawing sign for a centre."""
+    """A sphere at the origin with octants of two colours, the usual symbol for a centre of mass."""
     angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
     azimuth, polar = (angle.ravel() for angle in np.meshgrid(angles, angles, indexing="ij"))
     octant = np.column_stack(

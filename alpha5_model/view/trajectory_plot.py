@@ -21,7 +21,7 @@ CAUSES = {
     "inertia": Color.PINK,
     "coriolis": Color.GREEN,
 }
-#: More points than a page can show are thinned, keeping the extremes of each stretch.
+#: Most points of a curve; longer ones are thinned and keep the extremes of each stretch.
 _POINTS = 4000
 
 
@@ -40,10 +40,10 @@ _POINTS = 4000
     }
 )
 def figure(analysis: Analysis) -> Any:
-    """The page as a matplotlib Figure that no window or global state knows of.
+    """Plot the motion, as a matplotlib Figure.
 
-    One row for each joint (position, torque by cause, motor current) and one for the whole arm (power,
-    load on the mount, TCP path).
+    One row for each joint (position, torque by cause, motor current) and one for the whole arm
+    (power, load on the mount, TCP path).
     """
     a = analysis
     rows = len(a.smooth.joints)

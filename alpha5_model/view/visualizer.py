@@ -1,8 +1,8 @@
-"""meshcat's visualizer on an arm, `display` and `play` as users of Pinocchio's know them, and its server.
+"""meshcat's visualizer of an arm, with `display` and `play` as in Pinocchio's, and its server.
 
-meshcat starts its server as another process on all network interfaces. This one is a thread of the caller,
-listens on this machine only, and is ready in milliseconds. It speaks meshcat's protocol, so that other
-programs can connect to it by `zmq_url` too.
+meshcat starts its server as another process on all network interfaces. This one is a thread of the
+caller, listens on this machine only, and is ready in milliseconds. It speaks meshcat's protocol, so
+other programs can connect to it by `zmq_url`.
 """
 
 from __future__ import annotations
@@ -72,8 +72,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
 
     def setup_zmq(self, url: str) -> tuple[Any, Any, str]:
         # A port of the system's choice: meshcat would try 6000, 6001, ... and print each.
-        host = url.rsplit(":", 1)[0]
-        endpoint, stream, _ = super().setup_zmq(f"{host}:*")
+        endpoint, stream, _ = super().setup_zmq(url.rsplit(":", 1)[0] + ":*")
         return endpoint, stream, endpoint.getsockopt(zmq.LAST_ENDPOINT).decode().rstrip("\0")
 
     def handle_zmq(self, frames: list[bytes]) -> None:
@@ -82,8 +81,9 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
             return
         commands = []
         for node in walk(self.tree):
-            parts = [node.object, *node.properties, node.transform, node.animation]
-            commands += [part for part in parts if part is not None]
+            commands += filter(
+                None, [node.object, *node.properties, node.transform, node.animation]
+            )
         self.zmq_socket.send(page.static_page(self._scene(), commands).encode("utf-8"))
 
 
@@ -118,7 +118,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self.connect_zmq()
 
     def move(self, commands: Iterable[page.Command]) -> None:
-        """Send many transforms at once: a pose of the arm is one step, with no answer to each to wait for."""
+        """Send many transforms as one step, without waiting for an answer to each."""
         bridge, done = self._bridge, threading.Event()
         moves = [(c["path"].strip("/").split("/"), c.packed()) for c in commands]
 

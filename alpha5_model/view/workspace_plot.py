@@ -1,7 +1,4 @@
-"""What the tcp reaches, drawn: as shapes of a scene, and as pictures beside the published region.
-
-The pictures are in the half-plane, and from above and from the side where it is reached in self-collision only.
-"""
+"""Draw what the tcp can reach: shapes for a scene, plots of its boundary and of self-collision."""
 
 from __future__ import annotations
 
@@ -21,7 +18,6 @@ from alpha5_model.view.figures import Color, fill, joined, legend, new_figure, s
 from alpha5_model.view.scene import Rigid, Shape
 from alpha5_model.view.shapes import Mesh, join, lathe, quads, read_obj, tube
 
-_COLOR = {"underarm": Color.BLUE, "overarm": Color.ORANGE}
 _FILL = "#E8EEF3"
 #: Colour of the shapes.
 _GREEN = (0.08, 0.60, 0.50)
@@ -90,7 +86,7 @@ def _section(side: str, sign: float, outline: FloatArray) -> Mesh:
 
 @style({"axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.5, "legend.fontsize": 8.5})
 def figure() -> Any:
-    """The picture as a matplotlib Figure that no window or global state knows of.
+    """Plot the exact and the published reachable set in the half-plane, as a matplotlib Figure.
 
     Left, the boundary of the reachable set by the joint that stops it. Right, the published region
     over it. Lengths in mm.
@@ -108,7 +104,7 @@ def figure() -> Any:
 
 @style()
 def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
-    """From above and from the side: how much of what the arm reaches it reaches in self-collision only.
+    """Plot, from above and from the side, the share that is reached in self-collision only.
 
     Args:
         cell: Edge of the cells whose centres are tried [m].
@@ -119,7 +115,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
 
     from alpha5_model.dynamics.collision import without_self_collision
 
-    # late: all else here needs no Pinocchio
+    # Imported here because nothing else in this module needs Pinocchio.
     from alpha5_model.dynamics.loading import load
 
     plane = arm_plane()
@@ -168,7 +164,7 @@ def _cells(axes: Any, x: Any, y: Any, values: Any, colors: Any) -> Any:
 
 def _draw_exact(axes: Any) -> None:
     _fill(axes, workspace.boundary("both"), _FILL)
-    for side, color in _COLOR.items():
+    for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
         for arc in workspace.boundary(side):
             line = "-" if arc.cause == "stretched" else "--" if "theta_1" in arc.cause else ":"
             axes.plot(*arc_points(arc, _CHORD).T * 1e3, line, color=color, linewidth=1.8)
@@ -225,7 +221,7 @@ def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArra
 
 
 def _gap(end: FloatArray, start: FloatArray) -> float:
-    """How far the outline goes without an arc: not at all, or down the axis; infinite if neither."""
+    """Length that no arc covers: none, or a piece down the axis; infinite if neither."""
     if math.dist(end, start) < _MEET:
         return 0.0
     on_axis = abs(end[0]) < _MEET and abs(start[0]) < _MEET and start[1] < end[1]
