@@ -25,10 +25,10 @@ def cross_matrix(vector: ArrayLike) -> FloatArray:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def rotation_about(axis: ArrayLike, angle: float) -> FloatArray:
-    """Rotation about a unit vector by Rodrigues' formula, (3, 3)."""
-    k = cross_matrix(axis)
-    return np.asarray(np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k))
+def rotation_about(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
+    """Rotations about a unit vector (3,) by angles (...), by Rodrigues' formula, (..., 3, 3)."""
+    k, a = cross_matrix(axis), np.asarray(angle)[..., None, None]
+    return np.asarray(np.eye(3) + np.sin(a) * k + (1.0 - np.cos(a)) * (k @ k))
 
 
 def rotation_from_rpy(rpy: Sequence[float] | FloatArray) -> FloatArray:
@@ -69,12 +69,16 @@ def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, floa
 def transform(
     rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)
 ) -> FloatArray:
-    """Homogeneous transform, (4, 4), of a rotation (3, 3), none if not given, and a translation (3,)."""
-    out = np.eye(4)
-    if rotation is not None:
-        out[:3, :3] = rotation
-    out[:3, 3] = translation
+    """Homogeneous transforms (..., 4, 4) of rotations (..., 3, 3), none if not given, and a translation (3,)."""
+    r = np.eye(3) if rotation is None else np.asarray(rotation)
+    out = np.zeros((*r.shape[:-2], 4, 4))
+    out[..., :3, :3], out[..., :3, 3], out[..., 3, 3] = r, translation, 1.0
     return out
+
+
+def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (..., 3), carried by transforms (..., 4, 4)."""
+    return np.asarray((transform[..., :3, :3] @ points[..., None])[..., 0] + transform[..., :3, 3])
 
 
 def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:

@@ -365,7 +365,7 @@ def test_links_that_together_make_a_body_are_explained_together():
 def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     ours = compared(edited(), 5).bodies[2]
     empty = replace(ours, links=(), mass=0.0)
-    (finding,) = bodies._findings(None, 2, empty, [], [], lambda body, mass, moment: body - mass)
+    (finding,) = bodies._findings(2, empty, [], [], lambda body, mass, moment: body - mass)
     assert finding == Finding("link_2", "no link of the other model is this body", True, 2.38, "")
 
 

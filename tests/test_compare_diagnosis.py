@@ -17,15 +17,13 @@ from alpha5_model.comparison.diagnosis import (
     explain_guess,
     explain_inertia,
     explain_mass,
+    solid_of_size,
     subjects,
 )
-from alpha5_model.comparison.hypotheses import solid_of_size
-from alpha5_model.comparison.report import _ours
-from alpha5_model.comparison.revisions import revisions
+from alpha5_model.comparison.hypotheses import revisions
 from alpha5_model.parameters import parameters
 
 LINKS = parameters().links
-OURS = _ours()
 HERE = np.eye(4)
 
 #: The earlier revision, typed again: kg, mm, kg mm^2 (xx, yy, zz, xy, xz, yz in the document's sign).
@@ -84,15 +82,13 @@ ASTRAY[:3, 3] = (0.02, 0.03, 0.05)
 
 def com_reason(body: int, com, pose=HERE) -> str | None:
     """Why, for a COM (3,) [m] as written in a link that stands at ``pose`` in our link frame."""
-    return explain_com(
-        OURS, LINKS[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose)
-    )
+    return explain_com(LINKS[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose))
 
 
 def inertia_reason(body: int, inertia, pose=HERE, mass: float | None = None) -> str | None:
     mass = reference.MASS[body] if mass is None else mass
     return explain_inertia(
-        OURS, LINKS[body], Inertial("limb", mass, np.zeros(3), np.array(inertia), pose)
+        LINKS[body], Inertial("limb", mass, np.zeros(3), np.array(inertia), pose)
     )
 
 
@@ -137,11 +133,12 @@ def test_nothing_but_comparison_reads_it():
         for path in package.rglob("*.py")
     }
     assert sorted(name for name in texts if "earlier_revision" in texts[name]) == [
-        "comparison/revisions.py",
+        "comparison/hypotheses.py",
         "published/reading.py",
     ]
-    assert [name for name in texts if "comparison.revisions" in texts[name]] == [
-        "comparison/hypotheses.py"
+    assert sorted(name for name in texts if "revisions()" in texts[name]) == [
+        "comparison/diagnosis.py",
+        "comparison/hypotheses.py",
     ]
 
 

@@ -9,44 +9,50 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.arm import FourJointArm
-from alpha5_model.comparison.axis_fit import (
-    DIMENSIONS,
-    ZEROS,
-    Alignment,
-    closed_form,
-    difference,
-    fit,
+from alpha5_model.comparison.arm import (
+    FourJointArm,
+    Z,
+    our_arm,
     our_frames,
     our_lines,
-    their_lines,
+    random_positions,
+    tip_points,
+    with_dimensions,
 )
+from alpha5_model.comparison.reading import foot
+from alpha5_model.comparison.records import Alignment
 from alpha5_model.parameters import parameters
-from alpha5_model.spatial import rotation_about, transform, wrap
+from alpha5_model.spatial import moved, rotation_about, transform, wrap
 
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
 #: Smaller differences are no findings: of the axes, and of their angles, at arm's length 0.03 mm.
 LENGTH_TOLERANCE = 1e-5  # [m]
 ANGLE_TOLERANCE = 1e-4  # [rad]
+#: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
+POSITIONS = 10
+#: The unknowns of a fit that changes no dimension.
+ZEROS = range(8)
+#: The first axis that each unknown moves.
+MOVES_FROM = (0,) * 6 + (2, 3) + (1, 2, 3, 2) * 2
 
 
-def align(ours: FourJointArm, theirs: FourJointArm) -> Alignment:
-    """Best alignment of two models of the same arm.
+def align(theirs: FourJointArm) -> Alignment:
+    """Best alignment of another model of this arm.
 
     Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as they can. The
     dimensions that are then still off by more than the printed digits allow are fitted too: an
-    offset must not look like a shifted zero. An arm lies over itself upside down with every joint
-    reversed; of alignments that fit equally well, the one with the fewest oddities is taken.
+    offset must not look like a shifted zero. An arm upside down with every joint reversed has the
+    same axes; of alignments that fit equally well, the one with the fewest oddities is taken.
     """
-    starts = [
-        closed_form(theirs, np.array(sign)) for sign in itertools.product((1.0, -1.0), repeat=4)
-    ]
+    signs = map(np.array, itertools.product((1.0, -1.0), repeat=4))
+    starts = [closed_form(theirs, sign) for sign in signs]
     errors = [np.sqrt(np.square(difference(theirs, start)[0]).mean()) for start in starts]
     # Where a direction is reversed no dimension helps.
     close = [s for s, e in zip(starts, errors, strict=True) if e <= max(REVERSED, 2 * min(errors))]
@@ -54,12 +60,11 @@ def align(ours: FourJointArm, theirs: FourJointArm) -> Alignment:
     length, angle = allowed(theirs)
     within = np.where(np.arange(8) < 4, length, angle)
     fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in close]
-    exact = min(fits, key=lambda one: _oddities(ours, theirs, one, within))
+    exact = min(fits, key=lambda one: _oddities(theirs, one, within))
     wrong = np.abs(exact.dimensions) > within
     best = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
     best = _with_base_link(theirs, fit(theirs, best, (*ZEROS, *(8 + np.flatnonzero(wrong)))))
-    exact = _settle_zeros(ours, theirs, exact)
-    return replace(_settle_zeros(ours, theirs, best), exact=exact)
+    return replace(_settle_zeros(theirs, best), exact=_settle_zeros(theirs, exact))
 
 
 def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]:
@@ -69,9 +74,9 @@ def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]
     short, the same error may hide in angles that were computed from it (``short_pi``).
     """
     lengths, angles, pi = theirs.digits
-    turns = math.hypot(angles, lengths / parameters().dh[1].a, 2 * pi * short_pi)
-    arms = parameters().dh[1].a * 2 * pi * short_pi
-    return max(LENGTH_TOLERANCE, lengths, arms), max(ANGLE_TOLERANCE, turns)
+    upper, pi = parameters().dh[1].a, 2 * pi * short_pi
+    turns = math.hypot(angles, lengths / upper, pi)
+    return max(LENGTH_TOLERANCE, lengths, upper * pi), max(ANGLE_TOLERANCE, turns)
 
 
 def without_zero(theirs: FourJointArm, alignment: Alignment, joint: int) -> float:
@@ -93,66 +98,59 @@ def _distance(pose: FloatArray) -> float:
     return float(np.linalg.norm(pose[:3, 3]) + 0.1 * math.acos(np.clip(pose[2, 2], -1, 1)))
 
 
-def _oddities(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, within: FloatArray
-) -> float:
+def _oddities(theirs: FourJointArm, alignment: Alignment, within: FloatArray) -> float:
     """How unlikely an alignment is: everything that a person would have had to do to the model.
 
     A turned sign, a shifted zero count one, a wrong dimension four, a base that stands elsewhere or
     upside down up to six, bodies elsewhere up to four.
     """
     base = min(6.0, 30 * _distance(alignment.stands))
-    com = bodies_in_our_frames(ours, theirs, alignment)[0][2:] - ours.com[2:]
+    com = bodies_in_our_frames(theirs, alignment)[0][2:] - our_arm().com[2:]
     bodies = 4 * np.minimum(1.0, np.linalg.norm(com, axis=1) / 0.05).mean()
     changed = 4 * (np.abs(alignment.dimensions) > within).sum()
     return float(alignment.oddities + base + changed + bodies)
 
 
-def _settle_zeros(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> Alignment:
+def _settle_zeros(theirs: FourJointArm, alignment: Alignment) -> Alignment:
     """Zeros of axis_e and axis_b: where the frames stand turned, and the bodies fit with them."""
+    sign, zero = alignment.sign, alignment.zero
     if alignment.same_base and theirs.mass[0]:
         yaw = _yaw(alignment)
-        angle = alignment.sign[0] * math.atan2(yaw[1, 0], yaw[0, 0])
-        back = transform(yaw.T)
-        turned = replace(
-            alignment,
-            base=back @ alignment.base,
-            stands=back @ alignment.stands,
-            zero=alignment.zero + angle * np.eye(4)[0],
-        )
-        alignment = min(turned, alignment, key=lambda a: _body_errors(ours, theirs, a)[0])
-    seen = body_transforms(ours, theirs, alignment)[4]
+        back = transform(rotation_about(Z, -yaw))
+        base, stands = back @ alignment.base, back @ alignment.stands
+        turned = replace(alignment, base=base, stands=stands, zero=zero + sign * [yaw, 0, 0, 0])
+        alignment = min(turned, alignment, key=lambda a: _body_errors(theirs, a)[0])
+    seen = body_transforms(theirs, alignment)[4]
     roll = math.atan2(seen[1, 0], seen[0, 0])
-    turned = replace(alignment, zero=alignment.zero - alignment.sign[3] * roll * np.eye(4)[3])
-    if 4 * _body_errors(ours, theirs, turned)[4] < _body_errors(ours, theirs, alignment)[4]:
+    turned = replace(alignment, zero=alignment.zero - sign * [0, 0, 0, roll])
+    if 4 * _body_errors(theirs, turned)[4] < _body_errors(theirs, alignment)[4]:
         alignment = turned
     return replace(alignment, zero=wrap(alignment.zero))
 
 
-def _yaw(alignment: Alignment) -> FloatArray:
-    """The turn of their base_link about our axis_e, (3, 3)."""
-    return rotation_about((0, 0, 1), math.atan2(alignment.stands[1, 0], alignment.stands[0, 0]))
+def _yaw(alignment: Alignment) -> float:
+    """By how much their base_link is turned about our axis_e [rad]."""
+    return math.atan2(alignment.stands[1, 0], alignment.stands[0, 0])
 
 
-def _body_errors(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+def _body_errors(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     """How far each body is from ours in second moments, (5,) [kg m^2]."""
-    com, inertia = bodies_in_our_frames(ours, theirs, alignment)
-    moved = ours.mass * np.square(com - ours.com).sum(axis=1)
-    out: FloatArray = moved + np.abs(inertia - ours.inertia).max(axis=(1, 2))
-    return out
+    (com, inertia), ours = bodies_in_our_frames(theirs, alignment), our_arm()
+    away = ours.mass * np.square(com - ours.com).sum(axis=1)
+    return np.asarray(away + np.abs(inertia - ours.inertia).max(axis=(1, 2)))
 
 
 def bodies_in_our_frames(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment
+    theirs: FourJointArm, alignment: Alignment
 ) -> tuple[FloatArray, FloatArray]:
     """COM (5, 3) [m] and tensor at the COM (5, 3, 3) of the other bodies in our link frames."""
-    transforms = body_transforms(ours, theirs, alignment)
-    rotation, shift = transforms[:, :3, :3], transforms[:, :3, 3]
-    com = np.einsum("nij,nj->ni", rotation, theirs.com) + shift
-    return com, rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)
+    transforms = body_transforms(theirs, alignment)
+    rotation = transforms[:, :3, :3]
+    tensors = rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)
+    return moved(transforms, theirs.com), tensors
 
 
-def body_transforms(ours: FourJointArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
     Each body is held by its own joint: where the other arm's joint lies elsewhere than ours, that is
@@ -160,32 +158,17 @@ def body_transforms(ours: FourJointArm, theirs: FourJointArm, alignment: Alignme
     was meant to be base_link, if there is one; body 1 by the base or by the shoulder, whose height
     above it may differ: by the one that fits.
     """
-    here = with_dimensions(ours, alignment.dimensions).poses(np.zeros(4))
+    here = with_dimensions(alignment.dimensions).poses(np.zeros(4))
     there = alignment.base @ theirs.poses(alignment.zero)
     transforms: FloatArray = np.linalg.inv(here) @ there
     if alignment.same_base:
         base = theirs.link_poses[alignment.base_link]
-        transforms[0] = transform(_yaw(alignment)) @ np.linalg.inv(base)
-        held = transforms[1].copy()
-        held[2, 3] -= alignment.stands[2, 3]
-        transforms[1] = min(
-            (held, transforms[1]),
-            key=lambda t: float(np.linalg.norm(t[:3, :3] @ theirs.com[1] + t[:3, 3] - ours.com[1])),
-        )
+        transforms[0] = transform(rotation_about(Z, _yaw(alignment))) @ np.linalg.inv(base)
+        held = np.stack([transforms[1]] * 2)
+        held[0, 2, 3] -= alignment.stands[2, 3]
+        off = np.linalg.norm(moved(held, theirs.com[1]) - our_arm().com[1], axis=1)
+        transforms[1] = held[off.argmin()]
     return transforms
-
-
-def with_dimensions(ours: FourJointArm, change: FloatArray) -> FourJointArm:
-    """Our arm with changed dimensions; each body stays with its own joint."""
-    before, after = (our_frames(np.zeros((1, 4)), c)[0] for c in (np.zeros(8), change))
-    poses = ours.poses(np.zeros(4))
-    poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
-    return replace(ours, placements=np.linalg.inv(poses[:-1]) @ poses[1:])
-
-
-def our_tips(q: FloatArray, change: FloatArray | None = None) -> FloatArray:
-    """Tips of our arm, (N, 3) [m]: on the wrist axis, d_3 from the foot of its normal with axis_c."""
-    return _tips(our_lines(q, np.zeros(len(DIMENSIONS)) if change is None else change))
 
 
 def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> FloatArray:
@@ -193,16 +176,114 @@ def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Flo
 
     Where a link was meant to be our base_link, the arms are mounted by it.
     """
-    tips = _tips(their_lines(theirs, alignment, q))
+    tips, stands = tip_points(*their_lines(theirs, alignment, q)), alignment.stands
     if alignment.same_base:
-        tips = (tips - alignment.stands[:3, 3]) @ alignment.stands[:3, :3] @ _yaw(alignment).T
+        tips = (tips - stands[:3, 3]) @ stands[:3, :3] @ rotation_about(Z, -_yaw(alignment))
     return tips
 
 
-def _tips(lines: tuple[FloatArray, FloatArray]) -> FloatArray:
-    points, directions = lines
-    u, w, r = directions[:, 3], directions[:, 2], points[:, 3] - points[:, 2]
-    b, along, across = (np.sum(x * y, axis=1) for x, y in ((u, w), (w, r), (u, r)))
-    reach = (b * along - across) / (1 - b * b) + parameters().dh[3].d
-    out: FloatArray = points[:, 3] + reach[:, None] * u
+def fit(theirs: FourJointArm, start: Alignment, free: Iterable[int]) -> Alignment:
+    """Gauss-Newton over those of base (6), zeros of axis_d and axis_c (2), dimensions (8) that are free."""
+    columns = list(free)
+    best, (error, jacobian) = start, difference(theirs, start)
+    for _ in range(50):
+        change = np.zeros(16)
+        change[columns] = -np.linalg.lstsq(jacobian[:, columns], error, rcond=None)[0]
+        for _ in range(20):  # a step too long is cut until it helps
+            tried = _changed(best, change)
+            left, slope = difference(theirs, tried)
+            if (gain := error @ error - left @ left) >= 0:
+                break
+            change = change / 4
+        if gain > 0:
+            best, error, jacobian = tried, left, slope
+        if gain <= 1e-9 * (left @ left) or np.abs(change).max() < 1e-9:
+            break
+    turns = np.square(error.reshape(-1, 6)[:, 3:]).sum(axis=1)
+    residual = math.sqrt(np.square(error).mean()), math.sqrt(turns.mean())
+    return replace(best, zero=wrap(best.zero), residual=residual)
+
+
+def _changed(alignment: Alignment, change: FloatArray) -> Alignment:
+    """Base moved by a small rotation and shift (6,), zeros (2,) and dimensions (8,)."""
+    size = float(np.linalg.norm(change[:3]))
+    turn = rotation_about(change[:3] / size, size) if size else None
+    base = transform(turn) @ alignment.base
+    base[:3, 3] += change[3:6]
+    zero = alignment.zero + np.array([0.0, change[6], change[7], 0.0])
+    return replace(alignment, base=base, zero=zero, dimensions=alignment.dimensions + change[8:])
+
+
+def difference(theirs: FourJointArm, alignment: Alignment) -> tuple[FloatArray, FloatArray]:
+    """Their axes minus ours in Plücker coordinates, (24 N,), and the derivative, (24 N, 16).
+
+    The coordinates are moments about our root [m] and directions. Each unknown, of base (6), zeros (2) and
+    dimensions (8), is a screw (w, v) that moves the lines (m, d) behind it by w x d and w x m + v x d.
+    """
+    q, sign = random_positions(POSITIONS), alignment.sign[1:3, None, None]
+    frames = np.moveaxis(our_frames(q, alignment.dimensions), 1, 0)  # joint, position
+    points, x, y, z = (frames[..., :3, k] for k in (3, 0, 1, 2))
+    there, heading = (np.moveaxis(part, 1, 0) for part in their_lines(theirs, alignment, q))
+    moments, ours = _cross(there, heading), _cross(points, z)
+    alpha = parameters().dh[1].alpha + alignment.dimensions[5]
+    tilt = math.cos(alpha) * y[1] + math.sin(alpha) * z[1]
+    w, v = np.zeros((2, 16, 1, POSITIONS, 3))  # unknown, any joint, position
+    w[:3, 0] = v[3:6, 0] = np.eye(3)[:, None]
+    w[6:8, 0], v[6:8, 0] = sign * heading[1:3], sign * moments[1:3]
+    v[8:11, 0], v[11, 0] = x[:3], z[1]
+    w[12:15, 0], v[12:15, 0] = x[:3], _cross(points[1:], x[:3])
+    w[15, 0], v[15, 0] = tilt, _cross(points[2], tilt)
+    m, d = (np.repeat([a, -b], 8, axis=0) for a, b in ((moments, ours), (heading, z)))
+    columns = np.concatenate([_cross(w, m) + _cross(v, d), _cross(w, d)], axis=-1)
+    columns *= (np.arange(4) >= np.array(MOVES_FROM)[:, None])[..., None, None]
+    error = np.concatenate([moments - ours, heading - z], axis=-1)
+    return error.ravel(), columns.reshape(16, -1).T
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """NumPy's cross product, without what it takes to prepare."""
+    one, two = [1, 2, 0], [2, 0, 1]
+    out: FloatArray = a[..., one] * b[..., two] - a[..., two] * b[..., one]
     return out
+
+
+def their_lines(
+    theirs: FourJointArm, alignment: Alignment, q: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Their axes at our positions q (..., 4), in our root frame and turning our way."""
+    points, directions = theirs.axis_lines(alignment.theirs(q))
+    rotation, shift = alignment.base[:3, :3], alignment.base[:3, 3]
+    return points @ rotation.T + shift, directions @ rotation.T * alignment.sign[:, None]
+
+
+def closed_form(theirs: FourJointArm, sign: FloatArray) -> Alignment:
+    """The alignment with these signs that is exact where the shapes agree.
+
+    The first two axes, which cross at a right angle, place the base. Turning about axis_d brings
+    axis_c to its side of the shoulder, turning about axis_c the wrist into its direction.
+    """
+    zero = np.zeros(4)
+    points, directions = (x[0] for x in our_lines(zero[None], np.zeros(8)))
+    out = Alignment(sign=sign)
+    there, heading = their_lines(theirs, out, zero)
+    turn = _frame(directions) @ _frame(heading).T
+    shift = foot(points, directions, 0, 1) - turn @ foot(there, heading, 0, 1)
+    out = replace(out, base=transform(turn, shift))
+    for joint in (1, 2):
+        axis = directions[joint]
+        there, heading = their_lines(theirs, out, zero)
+        mine = (points[2] - points[1], directions[3])[joint - 1]
+        other = (there[2] - there[1], heading[3])[joint - 1]
+        sine, cosine = np.cross(other, mine) @ axis, other @ mine - (other @ axis) * (mine @ axis)
+        shift = sign[joint] * math.atan2(sine, cosine) * np.eye(4)[joint]
+        out = replace(out, zero=out.zero + shift)
+    return out
+
+
+def _frame(directions: FloatArray) -> FloatArray:
+    """Rotation with z along the first axis and the second axis in the plane of y and z, (3, 3)."""
+    z = directions[0]
+    x = np.cross(directions[1], z)
+    size = np.linalg.norm(x)
+    x = x / size if size > 1e-9 else np.linalg.svd(z[None])[2][1]  # one direction: any x will do
+    return np.stack([x, np.cross(z, x), z], axis=1)

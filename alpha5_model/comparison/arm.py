@@ -1,33 +1,35 @@
-"""Any URDF of this arm as four joints and five rigid bodies."""
+"""Any URDF of this arm as four joints and five rigid bodies; our own, also with other dimensions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.rounding import last_digits
-from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot
+from alpha5_model.comparison.reading import foot, last_digits, map_joints, rest_position
+from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
+from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import parameters
-from alpha5_model.published.tables import JOINT_NAMES
-from alpha5_model.spatial import cross_matrix
+from alpha5_model.spatial import moved, rotation_about, transform
 
-AXES = JOINT_NAMES[:4]
 #: What a lighter link on the way to axis_e is: a dummy of the arm's base, not something that carries it.
 CARRIED_FROM = 0.02  # [kg], a tenth of link_0
+X, Y, Z = np.eye(3)
+DOWN = np.array(GRAVITY)  # [m/s^2]
+
+Paths = dict[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True, eq=False)
 class FourJointArm:
-    """Four revolute joints and five bodies; every other joint is frozen.
+    """Four revolute joints and five bodies; every other joint is frozen, see `rest_position`.
 
-    Body 0 moves with the root, body i with joint i-1; its frame is the child frame of that joint. A
-    frozen joint stands at the value nearest to zero in its range, and a mimic joint follows, so
-    that the jaws are closed.
+    Body 0 moves with the root, body i with joint i-1; its frame is the child frame of that joint.
 
     Attributes:
         joints: The four joints, base to tip.
@@ -36,15 +38,13 @@ class FourJointArm:
         mass: Per body, (5,) [kg].
         com: Per body, in its frame, (5, 3) [m].
         inertia: Per body, at the COM, in its frame's axes, (5, 3, 3) [kg m^2].
-        volume: Per body, of the collision primitives, (5,) [m^3].
+        volume: Of all collision primitives [m^3].
         links: Names of the links that make up each body.
         link_poses: Link -> its pose in the frame of its body, (4, 4).
         base_path: Links from the root to the one that axis_e turns in.
-        digits: What the digits of the printed origins leave open, see `last_digits`.
         carried: Links that move with the base and are not the arm's: vehicle, platform, mount, another
             arm. They are in no body.
-        without_inertial: Names of the links without ``<inertial>``.
-        collision_meshes: File names of collision meshes, whose volume is not counted.
+        digits: What the digits of the printed origins leave open, see `last_digits`.
     """
 
     joints: tuple[UrdfJoint, ...]
@@ -53,48 +53,111 @@ class FourJointArm:
     mass: FloatArray
     com: FloatArray
     inertia: FloatArray
-    volume: FloatArray
+    volume: float
     links: tuple[tuple[str, ...], ...]
     link_poses: dict[str, FloatArray]
     base_path: tuple[str, ...]
     carried: tuple[str, ...]
     digits: tuple[float, float, float]
-    without_inertial: tuple[str, ...]
-    collision_meshes: tuple[str, ...]
 
     def poses(self, q: FloatArray) -> FloatArray:
         """Poses of the five bodies in the root frame, (..., 5, 4, 4), at its own angles q (..., 4)."""
-        poses = [np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))]
-        for joint, (placement, axis) in enumerate(zip(self.placements, self.axes, strict=True)):
-            k, angle = cross_matrix(axis), q[..., joint, None, None]
-            turn = np.zeros((*q.shape[:-1], 4, 4))
-            turn[..., :3, :3] = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
-            turn[..., 3, 3] = 1.0
-            poses.append(poses[-1] @ placement @ turn)
-        return np.stack(poses, axis=-3)
+        return chain_poses(self.placements, self.axes, q)
 
     def axis_lines(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A point on each axis and its direction in the root frame, (..., 4, 3) each, at q (..., 4)."""
         poses = self.poses(q)[..., 1:, :, :]
         return poses[..., :3, 3], (poses[..., :3, :3] @ self.axes[..., None])[..., 0]
 
-    def gravity_torque(self, q: FloatArray) -> FloatArray:
-        """Torque of the weight in air about each axis, (..., 4) [N m]; gravity points down at the root."""
+    def gravity_regressor(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
+        """What each moving body's mass and first moment are worth in gravity torque in air [Atkeson1986].
+
+        Args:
+            q: Its own angles, (..., 4) [rad].
+            gravity: In the root frame, (3,) [m/s^2].
+
+        Returns:
+            (..., 4, 4, 4): joint, body, and (mass [kg], first moment (3,) [kg m] in the body's frame).
+        """
         points, directions = self.axis_lines(q)
-        poses = self.poses(q)[..., 1:, :, :]
-        com = (poses[..., :3, :3] @ self.com[1:, :, None])[..., 0] + poses[..., :3, 3]
-        weights = self.mass[1:, None] * -np.array(GRAVITY)
-        arms = com[..., None, :, :] - points[..., :, None, :]  # joint, body
-        torques = np.sum(np.cross(arms, weights) * directions[..., :, None, :], axis=-1)
-        return np.asarray(np.triu(torques).sum(axis=-1))
+        rotations = self.poses(q)[..., 1:, :3, :3]
+        normals = np.cross(directions, gravity)
+        out = np.empty((*q.shape, 4, 4))
+        arms = points[..., None, :, :] - points[..., :, None, :]
+        out[..., 0] = np.sum(arms * normals[..., :, None, :], axis=-1)
+        out[..., 1:] = np.einsum("...bkl,...jk->...jbl", rotations, normals)
+        return out * np.triu(np.ones((4, 4)))[..., None]
+
+    def gravity_torque(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
+        """Torques that hold the weight in air, (..., 4) [N m]; arguments as for `gravity_regressor`."""
+        numbers = np.column_stack([self.mass, self.mass[:, None] * self.com])[1:]
+        return np.asarray((self.gravity_regressor(q, gravity) * numbers).sum(axis=(-2, -1)))
 
 
-def foot(points: FloatArray, directions: FloatArray, at: int, other: int) -> FloatArray:
-    """Foot of the common normal of two axes on the first of them, (3,)."""
-    u, w, r = directions[at], directions[other], points[at] - points[other]
-    b = u @ w
-    out: FloatArray = points[at] + (b * (w @ r) - u @ r) / max(1 - b * b, 1e-12) * u
-    return out
+def chain_poses(placements: FloatArray, axes: FloatArray, q: FloatArray) -> FloatArray:
+    """Poses of the root and of what each joint carries, (..., N + 1, 4, 4).
+
+    Args:
+        placements: Pose of what a joint carries in what the one before it carries, at zero, (N, 4, 4).
+        axes: Direction of each joint in the frame that it carries, (N, 3).
+        q: Angles, (..., N) [rad].
+    """
+    poses = [np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))]
+    for placement, axis, angle in zip(placements, axes, np.moveaxis(q, -1, 0), strict=True):
+        poses.append(poses[-1] @ placement @ transform(rotation_about(axis, angle)))
+    return np.stack(poses, axis=-3)
+
+
+@cache
+def our_arm() -> FourJointArm:
+    """Our own arm, generated from the tables and read like any other."""
+    robot = parse_urdf(urdf(Variant(dh_frames=True)))
+    return reduce_robot(robot, map_joints(robot))
+
+
+@lru_cache(maxsize=4)
+def random_positions(count: int) -> FloatArray:
+    """Joint positions of our arm within its limits, (count, 4) [rad]; always the same."""
+    joints = parameters().joints[:4]
+    lower, upper = [j.lower for j in joints], [j.upper for j in joints]
+    return np.random.default_rng(0).uniform(lower, upper, (count, 4))
+
+
+def our_frames(q: FloatArray, change: FloatArray) -> FloatArray:
+    """DH frames {0} to {3} of our arm with changed dimensions, (N, 4, 4, 4), at q (N, 4).
+
+    Their z axes are the joint axes; each stands turned by its joint already, ready for the next link.
+    """
+    link, placements = np.eye(4), []
+    for j, row in enumerate(parameters().dh[:4]):
+        placements.append(link @ transform(rotation_about(Z, row.theta_offset)))
+        lateral, tilt = change[[3, 7]] * (j == 1)
+        twist = rotation_about(X, row.alpha + change[4 + j]) @ rotation_about(Y, tilt)
+        link = transform(twist, (row.a + change[j], 0.0, row.d + lateral))  # of no use behind {3}
+    return chain_poses(np.array(placements), np.tile(Z, (4, 1)), q)[..., 1:, :, :]
+
+
+def our_lines(q: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points on and directions of our axes, (N, 4, 3), at q (N, 4), with changed dimensions (8,)."""
+    frames = our_frames(q, change)
+    return frames[..., :3, 3], frames[..., :3, 2]
+
+
+def with_dimensions(change: FloatArray) -> FourJointArm:
+    """Our arm with changed dimensions; each body stays with its own joint."""
+    before, after = (our_frames(np.zeros((1, 4)), c)[0] for c in (np.zeros(8), change))
+    poses = our_arm().poses(np.zeros(4))
+    poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
+    return replace(our_arm(), placements=np.linalg.inv(poses[:-1]) @ poses[1:])
+
+
+def our_tips(q: FloatArray, change: FloatArray | None = None) -> FloatArray:
+    """Tips of our arm, (N, 3) [m]: on the wrist axis, d_3 from the foot of its normal with axis_c."""
+    return tip_points(*our_lines(q, np.zeros(8) if change is None else change))
+
+
+def tip_points(points: FloatArray, directions: FloatArray) -> FloatArray:
+    return foot(points, directions, 3, 2) + parameters().dh[3].d * directions[:, 3]
 
 
 def reduce_robot(
@@ -112,50 +175,40 @@ def reduce_robot(
         InputError: The four joints do not follow each other from base to tip.
         UnknownNameError: ``base`` is not on the way from the root to axis_e.
     """
-    index = {joint.name: i for i, joint in enumerate(joints, start=1)}
-    body = {robot.root: 0}
-    paths: dict[str, tuple[str, ...]] = {robot.root: (robot.root,)}
-    pose = {robot.root: np.eye(4)}
-    placements: list[FloatArray] = []
+    names = [joint.name for joint in joints]
+    body, pose, placements = {robot.root: 0}, {robot.root: np.eye(4)}, list[FloatArray]()
+    paths: Paths = {robot.root: (robot.root,)}
     for joint in robot.joints.values():  # each after the joint before it
-        before, at = body[joint.parent], pose[joint.parent] @ joint.transform
+        at, before = pose[joint.parent] @ joint.transform, body[joint.parent]
         paths[joint.child] = (*paths[joint.parent], joint.child)
-        if joint.name not in index:
-            body[joint.child], pose[joint.child] = (
-                before,
-                at @ joint.motion(rest_position(robot, joint)),
-            )
-            continue
-        if index[joint.name] != before + 1 or len(placements) != before:
-            order = ", ".join(j.name for j in joints)
-            raise InputError("map", order, "joints that follow each other from base to tip")
-        placements.append(at)
-        body[joint.child], pose[joint.child] = before + 1, np.eye(4)
-    base_path = paths[joints[0].parent]
+        if joint.name in names:
+            if not names.index(joint.name) == before == len(placements):
+                expected = "joints that follow each other from base to tip"
+                raise InputError("map", ", ".join(names), expected)
+            placements.append(at)
+            body[joint.child], pose[joint.child] = before + 1, np.eye(4)
+        else:
+            body[joint.child] = before
+            pose[joint.child] = at @ joint.motion(rest_position(robot, joint))
+    base_path, way = (paths[link] for link in (joints[0].parent, joints[-1].child))
     if base is not None and base not in base_path:
         raise UnknownNameError("link on the way to axis_e", base, base_path)
-    still = [name for name in robot.links if body[name] == 0]
-    own = _own_base(robot, base_path, {name: paths[name] for name in still}, base)
-    carried = tuple(name for name in still if name not in own)
-    way = paths[joints[-1].child]
-    between = way[way.index(next((n for n in base_path if n in own), base_path[-1])) + 1 :]
-    mass, com, inertia, volume = np.zeros(5), np.zeros((5, 3)), np.zeros((5, 3, 3)), np.zeros(5)
-    groups = tuple(
-        tuple(name for name in robot.links if body[name] == i and name not in carried)
-        for i in range(5)
-    )
-    for i, names in enumerate(groups):
-        volume[i] = sum(robot.links[name].volume for name in names)
-        heavy = [name for name in names if (robot.links[name].mass or 0.0) != 0.0]
-        masses = [robot.links[name].mass or 0.0 for name in heavy]
-        if not heavy or sum(masses) == 0.0:
+    still = {name: paths[name] for name in robot.links if body[name] == 0}
+    own = _own_base(robot, base_path, still, base)
+    first = next((name for name in base_path if name in own), base_path[-1])
+    between = way[way.index(first) + 1 :]
+    groups = [[n for n in robot.links if body[n] == i and (i or n in own)] for i in range(5)]
+    mass, com, inertia = np.zeros(5), np.zeros((5, 3)), np.zeros((5, 3, 3))
+    for i, links in enumerate([robot.links[name] for name in group] for group in groups):
+        heavy = [link for link in links if link.mass]
+        masses = [link.mass or 0.0 for link in heavy]
+        if sum(masses) == 0.0:
             continue
         mass[i], com[i], inertia[i] = combine(
             masses,
-            [pose[n][:3, :3] @ robot.links[n].com + pose[n][:3, 3] for n in heavy],
-            [rotate_tensor(pose[n][:3, :3], robot.links[n].inertia) for n in heavy],
+            [moved(pose[link.name], link.com) for link in heavy],
+            [rotate_tensor(pose[link.name][:3, :3], link.inertia) for link in heavy],
         )
-    arm = [name for names in groups for name in names]
     return FourJointArm(
         joints=joints,
         placements=np.array(placements),
@@ -163,23 +216,16 @@ def reduce_robot(
         mass=mass,
         com=com,
         inertia=inertia,
-        volume=volume,
-        links=groups,
+        volume=sum(robot.links[name].volume for group in groups for name in group),
+        links=tuple(map(tuple, groups)),
         link_poses=pose,
         base_path=base_path,
-        carried=carried,
-        digits=last_digits(j for j in robot.joints.values() if j.child in between),
-        without_inertial=tuple(n for n in arm if robot.links[n].mass is None),
-        collision_meshes=tuple(m for n in arm for m in robot.links[n].meshes),
+        carried=tuple(name for name in still if name not in own),
+        digits=last_digits([j for j in robot.joints.values() if j.child in between]),
     )
 
 
-def _own_base(
-    robot: UrdfRobot,
-    base_path: tuple[str, ...],
-    still: dict[str, tuple[str, ...]],
-    base: str | None,
-) -> set[str]:
+def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | None) -> set[str]:
     """Links of the arm's own base, among those that stand still with it and the paths to them.
 
     All that hangs on one link of the way from the root to axis_e: on the link where the mass comes
@@ -192,21 +238,12 @@ def _own_base(
     if base is not None:
         return below[base]
     weights = {at: sum(robot.links[n].mass or 0.0 for n in names) for at, names in below.items()}
-    best = base_path[0]
-    for at in base_path[1:]:
+    best = way[0]
+    for at in way[1:]:
         closer = abs(weights[at] - links[0].mass) < abs(weights[best] - links[0].mass)
         if closer and weights[best] - weights[at] > CARRIED_FROM:
             best = at
-    if (robot.links[base_path[-1]].mass or 0.0) > whole:
+    if (robot.links[way[-1]].mass or 0.0) > whole:
         return set()
-    heavy = [below[at] for at in below if at not in base_path and weights[at] > whole]
+    heavy = [below[at] for at in below if at not in way and weights[at] > whole]
     return below[best].difference(*heavy)
-
-
-def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
-    leader = robot.joints.get(joint.mimic) if joint.mimic else None
-    if leader is not None and leader.mimic is None:
-        return joint.multiplier * rest_position(robot, leader) + joint.offset
-    return (
-        max(joint.lower or 0.0, 0.0) if (joint.lower or 0.0) > 0 else min(joint.upper or 0.0, 0.0)
-    )

@@ -1,11 +1,14 @@
 """Why a body differs: hypotheses made from the tables, each tested against the other model's numbers.
 
 Nothing here looks at names. The diagnosis is the fewest mistakes that give the number to its
-printed digits; where none do, the difference stands without one.
+printed digits; where none do, the difference stands without one. Tensors that depend on a size
+nobody printed (solid bodies, water, another point) are recomputed from the size that fits best: few
+unknowns for six numbers.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -14,24 +17,26 @@ from functools import cache
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.arm import FourJointArm
 from alpha5_model.comparison.hypotheses import (
+    I_LINK,
     MOST_MISTAKES,
+    SOLIDWORKS,
     Hypothesis,
-    added_water,
-    solid_of_size,
+    revisions,
     wrong_coms,
     wrong_masses,
-    wrong_point,
     wrong_tensors,
 )
-from alpha5_model.inertia import combine, rotate_tensor
+from alpha5_model.fluids import FRESH_WATER
+from alpha5_model.inertia import (
+    combine,
+    flip_products,
+    point_mass_tensor,
+    principal_moments,
+    rotate_tensor,
+)
 from alpha5_model.parameters import LinkParameters
 
-#: What still agrees with the tables: a model may print fewer digits.
-MASS_TOLERANCE = 1e-3  # of the mass
-COM_TOLERANCE = 1e-4  # [m]
-INERTIA_TOLERANCE = 5e-3  # of the largest moment
 #: How closely a hypothesis must give a number: the half of its last digit, within these.
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
 COM_DIGITS = (1e-4, 5e-4)  # [m]
@@ -40,8 +45,10 @@ INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
 GUESS_DIGITS = 1e-4  # of the largest moment
 #: A link frame that lies closer to ours was meant to be ours; the rest is an error of the geometry.
 SAME_FRAME = (0.002, 0.02)  # [m], [rad]
-#: A lighter link is a dummy, there to please a tool.
+#: A lighter link is a dummy: some tools ask for a mass on every link.
 TOKEN_MASS = 1e-3  # [kg]
+#: How far a solid of the body's size may exceed its bounds.
+SIZE_SLACK = 1.25
 
 #: Words, the number seen that way, the mistakes in it, and by what the hypotheses are multiplied.
 View = tuple[str, FloatArray, int, float]
@@ -90,57 +97,55 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
     return [Inertial("", *whole, np.eye(4)), solid[0]]
 
 
+def _index(link: LinkParameters) -> int:
+    """0 for link_0 to 4 for link_4."""
+    return int(link.name[-1])
+
+
 def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a mass is not Table 2's; None if no hypothesis gives it."""
-    mass, body = subject.mass, int(link.name[-1])
-    within = _last_digit(MASS_DIGITS, subject, mass)
     if water := _water(link, subject):
         return water[0]
-    views: list[View] = [("", np.array(mass), 0, 1.0), ("in grams", np.array(mass), 1, 1e3)]
-    fit = _fit(wrong_masses(body), views, (within, within))
-    return fit.words if fit else None
+    number, within = np.array(subject.mass), _last_digit(MASS_DIGITS, subject, subject.mass)
+    views: list[View] = [("", number, 0, 1.0), ("in grams", number, 1, 1e3)]
+    return _fit(wrong_masses(_index(link)), views, (within, within))
 
 
-def explain_com(ours: FourJointArm, link: LinkParameters, subject: Inertial) -> str | None:
+def explain_com(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a COM is not Table 2's; None if no hypothesis gives it."""
-    body = int(link.name[-1])
+    body, written = _index(link), subject.com
     views: list[View] = [("", subject.in_our_frame().com, 0, 1.0)]
     if subject.link:
-        if not subject.com.any():
+        if not written.any():
             return "missing or zero: at the origin of the other model's link frame"
         frame = f"in a frame that is not inertial frame {{{body}}}"
         same = subject.meant_in_our_frame
         views += [
-            ("", subject.com, 0, 1.0) if same else (frame, subject.com, 1, 1.0),
-            ("written in millimetres", subject.com, 1, 1e3),
-            ("written in kilometres", subject.com, 1, 1e-3),
+            ("", written, 0, 1.0) if same else (frame, written, 1, 1.0),
+            ("written in millimetres", written, 1, 1e3),
+            ("written in kilometres", written, 1, 1e-3),
         ]
-    rounded = _last_digit(COM_DIGITS, subject, *subject.com)
-    fit = _fit(wrong_coms(ours, body), views, (rounded, COM_DIGITS[0]))
-    return fit.words if fit else None
+    rounded = _last_digit(COM_DIGITS, subject, *written)
+    return _fit(wrong_coms(body), views, (rounded, COM_DIGITS[0]))
 
 
-def explain_inertia(ours: FourJointArm, link: LinkParameters, subject: Inertial) -> str | None:
+def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a tensor is not Table 2's; None if no hypothesis gives it."""
-    body, seen = int(link.name[-1]), subject.in_our_frame().inertia
+    body, written, seen = _index(link), subject.inertia, subject.in_our_frame().inertia
     if not seen.any():
         return "missing or zero"
     views: list[View] = [("", seen, 0, 1.0)]
     if subject.link:
         axes = f"in axes that are not those of inertial frame {{{body}}}"
         same = subject.meant_in_our_frame
-        views.append(("", subject.inertia, 0, 1.0) if same else (axes, subject.inertia, 1, 1.0))
+        views.append(("", written, 0, 1.0) if same else (axes, written, 1, 1.0))
     views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
-    views += [
-        (f"wrong unit, a factor of 1e{power}", seen, 1, 10.0**power)
-        for power in (9, 6, 3, -3, -6, -9)
-    ]
+    views += [(f"wrong unit, a factor of 1e{p}", seen, 1, 10.0**p) for p in (9, 6, 3, -3, -6, -9)]
     within = _tensor_digits(subject)
-    if fit := _fit(wrong_tensors(ours, body), views, (within, within)):
-        return fit.words
-    if water := _water(link, subject):
-        return water[1]
-    return wrong_point(body, subject.mass, seen, within)
+    if words := _fit(wrong_tensors(body), views, (within, within)):
+        return words
+    water = _water(link, subject)
+    return water[1] if water else wrong_point(body, subject.mass, seen, within)
 
 
 def _water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | None:
@@ -178,22 +183,18 @@ def _stacked(hypotheses: tuple[Hypothesis, ...]) -> tuple[FloatArray, FloatArray
 
 def _fit(
     hypotheses: tuple[Hypothesis, ...], views: Sequence[View], within: tuple[float, float]
-) -> Hypothesis | None:
-    """The fewest mistakes that give the number; ``within`` for one mistake and for more."""
+) -> str | None:
+    """The fewest mistakes that give the number, in words; ``within`` for one mistake and for more."""
     values, mistakes = _stacked(hypotheses)
     axes = tuple(range(1, values.ndim))
-    errors = [
-        np.abs(values * scale - number).max(axis=axes, initial=0.0) for _, number, _, scale in views
-    ]
-    for total in range(MOST_MISTAKES + 1):
-        for (words, _, more, _), error in zip(views, errors, strict=True):
-            hits = (mistakes + more == total) & (error <= within[total > 1])
-            if hits.any():
-                hit = hypotheses[int(hits.argmax())]
-                return replace(
-                    hit, words=", ".join(filter(None, (hit.words, words))), mistakes=total
-                )
-    return None
+    errors = [np.abs(values * scale - x).max(axes, initial=0.0) for _, x, _, scale in views]
+    totals = np.array([mistakes + more for _, _, more, _ in views])
+    hits = (totals <= MOST_MISTAKES) & (errors <= np.where(totals > 1, within[1], within[0]))
+    if not hits.any():
+        return None
+    best = int(np.where(hits, totals, MOST_MISTAKES + 1).argmin())
+    view, hit = divmod(best, len(hypotheses))
+    return ", ".join(filter(None, (hypotheses[hit].words, views[view][0])))
 
 
 def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float) -> float:
@@ -205,6 +206,90 @@ def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float)
 
 
 def _tensor_digits(subject: Inertial) -> float:
-    largest = float(np.abs(subject.inertia).max())
-    low, high = INERTIA_DIGITS
-    return _last_digit((low * largest, high * largest), subject, *subject.inertia.ravel())
+    low, high = np.array(INERTIA_DIGITS) * np.abs(subject.inertia).max()
+    return _last_digit((low, high), subject, *subject.inertia.ravel())
+
+
+def added_water(
+    link: LinkParameters, mass: float, tensor: FloatArray, within: tuple[float, float]
+) -> tuple[str, str] | None:
+    """A printed mass and tensor with a cylinder of water of the body's width added, if they are that.
+
+    Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
+    end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in the mass. Six of seven
+    numbers test the one unknown, L.
+
+    Args:
+        link: The body of the tables.
+        mass, tensor: Of the other model [kg, kg m^2].
+        within: What they may be off by.
+
+    Returns:
+        Where the mass is from, and where the tensor is from.
+    """
+    body, radius = _index(link), _radius(link)
+    line, longest = FRESH_WATER * np.pi * radius**2, SIZE_SLACK * np.ptp(link.bounds, axis=1).max()
+    bases = itertools.product(revisions(), (True, False), (False, True), range(3))
+    for table, about_end, solidworks, axis in bases:
+        base = (table.inertia_link if about_end else table.inertia)[body]
+        surplus = tensor - (flip_products(base) if solidworks else base)
+        across = float(np.delete(np.diag(surplus), axis).mean())
+        rest = surplus - across * np.diag(np.arange(3) != axis)
+        if across <= 5 * within[1] or np.abs(rest).max() > within[1]:
+            continue
+        length = float(np.cbrt((3 if about_end else 12) * across / line))
+        water = line * length
+        # The tensor tells L to a third of its own relative error.
+        allowed = within[0] + water * within[1] / (3 * across)
+        if length <= longest and abs(mass - table.mass[body] - water) <= allowed:
+            cylinder = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
+            return (
+                f"{table.numbers.removesuffix(' numbers')} mass and the water's added mass, "
+                f"{water * 1e3:.0f} g, of a cylinder of water {cylinder}",
+                f"{table.numbers}, {I_LINK if about_end else 'I_COM'}{f', {SOLIDWORKS}' * solidworks}, "
+                f"with the added inertia of a cylinder of water {cylinder} (strip theory)",
+            )
+    return None
+
+
+def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
+    """The printed I_COM about another point than the COM, if it is that: three unknowns, six numbers."""
+    for table, solidworks in itertools.product(revisions(), (False, True)):
+        right = flip_products(table.inertia[body]) if solidworks else table.inertia[body]
+        shift = (tensor - right) / mass
+        square = float(np.trace(shift)) / 2
+        values, vectors = np.linalg.eigh(square * np.eye(3) - shift)  # p p^T
+        point = vectors[:, 2] * np.sqrt(max(values[2], 0.0))
+        error = np.abs(tensor - right - point_mass_tensor(mass, point)).max()
+        if mass * square > 5 * tolerance and error <= tolerance:
+            words = f"{table.numbers}, about the wrong point, {np.sqrt(square) * 1e3:.1f} mm from the COM"
+            return words + f", {SOLIDWORKS}" * solidworks
+    return None
+
+
+def solid_of_size(link: LinkParameters, mass: float, tensor: FloatArray) -> str | None:
+    """A solid cylinder or box of about the body's size that has these principal moments, if one has."""
+    moments = principal_moments(tensor)
+    sizes = np.sort(SIZE_SLACK * np.ptp(link.bounds, axis=1))
+    if mass <= 0 or moments[0] <= 0:
+        return None
+    for axis in range(3):
+        one, two = np.delete(moments, axis)
+        radius = np.sqrt(2 * moments[axis] / mass)
+        square = 12 * one / mass - 3 * radius**2
+        round_ = two - one <= 1e-3 * moments[2] and radius <= SIZE_SLACK * _radius(link)
+        if round_ and 0 < square <= sizes[2] ** 2:
+            length = np.sqrt(square) * 1e3
+            return f"a solid cylinder of radius {radius * 1e3:.1f} mm and length {length:.1f} mm"
+    sides = np.sqrt(np.maximum(6 / mass * (moments.sum() - 2 * moments), 0.0))[::-1]
+    # Any three moments are those of some box: only sides of whole millimetres tell of a guess.
+    whole = np.abs(sides * 1e3 - np.round(sides * 1e3)).max() < 0.05
+    if whole and sides[0] > 1e-3 and (sides <= sizes).all():
+        x, y, z = sides * 1e3
+        return f"a solid box of {x:.0f} x {y:.0f} x {z:.0f} mm"
+    return None
+
+
+def _radius(link: LinkParameters) -> float:
+    """Half the least width of the body: all are turned parts [m]."""
+    return float(np.ptp(link.bounds, axis=1).min() / 2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -13,14 +13,12 @@ from alpha5_model.comparison.alignment import (
     LENGTH_TOLERANCE,
     allowed,
     bodies_in_our_frames,
-    our_tips,
     their_tips,
-    with_dimensions,
     without_zero,
 )
-from alpha5_model.comparison.arm import AXES, FourJointArm
-from alpha5_model.comparison.axis_fit import DIMENSIONS, Alignment
-from alpha5_model.comparison.records import Finding
+from alpha5_model.comparison.arm import FourJointArm, our_arm, our_tips, with_dimensions
+from alpha5_model.comparison.reading import AXES
+from alpha5_model.comparison.records import DIMENSIONS, Alignment, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rotation_about, rpy_from_rotation, wrap
@@ -44,7 +42,6 @@ DIMENSION_WORDS = {
 
 def geometry_findings(
     other: UrdfRobot,
-    ours: FourJointArm,
     theirs: FourJointArm,
     written: FourJointArm,
     alignment: Alignment,
@@ -54,48 +51,45 @@ def geometry_findings(
 
     Args:
         other: The other model.
-        ours: Our arm.
-        theirs, written: The other one as meant, with exact multiples of pi, and as written.
+        theirs, written: Its arm as meant, with exact multiples of pi, and as written.
         alignment: Of theirs.
-        q: Our joint positions, (N, 4): what costs are worth there.
+        q: Our joint positions, (N, 4), at which costs are taken [rad].
     """
     yield from _mount(other, theirs, alignment)
     yield from _shoulder(theirs, alignment)
-    yield from _zeros(ours, theirs, alignment, q)
-    yield from _dimensions(ours, theirs, alignment, q)
+    yield from _zeros(theirs, alignment, q)
+    yield from _dimensions(theirs, alignment, q)
     yield from _digits(theirs, written, alignment, q)
     yield from _limits(theirs, alignment)
     yield from _mimics(other)
 
 
 def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
-    x, y, z = alignment.base[:3, 3] * 1e3
-    rotation = alignment.base[:3, :3]
+    shift, rotation = alignment.base[:3, 3], alignment.base[:3, :3]
     angle = math.acos(float(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))
     at_base = alignment.same_base and np.allclose(
         theirs.link_poses[alignment.base_link], np.eye(4), atol=LENGTH_TOLERANCE
     )
-    elsewhere = np.linalg.norm([x, y, z]) * 1e-3 > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
+    elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
     if elsewhere and not at_base:
-        yield Finding(
-            "base",
-            f"its root {other.root} stands at ({x:.2f}, {y:.2f}, {z:.2f}) mm in our base_link, turned by "
+        x, y, z = shift * 1e3
+        text = (
+            f"its root {other.root} stands at ({x:z.2f}, {y:z.2f}, {z:z.2f}) mm in our base_link, turned by "
             f"{math.degrees(angle):.2f} deg: another mount"
-            + ("" if alignment.same_base else ", or for a yaw a shifted zero of axis_e"),
-            serious=False,
         )
+        text += "" if alignment.same_base else ", or for a yaw a shifted zero of axis_e"
+        yield Finding("base", text, serious=False)
     masses = {name: other.links[name].mass or 0.0 for name in theirs.carried}
     if total := sum(masses.values()):
         heavy = sorted((n for n in masses if masses[n]), key=lambda n: -masses[n])
         names = ", ".join(f"{n} ({masses[n]:.5g} kg)" for n in heavy[:3])
         names += f" and {len(heavy) - 3} more, {total:.5g} kg in all" if len(heavy) > 3 else ""
         excess = total + theirs.mass[0] - parameters().links[0].mass
-        yield Finding(
-            "base",
+        text = (
             f"carried with the base and left out of link_0: {names}; with it link_0 would be "
-            f"{excess:.1f} kg too heavy",
-            serious=False,
+            f"{excess:.1f} kg too heavy"
         )
+        yield Finding("base", text, serious=False)
 
 
 def _shoulder(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
@@ -103,32 +97,32 @@ def _shoulder(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     if not alignment.same_base:
         return
     length, angle = allowed(theirs, short_pi=True)
-    (x, y, z), up = alignment.stands[:3, 3], alignment.stands[2, 2]
-    if abs(z) > length:
-        d = parameters().dh[0].d
-        way = "lower" if z < 0 else "higher"
-        yield Finding(
-            "axis_d",
-            f"lies {(d - z) * 1e3:.2f} mm above {alignment.base_link} where d_0 is {d * 1e3:.2f} mm: the base "
-            f"stands {abs(z) * 1e3:.2f} mm {way}, from here on the tip is up to {abs(z) * 1e3:.2f} mm off",
-            instead=f"{d * 1e3:g} mm from {alignment.base_link} to the origin of "
-            f"{theirs.joints[1].name}",
+    (x, y, z), link = alignment.stands[:3, 3] * 1e3, alignment.base_link
+    beside, tilt = math.hypot(x, y), math.acos(min(1.0, alignment.stands[2, 2]))
+    if abs(z) > length * 1e3:
+        d, way = parameters().dh[0].d * 1e3, "lower" if z < 0 else "higher"
+        text = (
+            f"lies {d - z:.2f} mm above {link} where d_0 is {d:.2f} mm: the base stands {abs(z):.2f} mm "
+            f"{way}, from here on the tip is up to {abs(z):.2f} mm off"
         )
-    tilt = math.acos(min(1.0, up))
-    if math.hypot(x, y) > length or tilt > angle:
-        yield Finding(
-            "axis_e",
-            f"passes {math.hypot(x, y) * 1e3:.2f} mm beside the origin of {alignment.base_link}, tilted by "
-            f"{math.degrees(tilt):.3f} deg",
-        )
+        instead = f"{d:g} mm from {link} to the origin of {theirs.joints[1].name}"
+        yield Finding("axis_d", text, instead=instead)
+    if beside > length * 1e3 or tilt > angle:
+        degrees = math.degrees(tilt)
+        text = f"passes {beside:.2f} mm beside the origin of {link}, tilted by {degrees:.3f} deg"
+        yield Finding("axis_e", text)
 
 
-def _zeros(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, q: FloatArray
-) -> Iterator[Finding]:
+def _torque_change(torque: FloatArray, q: FloatArray) -> float:
+    """How far gravity torques in air are at most from ours at q [N m]."""
+    return float(np.abs(torque - our_arm().gravity_torque(q)).max())
+
+
+def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
+    within = allowed(theirs, short_pi=True)[1]
+
     def worth(there: FloatArray) -> float:
-        cost = np.abs(ours.gravity_torque(there) - ours.gravity_torque(q)).max()
-        return round(float(cost), 9)
+        return round(_torque_change(our_arm().gravity_torque(there), q), 9)
 
     for j, (axis, joint) in enumerate(zip(AXES, theirs.joints, strict=True)):
         here, zero = np.arange(4) == j, float(alignment.zero[j])
@@ -136,14 +130,14 @@ def _zeros(
             instead = f'{joint.name}: <axis xyz="{_numbers(-joint.axis)}"/> and its limits reversed'
             cost = worth(np.where(here, -q, q))
             yield Finding(axis, "turns the other way", cost=cost, instead=instead)
-        if abs(zero) <= allowed(theirs, short_pi=True)[1]:
+        if abs(zero) <= within:
             continue
         text, serious = f"its zero is shifted by {math.degrees(zero):.2f} deg", True
         if j in (1, 2):
             text += f" ({_fits(alignment)}; {without_zero(theirs, alignment, j) * 1e3:.2f} mm without it)"
         elif j == 0:
-            com = bodies_in_our_frames(ours, theirs, alignment)[0][0]
-            serious = bool(np.linalg.norm(com - ours.com[0]) < SAME_COM)
+            com = bodies_in_our_frames(theirs, alignment)[0][0]
+            serious = bool(np.linalg.norm(com - our_arm().com[0]) < SAME_COM)
             text += "" if serious else ", or else the base body stands turned: the axes cannot tell"
         turned = joint.transform[:3, :3] @ rotation_about(joint.axis, zero)
         xyz, rpy = _numbers(joint.transform[:3, 3]), _numbers(rpy_from_rotation(turned))
@@ -151,29 +145,23 @@ def _zeros(
         yield Finding(axis, text, serious, worth(q - alignment.sign * zero * here), instead)
 
 
-def _dimensions(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, q: FloatArray
-) -> Iterator[Finding]:
-    rows = parameters().dh
-    tips = our_tips(q)
+def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
+    tips, within = our_tips(q), allowed(theirs, short_pi=True)
     for k, (name, change) in enumerate(zip(DIMENSIONS, alignment.dimensions, strict=True)):
-        if abs(change) <= allowed(theirs, short_pi=True)[k >= 4]:
+        if abs(change) <= within[k >= 4]:
             continue
         axis, words = DIMENSION_WORDS[name]
         only = np.where(np.arange(len(DIMENSIONS)) == k, change, 0.0)
-        changed = with_dimensions(ours, only)
-        cost = float(np.abs(changed.gravity_torque(q) - ours.gravity_torque(q)).max())
         off = np.linalg.norm(our_tips(q, only) - tips, axis=1).max() * 1e3
         kind, _, index = name.partition("_")
-        nominal = getattr(rows[int(index)], kind, 0.0)
         scale, unit = (1e3, "mm") if k < 4 else (180 / math.pi, "deg")
-        yield Finding(
-            axis,
-            f"stands {(nominal + change) * scale:.2f} {unit} {words} where ours stands "
-            f"{nominal * scale:.2f} {unit}: from here on the tip is up to {off:.2f} mm off",
-            cost=cost,
-            instead=f"{name} = {nominal * scale:.6g} {unit}",
+        ours = getattr(parameters().dh[int(index)], kind, 0.0) * scale
+        text = (
+            f"stands {ours + change * scale:.2f} {unit} {words} where ours stands {ours:.2f} {unit}: "
+            f"from here on the tip is up to {off:.2f} mm off"
         )
+        cost = _torque_change(with_dimensions(only).gravity_torque(q), q)
+        yield Finding(axis, text, cost=cost, instead=f"{name} = {ours:.6g} {unit}")
 
 
 def _digits(
@@ -188,13 +176,12 @@ def _digits(
         )
         yield Finding("digits", text, serious=False, instead="angles with 15 digits")
     length, angle = allowed(theirs, short_pi=True)
-    small = {
-        axis: zero
+    zeros = "".join(
+        f", zero of {axis} {math.degrees(zero):.2f} deg"
         for axis, zero in zip(AXES[1:3], alignment.zero[1:3], strict=True)
         if ANGLE_TOLERANCE < abs(zero) <= angle
-    }
-    if alignment.residual[0] > LENGTH_TOLERANCE or small:
-        zeros = "".join(f", zero of {axis} {math.degrees(z):.2f} deg" for axis, z in small.items())
+    )
+    if alignment.residual[0] > LENGTH_TOLERANCE or zeros:
         text = (
             f"the axes lie as ours within what the printed digits allow, {length * 1e3:.2g} mm and "
             f"{math.degrees(angle):.2g} deg: {_fits(alignment)}{zeros}"
@@ -207,32 +194,28 @@ def _fits(alignment: Alignment) -> str:
     return f"residual {mm:.2f} mm, {deg:.4f} deg rms"
 
 
-def _numbers(values: Iterable[float]) -> str:
-    return " ".join(f"{x + 0.0:.7g}" for x in np.round(list(values), 7))
+def _numbers(values: Sequence[float] | FloatArray) -> str:
+    return " ".join(f"{x + 0.0:.7g}" for x in np.round(np.asarray(values), 7))
 
 
 def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     rows = zip(parameters().joints, theirs.joints, alignment.sign, alignment.zero, strict=False)
     for ours, joint, sign, zero in rows:
-        low, high = sorted(float(zero + sign * end) for end in (ours.lower, ours.upper))
-        if joint.lower is None or joint.upper is None:
-            instead = f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>'
-            yield Finding(ours.name, "has no limits", serious=False, instead=instead)
-            continue
-        ends = np.sort(sign * (np.array([joint.lower, joint.upper]) - zero))
-        # Their range lies within a turn of ours, whatever turn its zero was counted in.
-        middle = (ours.lower + ours.upper) / 2
-        turns = float(wrap(ends.mean(), middle) - ends.mean())
-        ends, low, high = ends + turns, low - sign * turns, high - sign * turns
-        if np.abs(ends - [ours.lower, ours.upper]).max() > LIMIT_TOLERANCE:
-            first, last = np.degrees(ends)
-            yield Finding(
-                ours.name,
-                f"range {first:z.1f} to {last:z.1f} deg in place of "
-                f"{math.degrees(ours.lower):.1f} to {math.degrees(ours.upper):.1f} deg",
-                serious=False,
-                instead=f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>',
+        printed, text = np.array([ours.lower, ours.upper]), "has no limits"
+        low, high = np.sort(zero + sign * printed)
+        if joint.lower is not None and joint.upper is not None:
+            ends = np.sort(sign * (np.array([joint.lower, joint.upper]) - zero))
+            # Their range lies within a turn of ours, whatever turn its zero was counted in.
+            turns = float(wrap(ends.mean(), printed.mean()) - ends.mean())
+            ends, low, high = ends + turns, low - sign * turns, high - sign * turns
+            if np.abs(ends - printed).max() <= LIMIT_TOLERANCE:
+                continue
+            (first, last), (lower, upper) = np.degrees(ends), np.degrees(printed)
+            text = (
+                f"range {first:z.1f} to {last:z.1f} deg in place of {lower:.1f} to {upper:.1f} deg"
             )
+        instead = f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>'
+        yield Finding(ours.name, text, serious=False, instead=instead)
 
 
 def _mimics(other: UrdfRobot) -> Iterator[Finding]:
@@ -241,11 +224,10 @@ def _mimics(other: UrdfRobot) -> Iterator[Finding]:
         leader = other.joints.get(joint.mimic or "")
         if leader is None or None in (leader.lower, leader.upper, joint.lower, joint.upper):
             continue
-        ends = [
-            joint.multiplier * (end or 0.0) + joint.offset for end in (leader.lower, leader.upper)
-        ]
-        beyond = max((joint.lower or 0.0) - min(ends), max(ends) - (joint.upper or 0.0))
+        travel = np.array([leader.lower, leader.upper], float)
+        low, high = np.sort(joint.multiplier * travel + joint.offset)
+        beyond = max((joint.lower or 0.0) - low, high - (joint.upper or 0.0))
         if beyond > ANGLE_TOLERANCE:
             text = f"mimics {leader.name} {beyond:.4g} beyond its own limit"
-            instead = f'{joint.name}: <limit lower="{min(ends):.5g}" upper="{max(ends):.5g}"/>'
+            instead = f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>'
             yield Finding(joint.name, text, instead=instead)

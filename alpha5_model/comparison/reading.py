@@ -1,19 +1,33 @@
-"""Read whatever describes another model: URDF, and xacro that expands to it."""
+"""Read another model: its file, what its printed digits leave open, and which of its joints are this arm's."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf
+import numpy as np
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
 from alpha5_model.description.variants import expand_xacro
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.files import read_named
+from alpha5_model.parameters import parameters
+from alpha5_model.published.tables import JOINT_NAMES
+from alpha5_model.spatial import pose
 
 #: Root element -> what its file is.
 OTHERS = {"mujoco": "an MJCF model", "sdf": "an SDF model", "COLLADA": "a COLLADA mesh"}
+AXES = JOINT_NAMES[:4]
+TURNING = ("revolute", "continuous")
+#: Fractions of a turn that people write: multiples of 15 deg, up to a full turn.
+PARTS = np.arange(1, 25)[:, None] / 12
 
 
 def read_model(
@@ -21,7 +35,7 @@ def read_model(
     packages: Mapping[str, str] | None = None,
     arguments: Mapping[str, str] | None = None,
 ) -> UrdfRobot:
-    """Read a URDF, or expand a xacro file and read what it makes.
+    """Read a URDF, or expand a xacro file and read the result.
 
     Args:
         path: The file.
@@ -37,10 +51,8 @@ def read_model(
     # In whatever encoding: the marks are ASCII.
     text = content.replace(b"\0", b"").decode("utf-8", "replace")
     root = re.search(r"<([A-Za-z][\w:.-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
-    if root and root[1] in OTHERS:
-        problem = (
-            f"expected <robot>, got <{root[1]}>: {OTHERS[root[1]]}; compare reads URDF and xacro"
-        )
+    if root and (tag := root[1]) in OTHERS:
+        problem = f"expected <robot>, got <{tag}>: {OTHERS[tag]}; compare reads URDF and xacro"
         raise FileFormatError(path, problem)
     if Path(path).suffix != ".xacro" and not re.search(r"<xacro:|\$\{", text):
         return parse_urdf(content, str(path))
@@ -50,13 +62,197 @@ def read_model(
         problem = str(error).removeprefix(f"{path}: ")
         needs = re.findall(r"\$\(find\s+([^)\s]+)\s*\)", text)
         needs += re.findall(r"no folder for package (\S+)", problem)
+        missing = re.findall(r"[Uu]ndefined substitution argument (\w+)", problem)
         options = [f"--package {name}=FOLDER" for name in sorted(set(needs) - {*(packages or {})})]
-        options += [
-            f"--arg {name}:=VALUE"
-            for name in re.findall(r"[Uu]ndefined substitution argument (\w+)", problem)
-        ]
+        options += [f"--arg {name}:=VALUE" for name in missing]
         if not options:
             raise
         line = " ".join(("alpha5 compare", str(path), *options))
         raise FileFormatError(path, f"{problem}; this would expand it: {line}") from None
     return parse_urdf(expanded, str(path))
+
+
+def as_meant(robot: UrdfRobot) -> UrdfRobot:
+    """The robot with every multiple of pi in its joints' rpy exact, however few digits it is printed with."""
+    joints = {name: replace(j, transform=_meant(j)) for name, j in robot.joints.items()}
+    return replace(robot, joints=joints)
+
+
+def _meant(joint: UrdfJoint) -> FloatArray:
+    angles = [meant_angle(text) for text in joint.printed[1].split()]
+    return pose(joint.transform[:3, 3], angles) if angles else joint.transform
+
+
+@cache
+def meant_angle(text: str) -> float:
+    """The multiple of pi that a printed angle stands for; the angle itself if it is none.
+
+    It is one if it equals, to its last printed digit, a multiple of 15 deg computed from pi cut or
+    rounded to 3 digits or more: 3.1415 and 1.57075, but neither 1.5 nor 1.572.
+    """
+    angle, unit = float(text), _last_place(text)
+    with_digits = [10.0**n for n in range(2, 16)]
+    pis = [f(math.pi * n) / n for n in with_digits for f in (math.floor, round)]
+    # Two decimals are too few to tell thirds of pi from any other angle.
+    parts = PARTS if unit < 5e-3 else PARTS[5::6]
+    # Angles computed from a short pi are not exact; no last digit is worth more than what 3.14 leaves open.
+    unit = min(1.01 * unit + 1e-12, (math.pi - 3.14) * abs(angle) / 3)
+    near = (np.abs(parts * pis - abs(angle)) <= unit).any(axis=1)
+    return math.copysign(float(parts[near][0, 0]) * math.pi, angle) if near.any() else angle
+
+
+def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
+    """What the digits of the joints' origins leave open: lengths [m], angles and multiples of pi [rad].
+
+    Of lengths and angles half of the last decimal place, added in quadrature. A number may have lost its
+    trailing zeros: the most decimals among the lengths are taken for all of them, and so for the
+    angles. Zeros and integers are exact. Of the multiples of pi the largest error of one.
+    """
+    lengths, angles = (
+        [text for j in joints for text in j.printed[k].split() if float(text) % 1] for k in (0, 1)
+    )
+    cut = [abs(meant_angle(text) - float(text)) for text in angles]
+    others = [text for text, off in zip(angles, cut, strict=True) if not off]
+    length, angle = (
+        0.5 * min(map(_last_place, texts), default=0.0) * math.sqrt(len(texts))
+        for texts in (lengths, others)
+    )
+    return length, angle, max(cut, default=0.0)
+
+
+def _last_place(text: str) -> float:
+    exponent = Decimal(text).as_tuple().exponent
+    return 10.0**exponent if isinstance(exponent, int) else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Four joints that turn one after another, and the shape of their axes.
+
+    Attributes:
+        joints: Base to tip.
+        shape: Distance of each axis from the one before it, (3,), and of the first from the last
+            common normal along the second axis [m]; angle of each axis with the one before it, (3,),
+            up to pi/2 [rad]; (7,) in all.
+        following: How many more joints turn one after another behind them.
+    """
+
+    joints: tuple[UrdfJoint, ...]
+    shape: FloatArray
+    following: int
+
+    @property
+    def differences(self) -> FloatArray:
+        """How far its shape is from ours, (7,) [m]: angles weigh with the length of the upper arm."""
+        ours = our_shape()
+        return np.abs(self.shape - ours) * np.where(np.arange(7) < 4, 1.0, ours[1])
+
+    @property
+    def misfit(self) -> float:
+        """All differences together [m]."""
+        return float(np.linalg.norm(self.differences))
+
+
+def our_shape() -> FloatArray:
+    """Distances [m] and angles [rad] of our own axes, as in `Chain`."""
+    rows = parameters().dh[:3]
+    twists = np.abs([row.alpha for row in rows])
+    return np.array([*(row.a for row in rows), 0.0, *np.minimum(twists, math.pi - twists)])
+
+
+def _shape(points: FloatArray, directions: FloatArray) -> FloatArray:
+    """Distances and angles of axes, given by any point on each and their directions, (4, 3) each."""
+    across = np.cross(directions[:-1], directions[1:])
+    sines = np.linalg.norm(across, axis=1)
+    upper = foot(points, directions, 2, 3) - foot(points, directions, 1, 0)
+    offset = upper @ directions[1]
+    lengths = np.abs(np.sum(np.diff(points, axis=0) * across, axis=1)) / np.maximum(sines, 1e-9)
+    lengths[1] = np.linalg.norm(upper - offset * directions[1])  # parallel, or nearly so
+    twists = np.arctan2(sines, np.abs(np.sum(directions[:-1] * directions[1:], axis=1)))
+    return np.array([*lengths, abs(offset), *twists])
+
+
+def foot(points: FloatArray, directions: FloatArray, at: int, other: int) -> FloatArray:
+    """Foot of the common normal of two axes on the first of them, (..., 3), of lines (..., 4, 3)."""
+    u, w, p = directions[..., at, :], directions[..., other, :], points[..., at, :]
+    r = p - points[..., other, :]
+    b, along, across = (np.sum(x * y, -1, keepdims=True) for x, y in ((u, w), (w, r), (u, r)))
+    return np.asarray(p + (b * along - across) / np.maximum(1 - b * b, 1e-12) * u)
+
+
+def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> list[Chain]:
+    """Every four joints in a row that could be axis_e, axis_d, axis_c and axis_b, the best first.
+
+    Joints are known by the shape of their axes; names decide between chains of the same shape, such
+    as two arms on one vehicle. Joints that mimic another or have no range do not count.
+
+    Args:
+        robot: The other model.
+        names: Ours -> theirs, where the caller gives them; four of them need not be in a row.
+
+    Raises:
+        UnknownNameError: A name that is not there.
+        InputError: Two of our joints mapped to one, one that does not turn, or no such chain.
+    """
+    given = dict(names or {})
+    for axis, name in given.items():
+        if axis not in AXES:
+            raise UnknownNameError("joint", axis, AXES)
+        if name not in robot.joints:
+            raise UnknownNameError("joint of the other model", name, robot.joints)
+        if robot.joints[name].kind not in TURNING:
+            raise InputError("map", name, "a revolute joint")
+        if twice := [other for other in given if other != axis and given[other] == name]:
+            raise InputError("map", f"{axis}={name},{twice[0]}={name}", "four different joints")
+    poses, rows = {robot.root: np.eye(4)}, dict[str, tuple[UrdfJoint, ...]]()
+    way: dict[str, tuple[UrdfJoint, ...]] = {robot.root: ()}
+    for joint in robot.joints.values():
+        at = poses[joint.parent] @ joint.transform
+        poses[joint.child] = at @ joint.motion(rest_position(robot, joint))
+        way[joint.child] = way[joint.parent]
+        locked = joint.lower is not None and joint.lower == joint.upper
+        if joint.kind in TURNING and joint.mimic is None and not locked:
+            rows[joint.name] = way[joint.child] = (*way[joint.parent], joint)
+    found = [row[-4:] for row in rows.values() if len(row) >= 4]
+    if len(given) == 4:
+        found = [tuple([robot.joints[given[axis]] for axis in AXES])]
+    found = [row for row in found if all(row[AXES.index(a)].name == n for a, n in given.items())]
+    if given and not found:
+        example = ",".join(f"{axis}={name}" for axis, name in given.items())
+        choices = ", ".join(rows) or "none"
+        expected = f"four different joints that follow each other, out of: {choices}"
+        raise InputError("map", example, expected)
+    chains = []
+    for row in found:
+        at = np.array([poses[joint.parent] @ joint.transform for joint in row])
+        directions = np.einsum("nij,nj->ni", at[:, :3, :3], [joint.axis for joint in row])
+        last = rows.get(row[-1].name, ())
+        behind = [len(r) - len(last) for r in rows.values() if r[: len(last)] == last]
+        chains.append(Chain(row, _shape(at[:, :3, 3], directions), max(behind, default=0)))
+    return sorted(chains, key=lambda c: (round(c.misfit, 4), -_named(c.joints)))
+
+
+def _named(joints: tuple[UrdfJoint, ...]) -> int:
+    return sum(joint.name.endswith(axis) for axis, joint in zip(AXES, joints, strict=True))
+
+
+def map_joints(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> tuple[UrdfJoint, ...]:
+    """The joints of another model that are axis_e, axis_d, axis_c and axis_b; see `find_chains`.
+
+    Raises:
+        UnknownNameError: A name that is not there.
+        InputError: Two of our joints mapped to one, or no four joints in a row.
+    """
+    chains = find_chains(robot, names)
+    if not chains:
+        raise InputError("robot", robot.name, "four revolute joints in a row")
+    return chains[0].joints
+
+
+def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
+    """Where a joint is frozen: at the value nearest to zero in its range, or with the joint it mimics."""
+    leader = robot.joints.get(joint.mimic) if joint.mimic else None
+    if leader is not None and leader.mimic is None:
+        return joint.multiplier * rest_position(robot, leader) + joint.offset
+    lower, upper = joint.lower or 0.0, joint.upper or 0.0
+    return lower if lower > 0 else min(upper, 0.0)

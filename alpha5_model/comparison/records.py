@@ -1,4 +1,4 @@
-"""What a comparison is made of: findings, bodies, and the whole."""
+"""What a comparison is made of: alignment, findings, bodies, and the whole."""
 
 from __future__ import annotations
 
@@ -9,14 +9,69 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.axis_fit import Alignment
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
+
+#: The dimensions of our arm that another model may have otherwise: distances and twists of axes that
+#: follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no twist
+#: about their second direction).
+DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
+#: A frame that lies closer to ours than this was meant to be the same one.
+SAME_FRAME = 0.005  # [m]
+SAME_TILT = 0.02  # [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """How the other model's coordinates relate to ours: ``q_theirs = sign * q_ours + zero``.
+
+    Attributes:
+        base: transform_theirs_to_ours of the root frames, (4, 4).
+        sign: +1 or -1 per joint, (4,).
+        zero: Position of the other joint where ours is zero, (4,) [rad].
+        dimensions: Theirs minus ours of each of `DIMENSIONS`, (8,) [m, rad]; zero where it was held.
+        residual: What is left between their axes and ours, root mean square over positions and axes: of
+            the coordinates of the lines (their moment [m] and direction), and of their angle [rad].
+        base_link: The link of theirs whose frame comes closest to our base_link.
+        stands: Pose of that frame in our base_link, (4, 4).
+        exact: The same with all dimensions fitted, also those that the printed digits explain; None in
+            itself.
+    """
+
+    base: FloatArray = field(default_factory=lambda: np.eye(4))
+    sign: FloatArray = field(default_factory=lambda: np.ones(4))
+    zero: FloatArray = field(default_factory=lambda: np.zeros(4))
+    dimensions: FloatArray = field(default_factory=lambda: np.zeros(len(DIMENSIONS)))
+    residual: tuple[float, float] = (math.nan, math.nan)
+    base_link: str = ""
+    stands: FloatArray = field(default_factory=lambda: np.eye(4))
+    exact: Alignment | None = None
+
+    @property
+    def same_base(self) -> bool:
+        """Whether a link's frame was meant to be our base_link, up to its height and yaw."""
+        lateral = float(np.hypot(*self.stands[:2, 3]))
+        height, up = abs(self.stands[2, 3]), self.stands[2, 2]
+        return max(lateral, height) < SAME_FRAME and math.acos(min(1.0, up)) < SAME_TILT
+
+    @property
+    def oddities(self) -> int:
+        """Number of turned signs and shifted zeros."""
+        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_FRAME).sum())
+
+    def changes(self) -> dict[str, float]:
+        """The dimensions that differ, theirs minus ours [m, rad]."""
+        found = zip(DIMENSIONS, self.dimensions.tolist(), strict=True)
+        return {name: change for name, change in found if change}
+
+    def theirs(self, q: FloatArray) -> FloatArray:
+        """The other model's joint positions for ours."""
+        return self.sign * q + self.zero
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a person should know about the other model.
+    """Something wrong or odd in the other model.
 
     Attributes:
         where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or a file.
@@ -73,24 +128,23 @@ class BodyDifference:
 
     def as_dict(self) -> dict[str, Any]:
         """Both sides and their difference, for JSON."""
-        massless = math.isnan(self.com_error)
         return {
             "name": self.name,
             "links": list(self.links),
-            **_side(self.mass, None if massless else self.com, self.inertia),
-            "ours": _side(self.ours.mass, self.ours.com, self.ours.inertia),
+            **_side(self),
+            "ours": _side(self.ours),
             "mass_error_kg": self.mass_error,
-            "com_error_m": None if massless else self.com_error,
+            "com_error_m": _plain(self.com_error),
             "inertia_error_kgm2": self.inertia_error,
         }
 
 
-def _side(mass: float, com: FloatArray | None, inertia: FloatArray) -> dict[str, Any]:
+def _side(body: BodyDifference | LinkParameters) -> dict[str, Any]:
     return {
-        "mass_kg": mass,
-        "com_m": None if com is None else com.tolist(),
-        "inertia_kgm2": inertia.tolist(),
-        "principal_moments_kgm2": principal_moments(inertia).tolist(),
+        "mass_kg": body.mass,
+        "com_m": body.com.tolist() if body.mass else None,
+        "inertia_kgm2": body.inertia.tolist(),
+        "principal_moments_kgm2": principal_moments(body.inertia).tolist(),
     }
 
 
@@ -100,10 +154,11 @@ def _plain(value: float) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Another model of this arm, held against ours.
+    """Another model of this arm, compared with ours.
 
     Attributes:
         name: Its name.
+        findings: The costliest first, then base to tip; empty if the models agree.
         joints: Ours -> theirs.
         alignment: Base, signs and zeros.
         bodies: Base to tip.
@@ -111,21 +166,20 @@ class Comparison:
         gravity_error: Largest difference of the gravity torque in air, per joint, (4,) [N m].
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Of its collision primitives [m^3]; NaN if it has none.
-        findings: What costs most first, then base to tip; empty if the models agree.
         carried: Links that move with the base and are not the arm's -> mass [kg].
 
     Another arm has no joints and no bodies, its errors are NaN, and its one finding says why.
     """
 
     name: str
-    joints: dict[str, str]
-    alignment: Alignment
-    bodies: tuple[BodyDifference, ...]
-    tip_error: float
-    gravity_error: FloatArray
-    mass_matrix_error: float
-    volume: float
     findings: tuple[Finding, ...]
+    joints: dict[str, str] = field(default_factory=dict)
+    alignment: Alignment = field(default_factory=Alignment)
+    bodies: tuple[BodyDifference, ...] = ()
+    tip_error: float = math.nan
+    gravity_error: FloatArray = field(default_factory=lambda: np.full(4, math.nan))
+    mass_matrix_error: float = math.nan
+    volume: float = math.nan
     carried: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -164,13 +218,7 @@ class Comparison:
             "volume_m3": _plain(self.volume),
             "bodies": [body.as_dict() for body in self.bodies],
             "findings": [
-                {
-                    "where": finding.where,
-                    "text": finding.text,
-                    "serious": finding.serious,
-                    "cost_Nm": finding.cost,
-                    "instead": finding.instead,
-                }
+                {"cost_Nm" if key == "cost" else key: value for key, value in vars(finding).items()}
                 for finding in self.findings
             ],
         }

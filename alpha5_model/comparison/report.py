@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import cache
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,39 +13,44 @@ from alpha5_model.checks import FloatArray, count
 from alpha5_model.comparison.alignment import (
     align,
     bodies_in_our_frames,
-    our_tips,
+    body_transforms,
     their_tips,
 )
-from alpha5_model.comparison.arm import AXES, FourJointArm, reduce_robot
-from alpha5_model.comparison.axis_fit import Alignment
-from alpha5_model.comparison.bodies import Cost
-from alpha5_model.comparison.findings import collision_volume, findings
-from alpha5_model.comparison.mapping import (
+from alpha5_model.comparison.arm import (
+    DOWN,
+    FourJointArm,
+    our_arm,
+    our_tips,
+    random_positions,
+    reduce_robot,
+)
+from alpha5_model.comparison.bodies import body_findings
+from alpha5_model.comparison.geometry import geometry_findings
+from alpha5_model.comparison.reading import (
+    AXES,
     TURNING,
     Chain,
+    as_meant,
     find_chains,
-    map_joints,
     our_shape,
+    read_model,
 )
-from alpha5_model.comparison.reading import read_model
 from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
-from alpha5_model.comparison.rounding import as_meant
-from alpha5_model.description.urdf_reading import UrdfRobot, parse_urdf
-from alpha5_model.description.variants import Variant, urdf
-from alpha5_model.fluids import GRAVITY
+from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 
 #: Shapes of axes that lie farther apart than this are not the same arm's: a third of the upper arm.
 #: A model of this arm with an offset on the wrong side comes to 40 mm at most.
 OTHER_ARM = 0.05  # [m]
 SAME_SHAPE = 0.005  # [m]
-LENGTHS = (
-    "axis_d from axis_e",
-    "axis_c from axis_d",
-    "axis_b from axis_c",
+#: What the shape of a chain is made of: four distances, three angles.
+SHAPE = (
+    *(f"{axis} from {before}" for before, axis in pairwise(AXES)),
     "the elbow out of the arm's plane",
+    *(f"{axis} to {before}" for before, axis in pairwise(AXES)),
 )
-TWISTS = ("axis_d to axis_e", "axis_c to axis_d", "axis_b to axis_c")
+#: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
+VOLUME_TOLERANCE = 5e-3
 
 
 def compare(
@@ -91,21 +95,21 @@ def compare_robots(
     base: str | None = None,
 ) -> Comparison:
     """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
-    tables, ours, count_ = parameters(), _ours(), count("samples", samples)
-    chains = find_chains(as_meant(other), names)
+    q, meant = random_positions(count("samples", samples)), as_meant(other)
+    chains = find_chains(meant, names)
     if not chains or not _is_ours(chains[0]):
-        return _another_arm(other, chains)
+        return Comparison(other.name, (_another_arm(other, chains),))
     mapped = chains[0].joints
-    theirs = reduce_robot(as_meant(other), mapped, base)
-    alignment = align(ours, theirs)
+    theirs = reduce_robot(meant, mapped, base)
+    alignment = align(theirs)
     way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
     if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
         # What stands before our base_link carries it, even if it is as light as nothing.
         base = alignment.base_link
-        theirs = reduce_robot(as_meant(other), mapped, base)
+        theirs = reduce_robot(meant, mapped, base)
     written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
-    com, inertia = bodies_in_our_frames(ours, theirs, alignment)
-    exact = bodies_in_our_frames(ours, theirs, alignment.exact or alignment)[0]
+    com, inertia = bodies_in_our_frames(theirs, alignment)
+    exact = bodies_in_our_frames(theirs, alignment.exact or alignment)[0]
     bodies = tuple(
         BodyDifference(
             name=link.name,
@@ -116,26 +120,30 @@ def compare_robots(
             ours=link,
             slack=float(np.linalg.norm(exact[i] - com[i])),
         )
-        for i, link in enumerate(tables.links)
+        for i, link in enumerate(parameters().links)
     )
-    rng = np.random.default_rng(0)
-    lower = np.array([joint.lower for joint in tables.joints[:4]])
-    upper = np.array([joint.upper for joint in tables.joints[:4]])
-    q = rng.uniform(lower, upper, (count_, 4))
+    # Gravity points down in our base frame, wherever the other root stands.
+    there, down = alignment.theirs(q), alignment.base[:3, :3].T @ DOWN
+    gravity = written.gravity_torque(there, down) * alignment.sign - our_arm().gravity_torque(q)
+    signs = np.outer(alignment.sign, alignment.sign)
+    inertias = _mass_matrices(written, there) * signs - _mass_matrices(our_arm(), q)
     tips = our_tips(q) - their_tips(written, alignment, q)
-    gravity_error, mass_matrix_error = _dynamic_errors(ours, written, alignment, q)
-    cost = _gravity_cost(ours, q)
-    found = findings(other, ours, theirs, written, alignment, bodies, q, cost, folder)
+    found = [
+        *geometry_findings(other, theirs, written, alignment, q),
+        *body_findings(other, theirs, body_transforms(theirs, alignment), bodies, q),
+        *_remarks(other, theirs, folder),
+    ]
+    found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
     return Comparison(
         name=other.name,
+        findings=(*found, *_other_arms(chains)),
         joints={axis: joint.name for axis, joint in zip(AXES, mapped, strict=True)},
         alignment=alignment,
         bodies=bodies,
         tip_error=float(np.linalg.norm(tips, axis=1).max()),
-        gravity_error=gravity_error,
-        mass_matrix_error=mass_matrix_error,
-        volume=collision_volume(theirs),
-        findings=(*found, *_other_arms(chains)),
+        gravity_error=np.abs(gravity).max(axis=0),
+        mass_matrix_error=float(np.abs(inertias).max()),
+        volume=theirs.volume or math.nan,
         carried={name: other.links[name].mass or 0.0 for name in theirs.carried},
     )
 
@@ -145,117 +153,63 @@ def _is_ours(chain: Chain) -> bool:
     return chain.misfit <= (OTHER_ARM if chain.following < 2 else SAME_SHAPE)
 
 
-def _another_arm(other: UrdfRobot, chains: list[Chain]) -> Comparison:
-    """The verdict for a model that is not of this arm."""
-    turning = [j for j in other.joints.values() if j.kind in TURNING and j.mimic is None]
-    if not chains:
-        why = (
-            f"no four joints turn one after another, as its four do ({len(turning)} turning joints "
-            "in all)"
-        )
-    else:
-        closest, (lengths, twists) = chains[0], our_shape()
-        rows = [
-            (abs(a - b), f"{words} {a * 1e3:.0f} mm (ours {b * 1e3:.0f})")
-            for a, b, words in zip(closest.lengths, lengths, LENGTHS, strict=True)
-        ]
-        rows += [
-            (
-                abs(a - b) * lengths[1],
-                f"{words} {math.degrees(a):.0f} deg (ours {math.degrees(b):.0f})",
-            )
-            for a, b, words in zip(closest.twists, twists, TWISTS, strict=True)
-        ]
-        worst = sorted(rows, key=lambda row: -row[0])[:3]
-        names = ", ".join(joint.name for joint in closest.joints)
-        why = (
-            f"of its {len(turning)} turning joints {names} come closest, with "
-            f"{', '.join(text for off, text in worst if off > 1e-3)}"
-        )
-    return Comparison(
-        name=other.name,
-        joints={},
-        alignment=Alignment(np.eye(4), np.ones(4), np.zeros(4), residual=(math.nan, math.nan)),
-        bodies=(),
-        tip_error=math.nan,
-        gravity_error=np.full(4, math.nan),
-        mass_matrix_error=math.nan,
-        volume=math.nan,
-        findings=(Finding("arm", f"This is not a Reach Alpha 5: {why}."),),
-    )
+def _another_arm(other: UrdfRobot, chains: list[Chain]) -> Finding:
+    """Why a model is not of this arm."""
+    turning = sum(j.kind in TURNING and j.mimic is None for j in other.joints.values())
+    why = f"no four joints turn one after another, as its four do ({turning} turning joints in all)"
+    if chains:
+        names = ", ".join(joint.name for joint in chains[0].joints)
+        off, scale = chains[0].differences, np.repeat([1e3, 180 / math.pi], (4, 3))
+        units = ["mm"] * 4 + ["deg"] * 3
+        rows = zip(SHAPE, chains[0].shape * scale, our_shape() * scale, units, strict=True)
+        texts = [f"{words} {a:.0f} {unit} (ours {b:.0f})" for words, a, b, unit in rows]
+        worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
+        why = f"of its {turning} turning joints {names} come closest, with {worst}"
+    return Finding("arm", f"This is not a Reach Alpha 5: {why}.")
 
 
 def _other_arms(chains: list[Chain]) -> Iterator[Finding]:
     """Further chains of the shape of this arm, such as a second arm on the vehicle."""
-    names = [joint.name for joint in chains[0].joints]
+    names = {joint.name for joint in chains[0].joints}
     for chain in chains[1:]:
         others = [joint.name for joint in chain.joints]
-        if _is_ours(chain) and not set(names) & set(others):
+        if _is_ours(chain) and names.isdisjoint(others):
             mapping = ",".join(f"{a}={n}" for a, n in zip(AXES, others, strict=True))
             text = f"another arm of this shape is there: compare it with --map {mapping}"
             yield Finding("arm", text, serious=False)
 
 
-@cache
-def _ours() -> FourJointArm:
-    """Our own arm, generated from the tables and read like any other."""
-    robot = parse_urdf(urdf(Variant(dh_frames=True)))
-    return reduce_robot(robot, map_joints(robot))
-
-
-def _dynamic_errors(
-    ours: FourJointArm, theirs: FourJointArm, alignment: Alignment, samples: FloatArray
-) -> tuple[FloatArray, float]:
-    import pinocchio as pin
-
-    models = [_model(ours), _model(theirs)]
-    # Gravity points down in our base frame, wherever the other root stands.
-    models[0].gravity.linear = np.array(GRAVITY)
-    models[1].gravity.linear = alignment.base[:3, :3].T @ np.array(GRAVITY)
-    data = [model.createData() for model in models]
-    signs = alignment.sign
-    gravity, matrix = np.zeros(4), 0.0
-    for q in samples:
-        there = alignment.theirs(q)
-        g = pin.computeGeneralizedGravity(models[1], data[1], there) * signs
-        gravity = np.maximum(
-            gravity, np.abs(g - pin.computeGeneralizedGravity(models[0], data[0], q))
+def _remarks(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
+    """What does not count, or is missing, in its collision shapes and files."""
+    links = [other.links[name] for names in theirs.links for name in names]
+    if meshes := sum(len(link.meshes) for link in links):
+        text = f"{meshes} collision meshes: their volume is not counted"
+        yield Finding("volume", text, serious=False)
+    # Our own collision shapes enclose the bodies and are not meant to displace water.
+    printed, enclosing = sum(link.volume for link in parameters().links), our_arm().volume
+    known = [abs(theirs.volume - v) <= VOLUME_TOLERANCE * printed for v in (printed, enclosing)]
+    if theirs.volume and not any(known):
+        text = (
+            f"collision primitives sum to {theirs.volume * 1e3:.3f} L, the arm displaces "
+            f"{printed * 1e3:.3f} L: wrong buoyancy in a tool that takes it from them"
         )
-        m = pin.crba(models[1], data[1], there) * np.outer(signs, signs)
-        matrix = max(matrix, float(np.abs(m - pin.crba(models[0], data[0], q)).max()))
-    return gravity, matrix
+        yield Finding("volume", text, serious=False)
+    for name in sorted({file for link in other.links.values() for file in link.files}):
+        if folder and "://" not in name and not (folder / name).is_file():
+            yield Finding(name, "mesh is not there", serious=False)
 
 
-def _gravity_cost(ours: FourJointArm, samples: FloatArray) -> Cost:
-    """What an error of one body's mass and first moment is worth in gravity torque in air [N m].
-
-    Gravity torque is linear in both: its regressor [Atkeson1986] at the sampled positions says all. The base
-    is held by no joint and costs nothing.
-    """
-    import pinocchio as pin
-
-    model = _model(ours)
-    model.gravity.linear = np.array(GRAVITY)
-    data, rest = model.createData(), np.zeros(4)
-    rows = [pin.computeJointTorqueRegressor(model, data, q, rest, rest).copy() for q in samples]
-    regressor = np.array(rows).reshape(-1, 4, 4, 10)[..., :4]  # sample, joint, body, number
-
-    def cost(body: int, mass: float, moment: FloatArray) -> float:
-        return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
-
-    return cost
-
-
-def _model(arm: FourJointArm) -> Any:
+def _mass_matrices(arm: FourJointArm, q: FloatArray) -> FloatArray:
+    """By Pinocchio, (N, 4, 4) [kg m^2], at its own angles q (N, 4)."""
     import pinocchio as pin
 
     model, parent = pin.Model(), 0
     for i, joint in enumerate(arm.joints):
-        placement = pin.SE3(arm.placements[i])
         # an unaligned axis keeps whatever direction the file gives
-        kind = pin.JointModelRevoluteUnaligned(arm.axes[i])
+        kind, placement = pin.JointModelRevoluteUnaligned(arm.axes[i]), pin.SE3(arm.placements[i])
         parent = model.addJoint(parent, kind, placement, joint.name)
         body = pin.Inertia.Zero()  # filled by parts: the constructor refuses impossible tensors
         body.mass, body.lever, body.inertia = arm.mass[i + 1], arm.com[i + 1], arm.inertia[i + 1]
         model.appendBodyToJoint(parent, body, pin.SE3.Identity())
-    return model
+    data = model.createData()
+    return np.array([pin.crba(model, data, row).copy() for row in q])
