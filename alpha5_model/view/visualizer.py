@@ -79,7 +79,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         if frames[0] != b"get_scene":
             super().handle_zmq(frames)
             return
-        commands = []
+        commands: list[bytes] = []
         for node in walk(self.tree):
             commands += filter(
                 None, [node.object, *node.properties, node.transform, node.animation]
