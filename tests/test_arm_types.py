@@ -47,6 +47,8 @@ def axes_chain(
 
 
 ORIGIN = np.zeros(3)
+#: Six axes anywhere: with its tool upright it moves on a curved set.
+SKEW = axes_chain([(*pair, 0) for pair in np.random.default_rng(3).normal(size=(6, 2, 3))])
 GANTRY = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1)])
 GANTRY_ROLL = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1), (ORIGIN, Z, 0)])
 OBLIQUE = axes_chain([(ORIGIN, X, 1), (ORIGIN, X + Y, 1), (ORIGIN, Z, 1)])
@@ -98,6 +100,7 @@ def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
         (GANTRY, 3, 3, 0, 3),
         (GANTRY_ROLL, 4, 3, 1, 4),
         (DHChain.from_table(FIVE), 5, 3, 3, 4),
+        (SKEW, 6, 3, 3, 4),
         (DHChain.from_table([[0, 0, 1, 0, 0]] * 3), 3, 2, 1, 3),
         (DHChain.from_table([[0, 0, 1, 0, 0]] * 7), 3, 2, 1, 3),  # seven joints, still a plane
         (axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)]), 3, 0, 3, 1),

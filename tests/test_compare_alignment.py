@@ -179,6 +179,10 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
     assert {f.where for f in comparison.findings} == {AXES[index + 1]}, comparison.findings
     change = comparison.alignment.changes()[f"alpha_{index}"]
     assert abs(math.degrees(change)) == pytest.approx(1.0, abs=1e-6)
+    ours = (90.0, 180.0, -90.0)[index]  # Table 1
+    stands = f"stands {ours + math.degrees(change):.2f} deg"
+    assert comparison.findings[0].text.startswith(stands)
+    assert f"where ours stands {ours:.2f} deg" in comparison.findings[0].text
 
 
 @pytest.mark.parametrize(

@@ -389,6 +389,23 @@ def test_glb_shows_the_home_pose_with_y_up(meshes):
     assert seen == set(BODIES)
 
 
+@pytest.mark.parametrize(("count", "kind"), [(65534, 5123), (65535, 5125)])
+def test_many_vertices_take_long_indices(count, kind):
+    """glTF 2.0, 3.7.2.1: the largest number of a component type is no index."""
+    from alpha5_model.meshing.formats import Node, glb
+    from alpha5_model.meshing.solid import Surface
+
+    vertices = np.random.default_rng(1).normal(size=(count, 3))
+    faces = np.resize(np.arange(count), (count // 3 + 1, 3))
+    data = glb([Node("part", surface=Surface(vertices, faces, np.eye(3)[:1], 0 * faces))])
+    size = struct.unpack_from("<I", data, 12)[0]
+    scene = json.loads(data[20 : 20 + size])
+    primitive = scene["meshes"][0]["primitives"][0]
+    assert scene["accessors"][primitive["attributes"]["POSITION"]]["count"] == count
+    assert scene["accessors"][primitive["indices"]]["componentType"] == kind
+    assert _accessor(scene, data[28 + size :], primitive["indices"]).max() == count - 1
+
+
 def _node_matrix(node: dict) -> np.ndarray:
     x, y, z, w = node.get("rotation", (0, 0, 0, 1))
     out = np.eye(4)

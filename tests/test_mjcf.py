@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from reference import LOWER, UPPER, configurations
+from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
 from alpha5_model.cli import main
@@ -18,6 +19,7 @@ from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.files import atomic_write
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import parameters
+from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 
 mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 
@@ -251,6 +253,44 @@ def test_fingers_follow_the_rod():
     assert rod == pytest.approx(joint.upper, abs=5e-4)
     assert fingers == pytest.approx([51 * (rod - joint.lower)] * 2, abs=5e-3)
     assert min(fingers) > 0.55
+
+
+def test_the_fingers_angle_is_a_line_in_the_rods_position():
+    model, _ = compiled(mjcf(MjcfOptions(gripper="jaws")))
+    joint = parameters().joints[4]
+    assert model.neq == 2
+    for row in model.eq_data[:, :5]:
+        assert row[:2] == pytest.approx([-51 * joint.lower, 51])
+        assert not row[2:].any()
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
+    """The URDF's visuals are written by the xacro, these by the package."""
+    root = ET.fromstring(mjcf_files(MjcfOptions(gripper=gripper))["alpha5.xml"])
+    assert root.find("compiler").get("eulerseq") == "XYZ"  # about fixed axes, as in a URDF
+    shown = {
+        (body.get("name"), geom.get("mesh")): geom
+        for body in root.iter("body")
+        for geom in body.findall("geom[@mesh]")
+    }
+    wanted = {
+        (link.get("name"), Path(visual.find("geometry/mesh").get("filename")).stem): visual
+        for link in ET.parse(URDF_PATH if gripper == "locked" else JAWS_URDF_PATH).iter("link")
+        for visual in link.findall("visual")
+    }
+    assert len(wanted) == 7
+    assert set(shown) == set(wanted)
+    for key, visual in wanted.items():
+        pos, euler = (shown[key].get(name, "0 0 0") for name in ("pos", "euler"))
+        xyz_rpy = visual.find("origin").attrib
+        one, other = (
+            Rotation.from_euler("xyz", [float(x) for x in rpy.split()])
+            for rpy in (euler, xyz_rpy["rpy"])
+        )
+        assert (one.inv() * other).magnitude() < 1e-9
+        at = [float(x) for x in pos.split()]
+        assert at == pytest.approx([float(x) for x in xyz_rpy["xyz"].split()], abs=1e-12)
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])

@@ -77,7 +77,9 @@ def test_boxes_have_the_bodies_proportions():
     """The graded density of Gazebo's buoyancy system slices the box: its shape counts."""
     root = ET.fromstring(sdf())
     for link in parameters().links:
-        size = numbers(root.find(f".//link[@name='{link.name}']/collision/geometry/box/size"))
+        (box,) = root.findall(f".//link[@name='{link.name}']/collision")
+        np.testing.assert_array_equal(pose(box)[:3, :3], np.eye(3))
+        size = numbers(box.find("geometry/box/size"))
         extent = np.diff(link.bounds, axis=1)[:, 0]
         np.testing.assert_allclose(size / size[0], extent / extent[0], rtol=1e-12)
         assert size[0] < extent[0]  # the printed volume is less than that of the bounding box
