@@ -232,8 +232,14 @@ def is_rotation(matrix: FloatArray) -> BoolArray:
         return np.asarray((off <= ROTATION_TOLERANCE) & (np.linalg.det(matrix) > 0))
 
 
+def is_rigid(transform: FloatArray) -> BoolArray:
+    """Which of (..., 4, 4) are rigid transforms: a rotation, a translation, a last row 0 0 0 1: (...)."""
+    last = (transform[..., 3, :] == (0, 0, 0, 1)).all(axis=-1)
+    return np.asarray(is_rotation(transform[..., :3, :3]) & last)
+
+
 def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
-    """Check one homogeneous transform: a rotation (`is_rotation`), a translation, a last row 0 0 0 1.
+    """Check one rigid transform (`is_rigid`).
 
     Returns:
         A read-only copy, (4, 4).
@@ -242,10 +248,6 @@ def rigid_transform(name: str, value: ArrayLike) -> FloatArray:
         InputError: Anything else.
     """
     transform = float_array(name, value, (4, 4))
-    if (
-        transform.shape != (4, 4)
-        or not is_rotation(transform[:3, :3])
-        or not np.array_equal(transform[3], (0, 0, 0, 1))
-    ):
+    if transform.shape != (4, 4) or not is_rigid(transform):
         raise InputError(name, transform.tolist(), "one rigid transform, (4, 4)")
     return frozen(transform)

@@ -1,27 +1,44 @@
-"""What the tcp can reach, exactly: inside or not, how far off, and the nearest point.
+"""What the tcp can reach, exactly: the boundary as arcs, inside or not, how far off, and the nearest point.
+
+A half-plane through the yaw axis, R >= 0 outwards and z up, is reached from its front by the arm that
+faces it (underarm) and from its back by the arm that turns away (overarm, the plane of the arm
+mirrored). In the plane the arm is a planar arm of two links. Where one of its joints is at the end of its range, or
+the arm is stretched or folded, the other joint moves the tcp on an arc, and the boundary of the reachable
+set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
 
 Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97 degrees, so a
 wedge of azimuths is closed to the underarm pose and the opposite wedge to the overarm pose. The set is
 the union of the two poses, each turned through the azimuths that it can face. A point in the closed
 wedge of one pose may still be reached by the other, and the nearest point of a pose to a target in its
 wedge lies in the wedge's face.
+
+References:
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.10.4 (workspace).
+    [Gupta1986] K. C. Gupta: On the nature of robot workspace, Int. J. Robotics Research 5(2).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, flag, float_array
+from alpha5_model import planar
+from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.boundary import SIDES, boundary, in_half_plane
-from alpha5_model.kinematics.ik.batch import reached, solve_batch
+from alpha5_model.kinematics.ik.batch import solve_batch
 from alpha5_model.kinematics.ik.one import on_axis
 from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
+from alpha5_model.planar.arrangement import bounds, united
+from alpha5_model.spatial import wrap
 
+#: How a half-plane is reached: by one pose, or by either.
+SIDES = ("underarm", "overarm", "both")
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
 #: Joint positions (M, 4) -> whether each will do, (M,).
@@ -30,6 +47,136 @@ Accept = Callable[[FloatArray], BoolArray]
 _YAWS = 36
 #: From here on only the direction of a point matters [m].
 _FAR = 1e100
+
+
+class Arc(NamedTuple):
+    """A circular arc in the half-plane, from ``start`` counter-clockwise to ``end``.
+
+    Attributes:
+        center: (R, z) [m].
+        radius: [m].
+        start, end: Angle from the R axis, ``start < end <= start + 2 pi`` [rad].
+        filled: +1 if the region is on the centre's side, -1 if on the other, 0 where not known.
+        cause: What bounds the region there, for example ``"theta_1 at its upper limit"``.
+        side: ``"underarm"`` or ``"overarm"``, the pose that runs along it; ``"published"``.
+    """
+
+    center: tuple[float, float]
+    radius: float
+    start: float
+    end: float
+    filled: int
+    cause: str
+    side: str
+
+    def points(self, angle: ArrayLike) -> FloatArray:
+        """(R, z) at angles, (..., 2) [m]."""
+        return planar_arc(self).point(float_array("angle", angle, ()))
+
+
+def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
+    """Boundary arcs of the reachable part of a half-plane.
+
+    The yaw axis itself, which closes the region at R = 0, is not an arc and not listed: from a
+    region on the axis the set goes on beyond it.
+
+    Args:
+        side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds at all
+            azimuths where the range of theta_0 allows both.
+        limits: Respect the limits of theta_1 and theta_2.
+
+    Raises:
+        UnknownNameError: Another side.
+        InputError: Limits that are neither True nor False.
+    """
+    return _boundary(choice("side", side, SIDES), flag("limits", limits))
+
+
+@cache
+def _boundary(side: str, limits: bool) -> tuple[Arc, ...]:
+    sides = SIDES[:2] if side == "both" else (side,)
+    arcs = [arc for name in sides for arc in critical_arcs(name, limits)]
+    return trace(arcs, lambda radius, z: in_half_plane(radius, z, side, limits))
+
+
+def in_half_plane(
+    radius: FloatArray, z: FloatArray, side: str = "both", limits: bool = True
+) -> BoolArray:
+    """Which points of a half-plane can be reached, theta_0 aside.
+
+    Args:
+        radius: Distance from the yaw axis, (...) [m].
+        z: Height, (...) [m].
+        side, limits: As for `boundary`.
+    """
+    choice("side", side, SIDES)
+    limits = flag("limits", limits)
+    radius, z = together(radius=radius, z=z)
+    out = np.zeros(radius.shape, np.bool_)
+    for pair, name in enumerate(SIDES[:2]):
+        if side in (name, "both"):
+            azimuth = _middle_azimuth(name)
+            target = np.stack([radius * math.cos(azimuth), radius * math.sin(azimuth), z], axis=-1)
+            out |= _solved(target, limits)[1][..., pair::2].any(axis=-1)
+    return out
+
+
+def critical_arcs(side: str, limits: bool = True) -> list[Arc]:
+    """Arcs that the boundary can lie on: where the tcp goes with one of the two joints held."""
+    g = arm_plane()
+    turn = -math.pi, math.pi
+    held = [("stretched", turn, (0.0, 0.0)), ("folded", turn, (math.pi, math.pi))]
+    if limits:
+        phi = g.lower[1] + g.phi_offset, g.upper[1] + g.phi_offset
+        bend = math.pi - (g.upper[2] + g.gamma_offset), math.pi - (g.lower[2] + g.gamma_offset)
+        held = [("stretched", phi, (0.0, 0.0))]
+        for name, first, still in zip(("lower", "upper"), phi, bend[::-1], strict=True):
+            held.append((f"theta_2 at its {name} limit", phi, (still, still)))
+            held.append((f"theta_1 at its {name} limit", (first, first), bend))
+    out = []
+    for cause, *ranges in held:
+        (curve,) = planar.PlanarArm((g.l_1, g.l_2), ranges).workspace().thin
+        assert isinstance(curve, planar.Arc)
+        (x, z), (start, end) = curve.center, curve.interval
+        x += g.a_0
+        if side == "overarm":  # the same at -R
+            x, start, end = -x, math.pi - end, math.pi - start
+        out.append(Arc((x, z + g.d_0), curve.radius, start, end, 0, cause, side))
+    return out
+
+
+def trace(
+    arcs: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], BoolArray]
+) -> tuple[Arc, ...]:
+    """The boundary of a region of the half-plane that is known to lie on some arcs.
+
+    Args:
+        arcs: Where two are of one circle, the boundary is said to lie on the first.
+        contains: Which points (R, z), two arrays (N,), belong to the region.
+
+    Returns:
+        Arcs with R > 0; the axis itself, which may close the region, is not listed.
+    """
+    size = 2 * arm_plane().longest
+    tolerance, step = RELATIVE_TOLERANCE * size, RELATIVE_STEP * size
+    axis = planar.Segment((0.0, -size), math.pi / 2, 2 * size)
+    curves = united([*map(planar_arc, arcs), axis], tolerance)
+    edges, _ = bounds(curves, lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step)
+    out = []
+    for edge in edges:
+        if isinstance(curve := edge.curve, planar.Arc):
+            ring, near = (*curve.center, curve.radius), 2 * tolerance
+            arc = next(a for a in arcs if math.dist((*a.center, a.radius), ring) <= near)
+            start, end = curve.interval
+            turn = math.tau * round((start + end) / (2 * math.tau))
+            filled = 1 if edge.inside_left else -1
+            out.append(arc._replace(start=start - turn, end=end - turn, filled=filled))
+    return tuple(out)
+
+
+def planar_arc(arc: Arc) -> planar.Arc:
+    """The same arc of plane geometry."""
+    return planar.Arc(arc.center, arc.radius, arc.start, arc.end - arc.start)
 
 
 def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None = None) -> BoolArray:
@@ -59,7 +206,7 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
     for start in range(0, len(rows), _BLOCK):
         part = slice(start, start + _BLOCK)
         if accept is None:
-            reached(rows[part], limits).any(axis=-1, out=out[part])
+            _solved(rows[part], limits)[1].any(axis=-1, out=out[part])
         else:
             out[part] = _accepted(rows[part], limits, accept)
     return out.reshape(target.shape[:-1])
@@ -67,9 +214,7 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
 
 def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
     """Which points (N, 3) a branch reaches in a joint position that will do."""
-    g = arm_plane()
-    q, exists, within, _ = solve_batch(rows, np.asarray(g.middle[3]))
-    flags = within if limits else exists
+    g, (q, flags) = arm_plane(), _solved(rows, limits)
     yaws = np.linspace(g.lower[0], g.upper[0], _YAWS)
     free = on_axis(rows)
     found = np.zeros(len(rows), np.bool_)
@@ -85,6 +230,12 @@ def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
                     raise InputError("accept", answer, f"{len(left)} times True or False")
                 found[left] = answer
     return found
+
+
+def _solved(position: FloatArray, limits: bool) -> tuple[FloatArray, BoolArray]:
+    """q (..., 4, 4), theta_3 in the middle of its range, and which branches reach targets, (..., 4)."""
+    q, exists, within, _ = solve_batch(position, np.asarray(arm_plane().middle[3]))
+    return q, within if limits else exists
 
 
 def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
@@ -119,67 +270,58 @@ def nearest_reachable(positions: ArrayLike, limits: bool = True) -> FloatArray:
 
 def _nearest(positions: ArrayLike, limits: bool) -> tuple[FloatArray, FloatArray]:
     target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
-    rows = target.reshape(-1, 3)
-    out = rows.copy()
-    for start in range(0, len(rows), _BLOCK):
-        part = out[start : start + _BLOCK]
-        outside = np.flatnonzero(~reachable(part, limits))
-        if len(outside):
-            # Very far points come nearer along their ray: squares of their distances overflow.
-            far = np.maximum(np.abs(part[outside]).max(axis=-1, keepdims=True) / _FAR, 1.0)
-            part[outside] = _project(part[outside] / far, limits)
+    out = target.reshape(-1, 3).copy()
+    outside = np.flatnonzero(~reachable(out, limits))
+    for start in range(0, len(outside), _BLOCK):
+        part = outside[start : start + _BLOCK]
+        # Very far points come nearer along their ray: squares of their distances overflow.
+        far = np.maximum(np.abs(out[part]).max(axis=-1, keepdims=True) / _FAR, 1.0)
+        out[part] = _project(out[part] / far, limits)
     return target, out.reshape(target.shape)
 
 
 def _project(points: FloatArray, limits: bool) -> FloatArray:
     """Nearest reachable point of points that are outside, (N, 3)."""
-    best = np.full(len(points), np.inf)
-    out = np.empty_like(points)
+    feet, distances = [], []
     for side in SIDES[:2]:
-        azimuth = allowed_azimuth(points, side, limits)
+        azimuth = np.arctan2(points[:, 1], points[:, 0])
+        if limits:
+            azimuth -= azimuth_beyond(azimuth, side)
         cos, sin = np.cos(azimuth), np.sin(azimuth)
         # In the half-plane at that azimuth; what sticks out of it no motion within it removes.
         radius = points[:, 0] * cos + points[:, 1] * sin
         beside = points[:, 1] * cos - points[:, 0] * sin
-        foot = _project_in_plane(np.stack([radius, points[:, 2]], axis=-1), side, limits)
-        distance = (foot[:, 0] - radius) ** 2 + (foot[:, 1] - points[:, 2]) ** 2 + beside**2
-        closer = distance < best
-        best = np.where(closer, distance, best)
-        found = np.stack([foot[:, 0] * cos, foot[:, 0] * sin, foot[:, 1]], axis=-1)
-        out[closer] = found[closer]
-    return out
+        R, z = _project_in_plane(np.stack([radius, points[:, 2]], axis=-1), side, limits).T
+        feet.append(np.stack([R * cos, R * sin, z], axis=-1))
+        distances.append((R - radius) ** 2 + (z - points[:, 2]) ** 2 + beside**2)
+    return np.where((distances[1] < distances[0])[:, None], feet[1], feet[0])
 
 
-def allowed_azimuth(points: FloatArray, side: str, limits: bool) -> FloatArray:
-    """The azimuth nearest to each point's own that a pose can face, (N,) [rad]."""
-    azimuth = np.arctan2(points[:, 1], points[:, 0])
-    if not limits:
-        return azimuth
+def _middle_azimuth(side: str) -> float:
+    """Azimuth that a pose faces with theta_0 in the middle of its range [rad]."""
     g = arm_plane()
-    middle = g.middle[0] + g.azimuth_offset - (math.pi if side == "overarm" else 0.0)
+    return g.middle[0] + g.azimuth_offset - SIDES.index(side) * math.pi
+
+
+def azimuth_beyond(azimuth: FloatArray | float, side: str) -> FloatArray:
+    """How far azimuths (...) are beyond the nearest one that a pose can face, (...) [rad]."""
+    g = arm_plane()
     half = (g.upper[0] - g.lower[0]) / 2
-    off = azimuth - middle
-    off -= math.tau * np.rint(off / math.tau)
-    return np.where(np.abs(off) <= half, azimuth, middle + np.clip(off, -half, half))
+    off = wrap(azimuth - _middle_azimuth(side))
+    return off - np.clip(off, -half, half)
 
 
 def _project_in_plane(points: FloatArray, side: str, limits: bool) -> FloatArray:
     """Nearest reachable (R, z) to points with R >= 0, (N, 2)."""
-    out = points.copy()
-    best = np.where(
-        in_half_plane(np.maximum(points[:, 0], 0.0), points[:, 1], side, limits), 0.0, np.inf
-    )
+    inside = in_half_plane(np.maximum(points[:, 0], 0.0), points[:, 1], side, limits)
+    feet = [points]
     for arc in boundary(side, limits):
-        offset = points - arc.center
-        angle = np.arctan2(offset[:, 1], offset[:, 0])
-        span = arc.end - arc.start
-        along = (angle - arc.start) % math.tau
+        offset, span = points - arc.center, arc.end - arc.start
+        along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
         # Beyond the arc: its nearer end.
-        beyond_end = along - span < math.tau - along
-        along = np.where(along <= span, along, np.where(beyond_end, span, 0.0))
-        foot = arc.points(arc.start + along)
-        distance = np.square(foot - points).sum(axis=-1)
-        closer = distance < best
-        best = np.where(closer, distance, best)
-        out[closer] = foot[closer]
-    return out
+        along = np.where(along - span < math.tau - along, np.minimum(along, span), 0.0)
+        feet.append(arc.points(arc.start + along))
+    distance = np.square(np.array(feet) - points).sum(axis=-1)
+    distance[0, ~inside] = np.inf
+    nearest: FloatArray = np.array(feet)[distance.argmin(axis=0), np.arange(len(points))]
+    return nearest

@@ -7,6 +7,7 @@ points, `manipulability` and `singularities` for joint positions.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -25,29 +26,26 @@ from alpha5_model.checks import (
     real,
     together,
 )
-from alpha5_model.kinematics.boundary import (
-    SIDES,
-    Arc,
-    area,
-    boundary,
-    critical_arcs,
-    first_moment,
-    in_half_plane,
-    trace,
-)
-from alpha5_model.kinematics.plane import arm_plane
-from alpha5_model.kinematics.reach import (
-    Accept,
-    allowed_azimuth,
-    distance_to_reach,
-    nearest_reachable,
-    reachable,
-)
-from alpha5_model.kinematics.singularities import (
+from alpha5_model.kinematics.plane import (
     Singularities,
+    arm_plane,
     manipulability,
     singular_elbow_angles,
     singularities,
+)
+from alpha5_model.kinematics.reach import (
+    SIDES,
+    Accept,
+    Arc,
+    azimuth_beyond,
+    boundary,
+    critical_arcs,
+    distance_to_reach,
+    in_half_plane,
+    nearest_reachable,
+    planar_arc,
+    reachable,
+    trace,
 )
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -139,16 +137,12 @@ class SampledShare(NamedTuple):
 def published_tori() -> tuple[Torus, Torus, Torus]:
     """The three limits of Section 1.2 as printed: 39.94 mm where Table 1 has 40, d_3 negative."""
     dh, printed = parameters().dh, published().workspace
-    a_0, a_1, a_2, d_0, d_3 = dh[0].a, dh[1].a, dh[2].a, dh[0].d, dh[3].d
+    a_2, d_0, d_3, shoulder = dh[2].a, dh[0].d, dh[3].d, (dh[0].a, dh[0].d)
+    inner = math.hypot(printed.inner_offset.si + a_2, printed.inner_length.si + d_3)
     return (
-        Torus("outer", (a_0, d_0), a_1 + math.sqrt(d_3**2 + a_2**2), True),
-        Torus(
-            "inner",
-            (a_0, d_0),
-            math.hypot(printed.inner_offset.si + a_2, printed.inner_length.si + d_3),
-            False,
-        ),
-        Torus("downward", (a_0, d_0 - printed.downward_drop.si), -d_3, False),
+        Torus("outer", shoulder, dh[1].a + math.sqrt(d_3**2 + a_2**2), True),
+        Torus("inner", shoulder, inner, False),
+        Torus("downward", (dh[0].a, d_0 - printed.downward_drop.si), -d_3, False),
     )
 
 
@@ -173,6 +167,29 @@ def cross_section_area(side: str = "both", limits: bool = True) -> float:
         limits: Respect the limits of theta_1 and theta_2.
     """
     return area(boundary(side, limits))
+
+
+def area(arcs: Iterable[Arc]) -> float:
+    """Area of the region that arcs and the axis R = 0 bound, by Green's theorem [m^2]."""
+    return sum(arc.filled * planar_arc(arc).area_integral() for arc in arcs)
+
+
+def first_moment(arcs: Iterable[Arc]) -> float:
+    """Integral of R over the region, ``oint R^2 / 2 dz`` [m^3].
+
+    Times 2 pi it is the volume of the solid of revolution (Pappus).
+    """
+    total = 0.0
+    for arc in arcs:
+        c, r = arc.center[0], arc.radius
+        primitive = [
+            c * c * math.sin(t)
+            + c * r * (t + math.sin(t) * math.cos(t))
+            + r * r * (math.sin(t) - math.sin(t) ** 3 / 3)
+            for t in (arc.start, arc.end)
+        ]
+        total += arc.filled * r / 2 * (primitive[1] - primitive[0])
+    return total
 
 
 def volume(limits: bool = True) -> float:
@@ -218,9 +235,7 @@ def sampled_share(
     if fixed is None:
         total = volume()
     else:
-        there = np.array([[math.cos(fixed), math.sin(fixed), 0.0]])
-        azimuths = {side: allowed_azimuth(there, side, True)[0] for side in SIDES[:2]}
-        open_to = [side for side, a in azimuths.items() if abs(math.cos(a - fixed) - 1) < 1e-12]
+        open_to = [side for side in SIDES[:2] if abs(azimuth_beyond(fixed, side)) < 1e-6]
         total = cross_section_area(open_to[0] if len(open_to) == 1 else "both")
     smoothed = (hits + 1) / (number + 2)
     error = math.sqrt(smoothed * (1 - smoothed) / number)
@@ -230,7 +245,7 @@ def sampled_share(
 @cache
 def published_errors() -> PublishedErrors:
     """How much of the published region cannot be reached, and what it misses."""
-    printed = trace(_printed_curves(), in_tori)
+    printed = trace(_printed_arcs(), in_tori)
     wrong = {side: published_but_unreachable(side) for side in SIDES}
     missed = {side: reachable_but_unpublished(side) for side in SIDES}
     return PublishedErrors(
@@ -266,21 +281,18 @@ def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
 @cache
 def _difference(side: str, published: bool) -> tuple[Arc, ...]:
     """Boundary of what one of the two has, published or reached, and the other lacks."""
+    arcs = _printed_arcs() + [arc for pose in SIDES[:2] for arc in critical_arcs(pose)]
     return trace(
-        _all_curves(),
+        arcs,
         lambda R, z: (in_tori(R, z) == published) & (in_half_plane(R, z, side) != published),
     )
 
 
-def _printed_curves() -> list[Arc]:
+def _printed_arcs() -> list[Arc]:
     return [
-        Arc(torus.center, torus.radius, 0.0, 2 * math.pi, 0, torus.name, "published")
+        Arc(torus.center, torus.radius, 0.0, math.tau, 0, torus.name, "published")
         for torus in published_tori()
     ]
-
-
-def _all_curves() -> list[Arc]:
-    return [*_printed_curves(), *(curve for side in SIDES[:2] for curve in critical_arcs(side))]
 
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.kinematics.ik import one
-from alpha5_model.kinematics.plane import ArmPlane, arm_plane
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import wrap
 
 #: Rows per block: the scratch, about 2 MB, stays in the processor's cache.
@@ -36,17 +36,16 @@ def solve_batch(
         wrist = np.broadcast_to(wrist, lead).reshape(rows)
     q, singular = np.empty((rows, 4, 4)), np.zeros(rows, np.bool_)
     exists, within = np.empty((rows, 4), np.bool_), np.empty((rows, 4), np.bool_)
-    g, scratch = arm_plane(), np.empty((24, min(BLOCK, rows)))
+    scratch = np.empty((24, min(BLOCK, rows)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        fixed = None if wrist.ndim else _wrist(wrist, g)
+        fixed = None if wrist.ndim else _wrist(wrist)
         for start in range(0, rows, BLOCK):
             part = slice(start, start + BLOCK)
-            target, out = position[part], (q[part], exists[part], within[part])
-            theta_3, fits_3 = fixed or _wrist(wrist[part], g)
-            near = _solve_block(g, scratch, target, theta_3, fits_3, *out)
+            target, theta_3 = position[part], fixed or _wrist(wrist[part])
+            near = _solve_block(scratch, target, theta_3, (q[part], exists[part], within[part]))
             for row in near.tolist():
                 (x, y, z), at = target[row].tolist(), start + row
-                angle = float(theta_3[row] if wrist.ndim else theta_3)
+                angle = float(theta_3[0][row] if wrist.ndim else theta_3[0])
                 angles, found, fit, singular[at] = one.solve_one(x, y, z, angle)
                 q[at] = np.reshape(angles, (4, 4))
                 exists[at], within[at] = one.FLAGS[found], one.FLAGS[fit]
@@ -58,24 +57,9 @@ def solve_batch(
     )
 
 
-def reached(position: FloatArray, limits: bool) -> BoolArray:
-    """Which branches reach finite targets, whatever the wrist angle.
-
-    Args:
-        position: (..., 3) [m].
-        limits: Within the limits of theta_0, theta_1 and theta_2; without, all angles are free.
-
-    Returns:
-        (..., 4), branch axis as in `alpha5_model.kinematics.ik.BRANCHES`.
-    """
-    middle = arm_plane().middle[3]
-    _, exists, within, _ = solve_batch(position, np.asarray(middle))
-    return within if limits else exists
-
-
-def _wrist(wrist: FloatArray, g: ArmPlane) -> tuple[FloatArray, BoolArray]:
+def _wrist(wrist: FloatArray) -> tuple[FloatArray, BoolArray]:
     """theta_3 in its range, and whether it fits; rounding beside a limit is removed."""
-    lower, upper, middle = g.limits[3]
+    lower, upper, middle = arm_plane().limits[3]
     angle = wrap(wrist, middle)
     clipped = np.clip(angle, lower, upper)
     fits = np.abs(angle - clipped) <= one.LIMIT_TOLERANCE
@@ -83,14 +67,10 @@ def _wrist(wrist: FloatArray, g: ArmPlane) -> tuple[FloatArray, BoolArray]:
 
 
 def _solve_block(
-    g: ArmPlane,
     scratch: FloatArray,
     target: FloatArray,
-    wrist: FloatArray,
-    wrist_fits: BoolArray,
-    q: FloatArray,
-    exists: BoolArray,
-    within: BoolArray,
+    wrist: tuple[FloatArray, BoolArray],
+    out: tuple[FloatArray, BoolArray, BoolArray],
 ) -> NDArray[np.intp]:
     """The formulas of `alpha5_model.kinematics.ik` on one block, in scratch (24, at least its rows).
 
@@ -98,7 +78,7 @@ def _solve_block(
         The rows that are near an edge, whose solution is not to be relied on.
     """
     # Axes: the two elbows, the plane's two ways to face, rows.
-    scratch = scratch[:, : len(target)]
+    g, (q, exists, within), scratch = arm_plane(), out, scratch[:, : len(target)]
     x, y, h, radius = scratch[:4]
     r, above, below, theta_0 = scratch[4:12].reshape(4, 2, -1)
     theta_1, theta_2, work = scratch[12:].reshape(3, 2, 2, -1)
@@ -148,8 +128,8 @@ def _solve_block(
     _wrap(flipped_2, g.middle[2], work[0])  # gamma needs no shift
 
     fits = np.array([found, found])
-    if not wrist_fits.all():
-        fits &= wrist_fits
+    if not wrist[1].all():
+        fits &= wrist[1]
     for theta, (lower, upper, middle) in zip(
         (theta_0[None], theta_1, theta_2), g.limits[:3], strict=True
     ):
@@ -164,7 +144,7 @@ def _solve_block(
     # NaN in the other two angles of a branch that does not exist.
     theta_3 = np.multiply(half_gamma, 0.0, out=work[0])
     theta_0 += theta_3
-    theta_3 += wrist
+    theta_3 += wrist[0]
     for branch in range(4):
         elbow, pair = divmod(branch, 2)
         q[:, branch, 0] = theta_0[pair]

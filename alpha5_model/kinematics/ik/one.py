@@ -127,11 +127,9 @@ def _into_range(
     lower, upper, _ = limits
     if lower <= angle <= upper:
         return angle, True
-    if lower - slack <= angle < lower:
-        return lower, True
-    if upper < angle <= upper + slack:
-        return upper, True
-    return angle, False
+    limit = lower if angle < lower else upper
+    fits = abs(angle - limit) <= slack
+    return (limit if fits else angle), fits
 
 
 @cache

@@ -32,8 +32,8 @@ MAX_STEP = 0.5
 
 #: Ways to get to the solutions of a point: rows (M, L, 4), travel so far (M,), where each comes from (M,).
 _Ways = tuple[FloatArray, FloatArray, NDArray[np.intp]]
-#: Where the path may be: joint positions (M, 4), travel so far (M,); None before a free start.
-_Frontier = tuple[FloatArray, FloatArray] | None
+#: Where the path may be: joint positions (M, 4), NaN before a free start, and travel so far (M,).
+_Frontier = tuple[FloatArray, FloatArray]
 
 
 def inverse_kinematics_path(
@@ -69,21 +69,19 @@ def inverse_kinematics_path(
     target = float_array("positions", positions, (3,))
     if target.ndim != 2:
         raise ShapeError("positions", target.shape, "shape (N, 3)")
-    start = None
+    start = np.full(4, np.nan)
     if q_start is not None:
         start = float_array("q_start", q_start, (4,))
         if start.shape != (4,):
             raise ShapeError("q_start", start.shape, "shape (4,)")
     max_step = real("max_step", max_step, minimum=0.0, strict=True)
-    angle = float_array(
-        "wrist", (0.0 if start is None else start[3]) if wrist is None else wrist, ()
-    )
+    angle = float_array("wrist", np.nan_to_num(start[3]) if wrist is None else wrist, ())
     if angle.shape not in ((), (len(target),)):
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
     solutions = inverse_kinematics(target, angle)
     off_axis = np.append(np.flatnonzero(~on_axis(target)), len(target))
 
-    frontier = None if start is None else (start[None], np.zeros(1))
+    frontier = start[None], np.zeros(1)
     stages: list[tuple[int, FloatArray, NDArray[np.intp]]] = []
     k = 0
     while k < len(target):
@@ -105,10 +103,7 @@ def inverse_kinematics_path(
 
 def _step(solutions: Solutions, k: int, frontier: _Frontier, max_step: float) -> _Ways:
     """From the frontier to the solutions of point k."""
-    options = _options(solutions, k)
-    if frontier is None:
-        return options[:, None], np.zeros(len(options)), np.zeros(len(options), np.intp)
-    at, travel = frontier
+    options, (at, travel) = _options(solutions, k), frontier
     size, largest = _sizes(options[:, None, :] - at)
     cost = np.where(largest <= max_step, travel + size, np.inf)
     parent = cost.argmin(axis=1)
@@ -123,9 +118,7 @@ def _along_axis(
     solutions: Solutions, k: int, stop: int, frontier: _Frontier, max_step: float
 ) -> _Ways:
     """From the frontier along points k to stop - 1 on the axis to the solutions of point stop, if any."""
-    g = arm_plane()
-    missing = np.full((1, 4), np.nan)
-    starts, travel = (missing, np.zeros(1)) if frontier is None else frontier
+    g, (starts, travel) = arm_plane(), frontier
     # A start beyond the limits of theta_0 is back within them with the first step.
     inside = np.clip(starts[:, 0], g.lower[0], g.upper[0])
     gap = np.nan_to_num(np.abs(inside - starts[:, 0]))
@@ -146,7 +139,8 @@ def _along_axis(
             needed = float(largest[reachable].min())
             raise DiscontinuousPathError(i, solutions.position[i], needed, max_step)
 
-    ends = _options(solutions, stop) if stop < len(solutions.position) else missing
+    leaves = stop < len(solutions.position)
+    ends = _options(solutions, stop) if leaves else np.full((1, 4), np.nan)
     found: dict[int, tuple[float, FloatArray, int]] = {}
     least = np.inf
     for start, elbow in np.argwhere(np.isfinite(length)).tolist():
@@ -157,11 +151,8 @@ def _along_axis(
         for j, end in enumerate(ends):
             joints = np.array([*way, end[1:]])
             size, largest = _sizes(np.diff(joints, axis=0))
-            first, last = starts[start, 0], end[0]
-            if np.isnan(first):
-                first = g.middle[0] if np.isnan(last) else last
-            if np.isnan(last):
-                last = np.clip(first, g.lower[0], g.upper[0])
+            first = next(a for a in (starts[start, 0], end[0], g.middle[0]) if not np.isnan(a))
+            last = end[0] if leaves else np.clip(first, g.lower[0], g.upper[0])
             turn = abs(last - first)
             needed = max(float(largest[-1]), turn - max_step * (len(size) - 1))
             least = min(least, needed)
@@ -174,7 +165,7 @@ def _along_axis(
                 theta_0[-1] = last
                 theta_0 = np.clip(theta_0, g.lower[0], g.upper[0])  # rounding
                 rows = np.column_stack([theta_0, joints])[1:]
-                found[j] = cost, rows[: stop - k + (stop < len(solutions.position))], start
+                found[j] = cost, rows[: stop - k + leaves], start
     if not found:
         raise DiscontinuousPathError(stop, solutions.position[stop], least, max_step)
     costs, ways_found, origins = zip(*found.values(), strict=True)

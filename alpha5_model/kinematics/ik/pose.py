@@ -11,18 +11,19 @@ References:
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rotation
+from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rigid
 from alpha5_model.dh import DHChain
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.ik import candidates, inverse_kinematics, pick, require_solution
 from alpha5_model.kinematics.ik.one import on_axis
 from alpha5_model.kinematics.plane import arm_plane
-from alpha5_model.spatial import wrap
+from alpha5_model.spatial import cross_matrix, wrap
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position
 #: turns the wrist axis by some 1e-8.
@@ -91,100 +92,76 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
         InputError: Not real numbers of that shape, or not a rigid transform.
     """
     target = float_array("transform", getattr(transform, "homogeneous", transform), (4, 4))
-    _check_rigid(target)
-    g = arm_plane()
+    rigid = is_rigid(target)
+    if not rigid.all():
+        index = tuple(int(i) for i in np.argwhere(~rigid)[0])
+        place = f"transform[{', '.join(map(str, index))}]" if index else "transform"
+        expected = "a rigid transform (rotation, translation, 0 0 0 1)"
+        raise InputError(place, target[index].tolist(), expected)
     position, rotation = np.ascontiguousarray(target[..., :3, 3]), target[..., :3, :3]
+    g = arm_plane()
     solutions = inverse_kinematics(position, g.middle[3])
     q = np.where(solutions.exists[..., None], solutions.q, np.asarray(g.middle))
-    chain = DHChain.alpha5()
-    axis = _wrist_axis(chain)
-
-    q, error = _turn_wrist(q, rotation, chain, axis)
+    q, error = _turn_wrist(q, rotation)
     free = on_axis(position)
     if free.any():
-        at, wanted = q[free], rotation[free]
-        for theta_0 in _yaw_candidates(at, wanted, chain, axis):
-            trial = np.concatenate([theta_0[..., None], at[..., 1:]], axis=-1)
-            trial, missed = _turn_wrist(trial, wanted, chain, axis)
+        for theta_0 in _yaw_candidates(q[free], rotation[free]):
+            trial = q[free]
+            trial[..., 0] = theta_0
+            trial, missed = _turn_wrist(trial, rotation[free])
             better = missed < error[free]
             q[free] = np.where(better[..., None], trial, q[free])
             error[free] = np.where(better, missed, error[free])
-    missing = ~solutions.exists
-    q[missing] = np.nan
-    error[missing] = np.nan
+    q[~solutions.exists] = error[~solutions.exists] = np.nan
     exact = error <= EXACT_TOLERANCE
     for array in (q, error, exact):
         array.flags.writeable = False
     return PoseSolutions(q, *solutions[1:], rotation_error=error, exact=exact)
 
 
-def _turn_wrist(
-    q: FloatArray, rotation: FloatArray, chain: DHChain, axis: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+@cache
+def _hand() -> tuple[DHChain, FloatArray]:
+    """The arm, and the axis of joint 3 in the axes of the tcp, the same in every configuration, (3,)."""
+    chain = DHChain.alpha5()
+    _, axes = chain.joint_axes(chain.home)
+    return chain, chain.forward_kinematics(chain.home)[:3, :3].T @ axes[3]
+
+
+def _turn_wrist(q: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
     """theta_3 that comes closest to rotations (..., 3, 3): q (..., 4, 4), and the error (..., 4)."""
-    g = arm_plane()
-    q = q.copy()
+    (chain, axis), g, q = _hand(), arm_plane(), q.copy()
     q[..., 3] = 0.0
     # Rotation that is left over, in the axes of the tcp: a turn about the wrist axis, and a swing.
     rest = np.swapaxes(chain.forward_kinematics(q)[..., :3, :3], -1, -2) @ rotation[..., None, :, :]
     swung = rest @ axis
     along = swung @ axis
     swing = np.arctan2(np.linalg.norm(np.cross(axis, swung), axis=-1), along)
-    antisymmetric = np.stack(
-        [
-            rest[..., 2, 1] - rest[..., 1, 2],
-            rest[..., 0, 2] - rest[..., 2, 0],
-            rest[..., 1, 0] - rest[..., 0, 1],
-        ],
-        axis=-1,
-    )
-    turn = np.arctan2(antisymmetric @ axis, np.trace(rest, axis1=-2, axis2=-1) - along)
-    wanted = wrap(turn, g.middle[3])
+    sine = np.einsum("...ij,ij->...", rest, cross_matrix(axis))
+    wanted = wrap(np.arctan2(sine, np.trace(rest, axis1=-2, axis2=-1) - along), g.middle[3])
     q[..., 3] = np.clip(wanted, g.lower[3], g.upper[3])
     # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small angles.
     s, m = np.sin(swing / 2) ** 2, np.sin((q[..., 3] - wanted) / 2) ** 2
     return q, 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
 
 
-def _wrist_axis(chain: DHChain) -> FloatArray:
-    """Axis of joint 3 in the axes of the tcp, the same in every configuration, (3,)."""
-    _, axes = chain.joint_axes(np.zeros(4))
-    return np.asarray(chain.forward_kinematics(np.zeros(4))[:3, :3].T @ axes[3])
-
-
-def _yaw_candidates(
-    q: FloatArray, rotation: FloatArray, chain: DHChain, axis: FloatArray
-) -> list[FloatArray]:
+def _yaw_candidates(q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
     """Where theta_0 is free: values of which one is best, (N, 4) each, for q (N, 4, 4).
 
     cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one maximum has the wrist
     axis at the target's azimuth; where that is beyond a limit, one of the two joints is at a limit.
     """
-    g = arm_plane()
-    azimuth = np.arctan2(*np.moveaxis((rotation @ axis)[:, 1::-1], -1, 0))[:, None]
-    reached = chain.forward_kinematics(q)[..., :3, :3] @ axis
-    turns = [azimuth - np.arctan2(reached[..., 1], reached[..., 0])]
+    (chain, axis), g = _hand(), arm_plane()
+    target, hand = (r @ axis for r in (rotation, chain.forward_kinematics(q)[..., :3, :3]))
+    azimuth = np.arctan2(target[:, 1], target[:, 0])[:, None]
+    turns = [azimuth - np.arctan2(hand[..., 1], hand[..., 0])]
     for end in (g.lower[3], g.upper[3]):
-        at_end = np.concatenate([q[..., :3], np.full((*q.shape[:-1], 1), end)], axis=-1)
+        at_end = q.copy()
+        at_end[..., 3] = end
         # The turn about z that is nearest to the rotation left over.
-        left = rotation[:, None] @ np.swapaxes(
-            chain.forward_kinematics(at_end)[..., :3, :3], -1, -2
-        )
-        turns.append(
-            np.arctan2(left[..., 1, 0] - left[..., 0, 1], left[..., 0, 0] + left[..., 1, 1])
-        )
+        reached = chain.forward_kinematics(at_end)[..., :3, :3]
+        left = rotation[:, None] @ np.swapaxes(reached, -1, -2)
+        sine, cosine = left[..., 1, 0] - left[..., 0, 1], left[..., 0, 0] + left[..., 1, 1]
+        turns.append(np.arctan2(sine, cosine))
     wanted = [wrap(q[..., 0] + turn, g.middle[0]) for turn in turns]
     ends = [np.full(q.shape[:-1], end) for end in (g.lower[0], g.upper[0])]
     return [*(np.clip(theta_0, g.lower[0], g.upper[0]) for theta_0 in wanted), *ends]
-
-
-def _check_rigid(target: FloatArray) -> None:
-    rigid = is_rotation(target[..., :3, :3]) & (target[..., 3, :] == (0.0, 0.0, 0.0, 1.0)).all(
-        axis=-1
-    )
-    if not rigid.all():
-        index = tuple(int(i) for i in np.argwhere(~rigid)[0])
-        place = f"transform[{', '.join(map(str, index))}]" if index else "transform"
-        raise InputError(
-            place, target[index].tolist(), "a rigid transform (rotation, translation, 0 0 0 1)"
-        )
