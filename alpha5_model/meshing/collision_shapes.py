@@ -10,23 +10,19 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice
 from alpha5_model.jaws import GRIPPERS, split_link_4
-from alpha5_model.meshing.dimensions import (
-    BASE,
-    FINGER,
-    RADIUS,
-    SHELL,
-    UPPER_ARM,
-    WRIST,
-)
-from alpha5_model.meshing.parts import STATIONS, frame_in_link_1, frame_in_link_3, ribbon
-from alpha5_model.parameters import JawParameters, parameters
+from alpha5_model.meshing.dimensions import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST
+from alpha5_model.meshing.parts import STATIONS, frames_in_links, ribbon
+from alpha5_model.parameters import parameters
 from alpha5_model.spatial import Triple, pose, rpy_from_rotation
 
-_MM_PER_M = 1e3
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
 _MARGIN = 0.1
-_TO_X: Triple = (0.0, math.pi / 2, 0.0)
-_TO_Y: Triple = (-math.pi / 2, 0.0, 0.0)
+#: Roll, pitch, yaw that turn z to an axis.
+_TO: dict[str, Triple] = {
+    "x": (0.0, math.pi / 2, 0.0),
+    "y": (-math.pi / 2, 0.0, 0.0),
+    "z": (0.0, 0.0, 0.0),
+}
 
 
 @dataclass(frozen=True)
@@ -43,46 +39,7 @@ class Primitive:
     kind: str
     size: tuple[float, ...]
     xyz: Triple
-    rpy: Triple
-
-
-def cylinder(
-    radius: float, low: float, high: float, axis: str, at: Triple = (0.0, 0.0, 0.0)
-) -> Primitive:
-    """A cylinder between two heights along x, y or z through a point."""
-    middle = (low + high) / 2
-    step = {"x": (middle, 0.0, 0.0), "y": (0.0, middle, 0.0), "z": (0.0, 0.0, middle)}[axis]
-    turn = {"x": _TO_X, "y": _TO_Y, "z": (0.0, 0.0, 0.0)}[axis]
-    x, y, z = (float(a + s) for a, s in zip(at, step, strict=True))
-    return Primitive("cylinder", (float(radius), float(high - low)), (x, y, z), turn)
-
-
-def box(low: Triple, high: Triple) -> Primitive:
-    """A box between two corners."""
-    size = tuple(float(b - a) for a, b in zip(low, high, strict=True))
-    x, y, z = (float(a + b) / 2 for a, b in zip(low, high, strict=True))
-    return Primitive("box", size, (x, y, z), (0.0, 0.0, 0.0))
-
-
-def in_metres(shape: Primitive) -> Primitive:
-    """Millimetres to metres."""
-    x, y, z = (c * 1e-3 for c in shape.xyz)
-    return Primitive(shape.kind, tuple(s * 1e-3 for s in shape.size), (x, y, z), shape.rpy)
-
-
-def rounded(shape: Primitive) -> Primitive:
-    """To a nanometre and 1e-12 rad, so that the text of a URDF does not show the last bits of a sine."""
-    x, y, z = (round(c, 9) + 0.0 for c in shape.xyz)
-    roll, pitch, yaw = (round(a, 12) + 0.0 for a in shape.rpy)
-    size = tuple(round(s, 9) for s in shape.size)
-    return Primitive(shape.kind, size, (x, y, z), (roll, pitch, yaw))
-
-
-def moved(shape: Primitive, frame: FloatArray) -> Primitive:
-    """The shape in another frame; ``frame``, (3, 4) or (4, 4), maps its coordinates to that one."""
-    placed = frame[:3] @ pose(shape.xyz, shape.rpy)
-    x, y, z = map(float, placed[:3, 3])
-    return Primitive(shape.kind, shape.size, (x, y, z), rpy_from_rotation(placed[:3, :3]))
+    rpy: Triple = (0.0, 0.0, 0.0)
 
 
 def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ...]]:
@@ -98,53 +55,78 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
     Raises:
         UnknownNameError: Another gripper.
     """
-    shapes = dict(_with_jaws())
+    shapes = dict(_in_links())
     if choice("gripper", gripper, GRIPPERS) == "locked":
         jaws = split_link_4(parameters(()))
         for finger in (jaws.finger_1, jaws.finger_2):
-            shapes["link_4"] += tuple(moved(s, finger.closed) for s in shapes.pop(finger.name))
-    return {link: tuple(map(rounded, items)) for link, items in shapes.items()}
+            closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
+            shapes["link_4"] += tuple(_moved(s, closed) for s in shapes.pop(finger.name))
+    return {link: tuple(map(_as_written, items)) for link, items in shapes.items()}
 
 
 @cache
-def _with_jaws() -> dict[str, tuple[Primitive, ...]]:
-    arm = parameters(())
-    shoulder = frame_in_link_1(arm.dh[0].d * _MM_PER_M)
-    elbow = frame_in_link_3()
-    slant = pose((0.0, 0.0, 0.0), (0.0, 0.0, -arm.theta_c))
-    turned = pose((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
-    in_mm = {
+def _in_links() -> dict[str, tuple[Primitive, ...]]:
+    """Primitives of each link, jaws open, in mm."""
+    shell, finger, frames = _shell(), _finger(), frames_in_links()
+    parts = {
         "link_0": _base(),
-        "link_1": [moved(shape, shoulder) for shape in _shell()],
-        "link_2": [moved(shape, slant) for shape in _upper_arm()],
-        "link_3": [moved(shape, elbow) for shape in _shell()],
-        "link_4": _wrist(arm.jaws),
-        "finger_1": _finger(arm.jaws),
-        "finger_2": [moved(shape, turned) for shape in _finger(arm.jaws)],
+        "link_1": shell,
+        "link_2": _upper_arm(),
+        "link_3": shell,
+        "link_4": _wrist(),
+        "finger_1": finger,
+        "finger_2": finger,
     }
-    return {name: tuple(map(in_metres, shapes)) for name, shapes in in_mm.items()}
+    return {
+        name: tuple(_moved(s, frames[name]) if name in frames else s for s in shapes)
+        for name, shapes in parts.items()
+    }
+
+
+def _moved(shape: Primitive, frame: FloatArray) -> Primitive:
+    """The shape in another frame; ``frame``, (3, 4) or (4, 4), maps its coordinates to that one."""
+    placed = frame[:3] @ pose(shape.xyz, shape.rpy)
+    x, y, z = map(float, placed[:3, 3])
+    return Primitive(shape.kind, shape.size, (x, y, z), rpy_from_rotation(placed[:3, :3]))
+
+
+def _as_written(shape: Primitive) -> Primitive:
+    """In metres, to a nanometre and 1e-12 rad: a URDF does not show the last bits of a sine."""
+    x, y, z = (round(c * 1e-3, 9) + 0.0 for c in shape.xyz)
+    roll, pitch, yaw = (round(a, 12) + 0.0 for a in shape.rpy)
+    size = tuple(round(s * 1e-3, 9) for s in shape.size)
+    return Primitive(shape.kind, size, (x, y, z), (roll, pitch, yaw))
+
+
+def _cylinder(
+    radius: float, low: float, high: float, axis: str, at: Triple = (0.0, 0.0, 0.0)
+) -> Primitive:
+    """A cylinder between two heights along x, y or z through a point."""
+    x, y, z = (a + (low + high) / 2 * (n == axis) for a, n in zip(at, "xyz", strict=True))
+    return Primitive("cylinder", (radius, high - low), (x, y, z), _TO[axis])
+
+
+def _box(low: Triple, high: Triple) -> Primitive:
+    """A box between two corners."""
+    x, y, z = ((a + b) / 2 for a, b in zip(low, high, strict=True))
+    return Primitive("box", tuple(b - a for a, b in zip(low, high, strict=True)), (x, y, z))
 
 
 def _base() -> list[Primitive]:
     d = BASE
-    width = 2 * d.foot_half_width
-    run, rise = d.foot_slope - d.foot_front, d.foot_edge - d.foot_face
-    slope, depth = math.hypot(run, rise), 7.0
-    angle = math.atan2(rise, run)
-    middle = np.array([d.foot_front + run / 2, d.foot_face + rise / 2])
-    x, y = middle + depth / 2 * np.array([-math.sin(angle), math.cos(angle)])
+    run, rise, depth = d.foot_slope - d.foot_front, d.foot_edge - d.foot_face, 7.0
+    slope, angle = math.hypot(run, rise), math.atan2(rise, run)
+    x = d.foot_front + run / 2 - depth / 2 * math.sin(angle)
+    y = d.foot_face + rise / 2 + depth / 2 * math.cos(angle)
+    half = d.foot_half_width
+    neck = (d.neck_half_width, d.neck_half_height)
     return [
-        cylinder(RADIUS, d.rear, d.tube_front, "x"),
-        cylinder(RADIUS, d.hub_low, d.hub_high, "z"),
-        box(
-            (d.tube_front, -d.neck_half_width, -d.neck_half_height),
-            (-8.0, d.neck_half_width, d.neck_half_height),
-        ),
-        box((d.rear, d.foot_face, -d.foot_half_width), (d.foot_front, -8.0, d.foot_half_width)),
-        box(
-            (d.foot_front, d.foot_edge, -d.foot_half_width), (d.foot_slope, -8.0, d.foot_half_width)
-        ),
-        Primitive("box", (slope, depth, width), (float(x), float(y), 0.0), (0.0, 0.0, angle)),
+        _cylinder(RADIUS, d.rear, d.tube_front, "x"),
+        _cylinder(RADIUS, d.hub_low, d.hub_high, "z"),
+        _box((d.tube_front, -neck[0], -neck[1]), (-8.0, *neck)),
+        _box((d.rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
+        _box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
+        Primitive("box", (slope, depth, 2 * half), (x, y, 0.0), (0.0, 0.0, angle)),
     ]
 
 
@@ -153,7 +135,7 @@ def _shell() -> list[Primitive]:
     # The half-shell's wall as staves, side by side around the collar's axis.
     wall, count, opening = 10.0, 6, math.radians(176.0)
     turn = opening / count
-    inner, outer = (RADIUS - wall) * math.cos(turn / 2), float(RADIUS)
+    inner, outer = (RADIUS - wall) * math.cos(turn / 2), RADIUS
     middle, width = (inner + outer) / 2, 2 * outer * math.tan(turn / 2)
     staves = []
     for i in range(count):
@@ -162,9 +144,9 @@ def _shell() -> list[Primitive]:
         size = (outer - inner, d.floor - d.rim, width)
         staves.append(Primitive("box", size, (x, (d.floor + d.rim) / 2, z), (0.0, -angle, 0.0)))
     return [
-        cylinder(RADIUS, d.cheek_inner, d.cheek_outer, "z"),
-        cylinder(RADIUS, d.floor, d.collar_face, "y", (d.axes_apart, 0.0, 0.0)),
-        box((5.5, d.rim, d.cheek_inner), (d.axes_apart + 1.0, d.floor, d.cheek_outer)),
+        _cylinder(RADIUS, d.cheek_inner, d.cheek_outer, "z"),
+        _cylinder(RADIUS, d.floor, d.collar_face, "y", (d.axes_apart, 0.0, 0.0)),
+        _box((5.5, d.rim, d.cheek_inner), (d.axes_apart + 1.0, d.floor, d.cheek_outer)),
         *staves,
     ]
 
@@ -173,28 +155,28 @@ def _upper_arm() -> list[Primitive]:
     d = UPPER_ARM
     middle, start = d.drop / 2, d.tube_start - 1.5
     near = [
-        cylinder(RADIUS, d.barrel_low, d.barrel_high, "z"),
-        box((11.0, 4.0, -19.0), (start, d.neck, d.barrel_high)),
-        box((15.0, 11.5, d.barrel_high), (start, d.neck, 19.0)),
+        _cylinder(RADIUS, d.barrel_low, d.barrel_high, "z"),
+        _box((11.0, 4.0, -19.0), (start, d.neck, d.barrel_high)),
+        _box((15.0, 11.5, d.barrel_high), (start, d.neck, 19.0)),
     ]
     opposite = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
     return [
-        cylinder(RADIUS, start, d.reach - start, "x", (0.0, middle, 0.0)),
+        _cylinder(RADIUS, start, d.reach - start, "x", (0.0, middle, 0.0)),
         *near,
-        *(moved(shape, opposite) for shape in near),
+        *(_moved(shape, opposite) for shape in near),
     ]
 
 
-def _wrist(jaws: JawParameters) -> list[Primitive]:
-    end = jaws.collar_base * _MM_PER_M + WRIST.collar_height
-    return [cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
+def _wrist() -> list[Primitive]:
+    end = JAWS["collar_base"] + WRIST.collar_height
+    return [_cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
 
 
-def _finger(jaws: JawParameters) -> list[Primitive]:
-    thick, middle = jaws.finger_width * _MM_PER_M / 2, jaws.pivot_offset * _MM_PER_M
-    hook, length = FINGER.hook, jaws.finger_length * _MM_PER_M
+def _finger() -> list[Primitive]:
+    thick, middle = JAWS["finger_width"] / 2, JAWS["pivot_offset"]
+    hook, length = FINGER.hook, JAWS["finger_length"]
     whole, low, high = (-thick, thick), (-thick, 0.2), (0.0, thick)
-    shapes = [cylinder(FINGER.lug_radius, -thick, thick, "z")]
+    shapes = [_cylinder(FINGER.lug_radius, -thick, thick, "z")]
     # Near the tip, the half below the middle stops short of the plane where the fingers meet.
     for start, stop, span, limit in (
         (0.0, 0.2, whole, middle),
@@ -220,9 +202,6 @@ def _around(outline: FloatArray, span: tuple[float, float], direction: FloatArra
     axes = np.array([along, [-along[1], along[0]]])
     low, high = (outline @ axes.T).min(0) - _MARGIN, (outline @ axes.T).max(0) + _MARGIN
     x, y = map(float, (low + high) / 2 @ axes)
-    return Primitive(
-        "box",
-        (float(high[0] - low[0]), float(high[1] - low[1]), span[1] - span[0]),
-        (x, y, (span[0] + span[1]) / 2),
-        (0.0, 0.0, math.atan2(along[1], along[0])),
-    )
+    size = (*(high - low).tolist(), span[1] - span[0])
+    angle = math.atan2(along[1], along[0])
+    return Primitive("box", size, (x, y, (span[0] + span[1]) / 2), (0.0, 0.0, angle))

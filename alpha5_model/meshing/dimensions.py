@@ -8,8 +8,8 @@ A `Dimension` is a float that knows where it comes from:
 - ``chosen``: drawn freely after the document's Figures 1 and 7, where necessary so that the centroid
   comes to Table 3's centre of buoyancy.
 
-The one dimension per part that `solve` finds from Table 3's volume is not in this table: the part's
-module names it and gives its range.
+The one dimension per part that follows from Table 3's volume is not in this table: `bodies` names it and
+gives its range. The jaws' lengths are the supplementary values, with their status as the kind.
 """
 
 from __future__ import annotations
@@ -91,6 +91,7 @@ class ShellDimensions:
 
     Attributes:
         axes_apart: Distance of the two axes, a_0 = a_2 of Table 1.
+        shoulder: Height of link 1's cheek axis, axis d, above link 1's origin, d_0 of Table 1.
         collar_face: y of the collar's face, where it turns against its neighbour.
         floor: y of the collar's other face, inside the half-shell.
         rim: y of the half-shell's free edge; link 2 meets it at the joint's limit of 195 deg.
@@ -99,6 +100,7 @@ class ShellDimensions:
     """
 
     axes_apart: Dimension
+    shoulder: Dimension
     collar_face: Dimension = Dimension(32.4, "measured")
     floor: Dimension = Dimension(20.6, "chosen")
     rim: Dimension = Dimension(-2.0, "chosen")
@@ -158,7 +160,7 @@ class FingerDimensions:
     """A finger in the frame of finger_1: hinge on z, y to the tip, x to the other finger.
 
     Attributes:
-        centre_line: (x, y) of points on the centre line, hinge to tip.
+        centre_x, centre_y: Points on the centre line, hinge to tip.
         half_widths: Half of the width across the centre line at these points.
         lug_radius: Radius of the eye around the hinge.
         pin_radius: Radius of the hinge's hole.
@@ -166,15 +168,8 @@ class FingerDimensions:
         holes: Parameters along the centre line, 0 at the hinge and 1 at the tip, of the perforation.
     """
 
-    centre_line: tuple[tuple[float, float], ...] = (
-        (0.0, 0.0),
-        (-2.6, 12.0),
-        (-4.2, 26.0),
-        (-3.2, 42.0),
-        (1.2, 57.0),
-        (8.0, 70.5),
-        (15.6, 83.2),
-    )
+    centre_x: tuple[float, ...] = (0.0, -2.6, -4.2, -3.2, 1.2, 8.0, 15.6)
+    centre_y: tuple[float, ...] = (0.0, 12.0, 26.0, 42.0, 57.0, 70.5, 83.2)
     half_widths: tuple[float, ...] = (4.2, 4.6, 4.8, 4.7, 4.4, 4.0, 3.2)
     lug_radius: Dimension = Dimension(4.4, "chosen")
     pin_radius: Dimension = Dimension(1.5, "chosen")
@@ -182,10 +177,15 @@ class FingerDimensions:
     holes: tuple[float, ...] = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85)
 
 
+_FIRST, _ELBOW = published().table_1.rows[0], published().elbow
 BASE = BaseDimensions()
-SHELL = ShellDimensions(axes_apart=_printed(published().table_1.rows[0].a))
-UPPER_ARM = UpperArmDimensions(
-    reach=_printed(published().elbow.adjacent), drop=_printed(published().elbow.opposite)
-)
+SHELL = ShellDimensions(_printed(_FIRST.a), _printed(_FIRST.d))
+UPPER_ARM = UpperArmDimensions(_printed(_ELBOW.adjacent), _printed(_ELBOW.opposite))
 WRIST = WristDimensions()
 FINGER = FingerDimensions()
+#: The jaws' lengths, named as in `alpha5_model.parameters.JawParameters`.
+JAWS = {
+    name: Dimension(float(jaw.quantity.value), jaw.status)
+    for name, jaw in published().supplementary.jaws.items()
+    if jaw.quantity.unit == "mm"
+}

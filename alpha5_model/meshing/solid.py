@@ -42,12 +42,6 @@ def kernel() -> Any:
     return manifold3d
 
 
-def turned(outline: ArrayLike, axis: str = "z", segments: int = SEGMENTS) -> Solid:
-    """Turn an outline of (radius, height) points, counter-clockwise, about an axis."""
-    k = kernel()
-    return k.CrossSection([np.asarray(outline, float)]).revolve(segments).rotate(_AXES[axis])
-
-
 def cylinder(
     radius: float,
     low: float,
@@ -68,15 +62,15 @@ def cylinder(
     outline = [(0.0, low), *_corner(radius, low, edges[0], -1.0)]
     for middle, width, depth in sorted(grooves):
         slope = depth * math.tan(math.pi / 6)
-        for height, r in (
-            (middle - width / 2, radius),
-            (middle - width / 2 + slope, radius - depth),
-            (middle + width / 2 - slope, radius - depth),
-            (middle + width / 2, radius),
-        ):
-            outline.append((r, height))
+        outline += [
+            (radius, middle - width / 2),
+            (radius - depth, middle - width / 2 + slope),
+            (radius - depth, middle + width / 2 - slope),
+            (radius, middle + width / 2),
+        ]
     outline += [*reversed(_corner(radius, high, edges[1], 1.0)), (0.0, high)]
-    return turned(outline, axis, segments)
+    section = kernel().CrossSection([np.array(outline)])
+    return section.revolve(segments).rotate(_AXES[axis])
 
 
 def _corner(radius: float, height: float, edge: float, side: float) -> list[tuple[float, float]]:
@@ -85,13 +79,8 @@ def _corner(radius: float, height: float, edge: float, side: float) -> list[tupl
         return [(radius, height)]
     steps = 3 if edge > _ROUND else 1
     angles = [math.pi / 2 * i / steps for i in range(steps + 1)]
-    return [
-        (
-            radius - edge + edge * math.sin(angle),
-            height - side * edge + side * edge * math.cos(angle),
-        )
-        for angle in angles
-    ]
+    r, h = radius - edge, height - side * edge
+    return [(r + edge * math.sin(a), h + side * edge * math.cos(a)) for a in angles]
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> Solid:
@@ -100,39 +89,25 @@ def box(low: Sequence[float], high: Sequence[float]) -> Solid:
     return kernel().Manifold.cube(size).translate(list(low))
 
 
-def prism(outline: ArrayLike, low: float, high: float, edge: float = 0.0) -> Solid:
+def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
     """A convex outline of (x, y) points between two heights, its long edges broken by ``edge``."""
     k = kernel()
     section = k.CrossSection([np.asarray(outline, float)])
     outer = section.extrude(high - low - 2 * edge).translate([0, 0, low + edge])
-    if edge == 0.0:
-        return outer
     inner = section.offset(-edge, k.JoinType.Miter, 2.0)
     return k.Manifold.batch_hull([outer, inner.extrude(high - low).translate([0, 0, low])])
 
 
-def loft(outlines: Sequence[ArrayLike], heights: Sequence[float]) -> Solid:
+def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
     """The solid through outlines with the same number of (x, y) points, counter-clockwise."""
     k = kernel()
-    layers = [np.asarray(o, float) for o in outlines]
-    n = len(layers[0])
-    vertices = np.vstack(
-        [np.column_stack([o, np.full(n, h)]) for o, h in zip(layers, heights, strict=True)]
-    )
-    caps = np.asarray(k.triangulate([layers[0]]))
-    top = np.asarray(k.triangulate([layers[-1]])) + n * (len(layers) - 1)
-    i = np.arange(n)
-    j = (i + 1) % n
-    sides = [
-        block
-        for layer in range(len(layers) - 1)
-        for a in (n * layer,)
-        for block in (
-            np.column_stack([i + a, j + a, j + a + n]),
-            np.column_stack([i + a, j + a + n, i + a + n]),
-        )
-    ]
-    faces = np.vstack([caps[:, ::-1], top, *sides])
+    n, last = len(outlines[0]), len(outlines) - 1
+    vertices = np.column_stack([np.vstack(outlines), np.repeat(heights, n)])
+    caps, top = (np.asarray(k.triangulate([outlines[i]])) + n * i for i in (0, last))
+    here = np.arange(n)
+    there = (here + 1) % n
+    side = np.column_stack([here, there, there + n, here, there + n, here + n]).reshape(-1, 3)
+    faces = np.vstack([caps[:, ::-1], top, *(side + n * i for i in range(last))])
     return k.Manifold(k.Mesh64(vertices, faces.astype(np.uint64)))
 
 
