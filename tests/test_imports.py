@@ -35,7 +35,7 @@ OPEN_LAYERS = {0, 2}
 FROM_ROOT = {"__version__"}
 #: Methods that hand over to a later layer when they are called, never when they are imported.
 HAND_OVERS = {
-    ("alpha5_model.dh.pinocchio", "description"),  # whose reader names the line
+    ("alpha5_model.dh.urdf", "description"),  # whose reader names the line
 }
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model import planar
-from alpha5_model.dh import arm_types, dexterity, dh_transform, frame_assignment, pinocchio
+from alpha5_model.dh import arm_types, dexterity, dh_transform, frame_assignment, urdf
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.kinematics import approach
 
@@ -63,7 +63,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (a5.dh.DHChain.from_table, {"rows": [[0, 0, 1, 0, 0]], "joint_names": ()}),
     (a5.dh.DHChain.alpha5, {"corrections": ()}),
     (a5.dh.DHChain.from_pinocchio, {"model": MODEL, "frame": None}),
-    (pinocchio.pinocchio_axes, {"model": MODEL, "frame": None}),
+    (urdf.pinocchio_axes, {"model": MODEL, "frame": None}),
     (a5.dh.DHChain.from_urdf, {"path": a5.URDF_PATH, "frame": None}),
     (CHAIN.frames, {"q": Q}),
     (CHAIN.forward_kinematics, {"q": Q, "frame": "tool"}),

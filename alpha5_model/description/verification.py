@@ -33,7 +33,7 @@ from alpha5_model.description.verification_text import (
     missing_names,
     stray_masses,
 )
-from alpha5_model.dh.pinocchio import urdf_model
+from alpha5_model.dh.urdf import urdf_model
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.parameters import Alpha5Parameters, parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH

@@ -87,33 +87,31 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     """
     up = _unit_vector("vertical", vertical)
     points, z = instance("chain", chain, DHChain).joint_axes(chain.home)
-    joints = "".join("RP"[s] for s in chain.sigma)
     along = np.linalg.norm(np.cross(z, up), axis=1) <= ANGLE_TOLERANCE
-    horizontal = bool(along.all())
     turning = np.array(chain.sigma) == 0
-    if turning.all():
-        return ArmType("revolute", joints, horizontal, "all joints are revolute")
     sliding = ~turning
-    if chain.n >= 3 and sliding[:3].all():
-        if np.allclose(z[:3] @ z[:3].T, np.eye(3), rtol=0, atol=ANGLE_TOLERANCE):
-            reason = "the first three joints slide along perpendicular axes"
-            return ArmType("cartesian", joints, horizontal, reason)
-        reason = "the first three joints slide, but not along perpendicular axes"
-        return ArmType("other", joints, horizontal, reason)
     # The major links are those up to the first joint that tilts: a wrist may follow.
-    major = int(np.argmin(along)) if not along.all() else chain.n
+    major = chain.n if along.all() else int(np.argmin(along))
     axes = points[:major][turning[:major]]
     apart = len(axes) >= 2 and (np.linalg.norm(np.cross(axes - axes[0], up), axis=1) > 0).any()
-    if apart and sliding[:major].any():
+    kind = "other"
+    if turning.all():
+        kind, reason = "revolute", "all joints are revolute"
+    elif chain.n >= 3 and sliding[:3].all():
+        reason = "the first three joints slide, but not along perpendicular axes"
+        if np.allclose(z[:3] @ z[:3].T, np.eye(3), rtol=0, atol=ANGLE_TOLERANCE):
+            kind, reason = "cartesian", "the first three joints slide along perpendicular axes"
+    elif apart and sliding[:major].any():
+        kind = "scara"
         reason = f"{len(axes)} vertical revolute axes apart and a vertical prismatic one: the major links move in a horizontal plane"
-        return ArmType("scara", joints, horizontal, reason)
-    if not turning.any():
+    elif sliding.all():
         reason = f"{chain.n} prismatic joints, not three perpendicular ones"
     elif major == 0:
         reason = "a prismatic joint, and the first axis is not vertical"
     else:
         reason = f"a prismatic joint, and only {len(axes)} vertical revolute axes before one that is not vertical"
-    return ArmType("other", joints, horizontal, reason)
+    joints = "".join("RP"[s] for s in chain.sigma)
+    return ArmType(kind, joints, bool(along.all()), reason)
 
 
 def task_capability(
@@ -156,16 +154,13 @@ def task_capability(
         general = f"{chain.n} joints reach at most {chain.n} of the 6 dimensions of SE(3); the Jacobian has rank {dimension}"
     else:
         general = f"{chain.n} joints, but the Jacobian never has more than rank {dimension}"
+    moves = f"with its tool axis vertical it moves in {insertion} dimensions"
     if insertion == INSERTION:
-        insert = (
-            "with its tool axis vertical it moves in 4 dimensions: x, y, z and the turn about it"
-        )
-    elif insertion == 0:
-        insert = "the tool axis could not be brought to the vertical"
+        insert = f"{moves}: x, y, z and the turn about it"
+    elif insertion:
+        insert = f"{moves} where 4 are needed"
     else:
-        insert = (
-            f"with its tool axis vertical it moves in {insertion} dimensions where 4 are needed"
-        )
+        insert = "the tool axis could not be brought to the vertical"
     return TaskCapability(
         dimension=dimension,
         position_dimension=position,
@@ -185,11 +180,8 @@ def sample_configurations(chain: DHChain, count: int, rng: np.random.Generator) 
     size = chain_size(chain)
     span = np.where(np.array(chain.sigma) == 0, math.pi, size)
     # A joint limited on one side is sampled over the same width from that side.
-    lower = np.where(
-        np.isfinite(chain.lower),
-        chain.lower,
-        np.where(np.isfinite(chain.upper), chain.upper - 2 * span, -span),
-    )
+    least = np.where(np.isfinite(chain.upper), chain.upper - 2 * span, -span)
+    lower = np.where(np.isfinite(chain.lower), chain.lower, least)
     upper = np.where(np.isfinite(chain.upper), chain.upper, lower + 2 * span)
     return np.asarray(rng.uniform(lower, upper, (count, chain.n)))
 
@@ -209,8 +201,7 @@ def _insertion_dimension(
     """Dimension of the set of poses whose tool axis is vertical."""
     q = q.copy()
     across = np.linalg.svd(up[None])[2][1:]  # two horizontal directions
-    _to_vertical(chain, axis, across, q)
-    good = np.abs(_tilt(chain, axis, across, q)).max(axis=1) < 1e-12
+    good = np.abs(_to_vertical(chain, axis, across, q)).max(axis=1) < 1e-12
     good &= ((q >= chain.lower) & (q <= chain.upper)).all(axis=1)
     best = 0
     for start in q[good][:16]:
@@ -235,22 +226,18 @@ def _insertion_dimension(
 
 def _to_vertical(
     chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray, steps: int = 40
-) -> None:
-    """Newton steps on the tool axis's horizontal part, in place; rows of q that diverge stay off."""
-    for _ in range(steps):
-        tilt = _tilt(chain, axis, across, q)
-        if np.abs(tilt).max(initial=0.0) < 1e-14:
-            return
+) -> FloatArray:
+    """Newton steps on the tool axis's horizontal part, in place; what is left of it, (M, 2)."""
+    for left in reversed(range(steps + 1)):
         direction = chain.forward_kinematics(q)[:, :3, :3] @ axis
+        tilt: FloatArray = direction @ across.T
+        if not left or np.abs(tilt).max(initial=0.0) < 1e-14:
+            break
         columns = np.cross(chain.jacobian(q)[:, 3:], direction[:, :, None], axis=1)
         rate = np.einsum("ki,mij->mkj", across, columns)
         correction = np.linalg.pinv(rate, rcond=1e-4) @ tilt[:, :, None]
         q -= np.clip(correction[:, :, 0], -0.5, 0.5)
-
-
-def _tilt(chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray) -> FloatArray:
-    """Horizontal components of the tool axis, (M, 2)."""
-    return np.asarray(chain.forward_kinematics(q)[:, :3, :3] @ axis @ across.T)
+    return tilt
 
 
 def row_scale(chain: DHChain) -> FloatArray:

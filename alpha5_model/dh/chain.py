@@ -16,6 +16,7 @@ References:
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -24,13 +25,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, instance, listed, rigid_transform
+from alpha5_model.checks import FloatArray, float_array, instance, listed, real, rigid_transform
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.dh.frame_assignment import assign_frames
+from alpha5_model.dh.frame_assignment import frames_on_axes, table_row
 from alpha5_model.dh.link import DHLink, dh_transform
-from alpha5_model.dh.pinocchio import pinocchio_axes, urdf_model
-from alpha5_model.dh.urdf import urdf_text
-from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.dh.urdf import pinocchio_axes, urdf_model, urdf_text
+from alpha5_model.errors import InputError, ShapeError, UnknownNameError
 from alpha5_model.parameters import parameters
 
 #: A frame of a chain: the number j of {j}, or the tool.
@@ -70,9 +70,8 @@ class DHChain:
         instance("name", self.name, str)
         names = tuple(listed("joint_names", self.joint_names, f"{len(links)} different names"))
         names = names or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
-        if not all(isinstance(n, str) for n in names) or not len(set(names)) == len(names) == len(
-            links
-        ):
+        different = {name for name in names if isinstance(name, str)}
+        if not len(different) == len(names) == len(links):
             raise InputError("joint_names", names, f"{len(links)} different names")
         object.__setattr__(self, "links", links)
         object.__setattr__(self, "joint_names", names)
@@ -143,14 +142,63 @@ class DHChain:
         tolerance: float = 1e-9,
         **options: Any,
     ) -> DHChain:
-        """A chain from its joint axes, drawn at one configuration; see `frame_assignment.assign_frames`.
+        """A chain from its joint axes, drawn at one configuration, which is its home.
 
-        Its home is the drawn configuration. Options are ``name`` and ``joint_names`` of the chain.
+        Where the frames stand `alpha5_model.dh.frame_assignment` says.
+
+        Args:
+            points: A point on each joint axis, (N, 3) in the world [m].
+            directions: Direction of each axis, (N, 3), of any length but zero.
+            sigma: Joint types, 0 revolute (default) and 1 prismatic, (N,).
+            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is {N-1} without its
+                joint, and the table ends with a row of zeros.
+            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each link's offset takes
+                up the rest, ``theta = q + offset``; by default the joint variable is theta or d itself.
+            limits: (lower, upper) of each joint variable, (N, 2).
+            tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
+                intersecting. The error that this makes in the axes is of the same size.
+            options: ``name`` and ``joint_names`` of the chain.
+
+        Raises:
+            InputError: No axes, a direction of zero length, shapes that do not fit.
         """
-        links, base, tool = assign_frames(
-            points, directions, sigma, end_effector, q, limits, tolerance
-        )
-        return cls(links, base, tool, **options)
+        p = float_array("points", points, (3,))
+        z = float_array("directions", directions, (3,))
+        if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
+            raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
+        largest = np.abs(z).max(axis=1, keepdims=True)
+        if (largest == 0).any():
+            raise InputError("directions", z.tolist(), "directions that are not zero")
+        z = z / largest  # squares of large numbers overflow
+        z = z / np.linalg.norm(z, axis=1, keepdims=True)
+        n, pairs = len(p), "(lower, upper) of each joint"
+        types = [0] * n if sigma is None else listed("sigma", sigma, "0 or 1 for each joint")
+        bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
+        drawn = np.zeros(n) if q is None else float_array("q", q, (n,))
+        if drawn.ndim != 1:
+            raise ShapeError("q", drawn.shape, f"shape ({n},)")
+        if len(types) != n or len(bounds) != n:
+            raise ShapeError("sigma, limits", (len(types), len(bounds)), f"{n} joints each")
+        tolerance = real("tolerance", tolerance, minimum=0.0)
+        end = None if end_effector is None else rigid_transform("end_effector", end_effector)
+        frames = frames_on_axes(p, z, end, tolerance)
+        links = []
+        for j in range(n):
+            theta, d, a, alpha = table_row(np.linalg.inv(frames[j]) @ frames[j + 1])
+            offset = 0.0
+            if q is not None:
+                value, offset = float(drawn[j]), (d if types[j] else theta) - drawn[j]
+                theta, d = (theta, value) if types[j] else (value, d)
+            bound = listed("limits", bounds[j], pairs)
+            if len(bound) != 2:
+                raise ShapeError("limits", (len(bound),), pairs)
+            links.append(DHLink(theta, d, a, alpha, types[j], offset, *bound))
+        tool = np.eye(4)
+        if end is not None:
+            tool = np.linalg.inv(frames[n]) @ end
+            u, _, vt = np.linalg.svd(tool[:3, :3])
+            tool[:3, :3] = u @ vt  # the rounding error of a rotation taken out
+        return cls(tuple(links), frames[0], tool, **options)
 
     def to_urdf(self) -> str:
         """The chain as URDF text; see `urdf.urdf_text`."""
@@ -244,15 +292,12 @@ class DHChain:
         index = self._index(frame)
         frames = self.frames(q)
         tip = frames[..., index, :3, 3]
-        out = np.zeros((*tip.shape[:-1], 6, self.n))
-        for j, link in enumerate(self.links[:index]):
-            z = frames[..., j, :3, 2]
-            if link.revolute:
-                out[..., :3, j] = np.cross(z, tip - frames[..., j, :3, 3])
-                out[..., 3:, j] = z
-            else:
-                out[..., :3, j] = z
-        return out
+        z, points = frames[..., : self.n, :3, 2], frames[..., : self.n, :3, 3]
+        turns = np.array(self.sigma)[:, None] == 0
+        linear = np.where(turns, np.cross(z, tip[..., None, :] - points), z)
+        columns = np.concatenate([linear, np.where(turns, z, 0.0)], axis=-1)
+        columns[..., index:, :] = 0.0
+        return np.ascontiguousarray(np.swapaxes(columns, -1, -2))
 
     def _index(self, frame: Frame) -> int:
         if isinstance(frame, str) and frame == "tool":

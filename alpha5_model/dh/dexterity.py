@@ -157,15 +157,12 @@ def _solve(
     active = np.arange(len(q))
     for _ in range(steps):
         pose = chain.forward_kinematics(q[active])
-        error = np.empty((len(active), 6))
-        error[:, :3] = position[active] - pose[:, :3, 3]
         turned, wanted = pose[:, :3, :3], rotation[active]
         cross = np.cross(turned, wanted, axisa=1, axisb=1, axisc=1)
-        error[:, 3:] = cross.sum(axis=2) / 2  # axis times the sine of the angle
+        turn = cross.sum(axis=2) / 2  # axis times the sine of the angle
+        error = np.hstack([position[active] - pose[:, :3, 3], turn]) / scale
         cosine = (np.einsum("mij,mij->m", turned, wanted) - 1) / 2
-        error /= scale
-        residual = np.abs(error).max(axis=1)
-        met = (residual < POSE_TOLERANCE) & (cosine > 0)
+        met = (np.abs(error).max(axis=1) < POSE_TOLERANCE) & (cosine > 0)
         done[active[met]] = True
         active, error = active[~met], error[~met]
         if active.size == 0:

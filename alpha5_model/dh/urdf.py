@@ -1,17 +1,95 @@
-"""URDF of a serial arm from its standard DH table."""
+"""A serial arm from a Pinocchio model or a URDF, as joint axes, and its standard DH table as URDF."""
 
 from __future__ import annotations
 
 import math
+import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
+from typing import Any
 
-from alpha5_model.checks import FloatArray
+import numpy as np
+
+from alpha5_model.checks import FloatArray, instance
 from alpha5_model.dh.link import DHLink
-from alpha5_model.errors import MissingParameterError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingParameterError,
+    UnknownNameError,
+)
+from alpha5_model.files import read_named
 from alpha5_model.spatial import rpy_from_rotation
 
+#: What a joint of a URDF needs in order to move.
+_MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
+
+
+def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
+    """What `DHChain.from_axes` needs to know of a pin.Model; see `DHChain.from_pinocchio`."""
+    import pinocchio as pin
+
+    names = [f.name for f in instance("model", model, pin.Model).frames]
+    if frame is None:
+        last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
+        frame = last[-1].name
+    if not isinstance(frame, str) or frame not in names:
+        raise UnknownNameError("frame", frame, names)
+    tip = model.getFrameId(frame)
+    path = [j for j in model.supports[model.frames[tip].parentJoint] if j != 0]
+    if not path:
+        raise InputError("frame", frame, "a frame that a joint moves")
+    data = model.createData()
+    q = pin.neutral(model)
+    jacobians = pin.computeJointJacobians(model, data, q).reshape(6, -1)
+    pin.updateFramePlacements(model, data)
+    sigma, points, directions, limits = [], [], [], []
+    for j in path:
+        joint = model.joints[j]
+        # World Jacobian: linear is the velocity of the body's point at the world's origin.
+        linear, angular = jacobians[:3, joint.idx_v], jacobians[3:, joint.idx_v]
+        if joint.nv != 1 or (angular.any() and abs(linear @ angular) > 1e-12):
+            raise InputError(model.names[j], joint.shortname(), "a revolute or prismatic joint")
+        sigma.append(int(not angular.any()))
+        points.append(data.oMi[j].translation.copy())
+        directions.append((angular if angular.any() else linear).copy())
+        lower = float(model.lowerPositionLimit[joint.idx_q])
+        upper = float(model.upperPositionLimit[joint.idx_q])
+        limited = joint.nq == 1 and lower < upper  # continuous: Pinocchio keeps cosine and sine
+        limits.append((lower, upper) if limited else (-math.inf, math.inf))
+    return {
+        "points": points,
+        "directions": directions,
+        "sigma": sigma,
+        "end_effector": data.oMf[tip].homogeneous,
+        "q": np.zeros(len(path)),
+        "limits": limits,
+        "name": model.name,
+        "joint_names": tuple(model.names[j] for j in path),
+    }
+
+
+def urdf_model(path: str | os.PathLike[str]) -> Any:
+    """The pin.Model of a URDF file; see `DHChain.from_urdf`."""
+    import pinocchio as pin
+
+    from alpha5_model.description.urdf_reading import parse_urdf
+
+    text = read_named(path, "a URDF file")
+    parse_urdf(text, str(path))
+    # Written anew, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
+    # complain of a picture's colour on stderr.
+    tree = ET.fromstring(text)
+    for element in tree:
+        kept = _MOVING if element.tag == "joint" else ()
+        element[:] = [child for child in element if child.tag in kept]
+        for limit in element.findall("limit"):  # which moves without the two that it asks for
+            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
+    try:
+        return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
+    except (ValueError, RuntimeError) as error:
+        raise FileFormatError(path, " ".join(str(error).split())) from None
 
 
 def urdf_text(
@@ -58,20 +136,16 @@ def urdf_text(
 
 
 def _joint(
-    robot: ET.Element,
-    name: str,
-    kind: str,
-    links: tuple[str, str],
-    xyz: Sequence[float],
-    rpy: Sequence[float],
+    robot: ET.Element, name: str, kind: str, links: tuple[str, str], *placement: Sequence[float]
 ) -> ET.Element:
     """A joint and the link that follows it."""
-    _massless_link(robot, links[1])
+    parent, child = links
+    _massless_link(robot, child)
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
-    origin = {key: " ".join(map(repr, map(float, x))) for key, x in (("xyz", xyz), ("rpy", rpy))}
-    ET.SubElement(joint, "origin", origin)
-    for end, link in zip(("parent", "child"), links, strict=True):
-        ET.SubElement(joint, end, link=link)
+    xyz, rpy = (" ".join(map(repr, map(float, x))) for x in placement)
+    ET.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
     return joint
 
 
