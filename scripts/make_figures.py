@@ -56,7 +56,7 @@ def workspace_figure() -> bytes:
     return _png(workspace_plot.figure())
 
 
-@style({"axes.grid": True, "grid.color": "#E6E6E6", "grid.linewidth": 0.6})
+@style(axes={"grid": True}, grid={"color": "#E6E6E6", "linewidth": 0.6})
 def torque_figure() -> bytes | None:
     """Torque of shoulder and elbow over a recorded trajectory, split into its terms."""
     recordings = Path(os.environ.get("ALPHA5_RECORDINGS", BESIDE))

@@ -20,12 +20,9 @@ if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
 
 FORMATS = (".png", ".pdf", ".svg")
-_STYLE = {
-    "axes.axisbelow": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlesize": 10,
-    "legend.frameon": False,
+_STYLE: dict[str, Mapping[str, Any]] = {
+    "axes": {"axisbelow": True, "spines.right": False, "spines.top": False, "titlesize": 10},
+    "legend": {"frameon": False},
 }
 
 
@@ -52,13 +49,17 @@ def _matplotlib() -> Any:
 
 
 @contextmanager
-def style(changes: Mapping[str, Any] | None = None) -> Iterator[None]:
+def style(**changes: Mapping[str, Any]) -> Iterator[None]:
     """The figures' common settings of matplotlib with some changes; also a decorator.
+
+    Args:
+        changes: Settings by group, as matplotlib's ``rc`` takes them: ``axes={"grid": True}``.
 
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    with _matplotlib().rc_context({**_STYLE, **(changes or {})}):
+    groups = [*_STYLE.items(), *changes.items()]
+    with _matplotlib().rc_context({f"{g}.{key}": v for g, s in groups for key, v in s.items()}):
         yield
 
 
@@ -128,7 +129,7 @@ def legend(axes: Any, drop: float, **options: Any) -> None:
     axes.legend(unique.values(), unique.keys(), **where, **options)
 
 
-@style({"xtick.labelsize": 8, "ytick.labelsize": 8})
+@style(xtick={"labelsize": 8}, ytick={"labelsize": 8})
 def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
     """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
 

@@ -143,12 +143,8 @@ def _geometry(shape: Shape) -> dict[str, Any]:
 
 def _typed(array: NDArray[Any], item_size: int) -> dict[str, Any]:
     name, code = _CODES[array.dtype.kind]
-    return {
-        "itemSize": item_size,
-        "type": name,
-        "array": umsgpack.Ext(code, np.ascontiguousarray(array).tobytes()),
-        "normalized": False,
-    }
+    packed = umsgpack.Ext(code, array.tobytes())
+    return {"itemSize": item_size, "type": name, "array": packed, "normalized": False}
 
 
 def _hex(color: tuple[float, ...]) -> int:

@@ -82,9 +82,8 @@ def title(arm: planar.PlanarArm, space: planar.Workspace) -> str:
 def middle_position(arm: planar.PlanarArm) -> FloatArray:
     """A joint position that shows the arm well: joints in mid-range, free ones bent, (N,)."""
     free = [0.5, 0.9, -0.7]
-    return np.array(
-        [free[min(j, 2)] if r is None else (r[0] + r[1]) / 2 for j, r in enumerate(arm.limits)]
-    )
+    middle = [free[min(j, 2)] if r is None else sum(r) / 2 for j, r in enumerate(arm.limits)]
+    return np.array(middle)
 
 
 def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:

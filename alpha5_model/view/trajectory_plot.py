@@ -26,18 +26,12 @@ _POINTS = 4000
 
 
 @style(
-    {
-        "axes.grid": True,
-        "axes.labelsize": 10,
-        "axes.titlelocation": "left",
-        "axes.titlesize": 11,
-        "grid.color": "#E6E6E6",
-        "grid.linewidth": 0.6,
-        "legend.fontsize": 8,
-        "lines.linewidth": 1.0,
-        "xtick.labelsize": 9,
-        "ytick.labelsize": 9,
-    }
+    axes={"grid": True, "labelsize": 10, "titlelocation": "left", "titlesize": 11},
+    grid={"color": "#E6E6E6", "linewidth": 0.6},
+    legend={"fontsize": 8},
+    lines={"linewidth": 1.0},
+    xtick={"labelsize": 9},
+    ytick={"labelsize": 9},
 )
 def figure(analysis: Analysis) -> Any:
     """Plot the motion, as a matplotlib Figure.

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 import meshcat
 import tornado.httpserver
-import tornado.ioloop
 import tornado.web
 import zmq
 from meshcat.servers.tree import find_node, walk

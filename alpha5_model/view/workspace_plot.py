@@ -84,7 +84,7 @@ def _section(side: str, sign: float, outline: FloatArray) -> Mesh:
     return quads(_in_plane(points, sign), [0.0, 1.0, 0.0])
 
 
-@style({"axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.5, "legend.fontsize": 8.5})
+@style(axes={"grid": True}, grid={"color": "0.9", "linewidth": 0.5}, legend={"fontsize": 8.5})
 def figure() -> Any:
     """Plot the exact and the published reachable set in the half-plane, as a matplotlib Figure.
 
