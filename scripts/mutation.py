@@ -87,8 +87,8 @@ FIRST = 60
 _DATES = itertools.count(1_000_000_000)
 #: The harness proves itself first: file, part of a line, what it becomes, what must come of it, by which tests.
 PROOFS = (
-    ("consistency/units.py", "MM = 1e-3", "MM = 2e-3", "killed", "tests/test_audit.py"),
-    ("consistency/units.py", "norm(outside)", "norm(-outside)", "survived", "tests/test_audit.py"),
+    ("consistency/row.py", "MM = 1e-3", "MM = 2e-3", "killed", "tests/test_audit.py"),
+    ("consistency/row.py", "norm(outside)", "norm(-outside)", "survived", "tests/test_audit.py"),
 )
 
 

@@ -17,7 +17,7 @@ import pytest
 import reference
 
 import alpha5_model as a5
-from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, workspace
+from alpha5_model.consistency import actuation, bodies, geometry
 from alpha5_model.consistency.lecture import PRINTED_TABLE
 from alpha5_model.consistency.row import AuditRow, judged, rounding_bound, sampled_share
 from alpha5_model.parameters import convert
@@ -49,7 +49,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
     """The audit of another document."""
     printed = parse(document, SUPPLEMENTARY)
     p = convert(printed, ("base_frame",))
-    topics = (geometry, inertial, buoyancy, actuation)
+    topics = (geometry, bodies, actuation)
     return {row.claim: row for topic in topics for row in topic.audit(printed, p)}
 
 
@@ -102,7 +102,7 @@ def test_judging() -> None:
 
 
 def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
-    words = tomllib.loads((Path(workspace.__file__).parent / "rows.toml").read_text("utf-8"))
+    words = tomllib.loads((Path(geometry.__file__).parent / "rows.toml").read_text("utf-8"))
     for topic, text in words.items():
         subjects = [name for name, value in text.items() if isinstance(value, dict)]
         claims = [f"{topic}.{name}" for name in subjects]
@@ -514,7 +514,7 @@ def test_the_outer_torus_asks_for_the_elbows_limits(old: str, new: str, theta_2:
     assert old in tail
     changed = f"{head}[joints.axis_c]{tail.replace(old, new, 1)}"
     printed = parse(DOCUMENT, changed)
-    outer = {r.claim: r for r in workspace.audit(printed, convert(printed, ("base_frame",)))}
+    outer = {r.claim: r for r in geometry.tori(printed, convert(printed, ("base_frame",)))}
     row = outer["workspace.outer_torus"]
     frames = reference.dh_frames(np.array([0, 0, theta_2, 0]))
     distance = 1000 * np.linalg.norm(frames[5][:3, 3] - frames[1][:3, 3])
@@ -835,7 +835,7 @@ def test_a_verdict_turns_with_the_document(rows: dict[str, AuditRow], change: st
     document = DOCUMENT.replace(old, new)
     if claim.startswith("workspace"):
         printed = parse(document, SUPPLEMENTARY)
-        turned = {row.claim: row for row in workspace.audit(printed, a5.parameters())}
+        turned = {row.claim: row for row in geometry.tori(printed, a5.parameters())}
     else:
         turned = audit_of(document)
     assert rows[claim].verdict != verdict

@@ -9,17 +9,18 @@ References:
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import AuditRow, audited, figure
-from alpha5_model.consistency.units import GRAVITY
+from alpha5_model.consistency.row import GRAVITY, AuditRow, audited, figure
 from alpha5_model.dh import DHChain
 from alpha5_model.fluids import AIR, FRESH_WATER
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import ActuatorRow, Published
+from alpha5_model.spatial import rotation_about
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
@@ -53,18 +54,12 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
     points, axes = chain.joint_axes(q)
     torque = np.zeros(q.shape[:-1])
     for i in (2, 3, 4):
-        # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z (Section 2).
-        turn = q[..., i - 1] + chain.links[i - 1].offset
-        link = p.links[i]
+        link, pose = p.links[i], frames[..., i - 1, :, :]
         moment = link.mass * link.com - fluid_density * link.volume * link.cob
         weight = link.mass - fluid_density * link.volume
-        c, s = np.cos(turn), np.sin(turn)
-        turned = np.stack(
-            [c * moment[0] - s * moment[1], s * moment[0] + c * moment[1], c * 0 + moment[2]], -1
-        )
-        pose = frames[..., i - 1, :, :]
-        arm = (pose[..., :3, :3] @ turned[..., None])[..., 0]
-        arm += weight * (pose[..., :3, 3] - points[..., 1, :])
+        # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z (Section 2).
+        turn = rotation_about((0, 0, 1), q[..., i - 1] + chain.links[i - 1].offset)
+        arm = pose[..., :3, :3] @ turn @ moment + weight * (pose[..., :3, 3] - points[..., 1, :])
         torque += np.einsum("...i,...i->...", axes[..., 1, :], np.cross(arm, [0, 0, -GRAVITY]))
     return float(np.hypot(torque[0], torque[1]).max())
 
@@ -77,39 +72,21 @@ def _turning(printed: Published) -> AuditRow:
 def _motor_constants(row: ActuatorRow) -> AuditRow:
     k_t, k_v = row.torque_constant, row.voltage_constant
     value, bound = figure(lambda x: x[0] / x[1], [k_t, k_v])
-    turning = row.actuator != "4"
-    at_joint = row.gear_ratio.si * row.efficiency.si
-    return audited(
-        f"motor_constants.actuator_{row.actuator}",
-        value,
-        1.0,
-        bound,
-        effect=abs(k_t.si - k_v.si) * at_joint if turning else None,
-        actuator=row.actuator,
-        k_t=k_t,
-        k_v=k_v,
-        more="; the effect is the joint torque per ampere that the two disagree about" * turning,
-    )
+    effect, more = None, ""
+    if row.actuator != "4":
+        effect = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si
+        more = "; the effect is the joint torque per ampere that the two disagree about"
+    return audited("motor_constants", value, 1.0, bound, of=row, effect=effect, more=more)
 
 
 def _friction(row: ActuatorRow, joint: str, peaks: tuple[float, float], origin: str) -> AuditRow:
     value, rounding = figure(lambda x: x[0] * x[1], [row.friction, row.gear_ratio])
     air, fresh = peaks
-    return audited(
-        f"friction.actuator_{row.actuator}",
-        value,
-        air,
-        # The printed tolerance is the document's own, and wider than its rounding.
-        value * row.friction_tolerance.si + rounding,
-        effect=max(value - air, 0.0),
-        actuator=row.actuator,
-        joint=joint,
-        friction=row.friction,
-        tolerance=row.friction_tolerance.text,
-        origin=origin,
-        air=f"{air:.2f}",
-        fresh=f"{fresh:.2f}",
-    )
+    # The printed tolerance is the document's own, and wider than its rounding.
+    bound = value * row.friction_tolerance.si + rounding
+    words: dict[str, Any] = {"air": f"{air:.2f}", "fresh": f"{fresh:.2f}", "origin": origin}
+    words["joint"] = joint
+    return audited("friction", value, air, bound, of=row, effect=max(value - air, 0.0), **words)
 
 
 def _least_supply(printed: Published) -> list[Quantity]:
@@ -129,13 +106,6 @@ def _stall(row: ActuatorRow, joint: str, effort: float, supply: list[Quantity]) 
 
     inputs = [row.torque_constant, row.resistance, row.gear_ratio, row.efficiency, *supply]
     value, bound = figure(torque, inputs)
-    return audited(
-        f"stall_torque.actuator_{row.actuator}",
-        value,
-        effort,
-        bound,
-        effect=max(value - effort, 0.0),
-        actuator=row.actuator,
-        joint=joint,
-        volts=f"{math.prod(q.si for q in supply):.1f}",
-    )
+    volts, effect = f"{math.prod(q.si for q in supply):.1f}", max(value - effort, 0.0)
+    words: dict[str, Any] = {"joint": joint, "volts": volts}
+    return audited("stall_torque", value, effort, bound, of=row, effect=effect, **words)

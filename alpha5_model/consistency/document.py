@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import actuation, buoyancy, geometry, inertial, lecture, workspace
+from alpha5_model.consistency import actuation, bodies, geometry, lecture
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -24,6 +24,6 @@ def audit() -> tuple[AuditRow, ...]:
         Frozen rows, in the order of the topics; computed once.
     """
     printed, p = published(), parameters()
-    topics = (geometry, workspace, inertial, buoyancy, actuation)
+    topics = (geometry, bodies, actuation)
     rows = [row for topic in topics for row in topic.audit(printed, p)]
     return (*rows, *lecture.audit(p))

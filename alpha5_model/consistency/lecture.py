@@ -15,6 +15,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share
+from alpha5_model.dh.link import dh_transform
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.planar import PlanarArm, dexterity, dexterous_area, theorem_row
 from alpha5_model.spatial import rotation_about, transform
@@ -143,39 +144,21 @@ def _apart(column: FloatArray, values: FloatArray | float) -> float:
 
 def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
     """A_j as printed and with the sign mended, on Table 1 with every joint at the middle of its range."""
-    angles = [
-        (j.lower + j.upper) / 2 + row.theta_offset
-        for j, row in zip(p.joints[:4], p.dh, strict=False)
-    ]
-    table = [
-        (theta, row.d, row.a, row.alpha)
-        for theta, row in zip([*angles, p.dh[4].theta_offset], p.dh, strict=True)
-    ]
-    product = [_product(*row) for row in table]
+    middles = [*((j.lower + j.upper) / 2 for j in p.joints[:4]), 0.0]
+    columns = [(row.d, row.a, row.alpha, row.theta_offset) for row in p.dh]
+    d, a, alpha, offset = np.array(columns).T
+    theta = offset + middles
+    corrected = dh_transform(theta, d, a, alpha)
+    printed = corrected.copy()
+    printed[:, 1, 2] *= -1  # the third entry of row 2
+    factors = np.column_stack([a, 0 * a, d])  # Tz Tx, behind Rz and before Rx
+    product = transform(rotation_about((0, 0, 1), theta)) @ transform(
+        rotation_about((1, 0, 0), alpha), factors
+    )
     rows = []
-    for name, sign in (("printed", 1), ("corrected", -1)):
-        form = [_matrix(*row, sign) for row in table]
-        tips = [np.linalg.multi_dot(factors)[:3, 3] for factors in (form, product)]
-        apart = float(np.abs(np.subtract(form, product)).max())
+    for name, form in (("printed", printed), ("corrected", corrected)):
+        tips = [np.linalg.multi_dot(poses)[:3, 3] for poses in (form, product)]
+        apart = np.abs(form - product).max()
         effect = float(np.linalg.norm(tips[0] - tips[1]))
         rows.append(audited(f"relative_pose.{name}", apart, bound=ARITHMETIC, effect=effect))
     return rows
-
-
-def _matrix(theta: float, d: float, a: float, alpha: float, sign: int) -> FloatArray:
-    """A_j as the lecture prints it, the third entry of its row 2 times ``sign``, (4, 4)."""
-    c, s, ca, sa = math.cos(theta), math.sin(theta), math.cos(alpha), math.sin(alpha)
-    return np.array(
-        [
-            [c, -s * ca, s * sa, a * c],
-            [s, c * ca, sign * c * sa, a * s],
-            [0, sa, ca, d],
-            [0, 0, 0, 1],
-        ]
-    )
-
-
-def _product(theta: float, d: float, a: float, alpha: float) -> FloatArray:
-    """The four factors that the lecture gives for it, (4, 4)."""
-    turn_z, turn_x = rotation_about((0, 0, 1), theta), rotation_about((1, 0, 0), alpha)
-    return transform(turn_z @ turn_x, turn_z @ (a, 0.0, d))

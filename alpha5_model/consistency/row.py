@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -18,12 +18,16 @@ from typing import Any, Literal
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
+from alpha5_model.fluids import GRAVITY as DOWN
 from alpha5_model.published.quantity import Quantity
+from alpha5_model.published.tables import ActuatorRow, BuoyancyRow, InertialRow
 
 Relation = Literal["=", "<=", ">="]
 Verdict = Literal["agrees", "differs", "impossible"]
 Kind = Literal["claim", "observation"]
 
+MM = 1e-3
+GRAVITY = abs(DOWN[2])  # m/s^2
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
 #: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not listed.
@@ -92,6 +96,7 @@ def audited(
     expected: float = 0.0,
     bound: float = 0.0,
     *,
+    of: InertialRow | BuoyancyRow | ActuatorRow | None = None,
     effect: float | None = None,
     standard_error: float = 0.0,
     **words: Any,
@@ -100,10 +105,15 @@ def audited(
 
     Args:
         claim: ``topic.subject``; the words stand under both or under the topic alone.
+        of: The printed row that it is about: ``.link_3`` is added to the claim, and its columns to the words.
         measured, expected, bound, effect, standard_error: See `AuditRow`, in SI units; a bound of
             `ARITHMETIC` is in the row's own unit.
         words: What the text leaves open.
     """
+    if of is not None:
+        columns = [column.name for column in fields(of)]
+        words = {**{name: getattr(of, name) for name in columns}, **words}
+        claim += f".{columns[0]}_{words[columns[0]]}"
     topic, _, subject = claim.partition(".")
     text: dict[str, Any] = {**_words()[topic], **_words()[topic].get(subject, {})}
     place, says, finding = (
@@ -122,10 +132,10 @@ def audited(
         unit,
         finding,
         law=text.get("law", False),
-        effect=None if effect is None else effect * PER_SI.get(effect_unit, 1.0),
+        effect=None if effect is None else float(effect * PER_SI.get(effect_unit, 1.0)),
         effect_unit="" if effect is None else effect_unit,
         kind=text.get("kind", "claim"),
-        standard_error=standard_error * scale,
+        standard_error=float(standard_error * scale),
     )
 
 
@@ -141,34 +151,19 @@ def judged(
     finding: str,
     *,
     law: bool = False,
-    effect: float | None = None,
-    effect_unit: str = "",
-    kind: Kind = "claim",
-    standard_error: float = 0.0,
+    **more: Any,
 ) -> AuditRow:
     """A row with its verdict.
 
     Args:
         law: The claim must hold in nature: if it does not, the verdict is ``impossible``.
-        others: The attributes of `AuditRow`.
+        others: The attributes of `AuditRow`, those that have a default in ``more``.
     """
     excess = measured - expected
     holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[relation]
     verdict: Verdict = "agrees" if holds else "impossible" if law else "differs"
-    figures = float(measured), relation, float(expected), float(bound), unit
-    worth = None if effect is None else float(effect)
-    return AuditRow(
-        claim,
-        place,
-        says,
-        *figures,
-        verdict,
-        finding,
-        worth,
-        effect_unit,
-        kind,
-        float(standard_error),
-    )
+    figures = float(measured), relation, float(expected), float(bound)
+    return AuditRow(claim, place, says, *figures, unit, verdict, finding, **more)
 
 
 def sampled_share(hits: BoolArray) -> tuple[float, float]:
@@ -213,3 +208,9 @@ def rounding_bound(
         up, down = (np.abs(function(centre + s * step) - value) for s in (1.0, -1.0))
         total += np.maximum(up, down)
     return total
+
+
+def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
+    """Distance of a point (3,) from a box (3, 2); 0 inside."""
+    outside = np.maximum(np.maximum(bounds[:, 0] - point, point - bounds[:, 1]), 0.0)
+    return float(np.linalg.norm(outside))

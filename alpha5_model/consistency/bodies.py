@@ -1,8 +1,9 @@
-"""Table 2 against itself: the two tensors of each link, the equations, mass, COM and size.
+"""Tables 2 and 3 against themselves and each other: tensors, equations, masses, centres, sizes, densities.
 
 References:
-    [ReachAlpha] Manufacturer's document, Section 2.1, Table 2, equations (1) and (2).
+    [ReachAlpha] Manufacturer's document, Section 2.1, Table 2, equations (1) and (2); Section 2.2, Table 3.
     [Wensing2018], [Bhatia2000] See `alpha5_model.inertia`.
+    [Aluminium] Density of aluminium, 2.70 kg/L: any handbook.
 """
 
 from __future__ import annotations
@@ -15,8 +16,18 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, rounding_bound, si
-from alpha5_model.consistency.units import GRAVITY, excess_of_box
+from alpha5_model.consistency.row import (
+    ARITHMETIC,
+    GRAVITY,
+    MM,
+    AuditRow,
+    audited,
+    excess_of_box,
+    figure,
+    rounding_bound,
+    si,
+)
+from alpha5_model.fluids import SEA_WATER
 from alpha5_model.inertia import (
     flip_products,
     point_mass_tensor,
@@ -25,20 +36,22 @@ from alpha5_model.inertia import (
     tensor_at_com,
     tensor_at_origin,
 )
-from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.parameters import Alpha5Parameters, LinkParameters, convert
 from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.tables import InertialRow, Published
+from alpha5_model.published.tables import BuoyancyRow, InertialRow, Published
 from alpha5_model.spatial import cross_matrix, rotation_about
 
+ALUMINIUM = 2700.0  # kg/m^3
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
-    """The rows of Table 2."""
+    """The rows of Tables 2 and 3."""
     links = list(zip(printed.table_2.rows, p.links, strict=True))
     fastest = max(joint.velocity for joint in p.joints[:4])
+    corrected = convert(printed, ("link3_cob",)).links
     return [
-        *(_parallel_axis(row) for row, _ in links),
+        *(audited("parallel_axis", of=row, **_worst(_residual, row)) for row, _ in links),
         *(_product_sign(row, fastest) for row, _ in links),
         *_equations(printed.table_2.rows[4]),
         *_rotation(printed.table_2.rows[1:], p),
@@ -48,6 +61,9 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *(_com_inside(row, link.bounds) for row, link in links),
         *(_mass_spread(row, link.bounds) for row, link in links),
         *_jaw_plane(printed),
+        *map(_cob_inside, printed.table_3.rows, p.links, corrected),
+        *map(_density, printed.table_2.rows, printed.table_3.rows),
+        *_totals(printed, p),
     ]
 
 
@@ -71,28 +87,23 @@ def _residual(x: FloatArray) -> FloatArray:
     return at_link - tensor_at_origin(mass, com, at_com)
 
 
-def _worst(
-    residual: Callable[[FloatArray], FloatArray], row: InertialRow
-) -> tuple[float, float, str, int]:
+def _worst(residual: Callable[[FloatArray], FloatArray], row: InertialRow) -> dict[str, Any]:
     """The largest entry of a tensor, among those beyond their bound if there are any.
 
     Returns:
-        Its size, what rounding allows, its name, and how many of the six entries are beyond.
+        For `audited`: its size, what rounding allows, its name, and how many of the six entries are beyond.
     """
     inputs = _inputs(row)
     size, bound = np.abs(residual(si(inputs))), rounding_bound(residual, inputs)
     beyond = size > bound
-    i, j = np.unravel_index(
-        np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size), (3, 3)
-    )
+    i, j = divmod(int(np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size)), 3)
     count = int(beyond[np.triu_indices(3)].sum())
-    return float(size[i, j]), float(bound[i, j]), "xyz"[i] + "xyz"[j], count
-
-
-def _parallel_axis(row: InertialRow) -> AuditRow:
-    size, bound, entry, beyond = _worst(_residual, row)
-    claim = f"parallel_axis.link_{row.link}"
-    return audited(claim, size, bound=bound, link=row.link, beyond=beyond, entry=entry)
+    return {
+        "measured": size[i, j],
+        "bound": bound[i, j],
+        "entry": "xyz"[i] + "xyz"[j],
+        "beyond": count,
+    }
 
 
 def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
@@ -102,9 +113,9 @@ def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
         mass, com, at_com, at_link = _read(x)
         return flip_products(at_link) - tensor_at_origin(mass, com, flip_products(at_com))
 
-    size, bound, _, _ = _worst(opposite, row)
+    worst = _worst(opposite, row)
     effect = 2 * np.abs(si(_inputs(row))[[5, 6, 8]]).max() * fastest**2
-    return audited(f"product_sign.link_{row.link}", size, bound, effect=effect, link=row.link)
+    return audited("product_sign", worst["measured"], worst["bound"], of=row, effect=effect)
 
 
 def _equations(row: InertialRow) -> list[AuditRow]:
@@ -122,11 +133,10 @@ def _equations(row: InertialRow) -> list[AuditRow]:
             return tensor_at_origin(mass, com, at_link) - at_com
         return at_link - at_com - forms[claim](mass, com)
 
-    rows = []
-    for claim in (*forms, "equation_1.any_frame"):
-        size, bound, _, _ = _worst(partial(residual, claim=claim), row)
-        rows.append(audited(claim, size, bound=bound, link=row.link))
-    return rows
+    return [
+        audited(claim, link=row.link, **_worst(partial(residual, claim=claim), row))
+        for claim in (*forms, "equation_1.any_frame")
+    ]
 
 
 def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditRow]:
@@ -134,34 +144,22 @@ def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditR
 
     Moments and products about the axes of {i} do not ask in which frame they are computed.
     """
-    misses = np.zeros(2)
-    for row, dh in zip(rows, p.dh, strict=False):
-        _, _, tensor, _ = _read(si(_inputs(row)))
-        # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
-        turn = rotation_about((1, 0, 0), dh.alpha)
-        for k, rotation in enumerate((turn, turn.T)):
-            carried = rotation @ tensor @ rotation.T
-            misses[k] = max(misses[k], np.abs(turn @ carried @ turn.T - tensor).max())
-    names = ("rotation", "rotation_of_coordinates")
-    return [
-        audited(f"equation_1.{name}", miss, bound=ARITHMETIC, link="1 to 4")
-        for name, miss in zip(names, misses, strict=True)
-    ]
+    tensors = np.array([_read(si(_inputs(row)))[2] for row in rows])
+    # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
+    turn = rotation_about((1, 0, 0), [row.alpha for row in p.dh[:4]])
+    back = np.swapaxes(turn, 1, 2)
+    found = []
+    for name, one, other in (("rotation", turn, back), ("rotation_of_coordinates", back, turn)):
+        miss = np.abs(turn @ (one @ tensors @ other) @ back - tensors).max()
+        found.append(audited(f"equation_1.{name}", miss, bound=ARITHMETIC, link="1 to 4"))
+    return found
 
 
 def _implied_mass(row: InertialRow) -> AuditRow:
-    inputs = _inputs(row)
-    implied = _mass(si(inputs))
-    lever = float(np.linalg.norm(si(row.com)))
-    return audited(
-        f"implied_mass.link_{row.link}",
-        implied,
-        row.mass.si,
-        float(rounding_bound(lambda x: _mass(x) - x[0], inputs)),
-        effect=abs(implied - row.mass.si) * GRAVITY * lever,
-        link=row.link,
-        mass=row.mass,
-    )
+    implied = _mass(si(_inputs(row)))
+    excess, bound = figure(lambda x: _mass(x) - x[0], _inputs(row))
+    effect = abs(excess) * GRAVITY * float(np.linalg.norm(si(row.com)))
+    return audited("implied_mass", implied, row.mass.si, bound, of=row, effect=effect)
 
 
 def _mass(x: FloatArray) -> float:
@@ -179,7 +177,7 @@ def _total_mass(rows: tuple[InertialRow, ...]) -> AuditRow:
         return float(sum(_mass(y) - y[0] for y in x.reshape(len(rows), -1)))
 
     total = sum((row.mass.value for row in rows), start=Decimal(0))
-    bound = float(rounding_bound(difference, inputs))
+    _, bound = figure(difference, inputs)
     return audited("total.mass", implied, float(total), bound, total=total)
 
 
@@ -190,12 +188,12 @@ def _possible(row: InertialRow, name: str) -> AuditRow:
         return float(principal_moments(second_moments(tensor))[0])
 
     value, bound = figure(smallest, _inputs(row))
-    return audited(f"possible_{name}.link_{row.link}", value, bound=bound, link=row.link)
+    return audited(f"possible_{name}", value, bound=bound, of=row)
 
 
 def _com_inside(row: InertialRow, bounds: FloatArray) -> AuditRow:
     value, bound = figure(lambda x: excess_of_box(x, bounds), row.com)
-    return audited(f"com_inside.link_{row.link}", value, bound=bound, link=row.link)
+    return audited("com_inside", value, bound=bound, of=row)
 
 
 def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
@@ -213,27 +211,20 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
 
     value, bound = excess(si(inputs)), rounding_bound(excess, inputs)
     k = int(np.argmax(value - bound))
-    size = float(spread(si(inputs))[k])
-    fits = value[k] <= bound[k]
-    more = "" if fits else "; part of this mass turns inside the neighbour's housing"
-    return audited(
-        f"mass_spread.link_{row.link}",
-        size,
-        size - value[k],
-        bound[k],
-        link=row.link,
-        axis="xyz"[k],
-        more=more,
-    )
+    size = spread(si(inputs))[k]
+    more = "; part of this mass turns inside the neighbour's housing" * bool(value[k] > bound[k])
+    expected, axis = size - value[k], "xyz"[k]
+    return audited("mass_spread", size, expected, bound[k], of=row, axis=axis, more=more)
 
 
 def _jaw_plane(printed: Published) -> list[AuditRow]:
     """In which plane through the wrist axis link 4 has its closed fingers, and how much they weigh."""
     row, jaws = printed.table_2.rows[4], printed.supplementary.jaws
-    offset, volume, density, sdk = (
+    *finger, sdk = (
         jaws[name].quantity
         for name in ("pivot_offset", "finger_volume", "finger_density", "sdk_plane")
     )
+    offset, volume, density = finger
     xx, yy, xy = row.inertia_com[0][0], row.inertia_com[1][1], row.inertia_com[0][1]
 
     def direction(x: FloatArray) -> float:
@@ -246,11 +237,49 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
 
     angle, rounding = figure(direction, [xx, yy, xy])
     spread, digits = figure(lambda x: x[1] - x[0], [xx, yy])
-    finger = [offset, volume, density]
     expected, bound = figure(points, finger)
     words: dict[str, Any] = {"offset": offset, "estimated": f"{1e3 * volume.si * density.si:.3g}"}
     words["implied"] = f"{1e3 * spread / (2 * offset.si**2):.3g}"
     return [
         audited("jaw_plane.direction", angle, sdk.si, rounding + sdk.rounding),
         audited("jaw_plane.spread", spread, expected, bound + digits, **words),
+    ]
+
+
+def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: LinkParameters) -> AuditRow:
+    measured, bound = figure(partial(excess_of_box, bounds=link.bounds), row.cob)
+    words: dict[str, Any] = {"cob": f"({', '.join(c.text for c in row.cob)})", "more": ""}
+    effect = None
+    if moved := float(np.linalg.norm(corrected.cob - si(row.cob))):
+        effect = moved * SEA_WATER * row.volume.si * GRAVITY
+        x, y, z = corrected.cob / MM
+        side = "outside" if excess_of_box(corrected.cob, link.bounds) else "inside"
+        words["more"] = (
+            f"; read in link 1's frame, which holds the same kind of part, and carried to link 3's it "
+            f"is ({x:.1f}, {y:.1f}, {z:.1f}) mm, {side}; the effect is the buoyancy at the distance "
+            "between the two"
+        )
+    return audited("cob_inside", measured, bound=bound, of=row, effect=effect, **words)
+
+
+def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
+    value, bound = figure(lambda x: x[0] / x[1], [inertial.mass, row.volume])
+    heavy = value - bound > ALUMINIUM
+    more = "; some of the mass sits in volume that the table counts elsewhere" * heavy
+    return audited("density", value, ALUMINIUM, bound, of=row, mass=inertial.mass, more=more)
+
+
+def _totals(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
+    masses = [row.mass for row in printed.table_2.rows]
+    volumes = [row.volume for row in printed.table_3.rows]
+
+    def wet_weight(x: FloatArray) -> float:
+        return float((x[:5].sum() - SEA_WATER * x[5:].sum()) * GRAVITY)
+
+    volume, rounding = figure(np.sum, volumes)
+    weight, bound = figure(wet_weight, [*masses, *volumes])
+    boxes = sum(float(np.prod(np.diff(link.bounds))) for link in p.links)
+    return [
+        audited("total.volume", volume, boxes, rounding),
+        audited("total.wet_weight", weight, bound=bound),
     ]
