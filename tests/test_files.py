@@ -18,9 +18,8 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.cli import main
-from alpha5_model.cli.main import COMMANDS as COMMAND_NAMES
-from alpha5_model.cli.main import application
+from alpha5_model.cli import COMMANDS as COMMAND_NAMES
+from alpha5_model.cli import application, main
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.files import atomic_write, atomic_write_all, check_outputs, output_format
 

@@ -141,7 +141,7 @@ def surface() -> list[str]:
 def command_line() -> Iterator[str]:
     import typer.main
 
-    from alpha5_model.cli.main import COMMANDS, application
+    from alpha5_model.cli import COMMANDS, application
 
     app = application(*COMMANDS)
 

@@ -12,7 +12,7 @@ from fk import WEDGE, sample, tip
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.cli.main import main
+from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 
 space = a5.workspace

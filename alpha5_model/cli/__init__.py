@@ -1,5 +1,124 @@
-"""The ``alpha5`` command: one module per subcommand, no physics in here."""
+"""The ``alpha5`` command: one module per subcommand, no physics in here.
 
-from alpha5_model.cli.main import main, run
+This file has what they share: the application, its version, and one line for every error.
+"""
 
-__all__ = ["main", "run"]
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from alpha5_model import __version__
+from alpha5_model.errors import Alpha5Error
+
+#: Modules of this package, each with a function of its name, in the order of ``alpha5 --help``.
+COMMANDS: tuple[str, ...] = (
+    *("demo", "generate", "check", "compare", "torque", "trajectory", "ik", "workspace"),
+    *("dh", "planar", "view"),
+)
+#: Of commands with numbers as arguments, which may be negative: what is no option is an argument.
+_NUMBERS = {"ignore_unknown_options": True}
+_SETTINGS = {"ik": _NUMBERS, "dh": _NUMBERS, "planar": _NUMBERS}
+
+#: Root of the errors that the parser raises (click's own, which typer may carry inside).
+_PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+    ] = False,
+) -> None:
+    """Model of the Reach Alpha 5, generated from the manufacturer's printed tables."""
+
+
+def application(*commands: str) -> typer.Typer:
+    """The application with these commands; without any, all of them in outline, for the help."""
+    app = typer.Typer(
+        name="alpha5",
+        help="The Reach Alpha 5 arm: generate, check, solve, compute, look.",
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode="rich",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_root)
+    for name in commands or COMMANDS:
+        function = _loaded(name) if commands else _outline(name)
+        app.command(name, context_settings=_SETTINGS.get(name))(function)
+    return app
+
+
+def _loaded(name: str) -> Callable[..., Any]:
+    function: Callable[..., Any] = getattr(import_module(f"alpha5_model.cli.{name}"), name)
+    return function
+
+
+def _outline(name: str) -> Callable[[], None]:
+    """A function with a command's help and nothing of what it needs."""
+    module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
+    (command,) = (n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name)
+
+    def outline() -> None: ...
+
+    outline.__doc__ = ast.get_docstring(command)
+    return outline
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        args: Arguments without the program's name; ``sys.argv`` if None.
+
+    Returns:
+        Exit status: 0, 1 if a check failed, 2 if the input cannot be used or the output cannot be
+        written (one line on stderr), 130 if interrupted.
+    """
+    try:
+        words = list(sys.argv[1:] if args is None else args)
+        # One command is loaded, not all of them: each brings what it needs.
+        app = application(*(word for word in words[:1] if word in COMMANDS))
+        status = app(args=words, standalone_mode=False)
+    except (Alpha5Error, OSError, SystemExit) as error:
+        # A reader that left (`alpha5 ... | head`), where the parser exits with 1: no check failed.
+        if isinstance(error.__context__, BrokenPipeError):
+            return 0
+        if isinstance(error, SystemExit):
+            raise
+        return _complain(str(error))
+    except UnicodeEncodeError as error:
+        unknown = error.object[error.start : error.end]
+        remedy = "try PYTHONIOENCODING=utf-8:backslashreplace"
+        return _complain(f"{error.encoding} output cannot hold {unknown!a}: {remedy}")
+    except Exception as error:
+        if isinstance(error, _PARSER_ERROR):
+            message = error.format_message()
+            # Without any argument the help has just been printed: nothing to complain about.
+            return _complain(f"{message} (see --help)") if message else 2
+        raise
+    return status if isinstance(status, int) else 0
+
+
+def run() -> None:
+    """Entry point of the ``alpha5`` program."""
+    sys.exit(main())
+
+
+def _complain(message: str) -> int:
+    # A file name may hold bytes that are not UTF-8, which stderr may refuse.
+    line = " ".join(message.split()).encode(errors="backslashreplace").decode()
+    print(f"alpha5: {line}", file=sys.stderr)
+    return 2

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-import typer
-from rich.console import Console
+from rich.console import RenderableType
 from rich.markup import escape
 from rich.padding import Padding
+from rich.rule import Rule
 from rich.table import Column, Table
+from rich.text import Text
+from typer import Option
 
-from alpha5_model.cli.options import correction_names, print_json, spinner
+from alpha5_model.cli.options import correction_names, show, spinner
 from alpha5_model.consistency.document import audit
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
@@ -24,14 +26,8 @@ from alpha5_model.errors import InputError
 RowT = TypeVar("RowT")
 KeyT = TypeVar("KeyT")
 
-_COLOUR = {
-    "agrees": "green",
-    "differs": "yellow",
-    "impossible": "red",
-    "passed": "green",
-    "failed": "bold red",
-    "not run": "yellow",
-}
+_COLOUR = {"agrees": "green", "differs": "yellow", "impossible": "red"}
+_COLOUR |= {"passed": "green", "failed": "bold red", "not run": "yellow"}
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 _TITLES = {
     "claim": "The documents against themselves",
@@ -41,14 +37,14 @@ _TITLES = {
 
 def check(
     urdf: Annotated[
-        Path | None, typer.Option(help="Check this file and nothing else.", metavar="FILE")
+        Path | None, Option(help="Check this file and nothing else.", metavar="FILE")
     ] = None,
     corrections: Annotated[
         str | None,
-        typer.Option(help="With --urdf: corrections it was made with, with commas; '' for none."),
+        Option(help="With --urdf: corrections it was made with, with commas; '' for none."),
     ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Show every row that agrees, too.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for scripts.")] = False,
+    every: Annotated[bool, Option("--all", help="Show every row that agrees, too.")] = False,
+    as_json: Annotated[bool, Option("--json", help="Print JSON for scripts.")] = False,
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
@@ -66,58 +62,55 @@ def check(
         else:
             files = verify_urdf(urdf, correction_names(corrections))
     failed = any(row.verdict == "failed" for row in files)
-    if as_json:
-        claims, checks = ([asdict(row) for row in rows] for rows in (document, files))
-        print_json({"document": claims, "files": checks, "passed": not failed})
-    else:
-        console = Console(highlight=False)
-        for kind, title in _TITLES.items():
-            if of_kind := [row for row in document if row.kind == kind]:
-                _print_document(console, title, of_kind, every)
-        _print_files(console, files)
-        console.print(_summary(document, files))
+    claims, checks = ([asdict(row) for row in rows] for rows in (document, files))
+    record = {"document": claims, "files": checks, "passed": not failed}
+    show(as_json, record, _text(document, files, every))
     return 1 if failed else 0
 
 
-def _print_document(console: Console, title: str, rows: Sequence[AuditRow], every: bool) -> None:
-    console.rule(f"[bold]{title}", align="left", style="dim")
-    console.print(_grid([("verdict", "of", "measured", "must be", "effect")], style="dim"))
-    for topic, of_topic in _grouped(rows, lambda row: row.topic):
-        # what the places begin with in common, comma by comma
-        parts = zip(*(row.place.split(", ") for row in of_topic), strict=False)
-        place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
-        console.print(f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{escape(place)}[/]")
-        quiet = [row for row in of_topic if row.verdict == "agrees" and not every]
-        loud = [row for row in of_topic if row not in quiet]
-        lines = [
-            (_coloured(figures[0]), _subjects(same), *figures[1:])
-            for figures, same in _grouped(loud, _figures)
-        ]
-        if lines:
-            console.print(_grid(lines))
-        if quiet:
-            console.print(f"  {_coloured('agrees')}     {_subjects(quiet)}")
-        for finding, same in _grouped(loud, lambda row: row.finding):
-            subject = f"{_subjects(same)}: " if len(loud) > len(same) else ""
-            subject += "" if place else f"{same[0].place}: "
-            says = "; ".join(dict.fromkeys(row.says for row in same))
-            note = (
-                f"[dim]{escape(subject)}[/][italic]{escape(says)}[/][dim] - {escape(finding)}.[/]"
-            )
-            console.print(Padding(note, (0, 0, 0, 4)))
-    console.print()
-
-
-def _print_files(console: Console, rows: Sequence[FileCheck]) -> None:
-    console.rule("[bold]The files against the documents", align="left", style="dim")
-    for file, of_file in _grouped(rows, lambda row: row.file):
-        console.print(f"\n[bold]{escape(file)}[/]")
+def _text(
+    document: Sequence[AuditRow], files: Sequence[FileCheck], every: bool
+) -> Iterator[RenderableType]:
+    for kind, rows in _grouped(document, lambda row: row.kind):
+        yield from _document(_TITLES[kind], rows, every)
+    yield Rule("[bold]The files against the documents", align="left", style="dim")
+    for file, of_file in _grouped(files, lambda row: row.file):
+        yield Text.from_markup(f"\n[bold]{escape(file)}[/]")
         table = Table.grid(*(Column(width=width) for width in (9, 17, 7, None)), padding=(0, 2))
         for row in of_file:
             deviation = "" if row.measured is None else f"{row.measured:.1e}"
             table.add_row(_coloured(row.verdict), row.check, deviation, escape(row.finding))
-        console.print(Padding(table, (0, 0, 0, 2)))
-    console.print()
+        yield Padding(table, (0, 0, 0, 2))
+    yield ""
+    yield Text(_summary(document, files))
+
+
+def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Iterator[RenderableType]:
+    yield Rule(f"[bold]{title}", align="left", style="dim")
+    yield _grid([("verdict", "of", "measured", "must be", "effect")], style="dim")
+    for topic, of_topic in _grouped(rows, lambda row: row.topic):
+        # what the places begin with in common, comma by comma
+        parts = zip(*(row.place.split(", ") for row in of_topic), strict=False)
+        place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
+        head = f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{escape(place)}[/]"
+        yield Text.from_markup(head)
+        quiet = [row for row in of_topic if row.verdict == "agrees" and not every]
+        loud = [row for row in of_topic if row not in quiet]
+        lines = [
+            (_coloured(verdict), _subjects(same), *figures)
+            for (verdict, *figures), same in _grouped(loud, _figures)
+        ]
+        if lines:
+            yield _grid(lines)
+        if quiet:
+            yield Text.from_markup(f"  {_coloured('agrees')}     {_subjects(quiet)}")
+        for finding, same in _grouped(loud, lambda row: row.finding):
+            subject = f"{_subjects(same)}: " if len(loud) > len(same) else ""
+            subject += "" if place else f"{same[0].place}: "
+            says = "; ".join(dict.fromkeys(row.says for row in same))
+            note = Text.assemble((subject, "dim"), (says, "italic"), (f" - {finding}.", "dim"))
+            yield Padding(note, (0, 0, 0, 4))
+    yield ""
 
 
 def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
@@ -164,11 +157,11 @@ def _coloured(verdict: str) -> str:
 
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
     parts = []
-    words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
     for kind, name in (("claim", "documents"), ("observation", "observations")):
         if counts := Counter(str(row.verdict) for row in document if row.kind == kind):
-            found = (f"{counts[key]} {word}" for word, key in words if counts[key])
-            parts.append(f"{name} " + ", ".join(found))
+            words = (word for word in ("agrees", "differs", "impossible") if counts[word])
+            found = (f"{counts[word]} {word.removesuffix('s')}" for word in words)
+            parts.append(f"{name} {', '.join(found)}")
     verdicts = Counter({"passed": 0, "failed": 0})
     verdicts.update(row.verdict for row in files)
     parts.append("files " + ", ".join(f"{count} {word}" for word, count in verdicts.items()))

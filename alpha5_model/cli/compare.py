@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
 from rich import box
-from rich.console import Console
+from rich.console import RenderableType
 from rich.table import Column, Table
 from rich.text import Text
+from typer import Argument, Option
 
-from alpha5_model.cli.options import print_json, print_written, spinner, words_beside
+from alpha5_model.cli.options import show, spinner
 from alpha5_model.comparison.records import Comparison
 from alpha5_model.comparison.report import compare as run
 from alpha5_model.errors import InputError
@@ -21,24 +22,20 @@ from alpha5_model.view.figures import FORMATS, plot_comparison
 
 
 def compare(
-    other: Annotated[Path, typer.Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
+    other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
     joints: Annotated[
-        str, typer.Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
+        str, Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
     ] = "",
     base: Annotated[
-        str | None, typer.Option(help="First link of the arm, if a vehicle carries it.")
+        str | None, Option(help="First link of the arm, if a vehicle carries it.")
     ] = None,
     package: Annotated[
-        list[str] | None, typer.Option(help="Folder of a package of a xacro file: NAME=FOLDER.")
+        list[str] | None, Option(help="Folder of a package of a xacro file: NAME=FOLDER.")
     ] = None,
-    arg: Annotated[
-        list[str] | None, typer.Option(help="Argument of a xacro file: NAME:=VALUE.")
-    ] = None,
-    samples: Annotated[int, typer.Option(help="Random configurations.", min=1, max=100_000)] = 500,
-    as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
-    plot: Annotated[
-        Path | None, typer.Option(help="Picture of the errors: .png, .pdf or .svg.")
-    ] = None,
+    arg: Annotated[list[str] | None, Option(help="Argument of a xacro file: NAME:=VALUE.")] = None,
+    samples: Annotated[int, Option(help="Random configurations.", min=1, max=100_000)] = 500,
+    as_json: Annotated[bool, Option("--json", help="Everything as JSON.")] = False,
+    plot: Annotated[Path | None, Option(help="Picture of the errors: .png, .pdf or .svg.")] = None,
 ) -> int:
     """Hold another URDF of this arm against the tables.
 
@@ -60,12 +57,7 @@ def compare(
         plot = None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)
-    with words_beside(plot):
-        if as_json:
-            print_json(comparison.as_dict())
-        else:
-            _print(comparison)
-            print_written(plot)
+    show(as_json, comparison.as_dict(), _text(comparison), plot)
     return 0 if comparison.agrees else 1
 
 
@@ -80,13 +72,11 @@ def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
     return pairs
 
 
-def _print(comparison: Comparison) -> None:
-    console = Console(highlight=False)
-    if not comparison.joints:
-        console.print(Text(f"{comparison.name}: {comparison.verdict}"))
-        return
+def _text(comparison: Comparison) -> Iterator[RenderableType]:
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
-    console.print(Text(f"{comparison.name}: {joints}"))
+    yield Text(f"{comparison.name}: {joints or comparison.verdict}")
+    if not joints:
+        return
     # Text, not markup: rich would take the units' brackets for a style.
     heads = ["mass\n[g]", *(f"COM {axis}\n[mm]" for axis in "xyz")]
     heads += (f"moment {n}\n[kg mm²]" for n in "123")
@@ -95,17 +85,13 @@ def _print(comparison: Comparison) -> None:
     table = Table(*names, *figures, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for body in comparison.bodies:
         both = body.as_dict()
-        sides = [_row(both), _row(both["ours"])]
-        sides.append([a - b for a, b in zip(*sides, strict=True)])
-        for label, side in zip(("theirs", "ours", "diff"), sides, strict=True):
-            sign = "+" if label == "diff" else ""
-            cells = (
-                "-" if math.isnan(x) else f"{x:{sign}.{2 if abs(x) < 1e4 else 0}f}" for x in side
-            )
-            table.add_row(body.name if label == "theirs" else "", label, *cells)
+        theirs, ours = _row(both), _row(both["ours"])
+        table.add_row(body.name, "theirs", *map(_cell, theirs))
+        table.add_row("", "ours", *map(_cell, ours))
+        table.add_row("", "diff", *(_cell(a - b, "+") for a, b in zip(theirs, ours, strict=True)))
         table.add_section()
-    console.print(table)
-    console.print(
+    yield table
+    yield Text(
         f"Largest differences: tip {comparison.tip_error * 1e3:.3f} mm, gravity torque in air "
         f"{comparison.gravity_error.max():.4g} N m, mass matrix {comparison.mass_matrix_error:.3g} "
         "kg m²."
@@ -114,12 +100,11 @@ def _print(comparison: Comparison) -> None:
     for finding in comparison.findings:
         mark = Text("✗", "red") if finding.serious else Text("·", "yellow")
         costs = f" [{finding.cost:.3g} N m]" if finding.cost > 0 else ""
-        text = Text.assemble((finding.where, "bold"), f": {finding.text}{costs}")
-        listed.add_row(mark, text)
+        listed.add_row(mark, Text.assemble((finding.where, "bold"), f": {finding.text}{costs}"))
         if finding.instead:
             listed.add_row("", Text(f"write {finding.instead}", "dim"))
-    console.print(listed)
-    console.print(Text(comparison.verdict, "green" if comparison.agrees else "red"))
+    yield listed
+    yield Text(comparison.verdict, "green" if comparison.agrees else "red")
 
 
 def _row(side: dict[str, Any]) -> list[float]:
@@ -127,3 +112,7 @@ def _row(side: dict[str, Any]) -> list[float]:
     com = side["com_m"] or [math.nan] * 3
     moments = side["principal_moments_kgm2"]
     return [side["mass_kg"] * 1e3, *(x * 1e3 for x in com), *(x * 1e6 for x in moments)]
+
+
+def _cell(x: float, sign: str = "") -> str:
+    return "-" if math.isnan(x) else f"{x:{sign}.{2 if abs(x) < 1e4 else 0}f}"

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import typer
+from typer import Option, echo
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.document import audit
@@ -29,9 +29,7 @@ from alpha5_model.view.scene import framed
 TARGET = (0.06, 0.05, 0.36)
 
 
-def demo(
-    output: Annotated[Path, typer.Option(help="Folder to write into.")] = Path("demo"),
-) -> int:
+def demo(output: Annotated[Path, Option(help="Folder to write into.")] = Path("demo")) -> int:
     """Generate the arm, check it, solve it, compute with water, and draw it.
 
     Example: alpha5 demo --output /tmp/alpha5
@@ -43,13 +41,13 @@ def demo(
     solution = _solve()
     _compute(solution)
     made = _show(output, solution)
-    typer.echo(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
-    typer.echo(f"Open {output / made[0]} in a browser: sliders move the arm, play runs a motion.")
+    echo(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
+    echo(f"Open {output / made[0]} in a browser: sliders move the arm, play runs a motion.")
     return 0 if passed else 1
 
 
 def _describe(output: Path) -> bool:
-    typer.echo("1. Description: the document's tables become URDF")
+    echo("1. Description: the document's tables become URDF")
     for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
         atomic_write(output / "meshes" / name, content)
     passed = True
@@ -61,13 +59,13 @@ def _describe(output: Path) -> bool:
         count = Counter(row.verdict for row in rows)
         skipped = f", {count['not run']} not run" if count["not run"] else ""
         bad = f", {len(failed)} FAILED" if failed else ""
-        typer.echo(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
+        echo(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
         for row in failed:
-            typer.echo(f"     {row.check}: {row.finding}")
+            echo(f"     {row.check}: {row.finding}")
         for row in rows:
             if row.measured is not None:
                 off = f"{row.measured:.1e} {row.unit}".rstrip()
-                typer.echo(f"     {row.check}: off by {off} at most")
+                echo(f"     {row.check}: off by {off} at most")
         passed = passed and not failed
     return passed
 
@@ -76,46 +74,46 @@ def _audit() -> None:
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
     agree = len(rows) - len(beyond)
-    typer.echo("2. The document against itself")
-    typer.echo(f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not:")
+    echo("2. The document against itself")
+    echo(f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not:")
     for topic in dict.fromkeys(row.topic for row in beyond):
         found = [row for row in beyond if row.topic == topic]
         row = found[0]
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
         figures = f"{row.measured:.3g} {row.unit}".strip()
-        typer.echo(f"     {row.place}{more}: {figures}, expected {row.relation} {row.expected:.3g}")
+        echo(f"     {row.place}{more}: {figures}, expected {row.relation} {row.expected:.3g}")
 
 
 def _solve() -> FloatArray:
     arm = load()
     solutions = inverse_kinematics(TARGET)
     x, y, z = (1e3 * c for c in TARGET)
-    typer.echo(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
+    echo(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
     for i, branch in enumerate(BRANCHES):
         if not solutions.exists[i]:
-            typer.echo(f"   {branch:17} does not reach it")
+            echo(f"   {branch:17} does not reach it")
             continue
         q = solutions.q[i]
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
         angles = "  ".join(f"{angle:8.4f}" for angle in q)
         limits = "within limits" if solutions.within_limits[i] else "beyond limits"
-        typer.echo(f"   {branch:17}{angles} rad   {limits}, back to {error:.0e} m")
+        echo(f"   {branch:17}{angles} rad   {limits}, back to {error:.0e} m")
     return solutions.best(named_pose("home"))
 
 
 def _compute(q: FloatArray) -> None:
     water, air = load(), load(fluid_density=0.0)
     fluid = f"sea water ({water.fluid_density:g} kg/m^3)"
-    typer.echo(f"4. Torque [N m] that holds the arm there, {fluid}")
-    typer.echo("   joint      weight   buoyancy   in water     in air")
+    echo(f"4. Torque [N m] that holds the arm there, {fluid}")
+    echo("   joint      weight   buoyancy   in water     in air")
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
     for name, *row in zip(water.joint_names, *columns, strict=True):
-        typer.echo(f"   {name}" + "".join(f"{x:z11.4f}" for x in row))
+        echo(f"   {name}" + "".join(f"{x:z11.4f}" for x in row))
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:
-    typer.echo("5. Pictures")
+    echo("5. Pictures")
     arm = load(gripper="jaws")
     poses = named_poses(arm)
     joint = arm.joint_names.index("axis_a")
@@ -129,5 +127,5 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     page = atomic_write(output / "alpha5.html", static_page(scene))
     image = atomic_write(output / "alpha5.png", picture_png(framed(scene, size), size))
     for path in (page, image):
-        typer.echo(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        echo(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return [page.name, image.name]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Option
 
-from alpha5_model.cli.options import numbers, print_json
+from alpha5_model.cli.options import numbers, show
 from alpha5_model.dh import DHChain, DHLink
 from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.errors import InputError, ShapeError
@@ -19,19 +20,14 @@ _LINK = "'THETA D A ALPHA SIGMA'"
 def dh(
     q: Annotated[
         list[float] | None,
-        typer.Argument(
-            help="Joint position (rad or m); the drawn one if left out.", metavar="[Q]..."
-        ),
+        Argument(help="Joint position (rad or m); the drawn one if left out.", metavar="[Q]..."),
     ] = None,
     link: Annotated[
-        list[str] | None,
-        typer.Option("--link", help=f"{_LINK} of another arm, once per link."),
+        list[str] | None, Option("--link", help=f"{_LINK} of another arm, once per link.")
     ] = None,
-    urdf: Annotated[
-        Path | None, typer.Option(help="Assign the frames to the arm of this URDF.")
-    ] = None,
-    frame: Annotated[str | None, typer.Option(help="End effector in the URDF.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    urdf: Annotated[Path | None, Option(help="Assign the frames to the arm of this URDF.")] = None,
+    frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
+    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Standard Denavit-Hartenberg table and frames: of the Alpha 5, or of any serial arm.
 
@@ -44,35 +40,21 @@ def dh(
     position = q or chain.home
     frames = chain.frames(position)
     kind, task = classify(chain), task_capability(chain)
-    names = [f"{{{j}}}" for j in range(chain.n + 1)] + ["tool"]
-    if as_json:
-        result: dict[str, Any] = {
-            "name": chain.name,
-            "links": [  # JSON has no infinity: no limit is null
-                {
-                    "joint": name,
-                    **{k: v if math.isfinite(v) else None for k, v in vars(row).items()},
-                }
-                for name, row in zip(chain.joint_names, chain.links, strict=True)
-            ],
-            "base": chain.base.tolist(),
-            "tool": chain.tool.tolist(),
-            "type": vars(kind),
-            "tasks": vars(task),
-            "q": list(map(float, position)),
-            "frames": {name: f.tolist() for name, f in zip(names, frames, strict=True)},
-        }
-        print_json(result)
-        return
-    typer.echo("\n".join(_table(chain)))
-    typer.echo(f"\n{kind.joints}, type {kind.kind}: {kind.reason}")
-    typer.echo(f"general tasks: {_yes(task.general)}, {task.general_reason}")
-    typer.echo(f"vertical insertion: {_yes(task.vertical_insertion)}, {task.insertion_reason}")
-    typer.echo(f"\nframes at q = ({', '.join(f'{x:.6g}' for x in position)})")
-    for name, matrix in zip(names, frames, strict=True):
-        for i, row in enumerate(matrix[:3]):
-            cells = " ".join(f"{x:z10.6f}" for x in row)
-            typer.echo(f"{name if i == 0 else '':5s} {cells}")
+    names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
+    record: dict[str, Any] = {
+        "name": chain.name,
+        "links": [  # JSON has no infinity: no limit is null
+            {"joint": name, **{k: v if math.isfinite(v) else None for k, v in vars(row).items()}}
+            for name, row in zip(chain.joint_names, chain.links, strict=True)
+        ],
+        "base": chain.base.tolist(),
+        "tool": chain.tool.tolist(),
+        "type": vars(kind),
+        "tasks": vars(task),
+        "q": [*map(float, position)],
+        "frames": {name: f.tolist() for name, f in zip(names, frames, strict=True)},
+    }
+    show(as_json, record, _text(chain, record))
 
 
 def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
@@ -87,17 +69,21 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
     return DHChain.alpha5()
 
 
-def _table(chain: DHChain) -> list[str]:
+def _text(chain: DHChain, record: dict[str, Any]) -> Iterator[str]:
     width = max(len("joint"), *map(len, chain.joint_names))
     heads = ("theta", "d", "a", "alpha", "sigma", "lower", "upper")
-    lines = [f"{'joint':{width}s} " + " ".join(f"{h:>11s}" for h in heads)]
+    yield " ".join([f"{'joint':{width}s}", *(f"{head:>11s}" for head in heads)])
     for name, row in zip(chain.joint_names, chain.links, strict=True):
         cells = [*(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)), str(row.sigma)]
         cells[0 if row.revolute else 1] = f"q{row.offset:+.6f}" if row.offset else "q"
         cells += f"{row.lower:.5g}", f"{row.upper:.5g}"
-        lines.append(f"{name:{width}s} " + " ".join(f"{x:>11s}" for x in cells))
-    return lines
-
-
-def _yes(answer: bool) -> str:
-    return "yes" if answer else "no"
+        yield " ".join([f"{name:{width}s}", *(f"{cell:>11s}" for cell in cells)])
+    kind, task, answer = record["type"], record["tasks"], {True: "yes", False: "no"}
+    yield f"\n{kind['joints']}, type {kind['kind']}: {kind['reason']}"
+    yield f"general tasks: {answer[task['general']]}, {task['general_reason']}"
+    insertion = task["vertical_insertion"]
+    yield f"vertical insertion: {answer[insertion]}, {task['insertion_reason']}"
+    yield f"\nframes at q = ({', '.join(f'{x:.6g}' for x in record['q'])})"
+    for name, matrix in record["frames"].items():
+        for i, row in enumerate(matrix[:3]):
+            yield " ".join([f"{'' if i else name:5s}", *(f"{x:z10.6f}" for x in row)])

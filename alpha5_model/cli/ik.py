@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
-import typer
 from rich import box
-from rich.console import Console
+from rich.console import RenderableType
 from rich.table import Column, Table
+from rich.text import Text
+from typer import Argument, Option
 
-from alpha5_model.cli.options import print_json
+from alpha5_model.cli.options import show
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 
 
 def ik(
-    x: Annotated[float, typer.Argument(help="tcp in base_link (m).")],
-    y: Annotated[float, typer.Argument(help="(m)")],
-    z: Annotated[float, typer.Argument(help="(m)")],
-    wrist: Annotated[float, typer.Option(help="Wrist angle theta_3 (rad).")] = 0.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
+    x: Annotated[float, Argument(help="tcp in base_link (m).")],
+    y: Annotated[float, Argument(help="(m)")],
+    z: Annotated[float, Argument(help="(m)")],
+    wrist: Annotated[float, Option(help="Wrist angle theta_3 (rad).")] = 0.0,
+    as_json: Annotated[bool, Option("--json", help="Everything as JSON.")] = False,
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
 
@@ -29,15 +31,8 @@ def ik(
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 1.57
     """
     solutions = inverse_kinematics([x, y, z], wrist)
-    best = solutions.best(arm_plane().middle)
-    if as_json:
-        print_json(_as_dict(solutions, best.tolist()))
-    else:
-        _print(solutions, best.tolist())
-
-
-def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
-    return {
+    best = solutions.best(arm_plane().middle).tolist()
+    record = {
         "position": solutions.position.tolist(),
         "singular": bool(solutions.singular),
         "best": best,
@@ -51,29 +46,21 @@ def _as_dict(solutions: Solutions, best: list[float]) -> dict[str, object]:
             for i, name in enumerate(BRANCHES)
         ],
     }
+    show(as_json, record, _text(solutions, best))
 
 
-def _print(solutions: Solutions, best: list[float]) -> None:
+def _text(solutions: Solutions, best: list[float]) -> Iterator[RenderableType]:
     heads = (Column(joint.name, justify="right") for joint in parameters().joints[:4])
-    table = Table(
-        Column("branch", no_wrap=True),
-        *heads,
-        "in limits",
-        box=box.SIMPLE_HEAD,
-        title="joint positions (rad)",
-        title_justify="left",
-    )
+    table = Table(Column("branch", no_wrap=True), *heads, "in limits", box=box.SIMPLE_HEAD)
+    table.title, table.title_justify = "joint positions (rad)", "left"
     for i, name in enumerate(BRANCHES):
         if solutions.exists[i]:
             angles = (f"{angle:.6f}" for angle in solutions.q[i])
             table.add_row(name, *angles, "yes" if solutions.within_limits[i] else "no")
         else:
             table.add_row(name, *["-"] * 4, "out of reach")
-    console = Console()
-    console.print(table)
+    yield table
     nearest = " ".join(f"{angle:.9g}" for angle in best)
-    console.print(
-        f"nearest to the middle of the ranges: {nearest}", highlight=False, soft_wrap=True
-    )
+    yield f"nearest to the middle of the ranges: {nearest}"
     if solutions.singular:
-        console.print("The target is singular: on the yaw axis, or the arm is stretched or folded.")
+        yield Text("The target is singular: on the yaw axis, or the arm is stretched or folded.")

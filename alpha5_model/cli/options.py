@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout, suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Option, echo
 
 from alpha5_model.checks import real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
@@ -16,13 +17,18 @@ from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
 from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
 
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from alpha5_model.dynamics.arm import Arm
+
 # Units stand in round brackets: the terminal takes [m] for a style.
 FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
-Fluid = Annotated[str, typer.Option(help=FLUID_HELP)]
-Gravity = Annotated[str, typer.Option(help="In base_link, three numbers (m/s^2); tilts the mount.")]
+Fluid = Annotated[str, Option(help=FLUID_HELP)]
+Gravity = Annotated[str, Option(help="In base_link, three numbers (m/s^2); tilts the mount.")]
 Constants = Annotated[
     str,
-    typer.Option(
+    Option(
         help="Table 4's K_t and K_v of one motor should agree and do not (`alpha5 trajectory` shows their "
         "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
         "both; voltage: K_v for both."
@@ -89,19 +95,44 @@ def numbers(name: str, text: str, expected: str, count: int | None = None) -> li
     raise InputError(name, text, expected)
 
 
-def print_json(content: Any) -> None:
-    """A result for scripts."""
-    typer.echo(json.dumps(content, indent=2, allow_nan=False))
+def arm_in(fluid: str, gravity: str = "0 0 -9.81", gripper: str = "locked") -> Arm:
+    """The arm in a fluid, under a gravity and with a gripper as they stand on the command line."""
+    from alpha5_model.dynamics.loading import load
+
+    return load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
+
+
+def show(as_json: bool, record: Any, text: Iterable[RenderableType], *written: Path | None) -> None:
+    """Print a result for scripts or for people.
+
+    Args:
+        as_json: Print the record, and nothing else.
+        record: The result in types that JSON has.
+        text: The same to read: strings, printed as they are, and what Rich fits to the terminal.
+        written: Files of this result, each named in a line of its own; None is skipped.
+    """
+    with messages_beside(*written):
+        if as_json:
+            echo(json.dumps(record, indent=2, allow_nan=False))
+            return
+        for part in text:
+            if isinstance(part, str):
+                echo(part)
+            else:
+                from rich.console import Console
+
+                Console(highlight=False).print(part)
+        print_written(*written)
 
 
 def print_written(*written: Path | None) -> None:
     """One line for each file that was asked for."""
     for path in written:
         if path is not None:
-            typer.echo(f"wrote {path}")
+            echo(f"wrote {path}")
 
 
-def words_beside(*written: Path | None) -> AbstractContextManager[object]:
+def messages_beside(*written: Path | None) -> AbstractContextManager[object]:
     """Where a file goes to standard output, what is said goes to standard error."""
     taken = any(path is not None and is_stdout(path) for path in written)
     return redirect_stdout(sys.stderr) if taken else nullcontext()

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
-import typer
 from rich.console import Console
 from rich.progress import Progress
+from typer import Argument, Option
 
 from alpha5_model import trajectory as library
-from alpha5_model.actuators import Actuator, actuator
+from alpha5_model.actuators import actuator
 from alpha5_model.checks import choice
-from alpha5_model.cli.options import (
-    Constants,
-    Fluid,
-    Gravity,
-    fluid_density,
-    gravity_vector,
-    print_json,
-    print_written,
-    words_beside,
-)
-from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.loading import load
+from alpha5_model.cli.options import Constants, Fluid, Gravity, arm_in, show
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
@@ -39,7 +28,7 @@ _PROGRESS_SAMPLES = 50_000
 def trajectory(
     file: Annotated[
         Path,
-        typer.Argument(
+        Argument(
             help="CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
             "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel and so on "
             "if recorded."
@@ -47,39 +36,33 @@ def trajectory(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
+        Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Page of curves, .png, .pdf or .svg.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Summary as JSON.")] = False,
+    plot: Annotated[Path | None, Option(help="Page of curves, .png, .pdf or .svg.")] = None,
+    as_json: Annotated[bool, Option("--json", help="Summary as JSON.")] = False,
     fluid: Fluid = "sea",
     gravity: Gravity = "0 0 -9.81",
     gripper: Annotated[
         str,
-        typer.Option(
+        Option(
             help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
             "locked leaves axis_a out; jaws needs it."
         ),
     ] = "auto",
     smoothing: Annotated[
-        str, typer.Option(help="spline, savgol, or interpolate for planned motions without noise.")
+        str, Option(help="spline, savgol, or interpolate for planned motions without noise.")
     ] = "spline",
-    bandwidth: Annotated[float, typer.Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
+    bandwidth: Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
     velocities: Annotated[
-        str,
-        typer.Option(
-            help="file, positions (their slope), or auto: those of the file if it has any."
-        ),
+        str, Option(help="file, positions (their slope), or auto: those of the file if it has any.")
     ] = "auto",
     constants: Constants = "printed",
-    supply_voltage: Annotated[
-        float | None, typer.Option(help="For margins (V); not published.")
-    ] = None,
+    supply_voltage: Annotated[float | None, Option(help="For margins (V); not published.")] = None,
     current_limit: Annotated[
-        float | None, typer.Option(help="Of each motor, for margins (A); not published.")
+        float | None, Option(help="Of each motor, for margins (A); not published.")
     ] = None,
     screw_lead: Annotated[
-        float | None,
-        typer.Option(help="Of the jaw rod, for its current (m per turn); not published."),
+        float | None, Option(help="Of the jaw rod, for its current (m per turn); not published.")
     ] = None,
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
@@ -90,12 +73,18 @@ def trajectory(
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
-    with _Progress() as progress:
+    with _Bar() as progress:
         motion = library.read_motion(file, progress)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
         if gripper == "auto":
             gripper = "jaws" if "axis_a" in motion.joints else "locked"
-        arm = load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
+        arm = arm_in(fluid, gravity, gripper)
+        motors = {}
+        if screw_lead is not None:
+            motors["axis_a"] = actuator("axis_a", constants, screw_lead=screw_lead)
+            if gripper != "jaws":
+                expected = "no value: the jaw rod is not part of the motion"
+                raise InputError("screw-lead", screw_lead, expected)
         analysis = library.analyse(
             motion,
             arm,
@@ -103,7 +92,7 @@ def trajectory(
             bandwidth=bandwidth,
             use_velocity=use_velocity,
             constants=constants,
-            actuators=_jaw_motor(arm, constants, screw_lead),
+            actuators=motors,
             supply_voltage=supply_voltage,
             current_limit=current_limit,
             progress=progress,
@@ -113,44 +102,25 @@ def trajectory(
             library.write(analysis, output, progress)
         if plot is not None:
             figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
-    with words_beside(output, plot):
-        if as_json:
-            print_json(summary)
-        else:
-            typer.echo(library.text(summary))
-            print_written(output, plot)
+    show(as_json, summary, [library.text(summary)], output, plot)
 
 
-def _jaw_motor(arm: Arm, constants: str, screw_lead: float | None) -> dict[str, Actuator]:
-    if screw_lead is None:
-        return {}
-    motor = actuator("axis_a", constants, screw_lead=screw_lead)
-    if "axis_a" not in arm.joint_names:
-        expected = "no value: the jaw rod is not part of the motion"
-        raise InputError("screw-lead", screw_lead, expected)
-    return {"axis_a": motor}
-
-
-class _Progress:
-    """A bar on stderr for long files, on a terminal only."""
+class _Bar(Progress):
+    """Of long files, on stderr if that is a terminal."""
 
     def __init__(self) -> None:
         console = Console(stderr=True)
+        super().__init__(console=console, transient=True, disable=not console.is_terminal)
         self.long = False
-        self._bar = Progress(console=console, transient=True, disable=not console.is_terminal)
-        self._tasks: dict[str, object] = {}
 
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
+    def __enter__(self) -> Self:
+        return self  # it starts at the first report of a long file
 
     def __call__(self, stage: str, done: float) -> None:
         # Reading reports after each block: more than one block is a long file.
         if not self.long and (stage != "read" or done >= 1.0):
             return
-        if stage not in self._tasks:
-            self._bar.start()
-            self._tasks[stage] = self._bar.add_task(stage, total=1.0)
-        self._bar.update(self._tasks[stage], completed=done)  # type: ignore[arg-type]
+        if not self.tasks or self.tasks[-1].description != stage:
+            self.start()
+            self.add_task(stage, total=1.0)
+        self.update(self.tasks[-1].id, completed=done)

@@ -9,17 +9,9 @@ import threading
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Option, echo
 
-from alpha5_model.cli.options import (
-    Fluid,
-    fluid_density,
-    names,
-    print_written,
-    triple,
-    words_beside,
-)
-from alpha5_model.dynamics.loading import load
+from alpha5_model.cli.options import Fluid, arm_in, messages_beside, names, print_written, triple
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
@@ -32,33 +24,29 @@ from alpha5_model.view.scene import check_size, framed
 
 def view(
     pose: Annotated[
-        str, typer.Option(help="stow, home, reach, or joint positions with commas (rad).")
+        str, Option(help="stow, home, reach, or joint positions with commas (rad).")
     ] = "home",
     target: Annotated[
-        str | None, typer.Option(help="x,y,z (m): show every solution of its inverse kinematics.")
+        str | None, Option(help="x,y,z (m): show every solution of its inverse kinematics.")
     ] = None,
-    motion: Annotated[
-        Path | None, typer.Option(help="Recording (CSV) to play in real time.")
-    ] = None,
+    motion: Annotated[Path | None, Option(help="Recording (CSV) to play in real time.")] = None,
     show: Annotated[
         str | None,
-        typer.Option(
+        Option(
             help="Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
             "buoyancy, workspace, surface, ghosts, collision."
         ),
     ] = None,
-    gripper: Annotated[str, typer.Option(help="locked or jaws.")] = "jaws",
+    gripper: Annotated[str, Option(help="locked or jaws.")] = "jaws",
     fluid: Fluid = "sea",
     html: Annotated[
-        Path | None, typer.Option(help="Write one page that works from disk, and end.")
+        Path | None, Option(help="Write one page that works from disk, and end.")
     ] = None,
-    image: Annotated[
-        Path | None, typer.Option(help="Draw a PNG without a screen, and end.")
-    ] = None,
-    size: Annotated[str, typer.Option(help="Pixels of the PNG.")] = "1600x1000",
-    port: Annotated[int, typer.Option(help="Of the live viewer; 0 for a free one.")] = 0,
+    image: Annotated[Path | None, Option(help="Draw a PNG without a screen, and end.")] = None,
+    size: Annotated[str, Option(help="Pixels of the PNG.")] = "1600x1000",
+    port: Annotated[int, Option(help="Of the live viewer; 0 for a free one.")] = 0,
     serve: Annotated[
-        bool, typer.Option("--serve", help="Serve the live viewer without opening a browser.")
+        bool, Option("--serve", help="Serve the live viewer without opening a browser.")
     ] = False,
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
@@ -68,7 +56,7 @@ def view(
     pixels = _size(size)
     check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
 
-    arm = load(gripper=gripper, fluid_density=fluid_density(fluid))
+    arm = arm_in(fluid, gripper=gripper)
     scene = build_scene(
         arm,
         pose_of(arm, pose),
@@ -77,9 +65,8 @@ def view(
         show=None if show is None else names(show),
     )
     if html is None and image is None and not serve and not _has_display():
-        raise NoDisplayError(
-            "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
-        )
+        remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
+        raise NoDisplayError(remedy)
     files: dict[Path, str | bytes] = {}
     if html is not None:
         files[html] = static_page(scene)
@@ -87,13 +74,13 @@ def view(
         files[image] = picture_png(framed(scene, pixels), pixels)
     if files:
         atomic_write_all(files)
-        with words_beside(*files):
+        with messages_beside(*files):
             print_written(*files)
         return
     from alpha5_model.view.visualizer import ArmVisualizer
 
     visualizer = ArmVisualizer(arm, scene, port)
-    typer.echo(f"{visualizer.url()} (Ctrl-C ends)")
+    echo(f"{visualizer.url()} (Ctrl-C ends)")
     if not serve:
         visualizer.open()
     _wait()
@@ -101,9 +88,8 @@ def view(
 
 
 def _has_display() -> bool:
-    if sys.platform in ("darwin", "win32"):
-        return True
-    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    shown = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return shown or sys.platform in ("darwin", "win32")
 
 
 def _wait() -> None:

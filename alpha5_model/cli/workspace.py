@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich import box
-from rich.console import Console
+from rich.console import RenderableType
 from rich.table import Column, Table
+from rich.text import Text
+from typer import Option
 
-from alpha5_model.cli.options import print_json, print_written, spinner, words_beside
+from alpha5_model.cli.options import show, spinner
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
@@ -21,15 +23,15 @@ from alpha5_model.view.workspace_plot import figure, self_collision_figure
 
 
 def workspace(
-    plot: Annotated[Path | None, typer.Option(help="Write a picture: .png, .pdf or .svg.")] = None,
+    plot: Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")] = None,
     self_collision: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--self-collision", help="Also what is reached in self-collision only; --plot draws it."
         ),
     ] = False,
-    samples: Annotated[int, typer.Option(help="Points that --self-collision tries.")] = 20_000,
-    as_json: Annotated[bool, typer.Option("--json", help="Everything as JSON.")] = False,
+    samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
+    as_json: Annotated[bool, Option("--json", help="Everything as JSON.")] = False,
 ) -> None:
     """The exact workspace, and how much of the published one is wrong.
 
@@ -44,25 +46,8 @@ def workspace(
         with spinner("drawing"):
             page = self_collision_figure(samples=samples) if self_collision else figure()
             write_figure(page, plot, dpi=150)
-    with words_beside(plot):
-        if as_json:
-            print_json(_as_dict(share))
-        else:
-            _print()
-            if share is not None:
-                hit, error = 1 - share.share, share.standard_error
-                litres = 1e3 * share.total
-                typer.echo(
-                    f"Without self-collision {share.share * litres:.2f} L are reached; {hit:.1%} of the volume, "
-                    f"{hit * litres:.2f} L, in self-collision only\n(standard error {error:.2%}, "
-                    f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
-                )
-            print_written(plot)
-
-
-def _as_dict(share: SampledShare | None) -> dict[str, object]:
     sampled = {} if share is None else {"without_self_collision": share._asdict()}
-    return {
+    record = {
         **sampled,
         "errors_of_the_published_region": asdict(space.published_errors()),
         "cross_section_area": {side: space.cross_section_area(side) for side in space.SIDES},
@@ -72,11 +57,11 @@ def _as_dict(share: SampledShare | None) -> dict[str, object]:
         "published_tori": [torus._asdict() for torus in space.published_tori()],
         "singular_theta_2": space.singular_elbow_angles(),
     }
+    show(as_json, record, _text(share), plot)
 
 
-def _print() -> None:
+def _text(share: SampledShare | None) -> Iterator[RenderableType]:
     e = space.published_errors()
-    console = Console()
     figures = (Column(head, justify="right") for head in ("half-plane (cm²)", "volume (L)"))
     table = Table("region", *figures, box=box.SIMPLE_HEAD)
     for name, area, volume in (
@@ -86,17 +71,14 @@ def _print() -> None:
         ("reachable, not published", e.missed_area, e.missed_volume),
     ):
         table.add_row(name, f"{area * 1e4:.2f}", f"{volume * 1e3:.3f}")
-    console.print(table)
-    console.print(
+    yield table
+    yield Text(
         f"{e.unreachable_area / e.published_area:.1%} of the published area and "
-        f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached.",
-        highlight=False,
+        f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
     )
+    heads = ("pose", "bounded by", "centre", "radius", "from", "to")
     arcs = Table(
-        *(
-            Column(c, no_wrap=True)
-            for c in ("pose", "bounded by", "centre", "radius", "from", "to")
-        ),
+        *(Column(head, no_wrap=True) for head in heads),
         box=box.SIMPLE_HEAD,
         title="boundary where both poses can turn (R, z and radius in mm)",
         title_justify="left",
@@ -105,17 +87,15 @@ def _print() -> None:
         padding=0,  # 80 columns hold every row
     )
     for arc in space.boundary():
-        start, end = arc.points([arc.start, arc.end]) * 1e3
-        arcs.add_row(
-            arc.side,
-            arc.cause.replace("at its ", ""),
-            _point(arc.center[0] * 1e3, arc.center[1] * 1e3),
-            f"{arc.radius * 1e3:.1f}",
-            _point(*start),
-            _point(*end),
+        points = [arc.center, *arc.points([arc.start, arc.end])]
+        center, start, end = (f"{1e3 * r:z.1f}, {1e3 * z:z.1f}" for r, z in points)
+        cause = arc.cause.replace("at its ", "")
+        arcs.add_row(arc.side, cause, center, f"{arc.radius * 1e3:.1f}", start, end)
+    yield arcs
+    if share is not None:
+        hit, error, litres = 1 - share.share, share.standard_error, 1e3 * share.total
+        yield (
+            f"Without self-collision {share.share * litres:.2f} L are reached; {hit:.1%} of the volume, "
+            f"{hit * litres:.2f} L, in self-collision only\n(standard error {error:.2%}, "
+            f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
         )
-    console.print(arcs)
-
-
-def _point(radius: float, z: float) -> str:
-    return f"{radius:z.1f}, {z:z.1f}"
