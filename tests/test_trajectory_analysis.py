@@ -16,7 +16,7 @@ import alpha5_model as a5
 from alpha5_model.actuators import actuator
 from alpha5_model.dynamics.series import frame_positions, torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
-from alpha5_model.trajectory.export import columns
+from alpha5_model.trajectory.report import columns
 
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
 

@@ -67,7 +67,7 @@ def _loaded(name: str) -> Callable[..., Any]:
 
 
 def _outline(name: str) -> Callable[[], None]:
-    """A function with a command's help and nothing of what it needs."""
+    """A function with a command's help, made without loading what the command needs."""
     module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
     (command,) = (n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name)
 

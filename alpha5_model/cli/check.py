@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from itertools import takewhile
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from rich.console import RenderableType
 from rich.markup import escape
@@ -24,7 +24,6 @@ from alpha5_model.description.verification import FileCheck, verify_generated, v
 from alpha5_model.errors import InputError
 
 RowT = TypeVar("RowT")
-KeyT = TypeVar("KeyT")
 
 _COLOUR = {"agrees": "green", "differs": "yellow", "impossible": "red"}
 _COLOUR |= {"passed": "green", "failed": "bold red", "not run": "yellow"}
@@ -75,7 +74,7 @@ def _text(
         yield from _document(_TITLES[kind], rows, every)
     yield Rule("[bold]The files against the documents", align="left", style="dim")
     for file, of_file in _grouped(files, lambda row: row.file):
-        yield Text.from_markup(f"\n[bold]{escape(file)}[/]")
+        yield Text(f"\n{file}", "bold")
         table = Table.grid(*(Column(width=width) for width in (9, 17, 7, None)), padding=(0, 2))
         for row in of_file:
             deviation = "" if row.measured is None else f"{row.measured:.1e}"
@@ -89,23 +88,22 @@ def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Iterator[Ren
     yield Rule(f"[bold]{title}", align="left", style="dim")
     yield _grid([("verdict", "of", "measured", "must be", "effect")], style="dim")
     for topic, of_topic in _grouped(rows, lambda row: row.topic):
-        # what the places begin with in common, comma by comma
+        # the common beginning of the places, comma by comma
         parts = zip(*(row.place.split(", ") for row in of_topic), strict=False)
         place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
-        head = f"\n[bold]{topic.replace('_', ' ')}[/]  [dim]{escape(place)}[/]"
-        yield Text.from_markup(head)
-        quiet = [row for row in of_topic if row.verdict == "agrees" and not every]
-        loud = [row for row in of_topic if row not in quiet]
+        yield Text.assemble("\n", (topic.replace("_", " "), "bold"), "  ", (place, "dim"))
+        hidden = [row for row in of_topic if row.verdict == "agrees" and not every]
+        shown = [row for row in of_topic if row not in hidden]
         lines = [
             (_coloured(verdict), _subjects(same), *figures)
-            for (verdict, *figures), same in _grouped(loud, _figures)
+            for (verdict, *figures), same in _grouped(shown, _figures)
         ]
         if lines:
             yield _grid(lines)
-        if quiet:
-            yield Text.from_markup(f"  {_coloured('agrees')}     {_subjects(quiet)}")
-        for finding, same in _grouped(loud, lambda row: row.finding):
-            subject = f"{_subjects(same)}: " if len(loud) > len(same) else ""
+        if hidden:
+            yield Text.assemble("  ", ("agrees", _COLOUR["agrees"]), "     ", _subjects(hidden))
+        for finding, same in _grouped(shown, lambda row: row.finding):
+            subject = f"{_subjects(same)}: " if len(shown) > len(same) else ""
             subject += "" if place else f"{same[0].place}: "
             says = "; ".join(dict.fromkeys(row.says for row in same))
             note = Text.assemble((subject, "dim"), (says, "italic"), (f" - {finding}.", "dim"))
@@ -142,10 +140,8 @@ def _subjects(rows: Sequence[AuditRow]) -> str:
     return ", ".join(words)
 
 
-def _grouped(
-    rows: Iterable[RowT], key: Callable[[RowT], KeyT]
-) -> Iterable[tuple[KeyT, list[RowT]]]:
-    groups: dict[KeyT, list[RowT]] = {}
+def _grouped(rows: Iterable[RowT], key: Callable[[RowT], Any]) -> Iterable[tuple[Any, list[RowT]]]:
+    groups: dict[Any, list[RowT]] = {}
     for row in rows:
         groups.setdefault(key(row), []).append(row)
     return groups.items()

@@ -37,7 +37,7 @@ def compare(
     as_json: Annotated[bool, Option("--json", help="Everything as JSON.")] = False,
     plot: Annotated[Path | None, Option(help="Picture of the errors: .png, .pdf or .svg.")] = None,
 ) -> int:
-    """Hold another URDF of this arm against the tables.
+    """Compare another URDF of this arm with the tables.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot be read.
 

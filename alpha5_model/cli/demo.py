@@ -1,4 +1,4 @@
-"""``alpha5 demo``: the whole main job on the real numbers, ending with something to look at."""
+"""``alpha5 demo``: describe, check, solve, compute and draw the arm in one run."""
 
 from __future__ import annotations
 
@@ -90,9 +90,6 @@ def _solve() -> FloatArray:
     x, y, z = (1e3 * c for c in TARGET)
     echo(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
     for i, branch in enumerate(BRANCHES):
-        if not solutions.exists[i]:
-            echo(f"   {branch:17} does not reach it")
-            continue
         q = solutions.q[i]
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
         angles = "  ".join(f"{angle:8.4f}" for angle in q)
@@ -103,8 +100,8 @@ def _solve() -> FloatArray:
 
 def _compute(q: FloatArray) -> None:
     water, air = load(), load(fluid_density=0.0)
-    fluid = f"sea water ({water.fluid_density:g} kg/m^3)"
-    echo(f"4. Torque [N m] that holds the arm there, {fluid}")
+    density = water.fluid_density
+    echo(f"4. Torque [N m] that holds the arm there, sea water ({density:g} kg/m^3)")
     echo("   joint      weight   buoyancy   in water     in air")
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
@@ -116,10 +113,7 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     echo("5. Pictures")
     arm = load(gripper="jaws")
     poses = named_poses(arm)
-    joint = arm.joint_names.index("axis_a")
-    there = np.append(q, poses["home"][joint])
-    opened = there.copy()
-    opened[joint] = 0.008
+    there, opened = np.append(q, poses["home"][-1]), np.append(q, 0.008)  # last is axis_a
     motion = tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]])
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
     scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)

@@ -30,7 +30,7 @@ MESH_URIS = {
     "package": "package://alpha5_description/meshes/",
     "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
 }
-#: Format -> record of its options. An option is called like the field it fills, but for two.
+#: Format -> record of its options. An option has the name of the field it fills, except for two.
 _OPTIONS: dict[str, Any] = {"urdf": Variant, "mjcf": MjcfOptions, "sdf": SdfOptions}
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
@@ -99,10 +99,10 @@ def generate(
         return _committed(check)
 
     choice("format", description_format, tuple(_OPTIONS))
-    has = {name: {field.name for field in fields(record)} for name, record in _OPTIONS.items()}
-    for name in context.params:
-        formats = [known for known in has if _FIELD_OF.get(name, name) in has[known]]
-        if name in given and formats and description_format not in formats:
+    names = {kind: {f.name for f in fields(record)} for kind, record in _OPTIONS.items()}
+    for name in given:
+        formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
+        if formats and description_format not in formats:
             expected = f"--format {' or '.join(formats)} with it"
             raise InputError(_option(name), description_format, expected)
     values = {
@@ -113,9 +113,8 @@ def generate(
         "fluid_density": fluid_density(fluid),
         "corrections": correction_names(corrections),
     }
-    options = _OPTIONS[description_format](
-        **{name: values[name] for name in has[description_format]}
-    )
+    chosen = {name: values[name] for name in names[description_format]}
+    options = _OPTIONS[description_format](**chosen)
     if description_format == "mjcf":
         return _write_folder(mjcf_files(options), output, "alpha5.xml")
     if description_format == "sdf":

@@ -1,4 +1,4 @@
-"""Options that several commands share, and how their text is read."""
+"""Options that several commands share, how their text is read, and how results are printed."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def numbers(name: str, text: str, expected: str, count: int | None = None) -> li
 
 
 def arm_in(fluid: str, gravity: str = "0 0 -9.81", gripper: str = "locked") -> Arm:
-    """The arm in a fluid, under a gravity and with a gripper as they stand on the command line."""
+    """The arm, from the text of the options."""
     from alpha5_model.dynamics.loading import load
 
     return load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
@@ -133,7 +133,7 @@ def print_written(*written: Path | None) -> None:
 
 
 def messages_beside(*written: Path | None) -> AbstractContextManager[object]:
-    """Where a file goes to standard output, what is said goes to standard error."""
+    """Messages go to standard error where a file goes to standard output."""
     taken = any(path is not None and is_stdout(path) for path in written)
     return redirect_stdout(sys.stderr) if taken else nullcontext()
 

@@ -8,19 +8,10 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
+from alpha5_model import planar as library
 from alpha5_model.cli.options import messages_beside, numbers, show
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
-from alpha5_model.planar import (
-    PlanarArm,
-    dexterity_map,
-    dexterous_area,
-    dexterous_radii,
-    lecture_theorem,
-    necessary_conditions,
-    theorem_radii,
-    turns_fully,
-)
 from alpha5_model.view.figures import FORMATS
 from alpha5_model.view.planar_plot import plot_planar, save
 
@@ -46,7 +37,7 @@ def planar(
     """
     check_outputs((), plot=(plot, FORMATS))
     ranges = None if limits is None else [_range(text) for text in limits]
-    arm = PlanarArm(lengths, ranges, joints)
+    arm = library.PlanarArm(lengths, ranges, joints)
     result = _result(arm, radius)
     if plot is not None:
         save(plot_planar(arm), plot)
@@ -54,22 +45,24 @@ def planar(
         show(as_json, result, _text(result))
 
 
-def _result(arm: PlanarArm, radius: float | None) -> dict[str, Any]:
-    space, needed = arm.workspace(), necessary_conditions(arm)
+def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
+    space, needed = arm.workspace(), library.necessary_conditions(arm)
     dexterous: dict[str, Any] | None = None
     theorem = at_radius = None
     if arm.length_ranges is not None:
-        dexterous = {"radii": dexterous_radii(arm), "area": dexterous_area(arm), "resolution": None}
+        radii, area = library.dexterous_radii(arm), library.dexterous_area(arm)
+        dexterous = {"radii": radii, "area": area, "resolution": None}
         three = arm.joints == "RRR"
         if three:
-            theorem = {"l_4": theorem_radii(*arm.lengths)}
+            theorem = {"l_4": library.theorem_radii(*arm.lengths)}
         if radius is not None:
-            holds = lecture_theorem(*(*arm.lengths, radius)) if three else None
-            at_radius = {"radius": radius, "theorem": holds, "exact": turns_fully(arm, radius)}
+            holds = library.lecture_theorem(*(*arm.lengths, radius)) if three else None
+            exact = library.turns_fully(arm, radius)
+            at_radius = {"radius": radius, "theorem": holds, "exact": exact}
     elif radius is not None:
         raise InputError("--radius", radius, "an arm without limits on its revolute joints")
     elif arm.n == 3 and arm.joints[-1] == "R":
-        found = dexterity_map(arm)
+        found = library.dexterity_map(arm)
         grid = {"spacing": found.spacing, "orientations": found.orientations}
         dexterous = {"radii": None, "area": found.area, "resolution": grid}
     return {

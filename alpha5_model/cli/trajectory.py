@@ -16,7 +16,7 @@ from alpha5_model.cli.options import Constants, Fluid, Gravity, arm_in, show
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.trajectory.export import FORMATS
+from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.view import figures, trajectory_plot
 
 _GRIPPERS = ("auto", *GRIPPERS)
@@ -106,7 +106,7 @@ def trajectory(
 
 
 class _Bar(Progress):
-    """Of long files, on stderr if that is a terminal."""
+    """Progress on long files, on stderr if that is a terminal."""
 
     def __init__(self) -> None:
         console = Console(stderr=True)

@@ -5,11 +5,10 @@
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse
-from alpha5_model.trajectory.export import columns, write
 from alpha5_model.trajectory.motion import Motion, MotionWarning, motion
 from alpha5_model.trajectory.reading import read_motion
+from alpha5_model.trajectory.report import columns, summary, text, write
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
-from alpha5_model.trajectory.summary import summary, text
 
 __all__ = [
     "Analysis",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -124,10 +124,12 @@ def analyse(
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)
-    if (supply_voltage is None) != (current_limit is None):
-        raise InputError(
-            "supply_voltage and current_limit", (supply_voltage, current_limit), "both or neither"
-        )
+    drive = None
+    if supply_voltage is not None and current_limit is not None:
+        drive = supply_voltage, current_limit
+    elif supply_voltage != current_limit:
+        given = supply_voltage, current_limit
+        raise InputError("supply_voltage and current_limit", given, "both or neither")
     by_joint = {name: actuator(name, constants) for name in motion.joints}
     for name, motor in (actuators or {}).items():
         by_joint[choice("joint", name, motion.joints)] = motor
@@ -145,16 +147,13 @@ def analyse(
     out = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     out["torque"] = out["inertia"] + out["coriolis"] + out["weight"] + out["buoyancy"]
     out["mechanical_power"] = out["torque"] * s.velocity
-    out |= _motor_side(motors, s, out["torque"])
-    limits = None
-    if supply_voltage is not None and current_limit is not None:
-        limits = _limits(motors, s, supply_voltage, current_limit)
+    by_motor, limits = _motor_side(motors, s, out["torque"], drive)
     return Analysis(
         motion=motion,
         smooth=s,
         actuators=motors,
         arm=arm,
-        **{name: frozen(column) for name, column in out.items()},
+        **{name: frozen(column) for name, column in (out | by_motor).items()},
         torque_limits=limits,
         supply_voltage=supply_voltage,
         current_limit=current_limit,
@@ -170,9 +169,8 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     if wanted == motion.joints:
         return motion
     if len(wanted) > len(motion.joints):
-        raise InputError(
-            "motion", motion.joints, "a motion of axis_a too, since the arm's gripper has jaws"
-        )
+        expected = "a motion of axis_a too, since the arm's gripper has jaws"
+        raise InputError("motion", motion.joints, expected)
     return replace(
         motion,
         joints=wanted,
@@ -184,19 +182,28 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
 
 
 def _motor_side(
-    motors: tuple[Actuator, ...], s: SmoothMotion, torque: FloatArray
-) -> dict[str, FloatArray]:
+    motors: Sequence[Actuator], s: SmoothMotion, torque: FloatArray, drive: Sequence[float] | None
+) -> tuple[dict[str, FloatArray], Interval | None]:
+    """`BY_MOTOR`, and what the drive can give while the joint moves and hold where it rests."""
     out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
-    velocity = s.signed_velocity
+    lower, upper = np.full((2, *torque.shape), np.nan)
     for k, motor in enumerate(motors):
-        state = torque[:, k], velocity[:, k], s.acceleration[:, k], s.direction[:, k] == 0
+        v, rest = s.signed_velocity[:, k], s.direction[:, k] == 0
+        state = torque[:, k], v, s.acceleration[:, k], rest
         with suppress(MissingParameterError):
             current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
             friction = motor.torque_constant * motor.ratio * current - torque[:, k]
-            voltage = motor.voltage(current, velocity[:, k])
+            voltage = motor.voltage(current, v)
             interval = np.minimum(*ends), np.maximum(*ends)
             out[..., k] = friction, current, *interval, voltage, voltage * current
-    return dict(zip(BY_MOTOR, out, strict=True))
+            if drive is not None:
+                supply, limit = drive
+                most = min(limit, supply / motor.parameters.resistance)
+                moving = motor.torque_limits(v, supply, limit)
+                lower[:, k] = np.where(rest, motor.holding_torque(-most).lower, moving.lower)
+                upper[:, k] = np.where(rest, motor.holding_torque(most).upper, moving.upper)
+    limits = None if drive is None else Interval(frozen(lower), frozen(upper))
+    return dict(zip(BY_MOTOR, out, strict=True)), limits
 
 
 def _least_current(
@@ -204,21 +211,6 @@ def _least_current(
 ) -> FloatArray:
     moving = motor.current(torque, velocity, None if motor.rotor_inertia is None else acceleration)
     return np.where(rest, np.clip(0.0, *motor.holding_current(torque)), moving)
-
-
-def _limits(
-    motors: tuple[Actuator, ...], s: SmoothMotion, supply_voltage: float, current_limit: float
-) -> Interval:
-    """What the drive can give while the joint moves, and what it can hold where it rests."""
-    lower, upper = np.full((2, *s.position.shape), np.nan)
-    velocity, rest = s.signed_velocity, s.direction == 0
-    for k, motor in enumerate(motors):
-        with suppress(MissingParameterError):
-            moving = motor.torque_limits(velocity[:, k], supply_voltage, current_limit)
-            most = min(current_limit, supply_voltage / motor.parameters.resistance)
-            lower[:, k] = np.where(rest[:, k], motor.holding_torque(-most).lower, moving.lower)
-            upper[:, k] = np.where(rest[:, k], motor.holding_torque(most).upper, moving.upper)
-    return Interval(frozen(lower), frozen(upper))
 
 
 def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:

@@ -7,6 +7,8 @@ import math
 import os
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
 from typing import Any, NoReturn
 
 import numpy as np
@@ -102,13 +104,13 @@ def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     Seconds where some joint's mean speed would exceed twice its rating, as in a plan of few points.
     """
     with np.errstate(over="ignore"):
-        steps, way = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
+        steps, path = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
     steps = steps[steps > 0]
     if not steps.size or float(np.median(steps)) < 1.0:
         return "s"
     unit = next((u for u, n in _PER_SECOND.items() if float(np.median(steps)) < n), "ns")
-    rated = np.array([joint.velocity for joint in parameters().joints[: way.size]])
-    fast = way / (steps / _PER_SECOND[unit]).sum() > 2 * rated
+    rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
+    fast = path / (steps / _PER_SECOND[unit]).sum() > 2 * rated
     return "s" if fast.any() else unit
 
 
@@ -140,7 +142,7 @@ def _header(path: str | os.PathLike[str], line: str) -> list[str]:
                 problem = f"columns are separated by {name}, expected ','"
                 raise FileFormatError(path, problem, "line 1")
     header = [name.strip() for name in _fields(path, line, 1)]
-    if _is_number(header[0]):
+    if _number(header[0]) is not None:
         raise FileFormatError(path, "starts with numbers, expected column names", "line 1")
     for k, name in enumerate(header):
         if name and name in header[:k]:
@@ -164,26 +166,25 @@ def _columns(
             problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
         raise FileFormatError(path, problem, "line 1")
 
-    def names(joint: str, suffixes: Sequence[str]) -> list[str]:
-        return [joint + suffix for suffix in suffixes]
+    def of(joints: Sequence[str], suffixes: Sequence[str], what: str, why: str = "") -> list[int]:
+        return [column([j + suffix for suffix in suffixes], f"{what} of {j}", why) for j in joints]
 
     def given(joints: Sequence[str], suffixes: Sequence[str]) -> bool:
-        return any(name in header for joint in joints for name in names(joint, suffixes))
+        return any(joint + suffix in header for joint in joints for suffix in suffixes)
 
     plain = [name for name in TIME_COLUMNS if name in header]
     with_unit = [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
     time_column = column(plain or with_unit or (*TIME_COLUMNS, "time_ms"), "the time")
     joints = JOINTS if given(JOINTS[4:], POSITION_SUFFIXES) else JOINTS[:4]
-    positions = [column(names(j, POSITION_SUFFIXES), f"the position of {j}") for j in joints]
-    velocities = []
+    positions, velocities = of(joints, POSITION_SUFFIXES, "the position"), []
     if given(joints, VELOCITY_SUFFIXES):
         why = ", while others have one"
-        for j in joints:
-            velocities.append(column(names(j, VELOCITY_SUFFIXES), f"the velocity of {j}", why))
+        velocities = of(joints, VELOCITY_SUFFIXES, "the velocity", why)
     return time_column, joints, positions, velocities
 
 
 def _parse(lines: list[str], used: list[int], width: int, progress: Progress | None) -> FloatArray:
+    read = partial(np.loadtxt, delimiter=",", usecols=used, ndmin=2, comments=None, quotechar='"')
     blocks = []
     for start in range(1, len(lines), CHUNK):
         block = lines[start : start + CHUNK]
@@ -193,11 +194,7 @@ def _parse(lines: list[str], used: list[int], width: int, progress: Progress | N
         if any(found != width for found in widths):
             raise ValueError
         if filled:
-            blocks.append(
-                np.loadtxt(
-                    filled, delimiter=",", usecols=used, ndmin=2, comments=None, quotechar='"'
-                )
-            )
+            blocks.append(read(filled))
         if progress:
             progress("read", min(start + CHUNK, len(lines)) / len(lines))
     return np.concatenate(blocks) if blocks else np.empty((0, len(used)))
@@ -216,7 +213,7 @@ def _complain(
             raise FileFormatError(path, problem, f"line {number}")
         for column in used:
             text = fields[column].strip()
-            if not _is_number(text) or not math.isfinite(float(text)):
+            if (value := _number(text)) is None or not math.isfinite(value):
                 problem = f"expected a finite number, got {text[:40]!r}"
                 raise FileFormatError(path, problem, _place(number, column, header))
     raise FileFormatError(path, "cannot be read as a table of numbers")
@@ -226,9 +223,7 @@ def _place(line: int, column: int, header: list[str]) -> str:
     return f"line {line}, column {column + 1} ({header[column]})"
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _number(text: str) -> float | None:
+    with suppress(ValueError):
+        return float(text)
+    return None

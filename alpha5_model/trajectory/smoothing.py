@@ -39,7 +39,7 @@ METHODS = ("spline", "savgol", "interpolate")
 DEFAULT_BANDWIDTH = 2.0
 #: Slower than this share of its rated speed a joint counts as at rest: friction then holds the load.
 REST_SHARE = 0.002
-#: Noise in velocities hides the direction of slow motion; the way gone in this time shows it [s].
+#: Noise in velocities hides the direction of slow motion; the displacement over this time shows it [s].
 DIRECTION_WINDOW = 0.5
 #: Least bandwidth as a share of the sample rate: the condition of the spline's equations grows with its
 #: inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
@@ -57,8 +57,8 @@ class SmoothMotion:
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n) [rad/s].
         acceleration: (N, n) [rad/s^2].
-        direction: Way in which the joint moves, (N, n), -1, 0 (at rest) or 1: the sign of the mean velocity
-            over `DIRECTION_WINDOW` if there is smoothing, so that noise does not reverse friction.
+        direction: Direction of motion, (N, n): -1, 0 (at rest) or 1, the sign of the mean velocity over
+            `DIRECTION_WINDOW` if there is smoothing, so that noise does not reverse friction.
         method: One of `METHODS`.
         bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
         from_velocity: Velocities and accelerations come from the motion's velocities.
@@ -79,8 +79,7 @@ class SmoothMotion:
     @property
     def signed_velocity(self) -> FloatArray:
         """Velocities as friction sees them, (N, n): signed by `direction`, zero at rest."""
-        out: FloatArray = self.direction * np.abs(self.velocity)
-        return out
+        return np.asarray(self.direction * np.abs(self.velocity))
 
 
 def smooth(
@@ -93,7 +92,7 @@ def smooth(
 
     Args:
         motion: Samples.
-        method: One of `METHODS`; see the head of this module.
+        method: One of `METHODS`; see the docstring of this module.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
         use_velocity: Take velocities, and accelerations as their derivative, from the velocities of
             the motion in place of its positions; None does so if there are any. Real recordings hold
@@ -104,9 +103,12 @@ def smooth(
         InputError: A bandwidth that the samples cannot carry, or no velocities to use.
     """
     choice("smoothing method", method, METHODS)
+    signals = motion.position
     if use_velocity is None:
         use_velocity = motion.velocity is not None
-    if use_velocity and motion.velocity is None:
+    if use_velocity and motion.velocity is not None:
+        signals = np.hstack([signals, motion.velocity])
+    elif use_velocity:
         raise InputError("use_velocity", True, "False: the motion has no velocities")
     t = motion.time
     if method != "interpolate":
@@ -119,10 +121,6 @@ def smooth(
         if bandwidth < (low := LEAST_BANDWIDTH * rate):
             least = f"at least {LEAST_BANDWIDTH:g} of the sample rate, {low:.4g} Hz"
             raise InputError("bandwidth", bandwidth, least)
-    signals = motion.position
-    if use_velocity:
-        assert motion.velocity is not None
-        signals = np.hstack([motion.position, motion.velocity])
     reached: float | None = bandwidth
     if method == "spline":
         value, slope, bend = smoothing_spline(t, signals, bandwidth)
@@ -152,12 +150,11 @@ def smooth(
 
 
 def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
-    """Way over time in a window around each sample; reverses only where the motion does."""
+    """Over a window around each sample: its sign changes only where the motion reverses."""
     early = np.maximum(time - DIRECTION_WINDOW / 2, time[0])
     late = np.minimum(time + DIRECTION_WINDOW / 2, time[-1])
-    way = _columns(late, time, position) - _columns(early, time, position)
-    out: FloatArray = way / (late - early)[:, None]
-    return out
+    displacement = _columns(late, time, position) - _columns(early, time, position)
+    return np.asarray(displacement / (late - early)[:, None])
 
 
 def _direction(slope: FloatArray) -> FloatArray:
