@@ -68,10 +68,8 @@ def _plain(value: Any) -> bool:
         return {*map(type, value)} <= {float, int, np.float64} or all(map(_plain, value))
     if isinstance(value, np.ndarray):
         return isinstance(value, np.memmap)
-    lost = bool, np.bool_, bytes, bytearray
-    return (
-        not isinstance(value, lost) and not hasattr(value, "unit") and not hasattr(value, "units")
-    )
+    unit = hasattr(value, "unit") or hasattr(value, "units")
+    return not unit and not isinstance(value, bool | np.bool_ | bytes | bytearray)
 
 
 def _all_finite(array: FloatArray) -> bool:
@@ -119,9 +117,8 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
         raise InputError(name, value, "one real number")
     number = float(bounded(name, array))
     if minimum is not None and (number < minimum or (strict and number == minimum)):
-        raise InputError(
-            name, value, f"a number {'above' if strict else 'of at least'} {minimum:g}"
-        )
+        bound = "above" if strict else "of at least"
+        raise InputError(name, value, f"a number {bound} {minimum:g}")
     return number
 
 
@@ -167,9 +164,9 @@ def fitting(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
     """
     arrays = [float_array(name, value, trailing) for name, (value, trailing) in given.items()]
     shapes = tuple(array.shape for array in arrays)
+    pairs = zip(shapes, given.values(), strict=True)
     try:
-        ends = (len(trailing) for _, trailing in given.values())
-        np.broadcast_shapes(*(s[: len(s) - n] for s, n in zip(shapes, ends, strict=True)))
+        np.broadcast_shapes(*(shape[: len(shape) - len(end)] for shape, (_, end) in pairs))
     except ValueError:
         raise ShapeError(", ".join(given), shapes, "leading shapes that broadcast") from None
     return arrays

@@ -39,9 +39,7 @@ class InputError(Alpha5Error, ValueError):
     """
 
     def __init__(self, name: str, value: Any, expected: str) -> None:
-        self.name = name
-        self.value = value
-        self.expected = expected
+        self.name, self.value, self.expected = name, value, expected
         super().__init__(f"{name}: expected {expected}, got {_short(value)}")
 
 
@@ -69,9 +67,7 @@ class UnknownNameError(Alpha5Error, ValueError):
     """
 
     def __init__(self, kind: str, name: Any, choices: Iterable[str]) -> None:
-        self.kind = kind
-        self.name = name
-        self.choices = tuple(choices)
+        self.kind, self.name, self.choices = kind, name, tuple(choices)
         super().__init__(f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}")
 
 
@@ -93,9 +89,7 @@ class JointLimitError(Alpha5Error, ValueError):
     """
 
     def __init__(self, joint: str, value: float, bound: float, unit: str = "rad") -> None:
-        self.joint = joint
-        self.value = value
-        self.bound = bound
+        self.joint, self.value, self.bound = joint, value, bound
         side = "above the upper" if value > bound else "below the lower"
         super().__init__(f"{joint}: {value:.6g} {unit} is {side} limit {bound:.6g} {unit}")
 
@@ -110,14 +104,10 @@ class UnreachableError(Alpha5Error, ValueError):
     """
 
     def __init__(self, position: Any, distance: float, nearest: Any, reason: str = "") -> None:
-        self.position = position
-        self.distance = distance
-        self.nearest = nearest
-        target = ", ".join(f"{c:.6g}" for c in position)
-        point = ", ".join(f"{c:.6g}" for c in nearest)
+        self.position, self.distance, self.nearest = position, distance, nearest
         super().__init__(
-            f"({target}) m cannot be reached{reason}: the nearest reachable point ({point}) m "
-            f"is {distance * 1e3:.3g} mm away"
+            f"{_metres(position)} cannot be reached{reason}: the nearest reachable point "
+            f"{_metres(nearest)} is {distance * 1e3:.3g} mm away"
         )
 
 
@@ -132,13 +122,10 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
     """
 
     def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
-        self.index = index
-        self.position = position
-        self.step = step
-        self.max_step = max_step
-        target = ", ".join(f"{c:.6g}" for c in position)
+        self.index, self.position = index, position
+        self.step, self.max_step = step, max_step
         super().__init__(
-            f"positions[{index}] = ({target}) m has no continuation within the joint limits: a joint "
+            f"positions[{index}] = {_metres(position)} has no continuation within the joint limits: a joint "
             f"would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
         )
 
@@ -165,8 +152,7 @@ class FileFormatError(Alpha5Error, ValueError):
     """A file that cannot be understood. ``place`` says where: line, column or element."""
 
     def __init__(self, path: Any, problem: str, place: str = "") -> None:
-        self.path = path
-        self.place = place
+        self.path, self.place = path, place
         super().__init__(f"{path}{', ' + place if place else ''}: {problem}")
 
 
@@ -199,6 +185,10 @@ class MissingDependencyError(Alpha5Error, ImportError):
     def __init__(self, dependency: str, needed_for: str, remedy: str) -> None:
         self.dependency = dependency
         super().__init__(f"{needed_for} needs {dependency}, which is not installed: {remedy}")
+
+
+def _metres(point: Iterable[float]) -> str:
+    return f"({', '.join(f'{c:.6g}' for c in point)}) m"
 
 
 def _restored(kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]) -> Any:

@@ -6,8 +6,9 @@ import os
 import stat
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -72,48 +73,47 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
         OutputError: A target cannot be written, is a folder or a socket, or stands for the same file
             as another one; plain files that stood there are untouched.
     """
+    data: dict[Path, bytes] = {}
     plain: dict[Path, Path] = {}
-    for target in files:
+    for target, content in files.items():
         with _errors_of(target):
+            data[target] = content.encode("utf-8") if isinstance(content, str) else content
             if (real := _plain_file(target)) is not None:
+                if real in plain.values():
+                    raise OutputError(target, "it is another name of a file written with it")
                 plain[target] = real
     staged: dict[Path, Path] = {}
-    spares: list[tuple[Path, Path | None, bool]] = []
+    undo: list[Callable[[], object]] = []
     try:
         for target, real in plain.items():
             with _errors_of(target):
-                if real in staged:
-                    raise OutputError(target, "it is another name of a file written with it")
-                staged[real] = _stage(real, files[target])
-        for target, content in files.items():
-            if target not in plain:
-                with _errors_of(target):
-                    _write_into(target, _encoded(content))
+                staged[real] = _stage(real, data[target])
+        for target in (t for t in files if t not in plain):
+            with _errors_of(target):
+                _write_into(target, data[target])
         for target, real in plain.items():
             with _errors_of(target):
                 if len(plain) > 1:
-                    spares.append(_spare(real, staged[real]))
+                    undo.append(_undo(real, Path(f"{staged[real]}~")))
                 staged[real].replace(real)
     except BaseException:
-        for real, spare, was_there in spares:
+        for put_back in undo:
             with suppress(OSError):
-                if spare is not None:
-                    spare.replace(real)
-                elif not was_there:
-                    real.unlink(missing_ok=True)
+                put_back()
         raise
     finally:
-        for leftover in (*staged.values(), *(spare for _, spare, _ in spares if spare)):
+        for leftover in staged.values():
             leftover.unlink(missing_ok=True)
+            Path(f"{leftover}~").unlink(missing_ok=True)
 
 
-def _spare(real: Path, staged: Path) -> tuple[Path, Path | None, bool]:
-    """A second name of what stands there, to put it back by, where the file system has such."""
-    spare = staged.with_name(f"{staged.name}~")
+def _undo(real: Path, spare: Path) -> Callable[[], object]:
+    """How to put back what stands there, by a second name where the file system has such."""
+    if not real.exists():
+        return partial(real.unlink, missing_ok=True)
     with suppress(OSError):
         os.link(real, spare)
-        return real, spare, True
-    return real, None, real.exists()
+    return partial(spare.replace, real)
 
 
 def is_stream(path: PathLike) -> bool:
@@ -234,15 +234,14 @@ def _write_into(target: Path, content: bytes) -> None:
         stream.write(content)
 
 
-def _stage(real: Path, content: str | bytes) -> Path:
+def _stage(real: Path, content: bytes) -> Path:
     """The content in a temporary file beside the target, with the target's mode."""
-    data = _encoded(content)
     real.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=real.parent, prefix=".alpha5-")
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
+            stream.write(content)
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(stat.S_IMODE(real.stat().st_mode) if real.exists() else 0o666 & ~umask)
@@ -250,10 +249,6 @@ def _stage(real: Path, content: str | bytes) -> Path:
         temporary.unlink(missing_ok=True)
         raise
     return temporary
-
-
-def _encoded(content: str | bytes) -> bytes:
-    return content.encode("utf-8") if isinstance(content, str) else content
 
 
 @contextmanager

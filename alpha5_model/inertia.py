@@ -63,8 +63,7 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     m, p = _together(mass=mass, position=position)
     m = m[..., None, None]
     square = np.einsum("...i,...i->...", p, p)[..., None, None]
-    out: FloatArray = m * (square * np.eye(3) - p[..., :, None] * p[..., None, :])
-    return out
+    return np.asarray(m * (square * np.eye(3) - p[..., :, None] * p[..., None, :]))
 
 
 def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
@@ -146,8 +145,7 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
     """
     (tensor,) = _together(inertia=inertia)
     trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
-    out: FloatArray = trace / 2 * np.eye(3) - tensor
-    return out
+    return np.asarray(trace / 2 * np.eye(3) - tensor)
 
 
 def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:

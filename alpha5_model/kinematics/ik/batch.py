@@ -46,9 +46,7 @@ def solve_batch(
             for row in near.tolist():
                 (x, y, z), at = target[row].tolist(), start + row
                 angle = float(theta_3[0][row] if wrist.ndim else theta_3[0])
-                angles, found, fit, singular[at] = one.solve_one(x, y, z, angle)
-                q[at] = np.reshape(angles, (4, 4))
-                exists[at], within[at] = one.FLAGS[found], one.FLAGS[fit]
+                q[at], exists[at], within[at], singular[at], _ = one.careful_answer(x, y, z, angle)
     return (
         q.reshape(*lead, 4, 4),
         exists.reshape(*lead, 4),

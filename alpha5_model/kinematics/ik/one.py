@@ -40,9 +40,9 @@ Answer = tuple[FloatArray, BoolArray, BoolArray, BoolArray, FloatArray]
 # One target's numbers are packed once, and its arrays are read-only views of them.
 _pack, _array, _float = Struct("19d").pack, np.ndarray, np.dtype(np.float64)
 #: The flags of four branches, branch i as bit i.
-FLAGS = tuple(np.array([[code >> b & 1 for b in range(4)] for code in range(16)], np.bool_))
+_FLAGS = tuple(np.array([[code >> b & 1 for b in range(4)] for code in range(16)], np.bool_))
 _SINGULAR = np.array(False), np.array(True)
-for _flags in (*FLAGS, *_SINGULAR):
+for _flags in (*_FLAGS, *_SINGULAR):
     _flags.flags.writeable = False
 
 _NOWHERE = (nan, nan, nan, nan, nan, 0, 0)
@@ -225,8 +225,8 @@ def fast_solver() -> Callable[[float, float, float, float], Answer | None]:
         # fmt: on
         return (
             _array((4, 4), _float, numbers),
-            FLAGS[exists + 2 * exists_o],
-            FLAGS[within + 2 * within_o],
+            _FLAGS[exists + 2 * exists_o],
+            _FLAGS[within + 2 * within_o],
             regular,
             _array(3, _float, numbers, 128),
         )
@@ -240,8 +240,8 @@ def careful_answer(x: float, y: float, z: float, wrist: float) -> Answer:
     numbers = _pack(*q, x, y, z)
     return (
         _array((4, 4), _float, numbers),
-        FLAGS[exists],
-        FLAGS[within],
+        _FLAGS[exists],
+        _FLAGS[within],
         _SINGULAR[singular],
         _array(3, _float, numbers, 128),
     )
