@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 import pickle
 import subprocess
@@ -241,6 +242,9 @@ def test_input_and_output_belong_to_the_caller(kind, method, count):
     if kind == "locked":
         whole = [np.ones(4, dtype=t) for t in (int, np.float32, np.int8)][:count]
         assert np.array_equal(numbers(call(*whole)), numbers(call(*[np.ones(4)] * count)))
+        for place, other in itertools.product(range(count), (np.longdouble, ">f8", ">i4")):
+            mixed = [np.ones(4, dtype=other if k == place else float) for k in range(count)]
+            assert np.array_equal(numbers(call(*mixed)), numbers(call(*[np.ones(4)] * count)))
 
 
 def test_the_arm_does_not_follow_changes_of_the_model_it_hands_out():
