@@ -286,13 +286,27 @@ def with_vehicle(mass: float, arms: int = 1) -> str:
     return text + "</robot>"
 
 
+def test_of_many_carried_bodies_the_heaviest_are_named():
+    text = with_vehicle(25.0)
+    for name, mass in (("frame", 40.0), ("light", 0.5)):
+        inertia = "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+        text = text.replace(
+            "</robot>",
+            f"<link name='{name}'><inertial><mass value='{mass}'/>{inertia}</inertial></link>"
+            f"<joint name='to_{name}' type='fixed'><parent link='hull'/><child link='{name}'/></joint>"
+            "</robot>",
+        )
+    said = compare_robots(parse_urdf(text)).findings[1].text
+    assert ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with" in said
+
+
 def test_a_vehicle_is_left_out_of_link_0():
     comparison = compare_robots(parse_urdf(with_vehicle(25.0)))
     assert comparison.agrees
     assert [f.where for f in comparison.findings] == ["base", "base"], comparison.findings
     assert comparison.bodies[0].mass == pytest.approx(reference.MASS[0])
     assert comparison.carried == {"world": 0.0, "hull": 25.0, "t0": 25.0, "t1": 25.0}
-    assert "hull (25 kg), t0 (25 kg), t1 (25 kg)" in comparison.findings[1].text
+    assert "hull (25 kg), t0 (25 kg), t1 (25 kg);" in comparison.findings[1].text
     assert "with it link_0 would be 75.0 kg too heavy" in comparison.findings[1].text
     np.testing.assert_allclose(comparison.alignment.stands, np.eye(4), atol=1e-12)
 
