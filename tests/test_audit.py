@@ -554,13 +554,19 @@ def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
     edges = np.arange(0.0, 361.0), np.arange(-300.0, 401.0)
     painted = np.histogram2d(np.abs(r).ravel(), z.ravel(), bins=edges)[0] > 0
     radius, height = np.meshgrid(*(e[:-1] + 0.5 for e in edges), indexing="ij")
-    a_0, d_0, length, offset, a_2, d_3 = LENGTHS
-    square = (radius - a_0) ** 2 + (height - d_0) ** 2
-    region = (
-        (square <= (math.hypot(offset, length) + math.hypot(d_3, a_2)) ** 2)
-        & (square >= (39.94 + a_2) ** 2 + (145.3 - d_3) ** 2)
-        & ((radius - a_0) ** 2 + (height - d_0 + 145.3) ** 2 >= d_3**2)
-    )
+
+    def printed(numbers: np.ndarray) -> np.ndarray:
+        a_0, d_0, length, offset, a_2, d_3, leg, other_leg, drop = numbers
+        square = (radius - a_0) ** 2 + (height - d_0) ** 2
+        inside: np.ndarray = (
+            (square <= (math.hypot(offset, length) + math.hypot(d_3, a_2)) ** 2)
+            & (square >= (leg + a_2) ** 2 + (other_leg - d_3) ** 2)
+            & ((radius - a_0) ** 2 + (height - d_0 + drop) ** 2 >= d_3**2)
+        )
+        return inside
+
+    numbers = np.array([*LENGTHS, 39.94, 145.3, 145.3])
+    region = printed(numbers)
     beyond = 100 * (region & ~painted).sum() / region.sum()
     outside = 100 * (painted & ~region).sum() / painted.sum()
     assert rows["workspace.beyond_reach"].measured == pytest.approx(beyond, abs=0.8)
@@ -568,6 +574,16 @@ def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
     for name in ("beyond_reach", "left_out"):
         assert rows[f"workspace.{name}"].verdict == "differs"
         assert rows[f"workspace.{name}"].bound < 1.5
+    # Roughly as far as half of each last digit moves the shares; steps of less than a cell are lost.
+    moved = {"beyond_reach": 0.0, "left_out": 0.0}
+    for step in np.eye(9) * [0.5, 0.05, 0.05, 0.5, 0.5, 0.5, 0.005, 0.05, 0.05]:
+        ends = [printed(numbers + 8 * step), printed(numbers - 8 * step)]
+        shares = [100 * (end & ~painted).sum() / end.sum() for end in ends]
+        moved["beyond_reach"] += max(abs(share - beyond) for share in shares) / 8
+        shares = [100 * (painted & ~end).sum() / painted.sum() for end in ends]
+        moved["left_out"] += max(abs(share - outside) for share in shares) / 8
+    for name, bound in moved.items():
+        assert bound / 2 < rows[f"workspace.{name}"].bound < 2 * bound
 
 
 def test_self_collision_point_by_point(rows: dict[str, AuditRow]) -> None:

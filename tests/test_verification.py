@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import sys
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -258,6 +259,11 @@ WRONG = {
         {"inertias", "physics"},
         "exceeds the sum",
     ),
+    "a link without an inertial": (
+        re.sub(r'(<link name="link_2">\s*)<inertial>.*?</inertial>', r"\1", LOCKED, flags=re.S),
+        {"inertias"},
+        "link_2: no inertial",
+    ),
     "a heavier finger": (
         swap(JAWS, 'mass value="0.01647"', 'mass value="0.01648"'),
         {"closed jaws"},
@@ -296,6 +302,21 @@ def test_a_mistake_is_caught(mistake: str, tmp_path: Path) -> None:
     assert words in " ".join(row.finding for row in rows if row.verdict == "failed")
     if "frames, Pinocchio" not in checks and "names" not in checks:
         assert "frames, Pinocchio" not in failed(rows)  # and nothing else is blamed
+
+
+def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(tmp_path: Path) -> None:
+    """Second moments are half the trace less the inertia: more about all axes alike is half as much."""
+    more = 1e-6
+    root = ET.fromstring(JAWS)
+    for axes in ("ixx", "iyy", "izz"):
+        tensor = root.find("link[@name='finger_1']/inertial/inertia")
+        tensor.set(axes, repr(float(tensor.get(axes)) + more))
+    rows = verify(ET.tostring(root, encoding="unicode"), tmp_path)
+    (row,) = [row for row in rows if row.check == "closed jaws"]
+    xx, yy, zz = (x * 1e-6 for x in reference.INERTIA[4][:3])
+    # Most of link 4 lies along its z axis, where the squares are those of x and y less that of z.
+    largest = (xx + yy - zz) / 2 + reference.MASS[4] * (reference.COM[4][2] * 1e-3) ** 2
+    assert row.measured == pytest.approx(more / 2 / largest, rel=1e-4)
 
 
 UNREADABLE = {
