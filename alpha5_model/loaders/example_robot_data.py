@@ -32,11 +32,9 @@ def loader_class() -> Any:
     try:
         from example_robot_data.utils import RobotLoader
     except ImportError:
-        raise MissingDependencyError(
-            "example-robot-data-loaders",
-            "the loader class",
-            "python -m pip install example-robot-data-loaders",
-        ) from None
+        package = "example-robot-data-loaders"
+        remedy = f"python -m pip install {package}"
+        raise MissingDependencyError(package, "the loader class", remedy) from None
 
     class Alpha5Loader(RobotLoader):  # type: ignore[misc]
         path = FOLDER

@@ -46,6 +46,5 @@ def view(
     from alpha5_model.view.build import build_scene
     from alpha5_model.view.visualizer import ArmVisualizer
 
-    return ArmVisualizer(
-        arm, build_scene(arm, q, target=target, motion=motion, show=show), port=port
-    )
+    scene = build_scene(arm, q, target=target, motion=motion, show=show)
+    return ArmVisualizer(arm, scene, port)

@@ -72,12 +72,11 @@ def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
 
 
 def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
-    """A motion in the order of the sliders; joints that it lacks stay where they are."""
+    """A motion of the sliders' joints, both base to tip; joints that it lacks stay where they are."""
     time = motion.time - motion.time[0]
     track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
-    for i, name in enumerate(sliders):
-        if name in motion.joints:
-            track[:, i] = motion.position[:, motion.joints.index(name)]
+    both = min(len(sliders), len(motion.joints))
+    track[:, :both] = motion.position[:, :both]
     return MotionTrack(Path(motion.source).name, time, track)
 
 

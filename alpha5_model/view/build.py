@@ -171,20 +171,17 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
         points = tuple(point for point in weighted if point[1])
         if not points:
             continue
-        whole = name == "arm"
-        marker = _ball(0.0095 if whole else 0.0048, *balls)
-        yield Shape(center, name, Mean(points), marker, on_top=2)
+        at, whole = Mean(points), name == "arm"
+        yield Shape(center, name, at, _ball(0.0095 if whole else 0.0048, *balls), on_top=2)
         if whole:
-            yield Label(center, text, Mean(points), ink)
-        strength = sum(getattr(load, force) for load in carried)
-        if not strength:
-            continue
-        tip = ARROW_SCALE * sense * strength * down
-        r, g, b = (0.8 * c if whole else c for c in color)
-        mesh = arrow(tip, 0.004 if whole else 0.0022)
-        yield Shape(force, name, Mean(points), mesh, (r, g, b), on_top=1)
-        if whole:
-            yield Label(force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b))
+            yield Label(center, text, at, ink)
+        if strength := sum(getattr(load, force) for load in carried):
+            tip = ARROW_SCALE * sense * strength * down
+            r, g, b = (0.8 * c if whole else c for c in color)
+            mesh = arrow(tip, 0.004 if whole else 0.0022)
+            yield Shape(force, name, at, mesh, (r, g, b), on_top=1)
+            if whole:
+                yield Label(force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b))
 
 
 def _ghosts(
@@ -193,10 +190,8 @@ def _ghosts(
     """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
     solutions = inverse_kinematics(target)
     first = len(q) - len(arm.joint_names)
-    for i, (branch, color) in enumerate(zip(BRANCHES, _GHOSTS, strict=True)):
-        if not solutions.exists[i]:
-            continue
-        solution = q.copy()
+    for i in np.flatnonzero(solutions.exists):
+        branch, color, solution = BRANCHES[i], _GHOSTS[i], q.copy()
         solution[first : first + 4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:

@@ -95,7 +95,7 @@ def _labelled(pixels: NDArray[np.uint8], canvas: Canvas, scene: Scene) -> NDArra
         right = left + draw.textlength(label.text, font=font)
         for other_left, other_right, other_top in placed:
             if left < other_right and other_left < right and top < other_top + step:
-                top = max(top, other_top + step)
+                top = other_top + step
         placed.append((left, right, top))
         box = (left - 4, top, right + 4, top + step - 2)
         draw.rounded_rectangle(box, radius=4, fill=(255, 255, 255, 205))
@@ -125,10 +125,8 @@ class Canvas:
         local = (points - self._camera.eye) @ self.axes.T
         ahead = -local[:, 2]
         scale = self._focal / ahead
-        return np.stack(
-            [self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale, ahead],
-            axis=1,
-        )
+        column, row = self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale
+        return np.stack([column, row, ahead], axis=1)
 
     def clear_depth(self) -> None:
         """Let what follows be drawn over everything so far."""

@@ -80,10 +80,8 @@ class Mean:
     def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
         """Pose in the world, (4, 4)."""
         total = sum(weight for _, weight, _ in self.points)
-        mean = sum(
-            weight / total * (poses[link][:3, :3] @ point + poses[link][:3, 3])
-            for link, weight, point in self.points
-        )
+        placed = ((weight / total, poses[link], point) for link, weight, point in self.points)
+        mean = sum(share * (pose[:3, :3] @ point + pose[:3, 3]) for share, pose, point in placed)
         return transform(translation=self.offset + mean)
 
 

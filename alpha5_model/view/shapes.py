@@ -152,9 +152,8 @@ def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) ->
     """A sphere at the origin with octants of two colours, the usual symbol for a centre of mass."""
     angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
     azimuth, polar = (angle.ravel() for angle in np.meshgrid(angles, angles, indexing="ij"))
-    octant = np.column_stack(
-        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]
-    )
+    across = np.sin(polar)
+    octant = np.column_stack([across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)])
     faces = _grid(len(angles), len(angles))
     parts = []
     for signs in product((1.0, -1.0), repeat=3):

@@ -63,16 +63,11 @@ def figure(analysis: Analysis) -> Any:
     names = page.axes[1].get_legend_handles_labels()
     page.legend(*names, ncols=5, fontsize=10, loc="outside upper right")
     page.align_ylabels()
-    width = a.smooth.bandwidth
-    page.suptitle(
-        f"{Path(a.motion.source).name}   "
-        f"({len(a.smooth.time)} samples; fluid {a.arm.fluid_density:g} kg/m³; "
-        f"{a.smooth.method}{'' if width is None else f' {width:.3g} Hz'}; "
-        f"motor constants: {a.actuators[0].constants})",
-        fontsize=12,
-        x=0.01,
-        ha="left",
-    )
+    width = "" if a.smooth.bandwidth is None else f" {a.smooth.bandwidth:.3g} Hz"
+    fluid = f"{len(a.smooth.time)} samples; fluid {a.arm.fluid_density:g} kg/m³"
+    method = f"{a.smooth.method}{width}; motor constants: {a.actuators[0].constants}"
+    title = f"{Path(a.motion.source).name}   ({fluid}; {method})"
+    page.suptitle(title, fontsize=12, x=0.01, ha="left")
     return page
 
 

@@ -80,9 +80,8 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
             return
         commands: list[bytes] = []
         for node in walk(self.tree):
-            commands += filter(
-                None, [node.object, *node.properties, node.transform, node.animation]
-            )
+            parts = [node.object, *node.properties, node.transform, node.animation]
+            commands += filter(None, parts)
         self.zmq_socket.send(page.static_page(self._scene(), commands).encode("utf-8"))
 
 

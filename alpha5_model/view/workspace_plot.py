@@ -146,13 +146,10 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     line = {"arrowstyle": "-", "lw": 0.6}
     views[0].annotate("theta_0 stops", (-300, 20), (-385, 330), fontsize=8, arrowprops=line)
     found = workspace.sampled_share(without_self_collision, samples)
-    page.suptitle(
-        f"{1 - found.share:.1%} ± {found.standard_error:.1%} of the reachable volume is reached only in "
-        "self-collision",
-        fontsize=11,
-    )
-    bar = page.colorbar(image, ax=views, shrink=0.8, pad=0.02)
-    bar.set_label("reached only in self-collision (%)")
+    hit = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
+    title = f"{hit} of the reachable volume is reached only in self-collision"
+    page.suptitle(title, fontsize=11)
+    page.colorbar(image, ax=views, shrink=0.8, pad=0.02, label="reached only in self-collision (%)")
     return page
 
 
@@ -180,11 +177,9 @@ def _draw_exact(axes: Any) -> None:
         (Color.BLACK, ":", "theta_2 (axis_c) at a limit"),
     ):
         axes.plot([], [], line, color=color, label=text)
-    axes.set_title(
-        "Reachable within the joint limits\n"
-        f"{workspace.cross_section_area() * 1e4:.0f} cm² of the half-plane, "
-        f"{workspace.volume() * 1e3:.1f} L in all"
-    )
+    area, volume = workspace.cross_section_area() * 1e4, workspace.volume() * 1e3
+    size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
+    axes.set_title(f"Reachable within the joint limits\n{size}")
 
 
 def _draw_published(axes: Any) -> None:
@@ -199,11 +194,9 @@ def _draw_published(axes: Any) -> None:
     _fill(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
     _fill(axes, workspace.published_but_unreachable(), Color.VERMILION, alpha=0.55, label=wrong)
     _fill(axes, workspace.reachable_but_unpublished(), Color.GREEN, alpha=0.55, label=missed)
-    axes.set_title(
-        "The document's workspace (Section 1.2)\n"
-        f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached, "
-        f"it misses {e.missed_volume / e.reachable_volume:.1%}"
-    )
+    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached"
+    missed = f"it misses {e.missed_volume / e.reachable_volume:.1%}"
+    axes.set_title(f"The document's workspace (Section 1.2)\n{wrong}, {missed}")
 
 
 def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArray]:
