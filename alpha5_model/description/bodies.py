@@ -149,9 +149,11 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
     return _after(3, wrist, last.theta_offset)
 
 
-def dh_placements(parameters: Alpha5Parameters) -> dict[str, Placement]:
-    """Poses of the DH frames {1} to {5}, keyed ``dh_1`` to ``dh_5``."""
+def fixed_frames(parameters: Alpha5Parameters) -> dict[str, Placement]:
+    """Frames that stand still in their parents: link_0, tcp, and the DH frames, ``dh_1`` to ``dh_5``."""
     return {
+        "link_0": base_placement(parameters),
+        "tcp": tcp_placement(parameters),
         **{f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])},
         "dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset)),
     }

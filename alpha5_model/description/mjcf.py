@@ -18,25 +18,11 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import (
-    Body,
-    Placement,
-    arm_bodies,
-    base_placement,
-    provenance,
-    tcp_placement,
-)
+from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
-from alpha5_model.description.xml_text import (
-    Value,
-    add,
-    add_provenance,
-    serialized,
-    template,
-    text_of,
-)
+from alpha5_model.description.xml_text import Value, add, document, serialized, template, text_of
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
@@ -112,15 +98,9 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
 
 
 def _readme(options: MjcfOptions) -> str:
-    return template("mjcf_readme.md").format(
-        **provenance(parameters(options.corrections)),
-        gripper=options.gripper,
-        density=options.fluid_density,
-        actuators=options.actuators,
-        drag="on" if options.drag else "off",
-        dilution=DILUTION,
-        jaws=_JAWS[options.gripper],
-    )
+    source = provenance(parameters(options.corrections))
+    said = {**vars(options), **source, "drag": "on" if options.drag else "off"}
+    return template("mjcf_readme.md").format(**said, dilution=DILUTION, jaws=_JAWS[options.gripper])
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -134,8 +114,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     values = parameters(chosen.corrections)
     bodies = arm_bodies(values, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
-    root = ET.Element("mujoco", model="alpha5")
-    add_provenance(root, values)
+    root = document(values, "mujoco", model="alpha5")
     # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
     add(root, "compiler", angle="radian", eulerseq="XYZ", autolimits="true", meshdir="assets")
     option = add(root, "option", integrator="implicitfast", gravity=GRAVITY)
@@ -181,7 +160,7 @@ def _worldbody(
     root: ET.Element, values: Alpha5Parameters, bodies: tuple[Body, ...], options: MjcfOptions
 ) -> None:
     base = add(add(root, "worldbody"), "body", name="base_link", childclass="alpha5")
-    elements = {base_placement(values).parent: base}
+    elements = {"base_link": base}
     for body in bodies:
         parent = elements[body.placement.parent]
         element = elements[body.name] = add(parent, "body", name=body.name, **_pose(body.placement))

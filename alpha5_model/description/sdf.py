@@ -19,7 +19,7 @@ from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Mesh, Placement, arm_bodies, tcp_placement
 from alpha5_model.description.meshes import mesh_assets
-from alpha5_model.description.xml_text import add, add_provenance, serialized, template, text_of
+from alpha5_model.description.xml_text import add, document, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
@@ -95,8 +95,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
 
 def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
     values = parameters(options.corrections)
-    root = ET.Element("sdf", version=SDF_VERSION)
-    add_provenance(root, values)
+    root = document(values, "sdf", version=SDF_VERSION)
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import JointRange, parameters
+from alpha5_model.published.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
 #:
@@ -21,25 +23,17 @@ NAMED_POSES: dict[str, tuple[float, float, float, float]] = {
     "reach": (math.pi, math.pi / 2, math.pi, math.pi / 2),
 }
 
+Pairs = tuple[tuple[str, str], ...]
 #: Pairs that turn against each other at a joint; their collision bodies overlap there.
-ADJACENT_PAIRS: tuple[tuple[str, str], ...] = (
-    ("link_0", "link_1"),
-    ("link_1", "link_2"),
-    ("link_2", "link_3"),
-    ("link_3", "link_4"),
+ADJACENT_PAIRS: Pairs = (
+    *pairwise(BODY_NAMES),
     ("link_4", "finger_1"),
     ("link_4", "finger_2"),
 )
 #: Fingers that touch when the jaws close.
-CLOSING_PAIRS: tuple[tuple[str, str], ...] = (("finger_1", "finger_2"),)
+CLOSING_PAIRS: Pairs = (("finger_1", "finger_2"),)
 #: Pairs that no joint position brings together: links 1 and 3 are held apart by link 2.
-NEVER_PAIRS: tuple[tuple[str, str], ...] = (
-    ("link_1", "link_3"),
-    ("link_3", "finger_1"),
-    ("link_3", "finger_2"),
-)
-
-
+NEVER_PAIRS: Pairs = (("link_1", "link_3"), ("link_3", "finger_1"), ("link_3", "finger_2"))
 #: All of them: reason in the words of SRDF -> pairs.
 UNCHECKED_PAIRS = {"Adjacent": ADJACENT_PAIRS, "Default": CLOSING_PAIRS, "Never": NEVER_PAIRS}
 

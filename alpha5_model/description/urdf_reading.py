@@ -335,16 +335,10 @@ class _Reader:
             factors = (key for key in ("multiplier", "offset") if key in mimic.attrib)
             follower = {key: self.number(mimic, key) for key in factors}
             follower["mimic"] = self.attribute(mimic, "joint")
+        (parent, child), placed = ends, self.pose(element)
+        texts = ("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", ""))
         return UrdfJoint(
-            name=name,
-            kind=kind,
-            parent=ends[0],
-            child=ends[1],
-            transform=self.pose(element),
-            axis=axis,
-            **limits,
-            **follower,
-            printed=("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", "")),
+            name, kind, parent, child, placed, axis, **limits, **follower, printed=texts
         )
 
 

@@ -18,14 +18,7 @@ import numpy as np
 
 from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.description.bodies import (
-    Body,
-    arm_bodies,
-    base_placement,
-    dh_placements,
-    provenance,
-    tcp_placement,
-)
+from alpha5_model.description.bodies import Body, arm_bodies, fixed_frames, provenance
 from alpha5_model.description.xml_text import text_of
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
 from alpha5_model.files import read_named
@@ -97,10 +90,8 @@ class Variant:
                 )
             if name in ("prefix", "parent") and " " in text:
                 raise InputError(name, text, "a name without spaces")
-        if self.ros2_control_plugin != _PLUGIN and not self.ros2_control:
-            raise InputError(
-                "ros2_control_plugin", self.ros2_control_plugin, "ros2_control with it"
-            )
+            if name == "ros2_control_plugin" and text != _PLUGIN and not self.ros2_control:
+                raise InputError(name, text, "ros2_control with it")
 
 
 def urdf(variant: Variant | None = None) -> str:
@@ -115,9 +106,7 @@ def urdf(variant: Variant | None = None) -> str:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
         values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
-        arguments = {
-            name: _xacro_text(x) for name, x in vars(chosen).items() if name != "corrections"
-        }
+        arguments = {k: _xacro_text(x) for k, x in vars(chosen).items() if k != "corrections"}
         text = expand_xacro(XACRO_PATH, {**arguments, "parameters": str(values)})
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
@@ -140,41 +129,35 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
     content = {
         "provenance": source,
         "materials": {m.name: list(m.rgba) for m in MATERIALS},
-        "links": {body.name: _body(body) for body in locked},
-        "joints": _joints(locked),
-        "frames": {
-            "link_0": asdict(base_placement(parameters)),
-            "tcp": asdict(tcp_placement(parameters)),
-            **{name: asdict(frame) for name, frame in dh_placements(parameters).items()},
-        },
-        "jaws": {
-            "links": {body.name: _body(body) for body in jaws},
-            "joints": _joints(jaws[1:]),
-        },
+        **_tree(locked),
+        "frames": {name: asdict(frame) for name, frame in fixed_frames(parameters).items()},
+        "jaws": _tree(jaws),
     }
     text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
     return _HEAD.format(**source) + text
 
 
-def _body(body: Body) -> dict[str, Any]:
-    return {
-        "mass": body.mass,
-        "com": body.com.tolist(),
-        "inertia": body.moments,
-        "collision": [asdict(shape) for shape in body.shapes],
+def _tree(bodies: tuple[Body, ...]) -> dict[str, Any]:
+    """Links, and the joints of all but the first: link_0 has none, link_4's is among the arm's."""
+    links = {
+        body.name: {
+            "mass": body.mass,
+            "com": body.com.tolist(),
+            "inertia": body.moments,
+            "collision": [asdict(shape) for shape in body.shapes],
+        }
+        for body in bodies
     }
-
-
-def _joints(bodies: tuple[Body, ...]) -> dict[str, Any]:
-    return {
+    joints = {
         body.joint.name: {
             **asdict(body.placement),
             "child": body.name,
             **{key: getattr(body.joint, key) for key in _JOINT if hasattr(body.joint, key)},
         }
-        for body in bodies
+        for body in bodies[1:]
         if body.joint is not None
     }
+    return {"links": links, "joints": joints}
 
 
 def expand_xacro(

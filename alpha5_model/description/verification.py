@@ -24,14 +24,10 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.committed import NOT_DRAWN, can_draw, stale_files
 from alpha5_model.description.verification_text import (
+    CHECKS,
     Subject,
     closed_jaws,
-    impossible_links,
-    inertial_differences,
     jaw_limit_differences,
-    joint_differences,
-    missing_names,
-    stray_masses,
 )
 from alpha5_model.dh.urdf import urdf_model
 from alpha5_model.errors import FileFormatError, MissingFileError
@@ -106,31 +102,17 @@ def verify_urdf(
         MissingFileError, FileFormatError: The file cannot be read as a URDF at all.
         UnknownNameError: A correction that is not recorded.
     """
-    text, p = Subject.read(path), parameters(corrections)
-    q = configurations(p, samples)
+    text = Subject.read(path, parameters(corrections))
+    q = configurations(text.expected, samples)
     rows = [
-        _listed(text, "names", missing_names(text, p), "links and joints of the arm"),
-        _listed(text, "joints", joint_differences(text, p), "parents, axes, types and limits"),
-        _listed(
-            text,
-            "inertias",
-            inertial_differences(text),
-            "masses, COMs and tensors are Table 2's, to the last bit",
-        ),
-        _listed(
-            text, "stray masses", stray_masses(text), "massless frames say that they are massless"
-        ),
-        _listed(text, "physics", impossible_links(text), "every link with mass is a possible body"),
+        *(_listed(text, name, find(text), claim) for name, (find, claim) in CHECKS.items()),
         _check_urdf(text),
-        _frames("Pinocchio", text, p, q, pinocchio_frames, FRAME_BOUND),
-        _frames("yourdfpy", text, p, q[:: max(1, len(q) // 100)], yourdfpy_frames, YOURDFPY_BOUND),
+        _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND),
+        _frames("yourdfpy", text, q[:: max(1, len(q) // 100)], yourdfpy_frames, YOURDFPY_BOUND),
     ]
     if text.jaws:
-        limits = jaw_limit_differences(text, p)
-        rows += [
-            _closed_jaws(text),
-            _listed(text, "jaw limits", limits, "rod and finger limits agree"),
-        ]
+        limits, claim = jaw_limit_differences(text), "rod and finger limits agree"
+        rows += [_closed_jaws(text), _listed(text, "jaw limits", limits, claim)]
     return tuple(rows)
 
 
@@ -158,22 +140,20 @@ def _check_urdf(text: Subject) -> FileCheck:
     return row("failed", words[:200] or f"exit status {done.returncode}")
 
 
-#: From the file, names of its frames, base_link first, and of its joints, both without prefix, and joint
-#: positions (N, 4) to the frames' poses in base_link, N times (F, 4, 4).
-_Tool = Callable[[Subject, list[str], list[str], FloatArray], Iterator[list[FloatArray]]]
+#: From the file, names of its frames without prefix, base_link first, and joint positions (N, 4) to the
+#: frames' poses in base_link, N times (F, 4, 4).
+_Tool = Callable[[Subject, list[str], FloatArray], Iterator[list[FloatArray]]]
 
 
-def _frames(
-    tool: str, text: Subject, p: Alpha5Parameters, q: FloatArray, compute: _Tool, bound: float
-) -> FileCheck:
+def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: float) -> FileCheck:
     """Forward kinematics of every frame by another tool against `dh_product`."""
     row = partial(FileCheck, text.path.name, f"frames, {tool}")
-    expected = dh_product(p, q)
+    expected = dh_product(text.expected, q)
     wanted = [n for n in expected if n[:3] != "dh_" or text.prefix + n in text.links]
     if absent := [n for n in wanted if text.prefix + n not in text.links]:
         return row("failed", f"no link {', '.join(absent)} to compute")
     try:
-        given = np.array(list(compute(text, wanted, [j.name for j in p.joints[:4]], q)))
+        given = np.array(list(compute(text, wanted, q)))
     except ImportError:
         return row("not run", f"{tool} is not installed")
     except Exception as error:  # whatever a foreign parser raises means that it cannot load it
@@ -248,17 +228,15 @@ def frame_error(given: FloatArray, expected: FloatArray) -> float:
     return float(max(shift, np.arctan2(sine, cosine).max()))
 
 
-def pinocchio_frames(
-    text: Subject, links: list[str], joints: list[str], q: FloatArray
-) -> Iterator[list[FloatArray]]:
+def pinocchio_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator[list[FloatArray]]:
     """Poses of the links by Pinocchio; see `_Tool`."""
     import pinocchio as pin
 
     model = urdf_model(text.path)
     data = model.createData()
-    if absent := [n for n in joints if not model.existJointName(text.prefix + n)]:
+    if absent := [n for n in text.turning if not model.existJointName(text.prefix + n)]:
         raise ValueError(f"no movable joint {', '.join(absent)}")
-    columns = [model.joints[model.getJointId(text.prefix + n)].idx_q for n in joints]
+    columns = [model.joints[model.getJointId(text.prefix + n)].idx_q for n in text.turning]
     frames = [model.getFrameId(text.prefix + n, pin.FrameType.BODY) for n in links]
     position = pin.neutral(model)
     for row in q:
@@ -268,14 +246,12 @@ def pinocchio_frames(
         yield [(home * data.oMf[frame]).homogeneous for frame in frames]
 
 
-def yourdfpy_frames(
-    text: Subject, links: list[str], joints: list[str], q: FloatArray
-) -> Iterator[list[FloatArray]]:
+def yourdfpy_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator[list[FloatArray]]:
     """Poses of the links by yourdfpy; see `_Tool`."""
     import yourdfpy
 
     robot = yourdfpy.URDF.load(str(text.path), load_meshes=False, build_scene_graph=True)
-    names = [text.prefix + n for n in joints]
+    names = [text.prefix + n for n in text.turning]
     for row in q:
         robot.update_cfg(dict(zip(names, row, strict=True)))
         yield [robot.get_transform(text.prefix + n, text.prefix + links[0]) for n in links]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,8 +16,8 @@ from alpha5_model.description.urdf_reading import LIMITS, UrdfJoint, UrdfRobot, 
 from alpha5_model.inertia import inconsistencies, pseudo_inertia
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published import published
+from alpha5_model.published.tables import BODY_NAMES
 
-LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
 JAW_LINKS = ("jaw_rod", "finger_1", "finger_2")
 
 
@@ -27,23 +28,30 @@ class Subject(UrdfRobot):
     Attributes:
         path: The file.
         prefix: What stands before ``base_link`` in it.
+        expected: What it should say.
     """
 
     path: Path
     prefix: str
+    expected: Alpha5Parameters
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Subject:
+    def read(cls, path: str | os.PathLike[str], expected: Alpha5Parameters) -> Subject:
         """Read a file; see `read_urdf` for what it raises."""
         robot = read_urdf(Path(path))
         base = [name for name in robot.links if name.endswith("base_link")]
         prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
-        return cls(**vars(robot), path=Path(path), prefix=prefix)
+        return cls(**vars(robot), path=Path(path), prefix=prefix, expected=expected)
 
     @property
     def jaws(self) -> bool:
         """Whether there is a link of moving jaws."""
         return any(self.prefix + name in self.links for name in JAW_LINKS)
+
+    @property
+    def turning(self) -> list[str]:
+        """Names of the arm's four joints, without prefix."""
+        return [joint.name for joint in self.expected.joints[:4]]
 
     @property
     def carriers(self) -> dict[str, UrdfJoint]:
@@ -72,20 +80,20 @@ def _opposite_products(tensor: FloatArray) -> FloatArray:
     return np.where(np.eye(3, dtype=bool), tensor, -tensor)
 
 
-def missing_names(text: Subject, p: Alpha5Parameters) -> list[str]:
+def _missing_names(text: Subject) -> list[str]:
     """Links and joints of the arm that are not there."""
-    links = ["base_link", *LINKS, "tcp", *(JAW_LINKS if text.jaws else ())]
-    joints = [joint.name for joint in p.joints[: 5 if text.jaws else 4]]
+    links = ["base_link", *BODY_NAMES, "tcp", *(JAW_LINKS if text.jaws else ())]
+    joints = [joint.name for joint in text.expected.joints[: 5 if text.jaws else 4]]
     return [
         *(f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links),
         *(f"no joint {text.prefix}{n}" for n in joints if text.prefix + n not in text.joints),
     ]
 
 
-def joint_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
+def _joint_differences(text: Subject) -> list[str]:
     """Types, parents, children, axes and limits that are not the arm's."""
     found = []
-    for i, joint in enumerate(p.joints):
+    for i, joint in enumerate(text.expected.joints):
         given = text.joints.get(text.prefix + joint.name)
         if given is None:
             continue
@@ -102,7 +110,7 @@ def joint_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
     return found
 
 
-def inertial_differences(text: Subject) -> list[str]:
+def _inertial_differences(text: Subject) -> list[str]:
     """Masses, COMs and tensors that are not Table 2's, to the last bit.
 
     With jaws, link 4 is in four parts and `closed_jaws` compares their sum.
@@ -137,13 +145,13 @@ def _usual_mistake(given: FloatArray, tensor: FloatArray, at_link: FloatArray) -
     return " (it is I_Link)" if alike(np.abs(given), np.abs(at_link)) else ""
 
 
-def stray_masses(text: Subject) -> list[str]:
+def _stray_masses(text: Subject) -> list[str]:
     """Links beside the arm's that weigh something, and massless frames that do not say so."""
     mine = {text.prefix + "base_link"}  # and what it carries, not what it is mounted on
     for joint in text.joints.values():  # from the root outwards
         if joint.parent in mine:
             mine.add(joint.child)
-    heavy = {text.prefix + name for name in (*LINKS, *(JAW_LINKS if text.jaws else ()))}
+    heavy = {text.prefix + name for name in (*BODY_NAMES, *(JAW_LINKS if text.jaws else ()))}
     found = []
     for name in mine - heavy:
         given = text.links.get(name)
@@ -155,7 +163,7 @@ def stray_masses(text: Subject) -> list[str]:
     return sorted(found)
 
 
-def impossible_links(text: Subject) -> list[str]:
+def _impossible_links(text: Subject) -> list[str]:
     """Links that cannot be bodies; see `alpha5_model.inertia.inconsistencies`."""
     return [
         f"{name}: {problem}"
@@ -163,6 +171,16 @@ def impossible_links(text: Subject) -> list[str]:
         if given.mass is not None and (given.mass or given.inertia.any())
         for problem in inconsistencies(given.mass, given.com, given.inertia)
     ]
+
+
+#: Check -> what it finds, and what it claims if that is nothing.
+CHECKS: dict[str, tuple[Callable[[Subject], list[str]], str]] = {
+    "names": (_missing_names, "links and joints of the arm"),
+    "joints": (_joint_differences, "parents, axes, types and limits"),
+    "inertias": (_inertial_differences, "masses, COMs and tensors are Table 2's, to the last bit"),
+    "stray masses": (_stray_masses, "massless frames say that they are massless"),
+    "physics": (_impossible_links, "every link with mass is a possible body"),
+}
 
 
 def closed_jaws(text: Subject) -> float | None:
@@ -197,20 +215,20 @@ def closed_jaws(text: Subject) -> float | None:
     return float((np.abs(total - printed) / scale).max())
 
 
-def jaw_limit_differences(text: Subject, p: Alpha5Parameters) -> list[str]:
+def jaw_limit_differences(text: Subject) -> list[str]:
     """Fingers whose range or speed is not what the rod's range and speed make of them."""
     rod = text.joints.get(text.prefix + "axis_a")
     if rod is None or rod.lower is None or rod.upper is None or rod.velocity is None:
         return ["axis_a: no limits"]
-    found = []
+    found, nominal = [], text.expected.jaws.finger_turn
     for child in (text.prefix + "finger_1", text.prefix + "finger_2"):
         finger = text.carriers.get(child)
         if finger is None or finger.mimic != rod.name:
             found.append(f"{child}: no joint that follows {rod.name}")
             continue
         turn = finger.multiplier
-        if abs(turn) != p.jaws.finger_turn:
-            found.append(f"{finger.name}: {turn:g} rad/m, expected {p.jaws.finger_turn:g} rad/m")
+        if abs(turn) != nominal:
+            found.append(f"{finger.name}: {turn:g} rad/m, expected {nominal:g} rad/m")
         ends = sorted(turn * end + finger.offset for end in (rod.lower, rod.upper))
         made = {"lower": ends[0], "upper": ends[1], "velocity": abs(turn) * rod.velocity}
         for key, value in made.items():

@@ -13,16 +13,11 @@ from alpha5_model.parameters import Alpha5Parameters
 Value = str | float | Iterable[float] | None
 
 
-def numbers_text(*values: float) -> str:
-    """The values, separated by spaces, each so that it reads back as the same double."""
-    return " ".join(repr(float(value)) for value in values)
-
-
 def text_of(value: str | float | Iterable[float]) -> str:
-    """A text as it is, a number or numbers as `numbers_text`."""
+    """A text as it is; numbers separated by spaces, each so that it reads back as the same double."""
     if isinstance(value, str):
         return value
-    return numbers_text(*value) if isinstance(value, Iterable) else numbers_text(value)
+    return " ".join(repr(float(x)) for x in (value if isinstance(value, Iterable) else (value,)))
 
 
 def add(parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value) -> ET.Element:
@@ -31,11 +26,12 @@ def add(parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Val
     return ET.SubElement(parent, tag, {k: text_of(v) for k, v in given.items() if v is not None})
 
 
-def add_provenance(root: ET.Element, values: Alpha5Parameters) -> None:
-    """Comments that say where the numbers are from."""
-    source = provenance(values)
+def document(values: Alpha5Parameters, tag: str, **attributes: str) -> ET.Element:
+    """A root element with comments that say where the numbers are from."""
+    root, source = ET.Element(tag, attributes), provenance(values)
     root.append(ET.Comment(f" Generated from: {source['document']}. "))
     root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
+    return root
 
 
 def template(name: str) -> str:

@@ -14,17 +14,18 @@ from alpha5_model.published import tables as t
 from alpha5_model.published.quantity import Quantity
 
 _DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
+_EARLIER = "earlier_revision.toml"
 _HEAD = ("title", "publisher", "version", "date")
 
 
 @cache
 def load() -> t.Published:
     """The two data files of this folder; see `alpha5_model.published`."""
-    folder = Path(__file__).parent
-    document, supplementary = (
-        (folder / name).read_text(encoding="utf-8") for name in (_DOCUMENT, _SUPPLEMENTARY)
-    )
-    return parse(document, supplementary)
+    return parse(_text(_DOCUMENT), _text(_SUPPLEMENTARY))
+
+
+def _text(name: str) -> str:
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def parse(document_text: str, supplementary_text: str) -> t.Published:
@@ -53,8 +54,7 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
 
 def earlier_revision() -> tuple[t.EarlierRow, ...]:
     """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
-    path = Path(__file__).with_name("earlier_revision.toml")
-    root = _root(path.name, path.read_text(encoding="utf-8")).table("status", "source", "table")
+    root = _root(_EARLIER, _text(_EARLIER)).table("status", "source", "table")
     _status(root), root["source"].text()
     table = root["table"].table("units", "rows")
     _check_units(t.EarlierRow, table["units"])
@@ -79,12 +79,9 @@ class _Node:
         """Itself, if it is a table with these keys and no other: a misspelt one must not vanish."""
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a table, got {self.value!r}")
-        for key in keys:
-            if key not in self.value:
-                raise self[key].fail("missing")
-        for key in self.value:
-            if key not in keys:
-                raise self[key].fail("unknown key")
+        for key in (*keys, *self.value):
+            if key not in self.value or key not in keys:
+                raise self[key].fail("unknown key" if key in self.value else "missing")
         return self
 
     def items(self, count: int, what: str) -> list[_Node]:
@@ -186,10 +183,10 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
     node.table("number", "section", "caption", "units", "rows", *more)
     units = _check_units(record, node["units"])
-    rows = _rows(record, node["rows"])
-    origins = node["origins"].table(*units) if "origins" in more else None
-    said = {name: origins[name].text() for name in units} if origins else {}
-    return t.Table(_source(head, node), rows, said)
+    rows, origins = _rows(record, node["rows"]), {}
+    if "origins" in more:
+        origins = {name: node["origins"].table(*units)[name].text() for name in units}
+    return t.Table(_source(head, node), rows, origins)
 
 
 def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
