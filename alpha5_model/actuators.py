@@ -7,23 +7,24 @@ With motor speed ``w = ratio * velocity`` and, at the motor shaft, gearbox input
     T = torque * eta / ratio                   the joint drives the motor  (torque * velocity < 0)
     u = R i + L di/dt + K_e w                  winding
 
-At rest the direction of friction and gear loss is undefined: `Actuator.current` then leaves both out,
-and `Actuator.holding_current` gives the whole interval of currents at which the joint stays still.
+At rest the direction of friction and gear loss is undefined: `Actuator.current` then leaves both
+out, and `Actuator.holding_current` gives the whole interval of currents at which the joint stays
+still.
 
-**The printed motor constants contradict each other.** In SI units K_t [N m/A] and K_v [V s/rad] of one
-motor are the same number, because the power ``K_v w i`` that leaves the winding is the power
-``K_t i w`` that reaches the shaft. Table 4 prints two numbers (`Actuator.constants_ratio`: K_t is about
-15 % above K_v for actuators 0 to 2 and half of it for 3 and 4; factors near 2/sqrt(3) and 1/2 would
-arise from constants given per phase and line to line, but the document does not say). Which ones to
-believe is the caller's choice, `constants`:
+**The printed motor constants contradict each other.** In SI units K_t [N m/A] and K_v [V s/rad] of
+one motor are the same number, because the power ``K_v w i`` that leaves the winding is the power
+``K_t i w`` that reaches the shaft. Table 4 prints two numbers (`Actuator.constants_ratio`: K_t is
+about 15 % above K_v for actuators 0 to 2 and half of it for 3 and 4; factors near 2/sqrt(3) and 1/2
+would arise from constants given per phase and line to line, but the document does not say). Which
+ones to believe is the caller's choice, `constants`:
 
-- ``"printed"``: K_t for torque, K_v for voltage, as printed; then electrical and mechanical power do
-  not balance, and `ActuatorPower.contradiction` holds what is left over;
+- ``"printed"``: K_t for torque, K_v for voltage, as printed; then electrical and mechanical power
+  do not balance, and `ActuatorPower.contradiction` holds what is left over;
 - ``"torque"``: K_t for both; ``"voltage"``: K_v for both.
 
 Not published, hence without default: rotor inertia, the lead of the jaw's screw, supply voltage and
-current limit. Friction F carries its printed tolerance; eta is the printed *highest* efficiency, so that
-currents are on the low side while driving. An effort rating is not published either.
+current limit. Friction F carries its printed tolerance; eta is the printed *highest* efficiency, so
+that currents are on the low side while driving. An effort rating is not published either.
 
 References:
     [ReachAlpha] Manufacturer's document, Section 2.2.1, Table 4.
@@ -191,7 +192,7 @@ class Actuator:
         return Interval((ends.min(axis=0) - friction) / k, (ends.max(axis=0) + friction) / k)
 
     def holding_torque(self, current: ArrayLike = 0.0) -> Interval:
-        """Loads under which the joint stays still at a current, [N m]: `holding_current` inverted."""
+        """Loads [N m] under which the joint stays still at a current: inverts `holding_current`."""
         (i,) = _numbers(current=current)
         shaft, friction = self.torque_constant * i, self.parameters.friction
         low, high = shaft - friction, shaft + friction
@@ -292,7 +293,7 @@ class Actuator:
     # Uncertainty ----------------------------------------------------------------------------
 
     def extremes(self) -> tuple[Actuator, Actuator]:
-        """This actuator with the smallest and with the largest friction of the printed tolerance."""
+        """This actuator with the least and with the greatest friction of the printed tolerance."""
         p = self.parameters
         low, high = (
             replace(p, friction=p.friction * (1 + sign * p.friction_tolerance)) for sign in (-1, 1)

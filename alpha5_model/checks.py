@@ -1,4 +1,4 @@
-"""Input checks, in one place: what comes in is a float array of the right shape, or an error."""
+"""Input checks: each returns what it was given in the type to compute with, or raises."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Kind = TypeVar("Kind")
 #: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion
 #: from 1, before it is refused: URDFs and logs print some seven digits.
 ROTATION_TOLERANCE = 1e-6
-#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has more
-#: than five such factors (energy: mass, length twice, speed twice), so that none overflows; the sixth
-#: root leaves room for sums.
+#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has
+#: more than five such factors (energy: mass, length twice, speed twice), so that none overflows; a
+#: sixth root leaves room for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
 
 
@@ -29,15 +29,16 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
     Args:
         name: Name of the argument, for the message.
-        value: Anything NumPy reads as real numbers; not what has a mask or a unit, which it would drop.
+        value: Anything NumPy reads as real numbers; not what has a mask or a unit, which it would
+            drop.
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
         A float64 array of shape (..., \\*trailing); the caller's own array if it already is one.
 
     Raises:
-        InputError: Not real numbers (strings, complex, truth values, ragged lists, None), or more than
-            numbers (masked arrays and other subclasses of NumPy's, quantities with a unit).
+        InputError: Not real numbers (strings, complex, truth values, ragged lists, None), or more
+            than numbers (masked arrays and other subclasses of NumPy's, quantities with a unit).
         ShapeError: Wrong trailing shape.
         NonFiniteError: NaN or infinity; the first bad index is named.
     """
@@ -60,7 +61,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
 
 
 def _plain(value: Any) -> bool:
-    """Whether it holds numbers only, at any depth of lists: NumPy silently drops masks and units."""
+    """Whether it holds only numbers, at any depth of lists; NumPy drops masks and units."""
     kind = type(value)
     if kind in (np.ndarray, np.float64, float, int):
         return True
@@ -123,7 +124,7 @@ def real(name: str, value: Any, minimum: float | None = None, strict: bool = Fal
 
 
 def flag(name: str, value: Any) -> bool:
-    """Check True or False; 1, "no" and arrays have no truth that a caller can rely on.
+    """Check True or False; the truth of 1, "no" or an array may not be what the caller meant.
 
     Raises:
         InputError: Anything else.
@@ -230,7 +231,7 @@ def is_rotation(matrix: FloatArray) -> BoolArray:
 
 
 def is_rigid(transform: FloatArray) -> BoolArray:
-    """Which of (..., 4, 4) are rigid transforms: a rotation, a translation, a last row 0 0 0 1: (...)."""
+    """Which of (..., 4, 4) are a rotation, a translation and a last row 0 0 0 1: (...)."""
     last = (transform[..., 3, :] == (0, 0, 0, 1)).all(axis=-1)
     return np.asarray(is_rotation(transform[..., :3, :3]) & last)
 

@@ -1,8 +1,8 @@
 """The one tree of errors.
 
-Every error is an :class:`Alpha5Error` and also the built-in that fits, so that both
-``except Alpha5Error`` and ``except ValueError`` do what a caller expects. Messages are one line that
-names what was given, what was expected and, where there is a choice, the possible choices.
+Every error is an :class:`Alpha5Error` and also the built-in that fits, so that both ``except
+Alpha5Error`` and ``except ValueError`` do what a caller expects. Messages are one line that names
+what was given, what was expected and, where there is a choice, the possible choices.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ import pickle
 from collections.abc import Iterable
 from typing import Any
 
-#: Letters of a message; beyond, its middle is left out.
+#: Longest message in characters; the middle of a longer one is left out.
 _LONGEST = 1000
 
 
 class Alpha5Error(Exception):
     """Root of all errors of this package.
 
-    Each one can be copied and pickled, message and attributes included, and so reaches the caller of a
-    worker process; an attribute that cannot be pickled arrives as its printed form.
+    Each one can be copied and pickled, message and attributes included, and so reaches the caller
+    of a worker process; an attribute that cannot be pickled arrives as its printed form.
     """
 
     def __init__(self, message: str) -> None:
@@ -125,8 +125,8 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
         self.index, self.position = index, position
         self.step, self.max_step = step, max_step
         super().__init__(
-            f"positions[{index}] = {_metres(position)} has no continuation within the joint limits: a joint "
-            f"would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
+            f"positions[{index}] = {_metres(position)} has no continuation within the joint "
+            f"limits: a joint would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
         )
 
 

@@ -1,4 +1,4 @@
-"""Files named by the user: read, or written completely or not at all, replacing plain files only."""
+"""Files named by the user: read, or written as a whole or not at all; only plain ones replaced."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
         files: Target -> text (written as UTF-8, newlines as they are) or bytes.
 
     Raises:
-        OutputError: A target cannot be written, is a folder or a socket, or stands for the same file
-            as another one; plain files that stood there are untouched.
+        OutputError: A target cannot be written, is a folder or a socket, or stands for the same
+            file as another one; plain files that stood there are untouched.
     """
     data: dict[Path, bytes] = {}
     plain: dict[Path, Path] = {}
@@ -108,7 +108,7 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
 
 
 def _undo(real: Path, spare: Path) -> Callable[[], object]:
-    """How to put back what stands there, by a second name where the file system has such."""
+    """Puts back the file that is there now; keeps it by a hard link, where the system has them."""
     if not real.exists():
         return partial(real.unlink, missing_ok=True)
     with suppress(OSError):
@@ -135,7 +135,7 @@ def is_stdout(path: PathLike) -> bool:
 
 
 def output_format(kind: str, path: PathLike, formats: Sequence[str]) -> str:
-    """Suffix of a path to write, one of ``formats``; the first of them for ``-``, devices and pipes.
+    """Suffix of a path to write, one of ``formats``; the first one for ``-``, devices and pipes.
 
     Raises:
         UnknownNameError: Another suffix, or none.
@@ -208,7 +208,7 @@ def _plain_file(target: Path) -> Path | None:
 
 
 def _descriptor(state: os.stat_result) -> int | None:
-    """The standard stream that this is: what is printed there must not be cut off."""
+    """Number of the standard stream that a file is, which must not be truncated."""
     for number in (1, 2):
         with suppress(OSError):
             if os.path.samestat(os.fstat(number), state):

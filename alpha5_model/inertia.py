@@ -6,10 +6,10 @@ prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (.
 input raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
 
 References:
-    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent inertial
-        parameter identification, IEEE RA-L 3(1), 2018.
-    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully physical consistent
-        inertial parameters using optimization on manifolds, IROS 2016.
+    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent
+        inertial parameter identification, IEEE RA-L 3(1), 2018.
+    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully physical
+        consistent inertial parameters using optimization on manifolds, IROS 2016.
     [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly 107(4), 2000.
     [ReachAlpha] Manufacturer's document, Section 2.1.
 """
@@ -199,12 +199,12 @@ def inconsistencies(
 ) -> tuple[str, ...]:
     """What makes one body physically impossible; empty if nothing does.
 
-    Positive mass, a symmetric and positive definite tensor, the triangle inequality of the principal
-    moments, and a positive definite pseudo-inertia [Traversaro2016, Wensing2018]. With the
-    body's outer bounds also: the COM lies inside, and along each axis the variance of the mass is at
-    most ``(max - com)(com - min)`` [Bhatia2000]. The bounds find what the
-    triangle inequality cannot: a tensor about the link frame in place of the COM, a COM on the wrong
-    side, a guessed inertia larger than the body.
+    Positive mass, a symmetric and positive definite tensor, the triangle inequality of the
+    principal moments, and a positive definite pseudo-inertia [Traversaro2016, Wensing2018]. With
+    the body's outer bounds also: the COM lies inside, and along each axis the variance of the mass
+    is at most ``(max - com)(com - min)`` [Bhatia2000]. The bounds find what the triangle inequality
+    cannot: a tensor about the link frame in place of the COM, a COM on the wrong side, a guessed
+    inertia larger than the body.
 
     Args:
         mass: [kg].
@@ -250,8 +250,8 @@ def inconsistencies(
             elif variance > (high - position) * (position - low) * (1 + tolerance):
                 limit = np.sqrt((high - position) * (position - low))
                 found.append(
-                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}, more than a body "
-                    f"of this size can, {limit * 1e3:.1f} mm"
+                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}, more than a "
+                    f"body of this size can, {limit * 1e3:.1f} mm"
                 )
     return tuple(found)
 

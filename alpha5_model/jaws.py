@@ -1,8 +1,9 @@
 """Link 4 taken apart: wrist, jaw rod and two fingers that together are Table 2's link 4.
 
-The document prints link 4 with its jaws closed as one body. The fingers and the rod are estimated (their
-geometry and densities are supplementary values); the wrist is what remains, so that with closed jaws
-mass, first and second moments of the assembly are the printed ones whatever the estimate.
+The document prints link 4 with its jaws closed as one body. The fingers and the rod are estimated
+(their geometry and densities are supplementary values); the wrist is what remains, so that with
+closed jaws mass, first and second moments of the assembly are the printed ones whatever the
+estimate.
 
 Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 

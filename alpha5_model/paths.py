@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
-#: Folder that holds ``urdf/``, ``xacro/`` and ``meshes/``: the checkout, or the wheel's data folder.
+#: Folder with ``urdf/``, ``xacro/`` and ``meshes/``: the checkout, or the wheel's data folder.
 REPOSITORY_PATH = str(_data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent)
 #: Folder to which ``package://alpha5_description`` resolves.
 PACKAGE_PATH = REPOSITORY_PATH

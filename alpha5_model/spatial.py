@@ -1,4 +1,4 @@
-"""Rotations, rigid transforms and angles as URDF writes them; lengths in metres, angles in radians."""
+"""Rotations, rigid transforms and angles as in a URDF; lengths in metres, angles in radians."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, floa
 def transform(
     rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)
 ) -> FloatArray:
-    """Homogeneous transforms (..., 4, 4) of rotations (..., 3, 3), none if not given, and translations (..., 3)."""
+    """Transforms (..., 4, 4) of rotations (..., 3, 3), if any, and translations (..., 3)."""
     r = np.eye(3) if rotation is None else np.asarray(rotation)
     out = np.zeros((*r.shape[:-2], 4, 4))
     out[..., :3, :3], out[..., :3, 3], out[..., 3, 3] = r, translation, 1.0

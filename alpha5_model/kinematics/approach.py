@@ -1,15 +1,17 @@
 """From where the Alpha 5 can approach a point: what it has instead of a dexterous workspace.
 
-The arm moves in a vertical plane through its yaw axis, and joint 3 turns about the approach direction
-through the tcp, moving neither. So at a point the arm has at most four approach directions, one per
-branch of its inverse kinematics, each with any roll that the wrist's range allows.
+The arm moves in a vertical plane through its yaw axis, and joint 3 turns about the approach
+direction through the tcp, moving neither. So at a point the arm has at most four approach
+directions, one per branch of its inverse kinematics, each with any roll that the wrist's range
+allows.
 
-Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of four joints has rank
-four at most, so the poses form a set of dimension four in SE(3), and a dexterous workspace with an
-interior needs six. Nor is there a single dexterous point p, for which the approach directions at p would
-have to fill a sphere. Off the yaw axis the plane can stand in two ways and the two links in it in two,
-so there are four directions at most. On the axis the plane is free and the links have as many ways as
-before, so the directions form four circles about the axis at most. That does not fill a sphere.
+Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of four joints
+has rank four at most, so the poses form a set of dimension four in SE(3), and a dexterous workspace
+with an interior needs six. Nor is there a single dexterous point p, for which the approach
+directions at p would have to fill a sphere. Off the yaw axis the plane has two azimuths and the two
+links in it have two configurations, so there are four directions at most. On the axis the azimuth
+is free and the links have as many configurations as before, so the directions form four circles
+about the axis at most. That does not fill a sphere.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace".

@@ -1,22 +1,24 @@
-"""The arm as its inverse kinematics sees it: a vertical plane that turns, and two links in it.
+"""The arm as a vertical plane that turns, with two links in it, and where it is singular.
 
-Joint 0 turns the plane about the base's z axis. In the plane, with r outwards and z up, the shoulder is
-at ``(a_0, d_0)``, and
+Joint 0 turns the plane about the base's z axis. In the plane, with r outwards and z up, the
+shoulder is at ``(a_0, d_0)``, and
 
     tcp = shoulder + l_1 e(phi) + l_2 e(phi + pi - gamma),     e(x) = (cos x, sin x)
 
 where ``l_1 = a_1`` and ``l_2 = sqrt(a_2^2 + d_3^2)`` are the sides l_1 and l_2 of the document's
-triangle (Section 1.3), phi is the direction of the first link and gamma the angle of the triangle at
-the elbow. Both are a joint angle plus a constant: ``phi = theta_1 + phi_offset``,
-``gamma = theta_2 + gamma_offset``. Joint 3 turns the tcp about an axis through it and moves no point.
+triangle (Section 1.3), phi is the direction of the first link and gamma the angle of the triangle
+at the elbow. Both are a joint angle plus a constant: ``phi = theta_1 + phi_offset``, ``gamma =
+theta_2 + gamma_offset``. Joint 3 turns about an axis through the tcp and does not move it.
 
-Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw axis, joints 1 and 2
-move it within the plane, in proportion to sin(gamma). The linear Jacobian of the three has the determinant
+Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw axis, joints 1
+and 2 move it within the plane, in proportion to sin(gamma). The linear Jacobian of the three has
+the determinant
 
     |det J_v| = |r| l_1 l_2 |sin gamma|                       [Siciliano2009, 3.3]
 
 which is Yoshikawa's manipulability ``sqrt(det(J_v J_v^T))``. It vanishes where the arm is stretched
-(gamma = pi), folded (gamma = 0, beyond the limits of theta_2), or the tcp is on the yaw axis (r = 0).
+(gamma = pi), folded (gamma = 0, beyond the limits of theta_2), or the tcp is on the yaw axis
+(r = 0).
 
 References:
     [Yoshikawa1985] Manipulability of robotic mechanisms, Int. J. Robotics Research 4(2).
@@ -49,8 +51,8 @@ class ArmPlane(NamedTuple):
         lower, upper: Limits of theta_0 ... theta_3, (4,) [rad].
         middle: Middle of each range, (4,) [rad].
         limits: (lower, upper, middle) of each joint.
-        longest, shortest: Distance from shoulder to tcp of the stretched and of the folded arm [m]; the
-            folded one is beyond the limits of theta_2.
+        longest, shortest: Distance from shoulder to tcp of the stretched and of the folded arm [m];
+            the folded one is beyond the limits of theta_2.
         squares: Of the two [m^2].
         k: ``(l_2 - l_1) / (l_2 + l_1)``, of the law of tangents.
     """

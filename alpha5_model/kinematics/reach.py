@@ -1,16 +1,16 @@
-"""What the tcp can reach, exactly: the boundary as arcs, inside or not, how far off, and the nearest point.
+"""What the tcp can reach, exactly: its boundary as arcs, and how far off a point is.
 
-A half-plane through the yaw axis, R >= 0 outwards and z up, is reached from its front by the arm that
-faces it (underarm) and from its back by the arm that turns away (overarm, the plane of the arm
-mirrored). In the plane the arm is a planar arm of two links. Where one of its joints is at the end of its range, or
-the arm is stretched or folded, the other joint moves the tcp on an arc, and the boundary of the reachable
-set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
+A half-plane through the yaw axis, R >= 0 outwards and z up, is reached from its front by the arm
+that faces it (underarm) and from its back by the arm that turns away (overarm, the plane of the arm
+mirrored). In the plane the arm is a planar arm of two links. Where one of its joints is at the end
+of its range, or the arm is stretched or folded, the other joint moves the tcp on an arc, and the
+boundary of the reachable set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
 
-Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97 degrees, so a
-wedge of azimuths is closed to the underarm pose and the opposite wedge to the overarm pose. The set is
-the union of the two poses, each turned through the azimuths that it can face. A point in the closed
-wedge of one pose may still be reached by the other, and the nearest point of a pose to a target in its
-wedge lies in the wedge's face.
+Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97 degrees, so
+a wedge of azimuths is closed to the underarm pose and the opposite wedge to the overarm pose. The
+set is the union of the two poses, each turned through the azimuths that it can face. A point in the
+closed wedge of one pose may still be reached by the other, and the nearest point of a pose to a
+target in its wedge lies in the wedge's face.
 
 References:
     [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.10.4 (workspace).
@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +42,7 @@ from alpha5_model.spatial import wrap
 SIDES = ("underarm", "overarm", "both")
 #: Rows per block, to bound the scratch.
 _BLOCK = 8192
-#: Joint positions (M, 4) -> whether each will do, (M,).
+#: Joint positions (M, 4) -> whether each is accepted, (M,).
 Accept = Callable[[FloatArray], BoolArray]
 #: Values of theta_0 that are tried on the yaw axis, where it is free.
 _YAWS = 36
@@ -77,8 +78,8 @@ class Arc(NamedTuple):
 def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
     """Boundary arcs of the reachable part of a half-plane.
 
-    The yaw axis itself, which closes the region at R = 0, is not an arc and not listed: from a
-    region on the axis the set goes on beyond it.
+    The yaw axis, which closes the region at R = 0, is not listed: it is no boundary of the
+    reachable set, which goes on beyond it.
 
     Args:
         side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds at all
@@ -187,16 +188,16 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
     Args:
         positions: In ``base_link``, (..., 3) [m].
         limits: Respect the limits of theta_0, theta_1 and theta_2; without, all angles are free.
-        accept: Counts a branch only if this returns True for its joint position: a function of (M, 4)
-            [rad], (M,) bool, such as `alpha5_model.without_self_collision`. theta_3 is the middle of its
-            range, and on the yaw axis theta_0 is tried every 10 degrees.
+        accept: Counts a branch only if this returns True for its joint position: a function of
+            (M, 4) [rad], (M,) bool, such as `alpha5_model.without_self_collision`. theta_3 is the
+            middle of its range, and on the yaw axis theta_0 is tried every 10 degrees.
 
     Returns:
         (...) bool; the boundary belongs to the set.
 
     Raises:
-        InputError: Not real numbers of that shape (`NonFiniteError` names a bad row), or limits that
-            are neither True nor False.
+        InputError: Not real numbers of that shape (`NonFiniteError` names a bad row), or limits
+            that are neither True nor False.
     """
     target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
     if accept is not None and not callable(accept):
@@ -213,27 +214,26 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
 
 
 def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
-    """Which points (N, 3) a branch reaches in a joint position that will do."""
+    """Which points (N, 3) a branch reaches in an accepted joint position."""
     g, (q, flags) = arm_plane(), _solved(rows, limits)
     yaws = np.linspace(g.lower[0], g.upper[0], _YAWS)
     free = on_axis(rows)
     found = np.zeros(len(rows), np.bool_)
-    for branch in range(q.shape[1]):
-        for k, yaw in enumerate((None, *yaws)):
-            left = np.flatnonzero(flags[:, branch] & ~found & (free | (k == 0)))
-            trial = q[left, branch]
-            if yaw is not None:
-                trial[:, 0] = yaw
-            if len(left):
-                answer = np.asarray(accept(trial))
-                if answer.shape != (len(left),) or answer.dtype != np.bool_:
-                    raise InputError("accept", answer, f"{len(left)} times True or False")
-                found[left] = answer
+    for branch, yaw in product(range(q.shape[1]), (None, *yaws)):
+        left = np.flatnonzero(flags[:, branch] & ~found & (free | (yaw is None)))
+        trial = q[left, branch]
+        if yaw is not None:
+            trial[:, 0] = yaw
+        if len(left):
+            answer = np.asarray(accept(trial))
+            if answer.shape != (len(left),) or answer.dtype != np.bool_:
+                raise InputError("accept", answer, f"{len(left)} times True or False")
+            found[left] = answer
     return found
 
 
 def _solved(position: FloatArray, limits: bool) -> tuple[FloatArray, BoolArray]:
-    """q (..., 4, 4), theta_3 in the middle of its range, and which branches reach targets, (..., 4)."""
+    """q (..., 4, 4) with theta_3 in the middle of its range, and which branches reach, (..., 4)."""
     q, exists, within, _ = solve_batch(position, np.asarray(arm_plane().middle[3]))
     return q, within if limits else exists
 
@@ -288,7 +288,7 @@ def _project(points: FloatArray, limits: bool) -> FloatArray:
         if limits:
             azimuth -= azimuth_beyond(azimuth, side)
         cos, sin = np.cos(azimuth), np.sin(azimuth)
-        # In the half-plane at that azimuth; what sticks out of it no motion within it removes.
+        # Coordinates in the half-plane at that azimuth, and the distance across it.
         radius = points[:, 0] * cos + points[:, 1] * sin
         beside = points[:, 1] * cos - points[:, 0] * sin
         R, z = _project_in_plane(np.stack([radius, points[:, 2]], axis=-1), side, limits).T

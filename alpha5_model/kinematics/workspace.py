@@ -97,7 +97,8 @@ class Torus(NamedTuple):
 class PublishedErrors:
     """The published region against the reachable set with the joint limits.
 
-    Areas are of the half-plane where both poses can turn to it; volumes count the closed wedges too.
+    Areas are of the half-plane where both poses can turn to it; volumes count the closed wedges
+    too.
 
     Attributes:
         published_area, reachable_area: [m^2].
@@ -121,8 +122,8 @@ class SampledShare(NamedTuple):
 
     Attributes:
         share: 0 to 1.
-        standard_error: Of the share, 1 sigma; of a binomial with one success and one failure more, so that
-            it is never zero.
+        standard_error: Of the share, 1 sigma; of a binomial with one success and one failure more,
+            so that it is never zero.
         total: Of what it is the share, exact [m^3], or [m^2] in a half-plane.
         samples: Number of points.
     """
@@ -206,9 +207,10 @@ def volume(limits: bool = True) -> float:
 def sampled_share(
     accept: Accept, samples: int = 20_000, seed: int = 0, azimuth: float | None = None
 ) -> SampledShare:
-    """Share of the reachable volume that is reached in joint positions that will do.
+    """Share of the reachable volume that is reached in accepted joint positions.
 
-    With `alpha5_model.without_self_collision` it is the share that the arm reaches without touching itself.
+    With `alpha5_model.without_self_collision` it is the share that the arm reaches without touching
+    itself.
 
     Args:
         accept: As for `reachable`.
@@ -307,7 +309,7 @@ def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
 
 
 def _revolved(moments: dict[str, float], limits: bool) -> float:
-    """Volume from the first moments of the half-planes that each azimuth sees [m^3]."""
+    """Volume from the first moment of a half-plane, by which poses its azimuth is open to [m^3]."""
     if not limits:
         return 2 * math.pi * moments["both"]
     g = arm_plane()

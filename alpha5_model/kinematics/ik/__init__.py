@@ -1,18 +1,18 @@
 """Inverse kinematics of the tcp position in closed form: every solution, one target or a million.
 
-The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or turn its back to it,
+The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or face away from it,
 and in the plane two links reach a point with the elbow on either side: four branches. The document
-prints the first two (Sections 1.3 and 1.4; `published_inverse_kinematics`), whose arccos are written
-here with half angles, which lose no digits at the edge of reach:
+prints the first two (Sections 1.3 and 1.4; `published_inverse_kinematics`), whose arccos are
+written here with half angles, which lose no digits at the edge of reach:
 
     rho^2 = (+-R - a_0)^2 + (z - d_0)^2
     t = tan(gamma / 2) = sqrt((rho^2 - (l_1 - l_2)^2) / ((l_1 + l_2)^2 - rho^2))
     phi = atan2(z - d_0, +-R - a_0) -+ alpha
     alpha = pi/2 - atan(t) + atan(k / t),     k = (l_2 - l_1) / (l_2 + l_1)     (law of tangents)
 
-One target is solved with `math`, in a few microseconds. A batch is solved in blocks that stay in the
-processor's cache; rows close to a singularity are handed to the one-target route, which treats the
-edges.
+One target is solved with `math`, in a few microseconds. A batch is solved in blocks that stay in
+the processor's cache; rows close to a singularity are handed to the one-target route, which treats
+the edges.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -34,7 +34,7 @@ from alpha5_model.kinematics.ik.one import LIMIT_TOLERANCE, careful_answer, fast
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 
-#: The plane faces the target (underarm) or turns its back (overarm); flipped is the other elbow.
+#: The plane faces the target (underarm) or faces away (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
 
 _NEW, _FLOAT = tuple.__new__, np.dtype(np.float64)
@@ -85,13 +85,14 @@ class Solutions(NamedTuple):
 def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions:
     """Every joint position that puts the tcp at a point.
 
-    On the yaw axis (within 1e-9 m of it) theta_0 is free: the middle of its range is returned, the tcp
-    comes to stand on the axis itself and ``singular`` is set. A batch of N targets needs memory for its
-    output, 137 bytes per target, and a scratch that does not grow with N.
+    On the yaw axis (within 1e-9 m of it) theta_0 is free: the middle of its range is returned, the
+    tcp is put on the axis itself and ``singular`` is set. A batch of N targets needs memory
+    for its output, 137 bytes per target, and a scratch that does not grow with N.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].
-        wrist: theta_3, which moves no point; it broadcasts against ``position``'s leading axes [rad].
+        wrist: theta_3, which moves no point; it broadcasts against ``position``'s leading axes
+            [rad].
 
     Returns:
         Four branches per target, whether each exists and respects the limits.
@@ -99,7 +100,7 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a bad row.
     """
-    # One target in the types that callers use most goes straight to work.
+    # Fast path: one target in the types that callers use most.
     given: Any = position
     kind = type(given)
     if kind is np.ndarray and given.shape == (3,) and given.dtype is _FLOAT:
@@ -145,7 +146,7 @@ def _one(x: float, y: float, z: float, wrist: float) -> Solutions:
 def candidates(
     q: FloatArray, position: FloatArray, q_reference: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Solutions (..., 4, 4), theta_0 from the reference where it is free, and the reference (..., 4)."""
+    """q (..., 4, 4), a free theta_0 taken from the reference, and the reference, (..., 4)."""
     reference = float_array("q_reference", q_reference, (4,))
     shape = (*q.shape[:-2], 4)
     try:
@@ -202,8 +203,8 @@ def require_solution(q: FloatArray, within_limits: BoolArray, position: FloatArr
 def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
     """The two poses that the document solves, by its formulas to the letter.
 
-    No angle is wrapped, no limit checked, and the wrist is not mentioned there; `inverse_kinematics`
-    gives all four solutions with flags.
+    No angle is wrapped, no limit checked, and the wrist is not mentioned there;
+    `inverse_kinematics` gives all four solutions with flags.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].

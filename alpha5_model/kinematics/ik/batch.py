@@ -70,7 +70,7 @@ def _solve_block(
     wrist: tuple[FloatArray, BoolArray],
     out: tuple[FloatArray, BoolArray, BoolArray],
 ) -> NDArray[np.intp]:
-    """The formulas of `alpha5_model.kinematics.ik` on one block, in scratch (24, at least its rows).
+    """The formulas of `alpha5_model.kinematics.ik` on one block, in scratch (24, its rows or more).
 
     Returns:
         The rows that are near an edge, whose solution is not to be relied on.
@@ -82,7 +82,7 @@ def _solve_block(
     theta_1, theta_2, work = scratch[12:].reshape(3, 2, 2, -1)
     (half_gamma, flipped_2), (tangent, alpha) = theta_2, work
 
-    # The target in the plane that faces it and in the plane that turns its back to it.
+    # The target in the plane that faces it and in the plane that faces away.
     scratch[:3] = target.T
     h -= g.d_0
     np.multiply(x, x, out=radius)

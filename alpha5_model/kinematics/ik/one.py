@@ -1,8 +1,8 @@
 """Inverse kinematics of one target in plain floats.
 
-`fast_solver` has the formulas of `alpha5_model.kinematics.ik` written out for speed: constants bound
-once, no tuple of limits to walk, no edge to treat. Where rounding could matter, at the edge of reach,
-beside a joint limit or near the yaw axis, it answers None and `solve_one` decides.
+`fast_solver` has the formulas of `alpha5_model.kinematics.ik` written out for speed: constants
+bound once, no tuple of limits to walk, no edge to treat. Where rounding could matter, at the edge
+of reach, beside a joint limit or near the yaw axis, it answers None and `solve_one` decides.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ EDGE_TOLERANCE = 1e-10
 LIMIT_TOLERANCE = 1e-12
 #: ``singular`` within this distance of the stretched or the folded arm [m].
 SINGULAR_TOLERANCE = 1e-9
-#: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0 is free, and the
-#: tcp is put on the axis itself.
+#: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0 is free
+#: and the tcp is put on the axis itself.
 AXIS_TOLERANCE = 1e-9
 
 #: Closer than this to the yaw axis [m], to the edge of reach [m^2, in rho^2] or to a joint limit
-#: [rad], rounding decides and the faster routes hand a target to `solve_one`. Farther away, rounding
+#: [rad], rounding matters and `solve_one` takes over from the faster routes. Farther away, rounding
 #: moves an angle by less than NEAR_LIMIT.
 NEAR_AXIS = 1e-8
 NEAR_EDGE = 2e-9
@@ -123,7 +123,7 @@ def _near(angle: float, middle: float) -> float:
 def _into_range(
     angle: float, limits: tuple[float, float, float], slack: float
 ) -> tuple[float, bool]:
-    """The angle, moved onto a limit that it passes by no more than ``slack``, and whether it fits."""
+    """The angle, put on a limit that it passes by no more than ``slack``, and whether it fits."""
     lower, upper, _ = limits
     if lower <= angle <= upper:
         return angle, True

@@ -1,14 +1,16 @@
 """Following a path of points without a jump: the least joint travel through branches and limits.
 
-Each point has up to four solutions within the limits. The path of least joint travel through them is
-found by dynamic programming [Bellman1957], as for redundant arms [Guigue2007]. The ranges of all joints
-are shorter than a turn, so each solution has one place in its range; a step across the closed wedge of
-theta_0, or onto another branch away from where the branches meet, is a jump and is not taken.
+Each point has up to four solutions within the limits. The path of least joint travel through them
+is found by dynamic programming [Bellman1957], as for redundant arms [Guigue2007]. The ranges of all
+joints are shorter than a turn, so each solution has one place in its range; a step across the
+closed wedge of theta_0, or onto another branch away from where the branches meet, is a jump and is
+not taken.
 
-On the yaw axis theta_0 is free. Between two points off the axis, steps s_k of the other joints and d_k of
-theta_0 cost ``sum sqrt(s_k^2 + d_k^2)``. The d_k add up to what lies between the two, so by Minkowski's
-inequality the sum is least where they are in proportion to the s_k: the way is straight when s and
-theta_0 are drawn against each other. A d_k that would pass the largest step is that step.
+On the yaw axis theta_0 is free. Between two points off the axis, steps s_k of the other joints and
+d_k of theta_0 cost ``sum sqrt(s_k^2 + d_k^2)``. The d_k add up to what lies between the two, so by
+Minkowski's inequality the sum is least where they are in proportion to the s_k: the way is straight
+when s and theta_0 are drawn against each other. A d_k that would pass the largest step is that
+step.
 
 References:
     [Bellman1957] Dynamic Programming, Princeton University Press.
@@ -30,7 +32,7 @@ from alpha5_model.kinematics.plane import arm_plane
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
 MAX_STEP = 0.5
 
-#: Ways to get to the solutions of a point: rows (M, L, 4), travel so far (M,), where each comes from (M,).
+#: Ways to the solutions of a point: rows (M, L, 4), travel so far (M,), where each comes from (M,).
 _Ways = tuple[FloatArray, FloatArray, NDArray[np.intp]]
 #: Where the path may be: joint positions (M, 4), NaN before a free start, and travel so far (M,).
 _Frontier = tuple[FloatArray, FloatArray]
@@ -44,10 +46,11 @@ def inverse_kinematics_path(
 ) -> FloatArray:
     """Joint positions along a path of points, continuous and within the limits.
 
-    The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0 turns from its
-    value before to its value after, together with the other joints where they move; with neither before
-    nor after it is the middle of its range. Only where ``max_step`` holds theta_0 back and is also wide
-    enough to change the elbow on the axis, the elbow is chosen by the travel of the other joints alone.
+    The sum of the Euclidean joint steps is the least possible. On the yaw axis theta_0 turns from
+    its value before to its value after, together with the other joints where they move; with
+    neither before nor after it is the middle of its range. Only where ``max_step`` holds theta_0
+    back and is also wide enough to change the elbow on the axis, the elbow is chosen by the travel
+    of the other joints alone.
 
     Args:
         positions: tcp in ``base_link``, (N, 3) [m].
@@ -117,13 +120,13 @@ def _step(solutions: Solutions, k: int, frontier: _Frontier, max_step: float) ->
 def _along_axis(
     solutions: Solutions, k: int, stop: int, frontier: _Frontier, max_step: float
 ) -> _Ways:
-    """From the frontier along points k to stop - 1 on the axis to the solutions of point stop, if any."""
+    """From the frontier along the axis, points k to stop - 1, to the solutions of point stop."""
     g, (starts, travel) = arm_plane(), frontier
     # A start beyond the limits of theta_0 is back within them with the first step.
     inside = np.clip(starts[:, 0], g.lower[0], g.upper[0])
     gap = np.nan_to_num(np.abs(inside - starts[:, 0]))
 
-    # Least travel of the other joints from each start to each elbow, point by point, (starts, elbows).
+    # Point by point, least travel of the other joints from each start to each elbow, (S, E).
     elbows, parents = [starts[:, 1:]], []
     length = np.where(np.eye(len(starts)), 0.0, np.inf)
     for i in range(k, stop):

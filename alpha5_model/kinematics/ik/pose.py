@@ -1,9 +1,9 @@
 """Inverse kinematics of a whole pose: position exact, orientation as close as four joints allow.
 
-A branch fixes theta_0 to theta_2; what is left of the orientation is a turn about the wrist axis. Split
-into a turn about that axis and a swing across it (swing-twist decomposition, [Dobrowolski2015]), the
-turn is what theta_3 can do and the swing is what remains, the angle between the wrist axis and where
-the target wants it.
+A branch fixes theta_0 to theta_2; what is left of the orientation is a turn about the wrist axis.
+Split into a turn about that axis and a swing across it (swing-twist decomposition,
+[Dobrowolski2015]), the turn is what theta_3 can do and the swing is what remains, the angle between
+the wrist axis and where the target wants it.
 
 References:
     [Dobrowolski2015] Swing-twist decomposition in Clifford algebra, arXiv:1506.05481.
@@ -28,7 +28,7 @@ from alpha5_model.spatial import cross_matrix, wrap
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position
 #: turns the wrist axis by some 1e-8.
 EXACT_TOLERANCE = 1e-7
-#: Rotation errors that differ by less are equal, and `PoseSolutions.best` goes by joint travel [rad].
+#: Rotation errors that differ by less are equal: `PoseSolutions.best` goes by joint travel [rad].
 TIE = 1e-7
 
 
@@ -79,8 +79,8 @@ class PoseSolutions(NamedTuple):
 def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     """Joint positions that reach a position exactly and an orientation as closely as possible.
 
-    On the yaw axis theta_0 is free: it and theta_3 are chosen together, for the least rotation error
-    within the limits of both.
+    On the yaw axis theta_0 is free: it and theta_3 are chosen together, for the least rotation
+    error within the limits of both.
 
     Args:
         transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.
@@ -121,14 +121,14 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
 
 @cache
 def _hand() -> tuple[DHChain, FloatArray]:
-    """The arm, and the axis of joint 3 in the axes of the tcp, the same in every configuration, (3,)."""
+    """The arm, and the axis of joint 3 in the axes of the tcp, (3,), the same for every q."""
     chain = DHChain.alpha5()
     _, axes = chain.joint_axes(chain.home)
     return chain, chain.forward_kinematics(chain.home)[:3, :3].T @ axes[3]
 
 
 def _turn_wrist(q: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """theta_3 that comes closest to rotations (..., 3, 3): q (..., 4, 4), and the error (..., 4)."""
+    """q (..., 4, 4) with the best theta_3 for rotations (..., 3, 3), and the error (..., 4)."""
     (chain, axis), g, q = _hand(), arm_plane(), q.copy()
     q[..., 3] = 0.0
     # Rotation that is left over, in the axes of the tcp: a turn about the wrist axis, and a swing.
@@ -145,10 +145,11 @@ def _turn_wrist(q: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def _yaw_candidates(q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
-    """Where theta_0 is free: values of which one is best, (N, 4) each, for q (N, 4, 4).
+    """Candidates for a free theta_0, one of them the best, (N, 4) each, for q (N, 4, 4).
 
-    cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one maximum has the wrist
-    axis at the target's azimuth; where that is beyond a limit, one of the two joints is at a limit.
+    cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one maximum has the
+    wrist axis at the target's azimuth; where that is beyond a limit, one of the two joints is at a
+    limit.
     """
     (chain, axis), g = _hand(), arm_plane()
     target, hand = (r @ axis for r in (rotation, chain.forward_kinematics(q)[..., :3, :3]))
