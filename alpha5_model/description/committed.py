@@ -15,7 +15,7 @@ from alpha5_model.files import atomic_write_all
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
 
-#: What is said where the meshes cannot be drawn anew.
+#: Printed where the meshes cannot be drawn.
 NOT_DRAWN = "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)"
 
 
@@ -62,7 +62,7 @@ def stale_files(
 
     Args:
         repository: Folder that holds ``urdf/``, ``xacro/`` and ``meshes/``.
-        fresh: What `generated_files` gave, by a caller who has it; made if not given.
+        fresh: Result of `generated_files`; computed if not given.
     """
     stale = []
     for path, content in (generated_files() if fresh is None else fresh).items():

@@ -1,7 +1,7 @@
 """Read any URDF as plain records, and say where it is broken.
 
-Own reading, not Pinocchio's: this one must survive any file, name the line of what is wrong, and keep what
-Pinocchio drops (missing inertials, collision shapes, mimic joints).
+Pinocchio's reader is not used here: this one has to cope with any file, name the line of an error, and keep
+what Pinocchio drops (missing inertials, collision shapes, mimic joints).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from alpha5_model.spatial import pose, rotation_about, transform
 
 #: No SI quantity of a robot is this large or this small; beyond, squares and quotients overflow.
 ABSURD, TINY = 1e12, 1e-100
-#: How propellers and wheels that turn for ever are written by many: as 1e16 or infinity.
+#: How many files write the limits of wheels and propellers, which have none: as 1e16 or infinity.
 NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
 
 LIMITS = ("lower", "upper", "velocity", "effort")
@@ -202,29 +202,29 @@ class _Reader:
             raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
         return value
 
-    def numbers(self, element: ET.Element, name: str, count: int, text: str) -> FloatArray:
+    def numbers(
+        self, element: ET.Element, name: str, count: int, default: str | None = None
+    ) -> list[float]:
+        text = self.attribute(element, name) if default is None else element.get(name, default)
         values: list[float] = []
-        if text.isascii() and "_" not in text:  # else numbers to Python, to no reader of URDFs
+        if text.isascii() and "_" not in text:  # Python reads more as numbers, URDF readers do not
             with suppress(ValueError):
                 values = [float(part) for part in text.split()]
         if len(values) != count or not all(v == 0 or TINY < abs(v) < ABSURD for v in values):
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
             raise self.fail(element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}")
-        return np.array(values)
+        return values
 
     def number(self, element: ET.Element, name: str) -> float:
-        return float(self.numbers(element, name, 1, self.attribute(element, name))[0])
+        return self.numbers(element, name, 1)[0]
 
     def pose(self, element: ET.Element) -> FloatArray:
         """The <origin> of an element, (4, 4)."""
         origin = element.find("origin")
         if origin is None:
             return np.eye(4)
-        xyz, rpy = (
-            self.numbers(origin, name, 3, origin.get(name, "0 0 0")) for name in ("xyz", "rpy")
-        )
-        return pose(xyz, rpy)
+        return pose(*(self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")))
 
     def robot(self) -> UrdfRobot:
         if self.top.tag != "robot":
@@ -292,7 +292,7 @@ class _Reader:
             raise self.fail(shape, f"unknown shape <{shape.tag}>")
         size: list[float] = []
         for name, count in _SIZES[shape.tag].items():
-            size += self.numbers(shape, name, count, self.attribute(shape, name)).tolist()
+            size += self.numbers(shape, name, count)
         return shape.tag, size, self.attribute(shape, "filename") if shape.tag == "mesh" else ""
 
     def shapes(self, element: str) -> Iterator[UrdfShape]:
@@ -300,9 +300,7 @@ class _Reader:
             for index, item in enumerate(link.findall(element)):
                 kind, size, file = self.geometry(item)
                 color = item.find("material/color")
-                rgba: list[float] = []
-                if color is not None:
-                    rgba = self.numbers(color, "rgba", 4, self.attribute(color, "rgba")).tolist()
+                rgba = [] if color is None else self.numbers(color, "rgba", 4)
                 name, placement = self.attribute(link, "name"), self.pose(item)
                 yield UrdfShape(name, index, kind, tuple(size), file, placement, tuple(rgba))
 
@@ -319,7 +317,7 @@ class _Reader:
         axis = np.array([1.0, 0.0, 0.0])
         line = element.find("axis")
         if line is not None and kind not in ("fixed", "floating"):  # those have none: often 0 0 0
-            axis = self.numbers(line, "xyz", 3, self.attribute(line, "xyz"))
+            axis = np.array(self.numbers(line, "xyz", 3))
             length = float(np.linalg.norm(axis))
             if not 0 < length < math.inf:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")

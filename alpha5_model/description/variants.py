@@ -82,8 +82,8 @@ class Variant:
                 raise InputError(name, getattr(self, name), "a parent link to mount on")
         for name in ("prefix", "parent", "mesh_prefix", "ros2_control_plugin"):
             text = getattr(self, name)
-            # xacro would evaluate ${...} and $(...), XML escapes would hide in names, and neither UTF-8
-            # nor XML has a place for what cannot be printed
+            # xacro would evaluate ${...} and $(...), names would hide XML escapes, and some unprintable
+            # characters do not exist in UTF-8 or XML
             if not (isinstance(text, str) and text.isprintable()) or set(text) & set("${}<>&\"'"):
                 raise InputError(
                     name, text, "a text without any of $ { } < > & quotes or unprintable characters"

@@ -2,8 +2,8 @@
 
 Every check reads the file anew and compares it with the printed tables by a second route: the numbers
 of the text with the printed digits, the frames that other tools compute with the product of Table 1's
-rows, written out here without the code that made the file. A tool that is not installed gives a row
-``not run``, which is not a pass.
+rows, written out here without the code that made the file. If a tool is not installed, its row says
+``not run``, which does not count as passed.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def _listed(text: Subject, check: str, problems: list[str], claim: str) -> FileC
 
 def _check_urdf(text: Subject) -> FileCheck:
     row = partial(FileCheck, text.path.name, "check_urdf")
-    # also beside the interpreter that runs: its environment may not be activated
+    # also beside the running interpreter: its environment may not be activated
     program = shutil.which("check_urdf") or shutil.which(
         "check_urdf", path=str(Path(sys.executable).parent)
     )
@@ -156,7 +156,7 @@ def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: floa
         given = np.array(list(compute(text, wanted, q)))
     except ImportError:
         return row("not run", f"{tool} is not installed")
-    except Exception as error:  # whatever a foreign parser raises means that it cannot load it
+    except Exception as error:  # other tools raise anything for a file that they cannot load
         return row("failed", f"{tool}: {' '.join(str(error).split())[:200]}")
     away = np.array([frame_error(given[:, k], expected[name]) for k, name in enumerate(wanted)])
     finding = (

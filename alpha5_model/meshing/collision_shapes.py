@@ -66,7 +66,7 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
 
 @cache
 def _in_links() -> dict[str, tuple[Primitive, ...]]:
-    """Primitives of each link, jaws open, in mm."""
+    """Primitives of each link, the fingers as links of their own, in mm."""
     shell, finger, frames = _shell(), _finger(), frames_in_links()
     parts = {
         "link_0": _base(),

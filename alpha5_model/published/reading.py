@@ -76,7 +76,7 @@ class _Node:
         return _Node(self.value.get(key), f"{self.place}{joint}{key}")
 
     def table(self, *keys: str) -> _Node:
-        """Itself, if it is a table with these keys and no other: a misspelt one must not vanish."""
+        """Itself, if it is a table with exactly these keys, so that a misspelt one is noticed."""
         if not isinstance(self.value, dict):
             raise self.fail(f"expected a table, got {self.value!r}")
         for key in (*keys, *self.value):
