@@ -327,6 +327,15 @@ def elbow_arm(hand: float) -> DHChain:
     )
 
 
+def test_steps_converge_quadratically() -> None:
+    """Each step squares the error: a dozen find every orientation that there is a way to."""
+    wrist = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)])
+    assert spatial_dexterity(wrist, ORIGIN, orientations=40, starts=6, steps=10).share == 1
+    puma = DHChain.from_table(PUMA_560)
+    near = spatial_dexterity(puma, [0.3, 0.2, 0.2], orientations=40, starts=6, steps=15)
+    assert near.share == 1
+
+
 @pytest.mark.parametrize("hand", [0.0, 0.1])
 def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> None:
     """The wrist reaches the shell 0.1 <= r <= 0.7; a point is dexterous where the sphere of the hand's

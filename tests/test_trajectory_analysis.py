@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import subprocess
 import sys
@@ -436,6 +437,9 @@ def test_tables_hold_every_column_and_can_be_read_again(tmp_path: Path) -> None:
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(OutputError):
         a5.trajectory.write(r, tmp_path / "folder.csv")
+    broken = dataclasses.replace(r, torque=np.where(np.arange(41)[:, None] == 7, np.nan, r.torque))
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        a5.trajectory.write(broken, tmp_path / "broken.json")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["folder.csv", "t.csv", "t.json"]
 
 

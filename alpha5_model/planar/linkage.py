@@ -64,7 +64,7 @@ class Linkage:
         if not isinstance(kinds, str) or len(kinds) != n or set(kinds) - {"R", "P"}:
             raise InputError("joints", joints, f"{n} letters R or P, one per link")
         for value, kind in zip(values.tolist(), kinds, strict=True):
-            if value < 0 or (value == 0 and kind == "R"):
+            if value <= 0 if kind == "R" else value < 0:
                 bound = "positive" if kind == "R" else "not negative"
                 raise InputError("lengths", value, f"a length that is {bound}")
         turn = np.zeros(n) if angles is None else float_array("angles", angles, (n,))
