@@ -35,7 +35,7 @@ from alpha5_model.kinematics.ik.batch import solve_batch
 from alpha5_model.kinematics.ik.one import on_axis
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
-from alpha5_model.planar.arrangement import bounds, united
+from alpha5_model.planar.arrangement import bounds
 from alpha5_model.spatial import wrap
 
 #: How a half-plane is reached: by one pose, or by either.
@@ -161,8 +161,9 @@ def trace(
     size = 2 * arm_plane().longest
     tolerance, step = RELATIVE_TOLERANCE * size, RELATIVE_STEP * size
     axis = planar.Segment((0.0, -size), math.pi / 2, 2 * size)
-    curves = united([*map(planar_arc, arcs), axis], tolerance)
-    edges, _ = bounds(curves, lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step)
+    edges, _ = bounds(
+        [*map(planar_arc, arcs), axis], lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step
+    )
     out = []
     for edge in edges:
         if isinstance(curve := edge.curve, planar.Arc):

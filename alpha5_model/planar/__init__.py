@@ -3,10 +3,12 @@
 from alpha5_model.planar.arm import PlanarArm, Workspace, annulus, workspace
 from alpha5_model.planar.arrangement import Edge
 from alpha5_model.planar.curves import Arc, Curve, Segment
-from alpha5_model.planar.enumeration import DexterityMap, dexterity, dexterity_map
-from alpha5_model.planar.theorem import (
+from alpha5_model.planar.dexterous import (
     Conditions,
+    DexterityMap,
     TheoremRow,
+    dexterity,
+    dexterity_map,
     dexterous_area,
     dexterous_radii,
     lecture_theorem,

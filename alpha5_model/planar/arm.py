@@ -31,16 +31,9 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, instance, listed
 from alpha5_model.errors import ShapeError
-from alpha5_model.planar.arrangement import Edge, bounds, united
-from alpha5_model.planar.curves import (
-    TURN,
-    Arc,
-    Curve,
-    Segment,
-    circle_hits,
-    line_hits,
-)
-from alpha5_model.planar.linkage import Linkage
+from alpha5_model.planar.arrangement import Edge, bounds
+from alpha5_model.planar.curves import TURN, Arc, Curve, Segment, circle_hits, line_hits
+from alpha5_model.planar.linkage import Linkage, within_limits
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
@@ -130,8 +123,8 @@ class Workspace:
             r = np.linalg.norm(p, axis=1)
             return np.asarray((r >= low - tolerance) & (r <= high + tolerance))
         assert self.inner is not None
-        length, limit, angle = arm.lengths[0], arm.limits[0], arm.angles[0]
-        low, high = limit or (-math.pi, math.pi)
+        length, angle = arm.lengths[0], arm.angles[0]
+        half_way = sum(arm.limits[0] or (0.0, 0.0)) / 2
         found = np.zeros(len(p), dtype=bool)
         if arm.joints[0] == "R":
             # In the frame of link 1 the target runs on a circle about the pivot, backwards in q.
@@ -142,9 +135,8 @@ class Workspace:
             for curve in self.inner.curves:
                 hits = circle_hits(centers, radius, curve, tolerance) - pivot
                 q = bearing[:, None] - np.arctan2(hits[..., 1], hits[..., 0])
-                beyond = np.mod(q - low + slack[:, None], TURN) - 2 * slack[:, None]
-                found |= (beyond <= high - low).any(axis=1)
-            phi = bearing - (low + high) / 2
+                found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
+            phi = bearing - half_way
             middle = pivot + radius[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
         else:
             # It runs along a straight line, backwards along x.
@@ -153,8 +145,8 @@ class Workspace:
             along = np.broadcast_to((1.0, 0.0), p.shape)
             for curve in self.inner.curves:
                 q = start[:, None, 0] - line_hits(start, along, curve, tolerance)[..., 0]
-                found |= ((q >= low - tolerance) & (q <= high + tolerance)).any(axis=1)
-            middle = start - ((low + high) / 2, 0.0)
+                found |= within_limits(arm, 0, q, tolerance).any(axis=1)
+            middle = start - (half_way, 0.0)
         rest = np.flatnonzero(~found)
         if rest.size:
             found[rest] = self.inner._contains(middle[rest], tolerance)
@@ -232,7 +224,7 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
                 assert limit is not None
                 travel = Segment((x + limit[0], y), 0.0, limit[1] - limit[0])
                 candidates.append(travel.moved(angle, (0.0, 0.0)))
-    critical = united([c for c in candidates if c.length > tolerance], tolerance)
+    critical = [c for c in candidates if c.length > tolerance]
     raw = Workspace(arm, (), (), inner)
     edges, thin = bounds(critical, lambda p: raw._contains(p, tolerance), tolerance, step)
     return replace(raw, edges=edges, thin=thin)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -37,12 +36,12 @@ class Edge:
     inside_left: bool
 
 
-def united(curves: list[Curve], tolerance: float) -> list[Curve]:
+def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
     """The same point set with every circle and every line covered once."""
-    groups: dict[tuple[object, ...], list[Curve]] = defaultdict(list)
-    for curve in curves:
-        key = next((k for k in groups if _same_carrier(groups[k][0], curve, tolerance)), None)
-        groups[key or (len(groups),)].append(curve)
+    groups: dict[int, list[Curve]] = {}
+    for number, curve in enumerate(curves):
+        same = (g for g in groups if _same_carrier(curves[g], curve, tolerance))
+        groups.setdefault(next(same, number), []).append(curve)
     out: list[Curve] = []
     for members in groups.values():
         first = members[0]
@@ -95,7 +94,7 @@ def bounds(
     The curves are cut where they meet. A piece with the set on one side only is an edge.
 
     Args:
-        curves: No two of them share a stretch (`united`).
+        curves: They may overlap.
         contains: Whether points (N, 2) belong to the set, (N,).
         tolerance: Distance up to which curves count as touching [m].
         step: Distance to either side at which `contains` is asked; shorter pieces are left out [m].
@@ -103,6 +102,7 @@ def bounds(
     Returns:
         The edges, and the pieces with nothing of the set on either side.
     """
+    curves = _united(curves, tolerance)
     parts = [
         (number, low, high)
         for number, cuts in enumerate(_cuts(curves, tolerance, step))

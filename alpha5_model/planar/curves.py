@@ -152,10 +152,10 @@ def circle_hits(
         at the curve's ends.
     """
     if isinstance(curve, Arc):
-        meet = _circle_circle(centers, radii, np.asarray(curve.center), curve.radius, tolerance)
+        meet = circle_circle(centers, radii, np.asarray(curve.center), curve.radius, tolerance)
     else:
         start = np.asarray(curve.start)
-        meet = _line_circle(start, _unit(curve.angle), centers, radii, tolerance)
+        meet = line_circle(start, _unit(curve.angle), centers, radii, tolerance)
     ends = curve.point(np.array(curve.interval))
     gap = np.abs(np.linalg.norm(ends - centers[:, None], axis=-1) - radii[:, None])
     return _within(meet, ends, gap, curve, tolerance)
@@ -178,9 +178,9 @@ def line_hits(
     if isinstance(curve, Arc):
         center = np.broadcast_to(curve.center, starts.shape)
         radius = np.full(len(starts), curve.radius)
-        meet = _line_circle(starts, directions, center, radius, tolerance)
+        meet = line_circle(starts, directions, center, radius, tolerance)
     else:
-        meet = _line_line(starts, directions, np.asarray(curve.start), _unit(curve.angle))
+        meet = line_line(starts, directions, np.asarray(curve.start), _unit(curve.angle))
     ends = curve.point(np.array(curve.interval))
     normals = np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
     gap = np.abs(np.einsum("mki,mi->mk", ends - starts[:, None], normals))
@@ -197,30 +197,33 @@ def _within(
     return np.where(off[..., None], np.nan, points)
 
 
-def _circle_circle(
+def circle_circle(
     c1: FloatArray, r1: FloatArray, c2: FloatArray, r2: float, tolerance: float
 ) -> FloatArray:
     """Intersections of circles about c1 (M, 2) with one about c2, (M, 2, 2), NaN if none."""
     between = c2 - c1
     distance = np.linalg.norm(between, axis=1)
-    outside, inside = distance - (r1 + r2), np.abs(r1 - r2) - distance
-    apart = np.maximum(outside, inside)
+    apart = np.maximum(distance - (r1 + r2), np.abs(r1 - r2) - distance)
     with np.errstate(invalid="ignore", divide="ignore"):
         along = (distance**2 + r1**2 - r2**2) / (2 * distance)
         e = between / distance[:, None]
-    along = np.where(apart > 0, np.clip(along, -r1, r1), along)
     height = np.sqrt(np.maximum(r1**2 - along**2, 0.0))
-    height = np.where(apart > 0, np.where(apart <= tolerance, 0.0, np.nan), height)
-    height = np.where(distance <= tolerance, np.nan, height)
+    touching = apart > 0
+    np.clip(along, -r1, r1, out=along, where=touching)
+    height[touching] = 0.0
+    height[(apart > tolerance) | (distance <= tolerance)] = np.nan
     foot = c1 + along[:, None] * e
     side = height[:, None] * np.stack([-e[:, 1], e[:, 0]], axis=-1)
-    out = np.stack([foot + side, foot - side], axis=1)
+    out = np.empty((len(foot), 2, 2))
+    np.add(foot, side, out=out[:, 0])
+    np.subtract(foot, side, out=out[:, 1])
     # Circles about one point, one or both of them no more than a point: the point itself.
     same = (distance <= tolerance) & (r1 <= tolerance) & (r2 <= tolerance)
-    return np.asarray(np.where(same[:, None, None], c1[:, None, :], out))
+    np.copyto(out, c1[:, None, :], where=same[:, None, None])
+    return out
 
 
-def _line_circle(
+def line_circle(
     starts: FloatArray, along: FloatArray, centers: FloatArray, radii: FloatArray, tol: float
 ) -> FloatArray:
     """Intersections of lines with circles, row by row, (M, 2, 2), NaN if none."""
@@ -236,7 +239,7 @@ def _line_circle(
     )
 
 
-def _line_line(
+def line_line(
     starts: FloatArray, along: FloatArray, other: FloatArray, other_along: FloatArray
 ) -> FloatArray:
     """Intersections of lines with one other, (M, 2, 2), NaN if parallel."""

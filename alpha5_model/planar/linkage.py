@@ -21,7 +21,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, float_array, listed
+from alpha5_model.checks import BoolArray, FloatArray, bounded, float_array, listed
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
 
 Limits = Sequence[tuple[float, float] | None]
@@ -90,11 +90,9 @@ class Linkage:
     @property
     def reach(self) -> float:
         """No point of the arm is ever farther from the base [m]."""
-        travel = [0.0 if r is None else max(map(abs, r)) for r in self.limits]
-        return sum(
-            length + (t if kind == "P" else 0.0)
-            for length, t, kind in zip(self.lengths, travel, self.joints, strict=True)
-        )
+        rows = zip(self.joints, self.limits, strict=True)
+        travel = [max(map(abs, r)) if kind == "P" and r else 0.0 for kind, r in rows]
+        return sum(map(sum, zip(self.lengths, travel, strict=True)))
 
     @property
     def length_ranges(self) -> tuple[tuple[float, float], ...] | None:
@@ -159,6 +157,19 @@ class Linkage:
         out[..., 1, :] = np.where(revolute, to_tip[..., 0], np.sin(heading))
         out[..., 2, :] = revolute
         return out
+
+
+def within_limits(arm: Linkage, joint: int, q: FloatArray, slack: Any) -> BoolArray:
+    """Whether positions q of a joint lie in its limits, up to `slack` (both broadcast); NaN does not."""
+    limit = arm.limits[joint]
+    if limit is None:
+        return ~np.isnan(q)
+    low, high = limit
+    over = q - low + slack
+    with np.errstate(invalid="ignore"):
+        if arm.joints[joint] == "R":
+            over = np.mod(over, math.tau)
+        return np.asarray((over >= 0.0) & (over <= high - low + 2 * slack))
 
 
 def _range(limit: Any, kind: str) -> tuple[float, float] | None:

@@ -12,7 +12,11 @@ together not longer than the other two); the theorem wants l_3 to be the shortes
 turns fully where the shortest is l_4, the ground: then the four-bar linkage is a double crank.
 
 For 3R arms reaching every orientation and turning through all of them without letting go are the same:
-one elbow follows the wrist round the whole circle. Isolated radii are real: with l = (5, 4, 1) the point p = 0 is dexterous and no neighbour is.
+one elbow follows the wrist round the whole circle. Isolated radii are real: with l = (5, 4, 1) the point
+p = 0 is dexterous and no neighbour is.
+
+With joint limits dexterity is found by enumeration: each of evenly spaced orientations of the last link puts
+the wrist at one place, which the two joints before reach in at most two ways; joints before those are sampled.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace" and "A topological perspective for
@@ -20,6 +24,7 @@ References:
     [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103, 1981.
     [McCarthy2011] McCarthy, Soh: Geometric Design of Linkages, section 2.4 (Grashof linkages).
     [Ting1989] Ting: Mobility criteria of single-loop N-bar linkages, J. Mech. Design 111(4), 1989.
+    [Siciliano2009] Siciliano et al.: Robotics, section 2.12.1 (solution of the planar arm).
 """
 
 from __future__ import annotations
@@ -27,9 +32,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from alpha5_model.checks import instance, real
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, count, float_array, instance, real
 from alpha5_model.errors import InputError
 from alpha5_model.planar.arm import PlanarArm, annulus
+from alpha5_model.planar.curves import TURN, circle_circle, line_circle, line_line
+from alpha5_model.planar.linkage import within_limits
 
 #: Equality counts in every condition here; lengths this share of the whole apart count as equal.
 ROUNDING = 1e-14
@@ -65,6 +75,29 @@ class Conditions:
 
     satisfied: bool
     reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class DexterityMap:
+    """Dexterity over a square grid on the workspace's bounding box.
+
+    Attributes:
+        x, y: Grid lines, (I,) and (J,) [m].
+        share: Share of orientations reached at (x[i], y[j]), (J, I); 0 outside the workspace.
+        spacing: Distance between grid lines [m].
+        orientations: How many were tried: gaps narrower than 2 pi / orientations can be missed.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    share: FloatArray
+    spacing: float
+    orientations: int
+
+    @property
+    def area(self) -> float:
+        """Area of the dexterous workspace, in whole grid squares [m^2]."""
+        return float((self.share == 1).sum()) * self.spacing**2
 
 
 def lecture_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
@@ -192,3 +225,130 @@ def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
 
 def _lengths(**lengths: float) -> list[float]:
     return [real(name, length, 0.0, strict=True) for name, length in lengths.items()]
+
+
+def dexterity_map(
+    arm: PlanarArm, resolution: int = 81, orientations: int = 120, samples: int = 31
+) -> DexterityMap:
+    """Dexterity over the whole workspace.
+
+    Args:
+        arm: See `dexterity`.
+        resolution: Grid lines along the longer side of the workspace's bounding box, 2 or more.
+        orientations, samples: See `dexterity`.
+    """
+    if count("resolution", resolution) < 2:
+        raise InputError("resolution", resolution, "at least 2 grid lines")
+    _check_arm(arm)
+    space = arm.workspace()
+    points = np.concatenate([c.point(np.linspace(*c.interval, 181)) for c in space.curves])
+    low, high = points.min(axis=0), points.max(axis=0)
+    spacing = float((high - low).max()) / (resolution - 1)
+    x, y = (np.arange(a, b + spacing, spacing) for a, b in zip(low, high, strict=True))
+    grid = np.stack(np.meshgrid(x, y), axis=-1)
+    inside = space.contains(grid)
+    share = np.zeros(inside.shape)
+    share[inside] = dexterity(arm, grid[inside], orientations, samples)
+    return DexterityMap(x, y, share, spacing, orientations)
+
+
+def dexterity(
+    arm: PlanarArm, points: ArrayLike, orientations: int = 360, samples: int = 181
+) -> FloatArray:
+    """Share of orientations with which points are reached, numerically, joint limits included.
+
+    The last three joints are solved in closed form for each of evenly spaced orientations; joints
+    before them are sampled evenly between their limits, both limits included. A point counts as
+    dexterous where the share is 1: a range of orientations narrower than 2 pi / orientations can
+    be missed, and with more than three joints some orientations are missed near the boundary.
+
+    Args:
+        arm: Three joints or more, the last one revolute.
+        points: (..., 2) [m].
+        orientations: Number of orientations.
+        samples: Number of positions of each joint before the last three.
+
+    Returns:
+        0 to 1, (...).
+
+    Raises:
+        InputError: Fewer than three joints, or a last joint that slides.
+    """
+    p = float_array("points", points, (2,))
+    _check_arm(arm)
+    orientations, samples = count("orientations", orientations), count("samples", samples)
+    flat = p.reshape(-1, 2)
+    phi = np.arange(orientations) * (TURN / orientations)
+    found = np.zeros((len(flat), orientations), dtype=bool)
+    tail = arm.part(arm.n - 3)
+    wrist = flat[:, None, :] - arm.lengths[-1] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    for x, y, heading in _sampled_starts(arm, samples):
+        c, s = math.cos(heading), math.sin(heading)
+        local = (wrist - (x, y)) @ np.array([[c, -s], [s, c]])
+        found |= _three_joint_reach(tail, local, phi - heading)
+    return np.asarray(found.mean(axis=1).reshape(p.shape[:-1]))
+
+
+def _check_arm(arm: PlanarArm) -> None:
+    if instance("arm", arm, PlanarArm).n < 3 or arm.joints[-1] != "R":
+        raise InputError("arm", arm.joints, "three joints or more, the last one R")
+
+
+def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
+    """Poses of the link before the last three joints, (K, 3)."""
+    head = arm.n - 3
+    if head == 0:
+        return np.zeros((1, 3))
+    axes = [np.linspace(*(limit or (-math.pi, math.pi)), samples) for limit in arm.limits[:head]]
+    q = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, head)
+    return arm.part(0, head).forward_kinematics(q)
+
+
+def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> np.ndarray:
+    """Whether joints 1 and 2 reach the wrist (..., 2) and joint 3 then the orientation phi (...)."""
+    first, second = wrist_solutions(arm, wrist)
+    last = phi[..., None] - math.fsum(arm.angles)
+    for kind, q in zip(arm.joints, (first, second), strict=False):
+        if kind == "R":
+            last = last - q
+    one, two, three = (within_limits(arm, j, q, 1e-9) for j, q in enumerate((first, second, last)))
+    return np.asarray((one & two & three).any(axis=-1))
+
+
+def wrist_solutions(arm: PlanarArm, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions of an arm's first two joints that bring the end of link 2 to points.
+
+    Limits are not asked for. The four cases (RR, RP, PR, PP) intersect the path on which joint 1
+    carries the target, seen from link 1, with the path of the end of link 2.
+
+    Args:
+        arm: Two joints or more; the others do not matter.
+        points: (..., 2) [m].
+
+    Returns:
+        q_1 and q_2, (..., 2) each, one column per solution, NaN where there is none. Directions that
+        are free (the target on the pivot) come out as one of many.
+    """
+    (l_1, l_2), (b_1, b_2), kinds = arm.lengths[:2], arm.angles[:2], arm.joints[:2]
+    tolerance = 1e-9 * max(arm.reach, l_1 + l_2)
+    flat, along = points.reshape(-1, 2), np.array([math.cos(b_2), math.sin(b_2)])
+    origin = np.zeros(2)
+    if kinds[0] == "R":
+        radius, bearing = np.hypot(flat[:, 0], flat[:, 1]), np.arctan2(flat[:, 1], flat[:, 0])
+        pivot = np.array([[-l_1, 0.0]])
+        if kinds[1] == "R":
+            ends = circle_circle(pivot, radius, origin, l_2, tolerance)
+        else:
+            ends = line_circle(origin, along, pivot, radius, tolerance)
+        first = bearing[:, None] - np.arctan2(ends[..., 1], ends[..., 0] + l_1) - b_1
+    else:
+        c, s = math.cos(b_1), math.sin(b_1)
+        starts = flat @ np.array([[c, -s], [s, c]]) - (l_1, 0.0)
+        sideways = np.array([1.0, 0.0])
+        if kinds[1] == "R":
+            ends = line_circle(starts, sideways, np.zeros_like(flat), np.array([l_2]), tolerance)
+        else:
+            ends = line_line(starts, sideways[None], origin, along)
+        first = starts[:, :1] - ends[..., 0]
+    second = ends @ along - l_2 if kinds[1] == "P" else np.arctan2(ends[..., 1], ends[..., 0]) - b_2
+    return first.reshape(*points.shape[:-1], 2), second.reshape(*points.shape[:-1], 2)
