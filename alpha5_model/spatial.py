@@ -20,13 +20,14 @@ def wrap(angle: ArrayLike, middle: float = 0.0) -> FloatArray:
 
 
 def cross_matrix(vector: ArrayLike) -> FloatArray:
-    """The matrix [v]x, (3, 3), with ``[v]x w = v x w``."""
-    x, y, z = np.asarray(vector)
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    """The matrices [v]x, (..., 3, 3), of vectors (..., 3), with ``[v]x w = v x w``."""
+    x, y, z = np.asarray(vector).T
+    zero = 0.0 * x
+    return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).T.swapaxes(-1, -2)
 
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Rotations about a unit vector (3,) by angles (...), by Rodrigues' formula, (..., 3, 3)."""
+    """Rotations about unit vectors (..., 3) by angles (...), by Rodrigues' formula, (..., 3, 3)."""
     k, a = cross_matrix(axis), np.asarray(angle)[..., None, None]
     return np.asarray(np.eye(3) + np.sin(a) * k + (1.0 - np.cos(a)) * (k @ k))
 

@@ -1,8 +1,9 @@
-"""Lay another model's joint axes over ours, as lines, in the least-squares sense.
+"""Fit another model's joint axes to ours, as lines, by least squares.
 
-What is free: where the other base stands, the sign of each joint, the zeros of axis_d and axis_c, and
-those dimensions of the arm that differ. The axes do not tell two zeros: a shifted zero of axis_e is a yaw
-of the base, one of axis_b a roll of the last body. Frames and bodies decide these.
+What is free: where the other base stands, the sign of each joint, the zeros of axis_d and axis_c,
+and those dimensions of the arm that differ. The axes do not show two of the zeros: a shifted zero
+of axis_e is a yaw of the base, one of axis_b a roll of the last body. Frames and bodies decide
+these.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ MOVES_FROM = (0,) * 6 + (2, 3) + (1, 2, 3, 2) * 2
 def align(theirs: FourJointArm) -> Alignment:
     """Best alignment of another model of this arm.
 
-    Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as they can. The
-    dimensions that are then still off by more than the printed digits allow are fitted too: an
+    Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as they can.
+    The dimensions that are then still off by more than the printed digits allow are fitted too: an
     offset must not look like a shifted zero. An arm upside down with every joint reversed has the
     same axes; of alignments that fit equally well, the one with the fewest oddities is taken.
     """
@@ -56,7 +57,7 @@ def align(theirs: FourJointArm) -> Alignment:
     errors = [np.sqrt(np.square(difference(theirs, start)[0]).mean()) for start in starts]
     # Where a direction is reversed no dimension helps.
     close = [s for s, e in zip(starts, errors, strict=True) if e <= max(REVERSED, 2 * min(errors))]
-    # With all dimensions free the axes coincide: each tells its own error, whatever the others'.
+    # With all dimensions free the axes coincide: each dimension shows its own error only.
     length, angle = allowed(theirs)
     within = np.where(np.arange(8) < 4, length, angle)
     fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in close]
@@ -68,7 +69,7 @@ def align(theirs: FourJointArm) -> Alignment:
 
 
 def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]:
-    """What is no finding: the printed digits and the tolerances allow it; lengths [m], angles [rad].
+    """Differences that printed digits and tolerances allow, no findings: lengths [m], angles [rad].
 
     Rounded lengths turn the axes by as much over the length of the upper arm. Where a file cuts pi
     short, the same error may hide in angles that were computed from it (``short_pi``).
@@ -99,7 +100,7 @@ def _distance(pose: FloatArray) -> float:
 
 
 def _oddities(theirs: FourJointArm, alignment: Alignment, within: FloatArray) -> float:
-    """How unlikely an alignment is: everything that a person would have had to do to the model.
+    """How unlikely an alignment is: everything that somebody must have changed in the model.
 
     A turned sign, a shifted zero count one, a wrong dimension four, a base that stands elsewhere or
     upside down up to six, bodies elsewhere up to four.
@@ -153,10 +154,10 @@ def bodies_in_our_frames(
 def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
-    Each body is held by its own joint: where the other arm's joint lies elsewhere than ours, that is
-    an error of the geometry and not one of the COM as well. The first body is held by the frame that
-    was meant to be base_link, if there is one; body 1 by the base or by the shoulder, whose height
-    above it may differ: by the one that fits.
+    Each body is held by its own joint: where the other arm's joint lies elsewhere than ours, that
+    is an error of the geometry and not one of the COM as well. The first body is held by the frame
+    that was meant to be base_link, if there is one; body 1 by the base or by the shoulder, whose
+    height above it may differ: by the one that fits.
     """
     here = with_dimensions(alignment.dimensions).poses(np.zeros(4))
     there = alignment.base @ theirs.poses(alignment.zero)
@@ -183,7 +184,7 @@ def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Flo
 
 
 def fit(theirs: FourJointArm, start: Alignment, free: Iterable[int]) -> Alignment:
-    """Gauss-Newton over those of base (6), zeros of axis_d and axis_c (2), dimensions (8) that are free."""
+    """Gauss-Newton over the free ones of 16 unknowns: base (6), two zeros, dimensions (8)."""
     columns = list(free)
     best, (error, jacobian) = start, difference(theirs, start)
     for _ in range(50):
@@ -217,8 +218,9 @@ def _changed(alignment: Alignment, change: FloatArray) -> Alignment:
 def difference(theirs: FourJointArm, alignment: Alignment) -> tuple[FloatArray, FloatArray]:
     """Their axes minus ours in Plücker coordinates, (24 N,), and the derivative, (24 N, 16).
 
-    The coordinates are moments about our root [m] and directions. Each unknown, of base (6), zeros (2) and
-    dimensions (8), is a screw (w, v) that moves the lines (m, d) behind it by w x d and w x m + v x d.
+    The coordinates are moments about our root [m] and directions. Each unknown, of base (6), zeros
+    (2) and dimensions (8), is a screw (w, v) that moves the lines (m, d) behind it by w x d and w x
+    m + v x d.
     """
     q, sign = random_positions(POSITIONS), alignment.sign[1:3, None, None]
     frames = np.moveaxis(our_frames(q, alignment.dimensions), 1, 0)  # joint, position
@@ -241,7 +243,7 @@ def difference(theirs: FourJointArm, alignment: Alignment) -> tuple[FloatArray, 
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """NumPy's cross product, without what it takes to prepare."""
+    """NumPy's cross product without its overhead."""
     one, two = [1, 2, 0], [2, 0, 1]
     out: FloatArray = a[..., one] * b[..., two] - a[..., two] * b[..., one]
     return out

@@ -1,4 +1,4 @@
-"""Any URDF of this arm as four joints and five rigid bodies; our own, also with other dimensions."""
+"""Any URDF of this arm as four joints and five bodies; our own, also with other dimensions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import moved, rotation_about, transform
 
-#: What a lighter link on the way to axis_e is: a dummy of the arm's base, not something that carries it.
+#: What a lighter link on the way to axis_e is: a dummy of the arm's base, not something that
+#: carries it.
 CARRIED_FROM = 0.02  # [kg], a tenth of link_0
 X, Y, Z = np.eye(3)
 DOWN = np.array(GRAVITY)  # [m/s^2]
@@ -42,8 +43,8 @@ class FourJointArm:
         links: Names of the links that make up each body.
         link_poses: Link -> its pose in the frame of its body, (4, 4).
         base_path: Links from the root to the one that axis_e turns in.
-        carried: Links that move with the base and are not the arm's: vehicle, platform, mount, another
-            arm. They are in no body.
+        carried: Links that move with the base and are not the arm's: vehicle, platform, mount,
+            another arm. They are in no body.
         digits: What the digits of the printed origins leave open, see `last_digits`.
     """
 
@@ -61,35 +62,37 @@ class FourJointArm:
     digits: tuple[float, float, float]
 
     def poses(self, q: FloatArray) -> FloatArray:
-        """Poses of the five bodies in the root frame, (..., 5, 4, 4), at its own angles q (..., 4)."""
+        """Poses of the bodies in the root frame, (..., 5, 4, 4), at its own angles q (..., 4)."""
         return chain_poses(self.placements, self.axes, q)
 
     def axis_lines(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """A point on each axis and its direction in the root frame, (..., 4, 3) each, at q (..., 4)."""
+        """A point on each axis and its direction in the root frame, (..., 4, 3), at q (..., 4)."""
         poses = self.poses(q)[..., 1:, :, :]
         return poses[..., :3, 3], (poses[..., :3, :3] @ self.axes[..., None])[..., 0]
 
     def gravity_regressor(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
-        """What each moving body's mass and first moment are worth in gravity torque in air [Atkeson1986].
+        """Gravity torque in air per mass and first moment of each moving body [Atkeson1986].
 
         Args:
             q: Its own angles, (..., 4) [rad].
             gravity: In the root frame, (3,) [m/s^2].
 
         Returns:
-            (..., 4, 4, 4): joint, body, and (mass [kg], first moment (3,) [kg m] in the body's frame).
+            (..., 4, 4, 4): joint, body, and (mass [kg], first moment (3,) [kg m] in the body's
+            frame).
         """
-        points, directions = self.axis_lines(q)
-        rotations = self.poses(q)[..., 1:, :3, :3]
-        normals = np.cross(directions, gravity)
+        poses = self.poses(q)[..., 1:, :, :]
+        rotations, points = poses[..., :3, :3], poses[..., :3, 3]
+        normals = np.cross((rotations @ self.axes[..., None])[..., 0], gravity)
         out = np.empty((*q.shape, 4, 4))
         arms = points[..., None, :, :] - points[..., :, None, :]
         out[..., 0] = np.sum(arms * normals[..., :, None, :], axis=-1)
-        out[..., 1:] = np.einsum("...bkl,...jk->...jbl", rotations, normals)
+        side_by_side = np.moveaxis(rotations, -3, -2).reshape(*q.shape[:-1], 3, 12)
+        out[..., 1:] = (normals @ side_by_side).reshape(*q.shape, 4, 3)
         return out * np.triu(np.ones((4, 4)))[..., None]
 
     def gravity_torque(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
-        """Torques that hold the weight in air, (..., 4) [N m]; arguments as for `gravity_regressor`."""
+        """Torques that hold the weight in air, (..., 4) [N m]; arguments of `gravity_regressor`."""
         numbers = np.column_stack([self.mass, self.mass[:, None] * self.com])[1:]
         return np.asarray((self.gravity_regressor(q, gravity) * numbers).sum(axis=(-2, -1)))
 
@@ -98,13 +101,15 @@ def chain_poses(placements: FloatArray, axes: FloatArray, q: FloatArray) -> Floa
     """Poses of the root and of what each joint carries, (..., N + 1, 4, 4).
 
     Args:
-        placements: Pose of what a joint carries in what the one before it carries, at zero, (N, 4, 4).
+        placements: Pose of what a joint carries in what the one before it carries, at zero,
+            (N, 4, 4).
         axes: Direction of each joint in the frame that it carries, (N, 3).
         q: Angles, (..., N) [rad].
     """
+    links = placements @ transform(rotation_about(axes, q))
     poses = [np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))]
-    for placement, axis, angle in zip(placements, axes, np.moveaxis(q, -1, 0), strict=True):
-        poses.append(poses[-1] @ placement @ transform(rotation_about(axis, angle)))
+    for joint in range(len(axes)):
+        poses.append(poses[-1] @ links[..., joint, :, :])
     return np.stack(poses, axis=-3)
 
 
@@ -126,19 +131,21 @@ def random_positions(count: int) -> FloatArray:
 def our_frames(q: FloatArray, change: FloatArray) -> FloatArray:
     """DH frames {0} to {3} of our arm with changed dimensions, (N, 4, 4, 4), at q (N, 4).
 
-    Their z axes are the joint axes; each stands turned by its joint already, ready for the next link.
+    Their z axes are the joint axes; each stands turned by its joint already, ready for the next
+    link.
     """
-    link, placements = np.eye(4), []
-    for j, row in enumerate(parameters().dh[:4]):
-        placements.append(link @ transform(rotation_about(Z, row.theta_offset)))
-        lateral, tilt = change[[3, 7]] * (j == 1)
-        twist = rotation_about(X, row.alpha + change[4 + j]) @ rotation_about(Y, tilt)
-        link = transform(twist, (row.a + change[j], 0.0, row.d + lateral))  # of no use behind {3}
-    return chain_poses(np.array(placements), np.tile(Z, (4, 1)), q)[..., 1:, :, :]
+    rows = [(row.d, row.a, row.alpha, row.theta_offset) for row in parameters().dh[:4]]
+    d, a, alpha, offset = np.array(rows).T
+    twist = rotation_about(X, alpha[:3] + change[4:7])
+    twist[1] = twist[1] @ rotation_about(Y, change[7])
+    d[1] += change[3]
+    lengths = np.column_stack([a[:3] + change[:3], np.zeros(3), d[:3]])
+    placements = np.stack([np.eye(4), *transform(twist, lengths)])
+    return chain_poses(placements, np.tile(Z, (4, 1)), q + offset)[..., 1:, :, :]
 
 
 def our_lines(q: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points on and directions of our axes, (N, 4, 3), at q (N, 4), with changed dimensions (8,)."""
+    """Points on and directions of our axes, (N, 4, 3), at q (N, 4), with changed dimensions."""
     frames = our_frames(q, change)
     return frames[..., :3, 3], frames[..., :3, 2]
 
@@ -152,11 +159,12 @@ def with_dimensions(change: FloatArray) -> FourJointArm:
 
 
 def our_tips(q: FloatArray, change: FloatArray | None = None) -> FloatArray:
-    """Tips of our arm, (N, 3) [m]: on the wrist axis, d_3 from the foot of its normal with axis_c."""
+    """Tips of our arm, (N, 3) [m], with changed dimensions if given; see `tip_points`."""
     return tip_points(*our_lines(q, np.zeros(8) if change is None else change))
 
 
 def tip_points(points: FloatArray, directions: FloatArray) -> FloatArray:
+    """On the wrist axis, d_3 from the foot of its normal with axis_c, (N, 3) [m]."""
     return foot(points, directions, 3, 2) + parameters().dh[3].d * directions[:, 3]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison import diagnosis
 from alpha5_model.comparison.arm import FourJointArm, our_arm
+from alpha5_model.comparison.diagnosis import TOKEN_MASS, Inertial
 from alpha5_model.comparison.records import BodyDifference, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.inertia import inconsistencies, rotate_tensor
@@ -24,7 +25,8 @@ INERTIA_TOLERANCE = 5e-3  # of the largest moment
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]
 
-#: What an error of a body's mass [kg] and first moment (3,) [kg m] is worth in gravity torque [N m].
+#: What an error of a body's mass [kg] and first moment (3,) [kg m] is worth in gravity torque
+#: [N m].
 Cost = Callable[[int, float, FloatArray], float]
 
 
@@ -47,22 +49,20 @@ def body_findings(
     regressor = our_arm().gravity_regressor(q)
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
-        """The base is held by no joint and costs nothing."""
+        # no joint carries the base: it costs nothing
         return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
 
     for i, body in enumerate(bodies):
         written = []
         for link in (other.links[name] for name in body.links):
             pose = transforms[i] @ theirs.link_poses[link.name]
-            written.append(
-                diagnosis.Inertial(link.name, link.mass or 0.0, link.com, link.inertia, pose)
-            )
+            written.append(Inertial(link.name, link.mass or 0.0, link.com, link.inertia, pose))
         bare = [name for name in body.links if other.links[name].mass is None]
         yield from _findings(i, body, written, bare, cost)
 
 
 def _findings(
-    index: int, body: BodyDifference, written: list[diagnosis.Inertial], bare: list[str], cost: Cost
+    index: int, body: BodyDifference, written: list[Inertial], bare: list[str], cost: Cost
 ) -> Iterator[Finding]:
     link, here = body.ours, partial(Finding, body.name)
     mass_cost = cost(index, body.mass_error, body.mass_error * link.com)
@@ -99,13 +99,11 @@ def _findings(
         x, y, z = np.diag(body.inertia) / np.diag(link.inertia)
         text = f"inertia differs, {x:.3g}, {y:.3g}, {z:.3g} times about x, y, z"
         text += " (z is the wrist's roll)" * (index == 4)
-        reason, guess = (
-            _reason(link, written, diagnosis.explain_inertia),
-            diagnosis.explain_guess(link, written),
-        )
+        reason = _reason(link, written, diagnosis.explain_inertia)
+        guess = diagnosis.explain_guess(link, written)
         yield here(text + (reason or (guess and f": {guess}") or ""), instead=inertia)
     if wrong_mass or wrong_com or wrong_inertia:
-        # Table 2 itself strains one body's bounds: what is ours is not held against them.
+        # Table 2 itself breaks one body's bounds: the other model is not asked to keep those.
         own = inconsistencies(link.mass, link.com, link.inertia, link.bounds)
         bounds = None if own else link.bounds
         for problem in inconsistencies(body.mass, body.com, body.inertia, bounds):
@@ -114,15 +112,13 @@ def _findings(
 
 def _reason(
     link: LinkParameters,
-    written: list[diagnosis.Inertial],
-    explain: Callable[[LinkParameters, diagnosis.Inertial], str | None],
+    written: list[Inertial],
+    explain: Callable[[LinkParameters, Inertial], str | None],
 ) -> str:
     """The first subject whose number is explained, and which links stand beside it."""
     for subject in diagnosis.subjects(written):
         if reason := explain(link, subject):
-            beside = [
-                w for w in written if abs(w.mass) > diagnosis.TOKEN_MASS and w.link != subject.link
-            ]
+            beside = [w for w in written if abs(w.mass) > TOKEN_MASS and w.link != subject.link]
             if not subject.link or not beside:
                 return f": {reason}"
             grams = sum(w.mass for w in beside) * 1e3
@@ -131,8 +127,8 @@ def _reason(
     return ""
 
 
-def _dummies(name: str, written: list[diagnosis.Inertial]) -> Iterator[Finding]:
-    """Links that were given a token mass and an inertia that is anything but token."""
+def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
+    """Links with an inertia that is far too large for their mass, alike ones together."""
     alike: dict[tuple[float, float], list[str]] = {}
     for w in written:
         largest = float(np.abs(w.inertia).max())
@@ -140,7 +136,7 @@ def _dummies(name: str, written: list[diagnosis.Inertial]) -> Iterator[Finding]:
             alike.setdefault((w.mass, largest), []).append(w.link)
     for (mass, largest), links in alike.items():
         names, many = ", ".join(links), len(links) > 1
-        dummy = f"dummy link{'s' * many} " if mass <= diagnosis.TOKEN_MASS else ""
+        dummy = f"dummy link{'s' * many} " if mass <= TOKEN_MASS else ""
         text = (
             f"{dummy}{names} {'have' if many else 'has'} {mass * 1e3:g} g and {largest:g} kg m^2: a "
             f"radius of gyration of {math.sqrt(largest / mass):.2f} m, more than the whole arm"
@@ -149,7 +145,7 @@ def _dummies(name: str, written: list[diagnosis.Inertial]) -> Iterator[Finding]:
         yield Finding(name, text, instead=f"no <inertial> in {names}" if dummy else "")
 
 
-def _instead(link: LinkParameters, written: list[diagnosis.Inertial]) -> tuple[str, str, str]:
+def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, str]:
     """Mass, COM and tensor of Table 2 as URDF, in the frame of the other model's heaviest link."""
     main = max(written, key=lambda w: abs(w.mass))
     rest = [w.link for w in written if w is not main and w.mass]

@@ -1,7 +1,7 @@
-"""Why a body differs: hypotheses made from the tables, each tested against the other model's numbers.
+"""Why a body differs: hypotheses from the tables, each tested with the other model's numbers.
 
 Nothing here looks at names. The diagnosis is the fewest mistakes that give the number to its
-printed digits; where none do, the difference stands without one. Tensors that depend on a size
+printed digits; a difference that none explain has no diagnosis. Tensors that depend on a size
 nobody printed (solid bodies, water, another point) are recomputed from the size that fits best: few
 unknowns for six numbers.
 """
@@ -36,6 +36,7 @@ from alpha5_model.inertia import (
     rotate_tensor,
 )
 from alpha5_model.parameters import LinkParameters
+from alpha5_model.spatial import moved
 
 #: How closely a hypothesis must give a number: the half of its last digit, within these.
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
@@ -74,8 +75,7 @@ class Inertial:
 
     def in_our_frame(self) -> Inertial:
         """The same, in our link frame."""
-        rotation, origin = self.pose[:3, :3], self.pose[:3, 3]
-        com, tensor = rotation @ self.com + origin, rotate_tensor(rotation, self.inertia)
+        com, tensor = moved(self.pose, self.com), rotate_tensor(self.pose[:3, :3], self.inertia)
         return replace(self, com=com, inertia=tensor, pose=np.eye(4))
 
     @property
@@ -88,7 +88,7 @@ class Inertial:
 
 
 def subjects(written: Sequence[Inertial]) -> list[Inertial]:
-    """What may carry a printed number: the body as a whole without its dummies, then its heaviest link."""
+    """What may carry a printed number: the whole body without dummies, then its heaviest link."""
     solid = sorted((w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass))
     if len(solid) < 2 or sum(w.mass for w in solid) == 0:
         return solid[:1]
@@ -157,7 +157,7 @@ def _water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | None:
 
 
 def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:
-    """What solids the tensors were guessed from; None if they have products and are not of solids."""
+    """The solids that the tensors were guessed from; None if they have products and fit none."""
     solid = [w for w in written if abs(w.mass) > TOKEN_MASS]
     words, plain = [], True
     for w in solid:
@@ -184,7 +184,7 @@ def _stacked(hypotheses: tuple[Hypothesis, ...]) -> tuple[FloatArray, FloatArray
 def _fit(
     hypotheses: tuple[Hypothesis, ...], views: Sequence[View], within: tuple[float, float]
 ) -> str | None:
-    """The fewest mistakes that give the number, in words; ``within`` for one mistake and for more."""
+    """The fewest mistakes that give the number, in words; ``within`` for one and for more."""
     values, mistakes = _stacked(hypotheses)
     axes = tuple(range(1, values.ndim))
     errors = [np.abs(values * scale - x).max(axes, initial=0.0) for _, x, _, scale in views]
@@ -213,7 +213,7 @@ def _tensor_digits(subject: Inertial) -> float:
 def added_water(
     link: LinkParameters, mass: float, tensor: FloatArray, within: tuple[float, float]
 ) -> tuple[str, str] | None:
-    """A printed mass and tensor with a cylinder of water of the body's width added, if they are that.
+    """If mass and tensor are printed ones with a cylinder of water of the body's width added.
 
     Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
     end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in the mass. Six of seven
@@ -239,7 +239,7 @@ def added_water(
             continue
         length = float(np.cbrt((3 if about_end else 12) * across / line))
         water = line * length
-        # The tensor tells L to a third of its own relative error.
+        # L follows from the tensor to a third of its relative error.
         allowed = within[0] + water * within[1] / (3 * across)
         if length <= longest and abs(mass - table.mass[body] - water) <= allowed:
             cylinder = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
@@ -253,7 +253,7 @@ def added_water(
 
 
 def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
-    """The printed I_COM about another point than the COM, if it is that: three unknowns, six numbers."""
+    """If it is the printed I_COM, but about another point: three unknowns, six numbers."""
     for table, solidworks in itertools.product(revisions(), (False, True)):
         right = flip_products(table.inertia[body]) if solidworks else table.inertia[body]
         shift = (tensor - right) / mass
@@ -268,7 +268,7 @@ def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) ->
 
 
 def solid_of_size(link: LinkParameters, mass: float, tensor: FloatArray) -> str | None:
-    """A solid cylinder or box of about the body's size that has these principal moments, if one has."""
+    """A solid cylinder or box of about the body's size with these principal moments, if any."""
     moments = principal_moments(tensor)
     sizes = np.sort(SIZE_SLACK * np.ptp(link.bounds, axis=1))
     if mass <= 0 or moments[0] <= 0:
@@ -282,7 +282,7 @@ def solid_of_size(link: LinkParameters, mass: float, tensor: FloatArray) -> str 
             length = np.sqrt(square) * 1e3
             return f"a solid cylinder of radius {radius * 1e3:.1f} mm and length {length:.1f} mm"
     sides = np.sqrt(np.maximum(6 / mass * (moments.sum() - 2 * moments), 0.0))[::-1]
-    # Any three moments are those of some box: only sides of whole millimetres tell of a guess.
+    # Any three moments are those of some box: only sides of whole millimetres show a guess.
     whole = np.abs(sides * 1e3 - np.round(sides * 1e3)).max() < 0.05
     if whole and sides[0] > 1e-3 and (sides <= sizes).all():
         x, y, z = sides * 1e3

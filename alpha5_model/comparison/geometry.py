@@ -1,4 +1,4 @@
-"""Where the axes, limits and mount of another model differ, what that costs, and what to write instead."""
+"""What differs in axes, limits and mount, what that costs, and what to write instead."""
 
 from __future__ import annotations
 
@@ -67,9 +67,8 @@ def geometry_findings(
 def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     shift, rotation = alignment.base[:3, 3], alignment.base[:3, :3]
     angle = math.acos(float(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))
-    at_base = alignment.same_base and np.allclose(
-        theirs.link_poses[alignment.base_link], np.eye(4), atol=LENGTH_TOLERANCE
-    )
+    mount = theirs.link_poses[alignment.base_link]
+    at_base = alignment.same_base and np.allclose(mount, np.eye(4), atol=LENGTH_TOLERANCE)
     elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
     if elsewhere and not at_base:
         x, y, z = shift * 1e3
@@ -167,7 +166,7 @@ def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> It
 def _digits(
     theirs: FourJointArm, written: FourJointArm, alignment: Alignment, q: FloatArray
 ) -> Iterator[Finding]:
-    """What the number of printed digits does to the axes; no finding of substance."""
+    """What the number of printed digits does to the axes: remarks only."""
     pairs = [their_tips(arm, alignment, q) for arm in (theirs, written)]
     if (off := float(np.linalg.norm(pairs[0] - pairs[1], axis=1).max())) > LENGTH_TOLERANCE:
         text = (

@@ -1,4 +1,4 @@
-"""The wrong numbers that known mistakes would give, for every body, made from the tables of two revisions.
+"""The wrong numbers that known mistakes would give, made from the tables of two revisions.
 
 Version 7 of the document, and the earlier revision whose numbers public models carry
 (``published/earlier_revision.toml``; supplementary, no document seen). The model itself knows
@@ -19,16 +19,11 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.arm import our_arm
 from alpha5_model.fluids import FRESH_WATER, SEA_WATER
-from alpha5_model.inertia import (
-    flip_products,
-    point_mass_tensor,
-    rotate_tensor,
-)
+from alpha5_model.inertia import flip_products, point_mass_tensor, rotate_tensor
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
 from alpha5_model.published.reading import earlier_revision
-from alpha5_model.published.tables import BuoyancyRow, EarlierRow, InertialRow
 from alpha5_model.spatial import moved
 
 #: Two mistakes at a time; with three, some combination fits any number.
@@ -70,9 +65,9 @@ def revisions() -> tuple[Revision, Revision]:
     )
 
 
-def _revision(
-    numbers: str, inertial: Iterable[InertialRow], buoyancy: Iterable[BuoyancyRow | EarlierRow]
-) -> Revision:
+def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) -> Revision:
+    """From the printed rows of its two tables."""
+
     def column(rows: Iterable[Any], name: str) -> FloatArray:
         return np.array([_si(getattr(row, name)) for row in rows])
 
@@ -154,7 +149,7 @@ def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
 
 
 def _sources(name: str, body: int) -> list[Hypothesis]:
-    """The printed quantity of this body, the COB for a COM, and the same of other bodies, in both revisions."""
+    """The quantity of this body, the COB for a COM, and those of other bodies; both revisions."""
     found = []
     for table, whose in zip(revisions(), ("Table 3", "an earlier revision"), strict=True):
         numbers, values = table.numbers, getattr(table, name)
@@ -187,10 +182,8 @@ def wrong_tensors(body: int) -> tuple[Hypothesis, ...]:
             sources.append(Hypothesis(f"{words}, {SOLIDWORKS}", flip_products(tensor), 1))
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append(Hypothesis(words, own - term, 1))
-    signs = [
-        _products(SOLIDWORKS, -1, -1, -1),
-        _products("the products of inertia are zeroed", 0, 0, 0),
-    ]
+    zeroed = "the products of inertia are zeroed"
+    signs = [_products(SOLIDWORKS, -1, -1, -1), _products(zeroed, 0, 0, 0)]
     rotations = [(words, m) for words, m in _signed_axes() if np.linalg.det(m) > 0]
     rotations += [(words, pose[:3, :3]) for words, pose in frames(body).items()]
     turns: list[Step] = [(words, partial(rotate_tensor, r)) for words, r in rotations]

@@ -1,4 +1,4 @@
-"""Read another model: its file, what its printed digits leave open, and which of its joints are this arm's."""
+"""Read another model: its file, what its digits leave open, and which joints are this arm's."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def read_model(
 
     Raises:
         InputError, MissingFileError: See `read_named`.
-        FileFormatError: Another format, named with what to do; a xacro file that cannot be expanded,
-            with the options that would; a broken URDF, with its line.
+        FileFormatError: Another format, named with what to do; a xacro file that cannot be
+            expanded, with the options that would; a broken URDF, with its line.
     """
     content = read_named(path, "a URDF or xacro file")
     # In whatever encoding: the marks are ASCII.
@@ -73,7 +73,7 @@ def read_model(
 
 
 def as_meant(robot: UrdfRobot) -> UrdfRobot:
-    """The robot with every multiple of pi in its joints' rpy exact, however few digits it is printed with."""
+    """The robot with every multiple of pi in its joints' rpy exact, whatever digits are printed."""
     joints = {name: replace(j, transform=_meant(j)) for name, j in robot.joints.items()}
     return replace(robot, joints=joints)
 
@@ -95,18 +95,19 @@ def meant_angle(text: str) -> float:
     pis = [f(math.pi * n) / n for n in with_digits for f in (math.floor, round)]
     # Two decimals are too few to tell thirds of pi from any other angle.
     parts = PARTS if unit < 5e-3 else PARTS[5::6]
-    # Angles computed from a short pi are not exact; no last digit is worth more than what 3.14 leaves open.
+    # Angles computed from a short pi are not exact; no last digit is worth more than what 3.14
+    # leaves open.
     unit = min(1.01 * unit + 1e-12, (math.pi - 3.14) * abs(angle) / 3)
     near = (np.abs(parts * pis - abs(angle)) <= unit).any(axis=1)
     return math.copysign(float(parts[near][0, 0]) * math.pi, angle) if near.any() else angle
 
 
 def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
-    """What the digits of the joints' origins leave open: lengths [m], angles and multiples of pi [rad].
+    """What the digits of origins leave open: lengths [m], angles and multiples of pi [rad].
 
-    Of lengths and angles half of the last decimal place, added in quadrature. A number may have lost its
-    trailing zeros: the most decimals among the lengths are taken for all of them, and so for the
-    angles. Zeros and integers are exact. Of the multiples of pi the largest error of one.
+    Of lengths and angles half of the last decimal place, added in quadrature. A number may have
+    lost its trailing zeros: the most decimals among the lengths are taken for all of them, and so
+    for the angles. Zeros and integers are exact. Of the multiples of pi the largest error of any.
     """
     lengths, angles = (
         [text for j in joints for text in j.printed[k].split() if float(text) % 1] for k in (0, 1)
@@ -132,8 +133,8 @@ class Chain:
     Attributes:
         joints: Base to tip.
         shape: Distance of each axis from the one before it, (3,), and of the first from the last
-            common normal along the second axis [m]; angle of each axis with the one before it, (3,),
-            up to pi/2 [rad]; (7,) in all.
+            common normal along the second axis [m]; angle of each axis with the one before it,
+            (3,), up to pi/2 [rad]; (7,) in all.
         following: How many more joints turn one after another behind them.
     """
 
@@ -142,8 +143,13 @@ class Chain:
     following: int
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the joints."""
+        return tuple([joint.name for joint in self.joints])
+
+    @property
     def differences(self) -> FloatArray:
-        """How far its shape is from ours, (7,) [m]: angles weigh with the length of the upper arm."""
+        """How far its shape is from ours, (7,) [m]: angles times the length of the upper arm."""
         ours = our_shape()
         return np.abs(self.shape - ours) * np.where(np.arange(7) < 4, 1.0, ours[1])
 
@@ -161,7 +167,7 @@ def our_shape() -> FloatArray:
 
 
 def _shape(points: FloatArray, directions: FloatArray) -> FloatArray:
-    """Distances and angles of axes, given by any point on each and their directions, (4, 3) each."""
+    """Distances and angles of axes, given by a point on each and their directions, (4, 3)."""
     across = np.cross(directions[:-1], directions[1:])
     sines = np.linalg.norm(across, axis=1)
     upper = foot(points, directions, 2, 3) - foot(points, directions, 1, 0)
@@ -173,7 +179,7 @@ def _shape(points: FloatArray, directions: FloatArray) -> FloatArray:
 
 
 def foot(points: FloatArray, directions: FloatArray, at: int, other: int) -> FloatArray:
-    """Foot of the common normal of two axes on the first of them, (..., 3), of lines (..., 4, 3)."""
+    """Foot of the common normal of two of the axes (..., 4, 3), on the first of them, (..., 3)."""
     u, w, p = directions[..., at, :], directions[..., other, :], points[..., at, :]
     r = p - points[..., other, :]
     b, along, across = (np.sum(x * y, -1, keepdims=True) for x, y in ((u, w), (w, r), (u, r)))
@@ -229,11 +235,9 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
         last = rows.get(row[-1].name, ())
         behind = [len(r) - len(last) for r in rows.values() if r[: len(last)] == last]
         chains.append(Chain(row, _shape(at[:, :3, 3], directions), max(behind, default=0)))
-    return sorted(chains, key=lambda c: (round(c.misfit, 4), -_named(c.joints)))
-
-
-def _named(joints: tuple[UrdfJoint, ...]) -> int:
-    return sum(joint.name.endswith(axis) for axis, joint in zip(AXES, joints, strict=True))
+    return sorted(
+        chains, key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES)))
+    )
 
 
 def map_joints(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> tuple[UrdfJoint, ...]:
@@ -250,7 +254,7 @@ def map_joints(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> tupl
 
 
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
-    """Where a joint is frozen: at the value nearest to zero in its range, or with the joint it mimics."""
+    """Where a joint is frozen: nearest to zero in its range, or with the joint it mimics."""
     leader = robot.joints.get(joint.mimic) if joint.mimic else None
     if leader is not None and leader.mimic is None:
         return joint.multiplier * rest_position(robot, leader) + joint.offset

@@ -12,9 +12,9 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
 
-#: The dimensions of our arm that another model may have otherwise: distances and twists of axes that
-#: follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no twist
-#: about their second direction).
+#: The dimensions of our arm that another model may have otherwise: distances and twists of axes
+#: that follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no
+#: twist about their second direction).
 DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
 #: A frame that lies closer to ours than this was meant to be the same one.
 SAME_FRAME = 0.005  # [m]
@@ -29,13 +29,15 @@ class Alignment:
         base: transform_theirs_to_ours of the root frames, (4, 4).
         sign: +1 or -1 per joint, (4,).
         zero: Position of the other joint where ours is zero, (4,) [rad].
-        dimensions: Theirs minus ours of each of `DIMENSIONS`, (8,) [m, rad]; zero where it was held.
-        residual: What is left between their axes and ours, root mean square over positions and axes: of
-            the coordinates of the lines (their moment [m] and direction), and of their angle [rad].
+        dimensions: Theirs minus ours of each of `DIMENSIONS`, (8,) [m, rad]; zero where it was
+            held.
+        residual: What is left between their axes and ours, root mean square over positions and
+            axes: of the coordinates of the lines (their moment [m] and direction), and of their
+            angle [rad].
         base_link: The link of theirs whose frame comes closest to our base_link.
         stands: Pose of that frame in our base_link, (4, 4).
-        exact: The same with all dimensions fitted, also those that the printed digits explain; None in
-            itself.
+        exact: The same with all dimensions fitted, also those that the printed digits explain; None
+            in itself.
     """
 
     base: FloatArray = field(default_factory=lambda: np.eye(4))

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from alpha5_model.checks import FloatArray, count
+from alpha5_model.comparison import reading
 from alpha5_model.comparison.alignment import (
     align,
     bodies_in_our_frames,
@@ -26,15 +27,6 @@ from alpha5_model.comparison.arm import (
 )
 from alpha5_model.comparison.bodies import body_findings
 from alpha5_model.comparison.geometry import geometry_findings
-from alpha5_model.comparison.reading import (
-    AXES,
-    TURNING,
-    Chain,
-    as_meant,
-    find_chains,
-    our_shape,
-    read_model,
-)
 from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
@@ -43,11 +35,11 @@ from alpha5_model.parameters import parameters
 #: A model of this arm with an offset on the wrong side comes to 40 mm at most.
 OTHER_ARM = 0.05  # [m]
 SAME_SHAPE = 0.005  # [m]
-#: What the shape of a chain is made of: four distances, three angles.
+#: The numbers of `reading.Chain.shape`: four distances, three angles.
 SHAPE = (
-    *(f"{axis} from {before}" for before, axis in pairwise(AXES)),
+    *(f"{axis} from {before}" for before, axis in pairwise(reading.AXES)),
     "the elbow out of the arm's plane",
-    *(f"{axis} to {before}" for before, axis in pairwise(AXES)),
+    *(f"{axis} to {before}" for before, axis in pairwise(reading.AXES)),
 )
 #: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
 VOLUME_TOLERANCE = 5e-3
@@ -61,15 +53,15 @@ def compare(
     packages: Mapping[str, str] | None = None,
     arguments: Mapping[str, str] | None = None,
 ) -> Comparison:
-    """Hold another model of this arm against ours.
+    """Compare another model of this arm with ours.
 
     The arm is found by the shape of its axes, the bases are aligned by the joint axes, every other
-    joint is frozen with the jaws closed, what carries the arm is left out, and each body is compared in
-    our link frame with the tables.
+    joint is frozen with the jaws closed, what carries the arm is left out, and each body is
+    compared in our link frame with the tables.
 
     Args:
         path: A URDF, or a xacro file that makes one. Meshes need not be there.
-        joints: Our joint name -> theirs, for those that axes and names do not tell.
+        joints: Our joint name -> theirs, for those that cannot be found by axes and names.
         samples: Random configurations for the kinematic and dynamic errors.
         base: The first link of the arm, if something carries it; found by its mass if None.
         packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder.
@@ -83,7 +75,7 @@ def compare(
         MissingFileError, FileFormatError: The file cannot be read; the message says where.
         UnknownNameError, InputError: A joint or link is not there, or the joints cannot be mapped.
     """
-    other = read_model(path, packages, arguments)
+    other = reading.read_model(path, packages, arguments)
     return compare_robots(other, joints, samples, Path(path).parent, base)
 
 
@@ -95,8 +87,8 @@ def compare_robots(
     base: str | None = None,
 ) -> Comparison:
     """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
-    q, meant = random_positions(count("samples", samples)), as_meant(other)
-    chains = find_chains(meant, names)
+    q, meant = random_positions(count("samples", samples)), reading.as_meant(other)
+    chains = reading.find_chains(meant, names)
     if not chains or not _is_ours(chains[0]):
         return Comparison(other.name, (_another_arm(other, chains),))
     mapped = chains[0].joints
@@ -104,7 +96,7 @@ def compare_robots(
     alignment = align(theirs)
     way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
     if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
-        # What stands before our base_link carries it, even if it is as light as nothing.
+        # What stands before our base_link carries it, even if it weighs nothing.
         base = alignment.base_link
         theirs = reduce_robot(meant, mapped, base)
     written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
@@ -137,7 +129,7 @@ def compare_robots(
     return Comparison(
         name=other.name,
         findings=(*found, *_other_arms(chains)),
-        joints={axis: joint.name for axis, joint in zip(AXES, mapped, strict=True)},
+        joints=dict(zip(reading.AXES, chains[0].names, strict=True)),
         alignment=alignment,
         bodies=bodies,
         tip_error=float(np.linalg.norm(tips, axis=1).max()),
@@ -148,33 +140,30 @@ def compare_robots(
     )
 
 
-def _is_ours(chain: Chain) -> bool:
-    """An arm that goes on behind axis_b has to be of just this shape to be more than alike."""
+def _is_ours(chain: reading.Chain) -> bool:
+    """If more joints follow, as on many arms, the shape has to be just this one."""
     return chain.misfit <= (OTHER_ARM if chain.following < 2 else SAME_SHAPE)
 
 
-def _another_arm(other: UrdfRobot, chains: list[Chain]) -> Finding:
+def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     """Why a model is not of this arm."""
-    turning = sum(j.kind in TURNING and j.mimic is None for j in other.joints.values())
+    turning = sum(j.kind in reading.TURNING and j.mimic is None for j in other.joints.values())
     why = f"no four joints turn one after another, as its four do ({turning} turning joints in all)"
     if chains:
-        names = ", ".join(joint.name for joint in chains[0].joints)
-        off, scale = chains[0].differences, np.repeat([1e3, 180 / math.pi], (4, 3))
-        units = ["mm"] * 4 + ["deg"] * 3
-        rows = zip(SHAPE, chains[0].shape * scale, our_shape() * scale, units, strict=True)
+        names, off = ", ".join(chains[0].names), chains[0].differences
+        scale, units = (np.repeat(x, (4, 3)) for x in ([1e3, 180 / math.pi], ["mm", "deg"]))
+        rows = zip(SHAPE, chains[0].shape * scale, reading.our_shape() * scale, units, strict=True)
         texts = [f"{words} {a:.0f} {unit} (ours {b:.0f})" for words, a, b, unit in rows]
         worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
         why = f"of its {turning} turning joints {names} come closest, with {worst}"
     return Finding("arm", f"This is not a Reach Alpha 5: {why}.")
 
 
-def _other_arms(chains: list[Chain]) -> Iterator[Finding]:
+def _other_arms(chains: list[reading.Chain]) -> Iterator[Finding]:
     """Further chains of the shape of this arm, such as a second arm on the vehicle."""
-    names = {joint.name for joint in chains[0].joints}
     for chain in chains[1:]:
-        others = [joint.name for joint in chain.joints]
-        if _is_ours(chain) and names.isdisjoint(others):
-            mapping = ",".join(f"{a}={n}" for a, n in zip(AXES, others, strict=True))
+        if _is_ours(chain) and set(chain.names).isdisjoint(chains[0].names):
+            mapping = ",".join(f"{a}={n}" for a, n in zip(reading.AXES, chain.names, strict=True))
             text = f"another arm of this shape is there: compare it with --map {mapping}"
             yield Finding("arm", text, serious=False)
 

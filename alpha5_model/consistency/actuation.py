@@ -40,7 +40,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
 
 
 def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
-    """Largest torque [N m] that weight and buoyancy exert about axis_d, the shoulder, within limits.
+    """Largest torque [N m] of weight and buoyancy about axis_d, the shoulder, within limits.
 
     The torque is ``A cos(theta_1) + B sin(theta_1)``; the range of theta_1 spans more than half a
     turn, so ``sqrt(A^2 + B^2)`` is reached, and only theta_2 and theta_3 are searched.

@@ -1,7 +1,8 @@
-"""Tables 2 and 3 against themselves and each other: tensors, equations, masses, centres, sizes, densities.
+"""Tables 2 and 3: tensors, equations, masses, centres, sizes and densities against each other.
 
 References:
-    [ReachAlpha] Manufacturer's document, Section 2.1, Table 2, equations (1) and (2); Section 2.2, Table 3.
+    [ReachAlpha] Manufacturer's document, Section 2.1, Table 2, equations (1) and (2), and Section
+        2.2, Table 3.
     [Wensing2018], [Bhatia2000] See `alpha5_model.inertia`.
     [Aluminium] Density of aluminium, 2.70 kg/L: any handbook.
 """
@@ -91,7 +92,8 @@ def _worst(residual: Callable[[FloatArray], FloatArray], row: InertialRow) -> di
     """The largest entry of a tensor, among those beyond their bound if there are any.
 
     Returns:
-        For `audited`: its size, what rounding allows, its name, and how many of the six entries are beyond.
+        For `audited`: its size, what rounding allows, its name, and how many of the six entries are
+        beyond.
     """
     inputs = _inputs(row)
     size, bound = np.abs(residual(si(inputs))), rounding_bound(residual, inputs)
@@ -142,7 +144,8 @@ def _equations(row: InertialRow) -> list[AuditRow]:
 def _rotation(rows: tuple[InertialRow, ...], p: Alpha5Parameters) -> list[AuditRow]:
     """I_COM of links 1 to 4 carried from inertial frame {i} into the axes of DH frame {i}.
 
-    Moments and products about the axes of {i} do not ask in which frame they are computed.
+    Moments and products about the axes of {i} do not depend on the frame in which they are
+    computed.
     """
     tensors = np.array([_read(si(_inputs(row)))[2] for row in rows])
     # Turns frame {i} into DH frame {i}; its transpose maps coordinates from {i} to DH {i}.
@@ -218,7 +221,7 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
 
 
 def _jaw_plane(printed: Published) -> list[AuditRow]:
-    """In which plane through the wrist axis link 4 has its closed fingers, and how much they weigh."""
+    """The plane through the wrist axis that holds the closed fingers, and how much they weigh."""
     row, jaws = printed.table_2.rows[4], printed.supplementary.jaws
     *finger, sdk = (
         jaws[name].quantity
@@ -228,7 +231,7 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     xx, yy, xy = row.inertia_com[0][0], row.inertia_com[1][1], row.inertia_com[0][1]
 
     def direction(x: FloatArray) -> float:
-        """Of the greatest spread of mass, from x of {4} [rad]; products with the document's sign."""
+        """Of the greatest spread of mass, from x of {4} [rad]; products in the document's sign."""
         return float(np.arctan2(2 * x[2], x[1] - x[0]) / 2)
 
     def points(x: FloatArray) -> float:

@@ -15,10 +15,10 @@ def audit() -> tuple[AuditRow, ...]:
     """Every consistency check of the documents, measured against its bound.
 
     One row per claim of the manufacturer's document and of the lecture on planar arms: its words in
-    short, the figure that follows from its other numbers, what the rounding of printed digits allows,
-    a verdict, and what the difference is worth. The rows say how the documents stand, not this
-    package: a row that differs is a finding. Rows of the kind ``observation`` hold their numbers
-    against something that they do not claim.
+    short, the figure that follows from its other numbers, what the rounding of printed digits
+    allows, a verdict, and what the difference is worth. The rows judge the documents, not this
+    package: a row that differs is a finding. Rows of the kind ``observation`` hold their
+    numbers against something that they do not claim.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.

@@ -1,4 +1,4 @@
-"""Frames and references of Sections 1.1, 2 and 2.2, and all of Section 1: inverse kinematics, tori, reach.
+"""Sections 1.1, 2 and 2.2: frames and references; 1.2 to 1.4: tori, reach and inverse kinematics.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.1 to 1.4, 2 and 2.2, Figure 2.
@@ -31,13 +31,13 @@ from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published
 from alpha5_model.spatial import wrap
 
-#: Random joint positions that the printed formulas are tried on, and points of the reachable volume that
-#: are asked for self-collision.
+#: Random joint positions for the printed formulas, and points of the reachable volume for
+#: self-collision.
 SAMPLES = 4000
 #: Points along the radius of the grid on which the rounding of the tori is counted.
 GRID = 401
-#: Where the document sends the reader for the frames: section -> the section it names, and the section that
-#: places the frames.
+#: Where the document sends the reader for the frames: section -> the section it names, and the
+#: section that places the frames.
 REFERENCES = {"1.1": ("2", "2"), "2.2": ("2.1", "2")}
 
 
@@ -73,7 +73,7 @@ def _frames(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _inverse_kinematics(document: Published, p: Alpha5Parameters) -> list[AuditRow]:
-    """The elbow's sine, and at random joint positions within the limits: where do the printed formulas lead?"""
+    """The elbow's sine, and where the printed formulas lead from random joint positions."""
     a_2, opposite = _length(document, 2, "a"), document.elbow.opposite
     bound = 2 * a_2.rounding + opposite.rounding
     rows = [audited("inverse_kinematics.elbow_offset", 2 * a_2.si, opposite.si, bound)]
@@ -143,8 +143,8 @@ def tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         "ours": ours.text,
         "offset": theirs.text,
         "length": numbers.inner_length.text,
+        "drop": numbers.downward_drop.text,
     }
-    texts["drop"] = numbers.downward_drop.text
     rows = []
     for name, (measured, expected, bound) in figures.items():
         effect = None if bound == ARITHMETIC else abs(measured - expected)

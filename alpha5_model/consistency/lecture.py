@@ -1,8 +1,8 @@
 """The lecture's statements on planar arms and on the DH transform, against the exact ones.
 
 References:
-    [Lecture7.1] Describing Robot Arms: "Workspace", "Dexterous Workspace", the theorem on a planar arm whose
-        tip is pinned with its experiment, and the relative pose A_j.
+    [Lecture7.1] Describing Robot Arms: "Workspace", "Dexterous Workspace", the theorem on a planar
+        arm whose tip is pinned with its experiment, and the relative pose A_j.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from alpha5_model.spatial import rotation_about, transform
 
 #: Whole link lengths that are tried; sums and halves of them are exact.
 LONGEST = 6
-#: The experiment's link lengths and its table: l_4, the column headed l_2 + l_3, the one headed l_4/2.
+#: The experiment's link lengths and its table: l_4, the column headed l_2 + l_3, the one headed
+#: l_4/2.
 EXPERIMENT = (5.0, 4.0, 1.0)
 PRINTED_TABLE = (
     (10.0, 9.0, 10.0),
@@ -36,7 +37,8 @@ PRINTED_TABLE = (
     (2.0, 6.0, 6.0),
     (1.9, 5.9, 5.95),
 )
-#: Limits to try the lecture's arms with [rad]: 170 deg either way, as far as many industrial joints turn.
+#: Limits to try the lecture's arms with [rad]: 170 deg either way, as far as many industrial joints
+#: turn.
 LIMIT = 2.967
 #: Points and orientations that the dexterous workspace with limits is sampled with.
 POINTS, ORIENTATIONS = 4000, 120
@@ -48,7 +50,7 @@ def audit(p: Alpha5Parameters) -> list[AuditRow]:
 
 
 def _workspaces() -> list[AuditRow]:
-    """The shapes that the lecture gives, each by its measure: length of a curve, area, radius of a hole."""
+    """The lecture's shapes, each by its measure: length of a curve, area, radius of a hole."""
     one, two = EXPERIMENT[:1], EXPERIMENT[:2]
     limit = (-LIMIT, LIMIT)
     reach, hole = sum(two), abs(two[0] - two[1])
@@ -67,7 +69,7 @@ def _workspaces() -> list[AuditRow]:
 
 
 def _exact(topic: str, figures: dict[str, tuple[float, float]], **words: Any) -> list[AuditRow]:
-    """Rows of statements on lengths or areas that hold exactly or not at all: measured, expected."""
+    """Rows of statements that hold exactly or not at all: name -> measured, expected."""
     return [
         audited(f"{topic}.{name}", measured, expected, ARITHMETIC, **words)
         for name, (measured, expected) in figures.items()
@@ -79,7 +81,7 @@ def _length(arm: PlanarArm) -> float:
 
 
 def _dexterity() -> list[AuditRow]:
-    """The necessary condition for planar arms, by points spread evenly over the reach of a limited arm."""
+    """The necessary condition for planar arms, by points spread evenly over the reach."""
     reach = sum(EXPERIMENT)
     turn, square = np.random.default_rng(0).uniform(size=(2, POINTS))
     bearing, radius = 2 * math.pi * turn, reach * np.sqrt(square)
@@ -99,7 +101,7 @@ def _dexterity() -> list[AuditRow]:
 
 
 def _theorem() -> list[AuditRow]:
-    """Both directions of the theorem, over every set of whole lengths l_1 ... l_4 up to `LONGEST`."""
+    """Both directions of the theorem, for all whole lengths l_1 ... l_4 up to `LONGEST`."""
     lengths = itertools.product(range(1, LONGEST + 1), repeat=4)
     rows = [(values, theorem_row(*map(float, values))) for values in lengths]
     promised = [row for _, row in rows if row.theorem]
@@ -143,7 +145,7 @@ def _apart(column: FloatArray, values: FloatArray | float) -> float:
 
 
 def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
-    """A_j as printed and with the sign mended, on Table 1 with every joint at the middle of its range."""
+    """A_j as printed and with the sign corrected, on Table 1 with all joints at mid-range."""
     middles = [*((j.lower + j.upper) / 2 for j in p.joints[:4]), 0.0]
     columns = [(row.d, row.a, row.alpha, row.theta_offset) for row in p.dh]
     d, a, alpha, offset = np.array(columns).T

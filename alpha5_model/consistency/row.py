@@ -105,7 +105,8 @@ def audited(
 
     Args:
         claim: ``topic.subject``; the words stand under both or under the topic alone.
-        of: The printed row that it is about: ``.link_3`` is added to the claim, and its columns to the words.
+        of: The printed row that it is about: ``.link_3`` is added to the claim, and its columns to
+            the words.
         measured, expected, bound, effect, standard_error: See `AuditRow`, in SI units; a bound of
             `ARITHMETIC` is in the row's own unit.
         words: What the text leaves open.
