@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from rich.console import RenderableType
-from rich.markup import escape
 from rich.padding import Padding
 from rich.rule import Rule
 from rich.table import Column, Table
@@ -78,7 +77,7 @@ def _text(
         table = Table.grid(*(Column(width=width) for width in (9, 17, 7, None)), padding=(0, 2))
         for row in of_file:
             deviation = "" if row.measured is None else f"{row.measured:.1e}"
-            table.add_row(_coloured(row.verdict), row.check, deviation, escape(row.finding))
+            table.add_row(_coloured(row.verdict), row.check, deviation, Text(row.finding))
         yield Padding(table, (0, 0, 0, 2))
     yield ""
     yield Text(_summary(document, files))
@@ -101,7 +100,7 @@ def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Iterator[Ren
         if lines:
             yield _grid(lines)
         if hidden:
-            yield Text.assemble("  ", ("agrees", _COLOUR["agrees"]), "     ", _subjects(hidden))
+            yield Text.assemble("  ", _coloured("agrees"), "     ", _subjects(hidden))
         for finding, same in _grouped(shown, lambda row: row.finding):
             subject = f"{_subjects(same)}: " if len(shown) > len(same) else ""
             subject += "" if place else f"{same[0].place}: "
@@ -111,7 +110,7 @@ def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Iterator[Ren
     yield ""
 
 
-def _grid(lines: Sequence[tuple[str, ...]], style: str = "") -> Padding:
+def _grid(lines: Sequence[Sequence[str | Text]], style: str = "") -> Padding:
     """Lines of verdict, subject, measured, must be, effect in columns that fit 80 characters."""
     columns = [Column(width=width) for width in (10, 17, 14, 22, 11)]
     columns[2].justify = columns[4].justify = "right"
@@ -147,8 +146,8 @@ def _grouped(rows: Iterable[RowT], key: Callable[[RowT], Any]) -> Iterable[tuple
     return groups.items()
 
 
-def _coloured(verdict: str) -> str:
-    return f"[{_COLOUR[verdict]}]{verdict}[/]"
+def _coloured(verdict: str) -> Text:
+    return Text.assemble((verdict, _COLOUR[verdict]))
 
 
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:

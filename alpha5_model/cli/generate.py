@@ -1,7 +1,8 @@
-"""``alpha5 generate``: any variant of the arm's description, anywhere."""
+"""``alpha5 generate``: the description of any variant of the arm, in any folder."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,8 +31,13 @@ MESH_URIS = {
     "package": "package://alpha5_description/meshes/",
     "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
 }
-#: Format -> record of its options. An option has the name of the field it fills, except for two.
-_OPTIONS: dict[str, Any] = {"urdf": Variant, "mjcf": MjcfOptions, "sdf": SdfOptions}
+#: Format -> record of its options, what makes its files, and the main one of them. An option has
+#: the name of the field it fills, except for two.
+_FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
+    "urdf": (Variant, lambda variant: {"alpha5.urdf": urdf(variant).encode()}, "alpha5.urdf"),
+    "mjcf": (MjcfOptions, mjcf_files, "alpha5.xml"),
+    "sdf": (SdfOptions, sdf_files, "model.sdf"),
+}
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
 
@@ -98,8 +104,8 @@ def generate(
                 raise InputError(_option(name), value, f"nothing beside --{alone}")
         return _committed(check)
 
-    choice("format", description_format, tuple(_OPTIONS))
-    names = {kind: {f.name for f in fields(record)} for kind, record in _OPTIONS.items()}
+    choice("format", description_format, tuple(_FORMATS))
+    names = {kind: {f.name for f in fields(record)} for kind, (record, *_) in _FORMATS.items()}
     for name in given:
         formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
         if formats and description_format not in formats:
@@ -113,46 +119,30 @@ def generate(
         "fluid_density": fluid_density(fluid),
         "corrections": correction_names(corrections),
     }
-    chosen = {name: values[name] for name in names[description_format]}
-    options = _OPTIONS[description_format](**chosen)
-    if description_format == "mjcf":
-        return _write_folder(mjcf_files(options), output, "alpha5.xml")
-    if description_format == "sdf":
-        return _write_folder(sdf_files(options), output, "model.sdf")
-    text = urdf(options)
-    if output is None or is_stream(output):
-        return _write_stream(text, output)
-    if not output.suffix:
-        raise OutputError(output, "give a file name, such as alpha5.urdf")
-    check_outputs((), output=(output, (".urdf", ".xml")))
-    meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
-    beside = {output.parent / "meshes" / name: content for name, content in meshes.items()}
-    atomic_write_all({output: text, **beside})
-    print_written(output)
+    record, made, main = _FORMATS[description_format]
+    files = made(record(**{name: values[name] for name in names[description_format]}))
+    if output is None:
+        echo(files[main].decode(), nl=False)
+    elif is_stream(output):  # the description alone, without what stands beside a file
+        atomic_write(output, files[main])
+    elif description_format == "urdf":
+        if not output.suffix:
+            raise OutputError(output, "give a file name, such as alpha5.urdf")
+        check_outputs((), output=(output, (".urdf", ".xml")))
+        meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
+        beside = {output.parent / "meshes" / name: content for name, content in meshes.items()}
+        atomic_write_all({output: files[main], **beside})
+        print_written(output)
+    else:
+        if output.is_file():
+            raise OutputError(output, "it is a file; this format needs a folder")
+        atomic_write_all({output / name: content for name, content in files.items()})
+        echo(f"wrote {output / main} and {len(files) - 1} files beside it")
     return 0
 
 
 def _option(name: str) -> str:
     return "--format" if name == "description_format" else "--" + name.replace("_", "-")
-
-
-def _write_folder(files: dict[str, bytes], output: Path | None, main_file: str) -> int:
-    if output is None or is_stream(output):
-        return _write_stream(files[main_file].decode(), output)
-    if output.is_file():
-        raise OutputError(output, "it is a file; this format needs a folder")
-    atomic_write_all({output / name: content for name, content in files.items()})
-    echo(f"wrote {output / main_file} and {len(files) - 1} files beside it")
-    return 0
-
-
-def _write_stream(text: str, output: Path | None) -> int:
-    """The description alone, without what stands beside a file."""
-    if output is None:
-        echo(text, nl=False)
-    else:
-        atomic_write(output, text)
-    return 0
 
 
 def _committed(check: bool) -> int:

@@ -60,7 +60,7 @@ def correction_names(text: str | None) -> tuple[str, ...]:
 
 
 def names(text: str) -> tuple[str, ...]:
-    """What stands between commas."""
+    """The parts between commas."""
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 

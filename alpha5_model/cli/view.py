@@ -94,7 +94,7 @@ def _has_display() -> bool:
 
 def _wait() -> None:
     over = threading.Event()
-    # A service manager ends it like a user does.
+    # A service manager stops it as a user does.
     before = {s: signal.signal(s, lambda *_: over.set()) for s in (signal.SIGINT, signal.SIGTERM)}
     try:
         while not over.wait(timeout=0.5):

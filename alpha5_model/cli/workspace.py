@@ -1,4 +1,4 @@
-"""``alpha5 workspace``: what the tcp can reach, beside what the document says."""
+"""``alpha5 workspace``: what the tcp can reach, and how far the document is off."""
 
 from __future__ import annotations
 
@@ -77,15 +77,11 @@ def _text(share: SampledShare | None) -> Iterator[RenderableType]:
         f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
     )
     heads = ("pose", "bounded by", "centre", "radius", "from", "to")
-    arcs = Table(
-        *(Column(head, no_wrap=True) for head in heads),
-        box=box.SIMPLE_HEAD,
-        title="boundary where both poses can turn (R, z and radius in mm)",
-        title_justify="left",
-        show_edge=False,
-        pad_edge=False,
-        padding=0,  # 80 columns hold every row
-    )
+    columns = (Column(head, no_wrap=True) for head in heads)
+    # 80 columns hold every row.
+    arcs = Table(*columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=0)
+    arcs.title = "boundary where both poses can turn (R, z and radius in mm)"
+    arcs.title_justify = "left"
     for arc in space.boundary():
         points = [arc.center, *arc.points([arc.start, arc.end])]
         center, start, end = (f"{1e3 * r:z.1f}, {1e3 * z:z.1f}" for r, z in points)

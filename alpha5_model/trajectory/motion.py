@@ -24,13 +24,13 @@ LIMIT_SLACK = 1e-3
 #: A gap is longer than this many median sample times.
 GAP_FACTOR = 10.0
 
-#: Larger positions [rad], velocities and times [s] are no motion; their derivatives would overflow.
+#: Larger positions [rad], velocities and times [s] are not motion; their derivatives would overflow.
 _MOST = 1e9
 _MOST_TIME = 1e12
 #: Times nearer than this are the same [s].
 _LEAST_STEP = 1e-9
 
-#: (sample, joint or None for the time) -> where that number stands, for messages.
+#: (sample, joint or None for the time) -> the place of that number, for messages.
 Place = Callable[[int, "str | None"], str]
 #: (sample, joint or None for the time, what was given, what is expected) -> the error to raise.
 Refuse = Callable[[int, "str | None", float, str], Alpha5Error]

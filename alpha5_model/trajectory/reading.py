@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import Alpha5Error, FileFormatError
-from alpha5_model.files import read_named
+from alpha5_model.files import PathLike, read_named
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, checked
 
@@ -31,7 +30,7 @@ CHUNK = 50_000
 Progress = Callable[[str, float], None]
 
 
-def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) -> Motion:
+def read_motion(path: PathLike, progress: Progress | None = None) -> Motion:
     """Read joint motion from a CSV file with a header line.
 
     Columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and the like;
@@ -79,11 +78,9 @@ def read_motion(path: str | os.PathLike[str], progress: Progress | None = None) 
     unit = guess if stated is None else stated[1].lower()
     warnings: tuple[MotionWarning, ...] = ()
     if guess != "s" and (unit == "s" or stated is None):
-        text = (
-            f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
-            if stated is None
-            else f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
-        )
+        text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
+        if stated is not None:
+            text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
         warnings = (MotionWarning("time_unit", 1, place(0, None), text),)
     raw = Motion(
         table[:, 0] / _PER_SECOND[unit],
@@ -114,7 +111,7 @@ def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     return "s" if fast.any() else unit
 
 
-def _lines(path: Any) -> list[str]:
+def _lines(path: PathLike) -> list[str]:
     try:
         text = read_named(path, "a CSV file of joint motion").decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -127,7 +124,7 @@ def _lines(path: Any) -> list[str]:
     return lines
 
 
-def _fields(path: Any, line: str, number: int) -> list[str]:
+def _fields(path: PathLike, line: str, number: int) -> list[str]:
     try:
         return next(csv.reader([line]))
     except csv.Error as error:  # a field of more than 131 072 characters
@@ -135,7 +132,7 @@ def _fields(path: Any, line: str, number: int) -> list[str]:
         raise FileFormatError(path, problem, f"line {number}") from None
 
 
-def _header(path: str | os.PathLike[str], line: str) -> list[str]:
+def _header(path: PathLike, line: str) -> list[str]:
     if "," not in line:
         for separator, name in ((";", "';'"), ("\t", "a tab"), (" ", "a space")):
             if separator in line:
@@ -152,7 +149,7 @@ def _header(path: str | os.PathLike[str], line: str) -> list[str]:
 
 
 def _columns(
-    path: str | os.PathLike[str], header: list[str]
+    path: PathLike, header: list[str]
 ) -> tuple[int, tuple[str, ...], list[int], list[int]]:
     """Columns of the time, and of the positions and velocities of the joints base to tip."""
 
@@ -200,9 +197,7 @@ def _parse(lines: list[str], used: list[int], width: int, progress: Progress | N
     return np.concatenate(blocks) if blocks else np.empty((0, len(used)))
 
 
-def _complain(
-    path: str | os.PathLike[str], lines: list[str], header: list[str], used: list[int]
-) -> NoReturn:
+def _complain(path: PathLike, lines: list[str], header: list[str], used: list[int]) -> NoReturn:
     """Find the first line that cannot be read, and say what is wrong with it."""
     for number, line in enumerate(lines[1:], start=2):
         if not line:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.files import atomic_write, output_format
+from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.parameters import JointParameters, parameters
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
 from alpha5_model.trajectory.motion import LIMIT_SLACK
@@ -29,12 +28,6 @@ _BY_MOTOR = ("current_peak", "current_rms", "voltage_peak", "power_peak", "energ
 _BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_drive_limits")
 _TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
 _SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
-#: Suffix of a joint's column in the table -> attribute of the analysis that holds it.
-_JOINT_COLUMNS = {
-    "torque": "torque",
-    **{f"torque_{cause}": cause for cause in CAUSES},
-    **{name: name for name in (*BY_MOTOR[1:], "mechanical_power")},
-}
 
 
 def summary(analysis: Analysis) -> dict[str, Any]:
@@ -277,26 +270,22 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     `read_motion`.
     """
     a, s = analysis, analysis.smooth
+    by_joint = {"pos": s.position, "vel": s.velocity, "acc": s.acceleration, "torque": a.torque}
+    by_joint |= {f"torque_{cause}": getattr(a, cause) for cause in CAUSES}
+    by_joint |= {name: getattr(a, name) for name in (*BY_MOTOR[1:], "mechanical_power")}
+    if a.torque_limits is not None:
+        by_joint |= {"torque_min": a.torque_limits.lower, "torque_max": a.torque_limits.upper}
     out = {"time_secs": s.time}
-    for k, name in enumerate(s.joints):
-        out[f"{name}_pos"] = s.position[:, k]
-        out[f"{name}_vel"] = s.velocity[:, k]
-        out[f"{name}_acc"] = s.acceleration[:, k]
-        for suffix, attribute in _JOINT_COLUMNS.items():
-            out[f"{name}_{suffix}"] = getattr(a, attribute)[:, k]
-        if a.torque_limits is not None:
-            out[f"{name}_torque_min"] = a.torque_limits.lower[:, k]
-            out[f"{name}_torque_max"] = a.torque_limits.upper[:, k]
-    for k, name in enumerate("xyz"):
-        out[f"base_force_{name}"] = a.base_wrench[:, k]
-        out[f"base_moment_{name}"] = a.base_wrench[:, 3 + k]
-        out[f"tcp_{name}"] = a.tcp[:, k]
+    for k, joint in enumerate(s.joints):
+        out |= {f"{joint}_{name}": table[:, k] for name, table in by_joint.items()}
+    for k, axis in enumerate("xyz"):
+        out[f"base_force_{axis}"] = a.base_wrench[:, k]
+        out[f"base_moment_{axis}"] = a.base_wrench[:, 3 + k]
+        out[f"tcp_{axis}"] = a.tcp[:, k]
     return {name: column for name, column in out.items() if not np.isnan(column).all()}
 
 
-def write(
-    analysis: Analysis, path: str | os.PathLike[str], progress: Progress | None = None
-) -> Path:
+def write(analysis: Analysis, path: PathLike, progress: Progress | None = None) -> Path:
     """Write the table; the suffix says how, ``.csv`` (also ``-``, devices and pipes) or ``.json``.
 
     Args:
