@@ -198,7 +198,6 @@ def ribbon(start: float = 0.0, stop: float = 1.0, inset: float = 0.0) -> FloatAr
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     right = np.column_stack([tangent[:, 1], -tangent[:, 0]]) * (half - inset)[:, None]
-    points = points.copy()
     points[0] += inset * tangent[0]
     points[-1] -= inset * tangent[-1]
     return np.vstack([points + right, (points - right)[::-1]])
