@@ -73,8 +73,8 @@ class TaskCapability:
 def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     """The type of an arm, from the directions of its axes at home.
 
-    All revolute joints parallel is the same at every configuration, and so are the directions of
-    prismatic joints that no revolute joint precedes; nothing else is asked.
+    Only what holds at every configuration is used: whether all revolute joints are parallel, and
+    the directions of prismatic joints that no revolute joint precedes.
 
     - revolute: all joints are revolute;
     - scara: at least two revolute joints whose axes are vertical, parallel and apart, so that the
@@ -123,14 +123,14 @@ def task_capability(
 ) -> TaskCapability:
     """Which tasks an arm can serve, from Jacobian ranks over sampled configurations.
 
-    The map from joint positions to poses is analytic, so the rank is largest almost everywhere and the
-    set of poses has that dimension. Poses with a vertical tool axis are few: samples are brought there
-    by Newton steps, and a direction of motion counts as tangent to them only if a finite step along it,
-    brought back, stays in that direction.
+    The map from joint positions to poses is analytic, so the rank is largest almost everywhere and
+    the set of poses has that dimension. Poses with a vertical tool axis are few: samples are
+    brought there by Newton steps, and a direction of motion counts as tangent to them only if a
+    finite step along it, brought back, stays in that direction.
 
     Args:
-        chain: The arm; joints without limits are sampled over a turn (revolute) or over the arm's own
-            size (prismatic).
+        chain: The arm; joints without limits are sampled over a turn (revolute) or over the arm's
+            own size (prismatic).
         tool_axis: Axis that is to stay vertical, (3,) in the tool frame; by default the axis of the
             last joint.
         vertical: Direction of the vertical in the world, (3,).

@@ -3,9 +3,9 @@
 ``A_j = Rz(theta_j) Tz(d_j) Tx(a_j) Rx(alpha_j)`` maps coordinates in {j} to coordinates in {j-1}.
 Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic, ``sigma = 1``) the axis
 ``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a constant transform on either side,
-which is where the rows of a table that no joint moves go: `DHChain.alpha5` holds the fixed last row of
-the arm's Table 1 as its ``tool``. The matrix of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2 without
-the minus sign that the product of the four factors gives it; the product counts.
+which holds the rows of a table that no joint moves: the fixed last row of the arm's Table 1 is the
+``tool`` of `DHChain.alpha5`. The matrix of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2
+without the minus sign that the product of the four factors gives it; here the product is used.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg parameters".
@@ -20,6 +20,7 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -107,7 +108,8 @@ class DHChain:
     def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
         """The chain from a pin.Model's root to one of its frames.
 
-        Joint variables, their zero and their sign are the model's. Joints off the chain stay at zero.
+        Joint variables, their zero and their sign are the model's. Joints off the chain stay at
+        zero.
 
         Args:
             model: pin.Model; not changed.
@@ -115,8 +117,8 @@ class DHChain:
 
         Raises:
             UnknownNameError: No such frame.
-            InputError: A joint on the chain with other than one degree of freedom, or a helical one; or
-                no joint at all.
+            InputError: A joint on the chain with other than one degree of freedom, or a helical
+                one; or no joint at all.
         """
         return cls.from_axes(**pinocchio_axes(model, frame))
 
@@ -125,8 +127,8 @@ class DHChain:
         """The chain from a URDF's root to a link; see `from_pinocchio`.
 
         Raises:
-            InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`, which
-                names the line, and what Pinocchio says of a URDF that only it refuses.
+            InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`,
+                which names the line, and what Pinocchio says of a URDF that only it refuses.
         """
         return cls.from_pinocchio(urdf_model(path), frame)
 
@@ -144,16 +146,17 @@ class DHChain:
     ) -> DHChain:
         """A chain from its joint axes, drawn at one configuration, which is its home.
 
-        Where the frames stand `alpha5_model.dh.frame_assignment` says.
+        The frames are those of `alpha5_model.dh.frame_assignment`.
 
         Args:
             points: A point on each joint axis, (N, 3) in the world [m].
             directions: Direction of each axis, (N, 3), of any length but zero.
             sigma: Joint types, 0 revolute (default) and 1 prismatic, (N,).
-            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is {N-1} without its
-                joint, and the table ends with a row of zeros.
-            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each link's offset takes
-                up the rest, ``theta = q + offset``; by default the joint variable is theta or d itself.
+            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is {N-1} without
+                its joint, and the table ends with a row of zeros.
+            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each link's offset
+                takes up the rest, ``theta = q + offset``; by default the joint variable is theta or
+                d itself.
             limits: (lower, upper) of each joint variable, (N, 2).
             tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
                 intersecting. The error that this makes in the axes is of the same size.
@@ -242,11 +245,9 @@ class DHChain:
         position = float_array("q", q, (self.n,))
         out = np.empty((*position.shape[:-1], self.n + 2, 4, 4))
         out[..., 0, :, :] = self.base
-        for j, link in enumerate(self.links):
-            np.matmul(
-                out[..., j, :, :], link.transform(position[..., j]), out=out[..., j + 1, :, :]
-            )
-        np.matmul(out[..., self.n, :, :], self.tool, out=out[..., self.n + 1, :, :])
+        steps = (link.transform(position[..., j]) for j, link in enumerate(self.links))
+        for j, step in enumerate(chain(steps, [self.tool])):
+            np.matmul(out[..., j, :, :], step, out=out[..., j + 1, :, :])
         return out
 
     def forward_kinematics(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:

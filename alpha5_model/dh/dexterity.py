@@ -1,13 +1,15 @@
 """Dexterous workspace of spatial arms: necessary conditions, and a numerical estimate.
 
-There is no closed form for arms in general. The estimate solves the inverse kinematics numerically for
-orientations spread evenly over SO(3), from several starts: every orientation counted is reached, some that
-could be reached may be missed.
+There is no closed form for arms in general. The estimate solves the inverse kinematics numerically
+for orientations spread evenly over SO(3), from several starts: every orientation counted is
+reached, some that could be reached may be missed.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace".
-    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103, 1981.
-    [Gupta1982] Gupta, Roth: Design considerations for manipulator workspace, J. Mech. Design 104, 1982.
+    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103,
+        1981.
+    [Gupta1982] Gupta, Roth: Design considerations for manipulator workspace, J. Mech. Design 104,
+        1982.
     [Alexa2022] Alexa: Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3), CVPR 2022.
     [Siciliano2009] Siciliano et al.: Robotics, sections 3.7.3 (orientation error) and 3.5.
 """
@@ -40,7 +42,7 @@ class DexterityEstimate:
     """Which orientations an arm was seen to reach at points.
 
     Attributes:
-        share: Share of the orientations reached, 0 to 1, (...); a lower bound but for the spacing of
+        share: Share of the orientations reached, 0 to 1, (...); a lower bound up to the spacing of
             the orientations. 1 marks a point as dexterous.
         reached: Which ones, (..., K).
         rotations: The orientations, (K, 3, 3).
@@ -134,7 +136,7 @@ def spatial_dexterity(
 
 
 def even_rotations(number: int) -> FloatArray:
-    """Rotation matrices spread evenly over SO(3) (super-Fibonacci spiral [Alexa2022]), (number, 3, 3)."""
+    """Rotations spread evenly over SO(3), (number, 3, 3): a super-Fibonacci spiral [Alexa2022]."""
     s = np.arange(count("number", number)) + 0.5
     r, big_r = np.sqrt(s / number), np.sqrt(1 - s / number)
     first, second = 2 * math.pi * s / math.sqrt(2), 2 * math.pi * s / 1.533751168755204288118041

@@ -1,7 +1,7 @@
 """Standard DH frames from joint axes, by the common normals.
 
-``x_j`` lies on the common normal of ``z_{j-1}`` and ``z_j`` and points from the first to the second;
-the origin of {j} is where it meets ``z_j``. Where the rule leaves a choice:
+``x_j`` lies on the common normal of ``z_{j-1}`` and ``z_j`` and points from the first to the
+second; the origin of {j} is where it meets ``z_j``. Where the rule leaves a choice:
 
 - intersecting axes: ``x_j`` along ``z_{j-1} x z_j``, so alpha_j lies in (0, pi);
 - parallel axes: the normal through the origin of {j-1}, so d_j is zero;

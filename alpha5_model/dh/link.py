@@ -57,7 +57,8 @@ class DHLink:
         a: Distance along x_j [m].
         alpha: Angle about x_j [rad].
         sigma: 0 revolute, 1 prismatic.
-        offset: Added to the joint variable, ``theta = q + offset`` or ``d = q + offset`` [rad or m].
+        offset: Added to the joint variable, ``theta = q + offset`` or ``d = q + offset`` [rad or
+            m].
         lower, upper: Limits of the joint variable [rad or m]; infinite where there is none.
 
     Raises:
@@ -90,10 +91,11 @@ class DHLink:
 
     @classmethod
     def from_vector(cls, vector: ArrayLike) -> DHLink:
-        """A link from ``[theta, d, a, alpha, sigma]``, the order of the notes' and Corke's ``Link``.
+        """A link from ``[theta, d, a, alpha, sigma]``, as in the notes and in Corke's ``Link``.
 
         Args:
-            vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,) with the offset.
+            vector: (5,) [rad, m, m, rad, -]; also (4,), which is revolute, and (6,) with the
+                offset.
         """
         row = float_array("vector", vector, ())
         if row.ndim != 1 or row.size not in (4, 5, 6):
@@ -107,7 +109,7 @@ class DHLink:
 
     @property
     def home(self) -> float:
-        """Joint variable at the drawn configuration: theta of a revolute, d of a prismatic joint."""
+        """Joint variable at the drawn configuration: theta if the joint is revolute, else d."""
         return self.theta if self.revolute else self.d
 
     def transform(self, q: ArrayLike) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A serial arm from a Pinocchio model or a URDF, as joint axes, and its standard DH table as URDF."""
+"""Joint axes of a serial arm from a Pinocchio model or a URDF, and URDF from its DH table."""
 
 from __future__ import annotations
 
@@ -78,13 +78,13 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
 
     text = read_named(path, "a URDF file")
     parse_urdf(text, str(path))
-    # Written anew, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
-    # complain of a picture's colour on stderr.
+    # Rewritten, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
+    # print a warning about a texture's colour.
     tree = ET.fromstring(text)
     for element in tree:
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
-        for limit in element.findall("limit"):  # which moves without the two that it asks for
+        for limit in element.findall("limit"):  # Pinocchio requires two values that move nothing
             limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
@@ -97,9 +97,9 @@ def urdf_text(
 ) -> str:
     """The URDF of a DH chain: links ``base_link, frame_0, link_1, frame_1, ..., tool``.
 
-    ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1}, displaced by the constant
-    part of its row; a and alpha follow it. Revolute joints without limits become ``continuous``. A DH
-    table says nothing of mass, effort and speed: they are zero.
+    ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1}, displaced by the
+    constant part of its row; a and alpha follow it. Revolute joints without limits become
+    ``continuous``. A DH table says nothing of mass, effort and speed: they are zero.
 
     Args:
         name: Of the robot.

@@ -31,7 +31,7 @@ from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.kinematics import approach
 
-# Bound once: where a whole call takes 0.3 us, looking up a module's attribute is seen.
+# Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
 _Algorithm = Callable[..., FloatArray]
 _rnea: _Algorithm = pin.rnea
 _aba: _Algorithm = pin.aba
@@ -67,8 +67,8 @@ class Arm:
 
     Attributes:
         model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
-            nothing done to this one changes what the arm's methods return. With jaws it has mimic joints, to
-            which not every algorithm of Pinocchio is fit: see `alpha5_model.dynamics.jaw_arm`.
+            nothing done to this one changes what the arm's methods return. With jaws it has mimic joints,
+            which not every algorithm of Pinocchio supports: see `alpha5_model.dynamics.jaw_arm`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of buoyancy.
         displacements: The displaced volumes.
         fluid_density: [kg/m^3].

@@ -1,10 +1,10 @@
 """Many states at once, through Pinocchio's parallel algorithms.
 
-Pinocchio reads one state from each column; a C-ordered (N, n) array transposed is exactly that, so no state
-is copied.
+Pinocchio reads one state from each column; a C-ordered (N, n) array transposed is exactly that, so
+no state is copied.
 
-A forked process computes in one thread: OpenMP's threads are not there after a fork, yet it waits for them.
-Its siblings use the other processors; processes that are spawned use all threads.
+A forked process computes in one thread: OpenMP's threads do not survive a fork, yet OpenMP waits
+for them. Its siblings use the other processors; processes that are spawned use all threads.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import pinocchio as pin
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.dynamics.collision import CollisionModel
 
-#: States for which a further thread is worth waking: 3 ms of work, what a busy machine takes to run one.
+#: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
 STATES_PER_THREAD = 5000
 _PROCESS = os.getpid()
 
@@ -50,7 +50,7 @@ class Scratch(threading.local):
         return CollisionModel(self._model)
 
     def pool(self, model: Any, threads: int = 1) -> Any:
-        """pin.ModelPool, for that many threads or more, of a model that lives as long as this object."""
+        """pin.ModelPool for at least so many threads; the model must outlive this object."""
         pool = self._pools.get(id(model))
         if pool is None or pool.size() < threads:
             pool = self._pools[id(model)] = pin.ModelPool(model, threads)

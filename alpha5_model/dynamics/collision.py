@@ -1,15 +1,15 @@
-"""Whether the arm touches itself, and how far it is from that: Pinocchio and coal on the primitives.
+"""Whether the arm touches itself, and its distance from that: Pinocchio and coal on primitives.
 
 Pairs of links that turn against each other at a joint are left out, as in ``urdf/alpha5.srdf``.
 
-`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist turns the hand
-about an axis through the tcp and moves no point, so a point of the workspace is reached without
-self-collision if any wrist angle is free of it.
+`without_self_collision` asks it of many joint positions, at some wrist angle: the wrist turns the
+hand about an axis through the tcp and moves no point, so a point of the workspace is reached
+without self-collision if any wrist angle is free of it.
 
 References:
     [ReachAlpha] Manufacturer's document, Figure 2: "without self collision".
-    [Pan2012] Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity queries,
-        ICRA 2012 (dynamic AABB trees).
+    [Pan2012] Pan, Chitta, Manocha: FCL: A general purpose library for collision and proximity
+        queries, ICRA 2012 (dynamic AABB trees).
 """
 
 from __future__ import annotations
@@ -60,15 +60,15 @@ class CollisionModel:
         """Collect the primitives of a model's links.
 
         Args:
-            model: pin.Model of the arm; with frames ``finger_1`` and ``finger_2`` the jaws move, without
-                them they are closed and part of link_4.
+            model: pin.Model of the arm; with frames ``finger_1`` and ``finger_2`` the jaws move,
+                without them they are closed and part of link_4.
         """
         self._model = model
         self._data = model.createData()
         self.geometry = collision_geometry(model)
         self.data = self.geometry.createData()
-        # Pinocchio has each search start where the last one ended: then the answer at q, a micrometre
-        # of it, depends on what was asked before. coal's own request starts afresh.
+        # Pinocchio has each search start where the last one ended: then the answer at q depends, by
+        # a micrometre, on what was asked before. coal's own request starts afresh.
         self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(self.data.distanceRequests)
 
     def in_collision(self, q: FloatArray) -> bool:
@@ -93,8 +93,8 @@ class CollisionModel:
         )
 
     def _closest_pair(self, q: FloatArray) -> int:
-        # Distances, not coal's quicker yes or no: that one starts from the contact of the last call and
-        # was seen to miss an overlap of 0.03 mm.
+        # Distances, not coal's quicker yes or no: that one starts from the contact of the last call
+        # and was seen to miss an overlap of 0.03 mm.
         pin.updateGeometryPlacements(self._model, self._data, self.geometry, self.data, q)
         return int(pin.computeDistances(self.geometry, self.data))
 
@@ -128,8 +128,8 @@ def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
 
     Args:
         q: (..., 4) [rad]; theta_3 is the first wrist angle that is tried.
-        wrists: How many more are tried, evenly over the range of axis_b. A window that is narrower than
-            their distance can be missed.
+        wrists: How many more are tried, evenly over the range of axis_b. A window that is narrower
+            than their distance can be missed.
 
     Returns:
         (...) bool.

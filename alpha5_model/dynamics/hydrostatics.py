@@ -1,8 +1,9 @@
-"""Buoyancy as a second model: the fluid that the arm displaces, riding on the same joints.
+"""Buoyancy as a second model: the fluid that the arm displaces, carried by the same joints.
 
-Archimedes: the fluid presses on a body with the weight of the displaced fluid, upwards, at the centroid of
-its volume. A model whose bodies are point masses rho V at the centres of buoyancy has just that weight,
-so its generalized gravity is the generalized force that the fluid applies to the arm.
+Archimedes: the fluid presses on a body with the weight of the displaced fluid, upwards, at the
+centroid of its volume. A model whose bodies are point masses rho V at the centres of buoyancy has
+exactly that weight, so its generalized gravity is the generalized force that the fluid applies to
+the arm.
 """
 
 from __future__ import annotations
@@ -69,8 +70,8 @@ def displacement(model: Any, body: str, frame: str, volume: float, cob: FloatArr
 def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density: float) -> Any:
     """The displaced-fluid model: point masses ``rho V`` at the centres of buoyancy.
 
-    ``pin.computeGeneralizedGravity`` of it is the torque that the water applies. It has no rotational inertia:
-    forward dynamics of it means nothing (``pin.aba`` gives NaN).
+    ``pin.computeGeneralizedGravity`` of it is the torque that the water applies. It has no
+    rotational inertia: its forward dynamics has no meaning (``pin.aba`` gives NaN).
 
     Args:
         model: pin.Model of the arm; it is not changed.
@@ -100,10 +101,11 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
 def net_weight_model(model: Any, fluid: Any) -> Any:
     """The arm as its joints feel it at rest in the fluid: weight less buoyancy, in one body each.
 
-    A body of mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the moment of both, so
-    one pass over this model gives the hydrostatic torque and the potential energy. A body that floats has a
-    negative mass: good for sums of forces and energies only, not for algorithms that join bodies, as those of
-    derivatives, inertia and centre of mass do. Joints that displace nothing keep their body.
+    A body of mass ``m - rho V`` at ``(m c - rho V b) / (m - rho V)`` has the force and the moment
+    of both, so one pass over this model gives the hydrostatic torque and the potential energy. A
+    body that floats has a negative mass: valid in sums of forces and energies only, not for
+    algorithms that join bodies, as those of derivatives, inertia and centre of mass do. Joints that
+    displace nothing keep their body.
 
     Args:
         model: pin.Model of the arm; it is not changed.

@@ -1,9 +1,10 @@
 """The arm with jaws: two fingers that follow the rod, ``q_finger = multiplier q_rod + offset``.
 
-Pinocchio's mimic joints carry the kinematics, RNEA and CRBA with nv = 5. Its forward dynamics, derivatives
-and energies refuse them, and its Coriolis matrix leaves out terms without a word (4.1). Those come here from the
-tree, in which the fingers are joints of their own. With ``q_tree = G q + g_0`` and constant G the chain
-rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and so for every derivative.
+Pinocchio's mimic joints serve for kinematics, RNEA and CRBA, with nv = 5. Its forward dynamics,
+derivatives and energies refuse them, and its Coriolis matrix silently leaves out terms (4.1). Those
+are computed here on the tree, in which the fingers are joints of their own. With ``q_tree = G q +
+g_0`` and constant G the chain rule is exact: ``tau = G^T tau_tree``, ``M = G^T M_tree G``, and so
+for every derivative.
 """
 
 from __future__ import annotations

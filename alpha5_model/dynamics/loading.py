@@ -36,12 +36,13 @@ def load(
 
     Args:
         fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
-        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the fingers follow).
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the fingers
+            follow).
         floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
-        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is fixed, so a tilted mount
-            takes ``gravity_in_base(rotation)``.
-        corrections: Recorded corrections to the document. Other than the default ones, the URDF is generated
-            in memory.
+        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is fixed, so for a
+            tilted mount pass ``gravity_in_base(rotation)``.
+        corrections: Recorded corrections to the document. Other than the default ones, the URDF is
+            generated in memory.
 
     Returns:
         An arm, independent of every other one.
@@ -66,9 +67,9 @@ def robot_wrapper(
     floating_base: bool = False,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
 ) -> Any:
-    """The arm as Pinocchio's RobotWrapper with its meshes, as the loaders of example-robot-data return.
+    """The arm with its meshes as Pinocchio's RobotWrapper, as example-robot-data returns robots.
 
-    It knows no water: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
+    Water is left out: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
 
     Args:
         gripper, floating_base, corrections: As in `load`.

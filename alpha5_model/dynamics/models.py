@@ -1,4 +1,4 @@
-"""Models made of the arm's: with a body more, and on a free-flyer."""
+"""Models made from the arm's: with one more body, and on a free-flyer."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def with_body(
     volume: float,
     cob: ArrayLike | None,
 ) -> tuple[Any, Displacement]:
-    """A copy of a pin.Model with a rigid body fixed to a frame, and the volume on the joint under it.
+    """A copy of a pin.Model with a rigid body fixed to a frame, and its volume on the joint below.
 
     Arguments and errors are those of `alpha5_model.dynamics.arm.Arm.with_payload`.
     """
@@ -52,7 +52,7 @@ def with_body(
 
 
 def on_free_flyer(model: Any) -> Any:
-    """A pin.Model whose base stands on a free-flyer joint: its six torques are those of the mount."""
+    """A pin.Model with its base on a free-flyer joint, whose six torques are those of the mount."""
     free = pin.Model()
     root = free.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
     out = pin.appendModel(free, model, free.addJointFrame(root), pin.SE3.Identity())

@@ -1,7 +1,7 @@
-"""Many states at once, term by term: what a recorded or planned motion asks for.
+"""Many states at once, term by term: the torques of a recorded or planned motion.
 
-Rows are states. Each term is one call of Pinocchio's parallel recursive Newton-Euler algorithm, or the
-difference of two.
+Rows are states. Each term is one call of Pinocchio's parallel recursive Newton-Euler algorithm, or
+the difference of two.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ class TorqueTerms:
         inertia: ``M(q) a``.
         coriolis: ``C(q, v) v``.
         weight: Holds the weight, ``g(q)``.
-        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``: against the weight where the water helps.
+        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``: against the weight where the water
+            helps.
     """
 
     inertia: FloatArray

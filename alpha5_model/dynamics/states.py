@@ -1,8 +1,8 @@
-"""Input checks of single states, which cost a tenth of the microsecond that Pinocchio needs, and of many.
+"""Input checks of states, one or many: of one in a tenth of the microsecond that Pinocchio takes.
 
-``hypot(*x.tolist()) < LARGEST`` tells a clean vector in 0.1 us where ``numpy.isfinite(x).all()`` takes 1 us. A
-vector that is not plainly clean (a list, integers, a wrong shape, NaN, masked, too large, a quaternion in
-it) goes through `vector`, which converts it or says what is wrong.
+``hypot(*x.tolist()) < LARGEST`` tells a clean vector in 0.1 us where ``numpy.isfinite(x).all()``
+takes 1 us. A vector that is not plainly clean (a list, integers, a wrong shape, NaN, masked, too
+large, a quaternion in it) goes through `vector`, which converts it or says what is wrong.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _ARRAY, _FLOAT64 = np.ndarray, np.dtype(np.float64)
 
 
 def position_check(model: Any) -> Callable[[Any], FloatArray]:
-    """A function that returns q if it can be used, converted if need be, and raises if it cannot."""
-    n = model.nq if model.nq == model.nv else None  # a quaternion is always looked at
+    """A function that returns q, converted if need be, or raises if it cannot be used."""
+    n = model.nq if model.nq == model.nv else None  # quaternions take the other way
 
     def check(q: Any) -> Any:
         try:

@@ -1,17 +1,17 @@
 """The workspace of a planar arm: where its tip can be, exactly.
 
 Without limits on its revolute joints the workspace is a disc, a disc with a hole, or a circle, in
-closed form. In general it is built from the tip to the base. Let W' be the workspace of the arm without
-its first joint. The first joint sweeps W', so the boundary of the result is made of
+closed form. In general it is built from the tip to the base. Let W' be the workspace of the arm
+without its first joint. The first joint sweeps W', so the boundary of the result is made of
 
 - the boundary of W' with the first joint at either limit, and
 - the paths on which the first joint carries those points of that boundary where it moves along it
   (the boundary's nearest and farthest points from the pivot), and its corners.
 
-These are the arm's critical curves: the configurations where the joints that are not at a limit cannot
-move the tip in all directions. All are arcs and segments. They are cut where they meet, and a piece
-belongs to the boundary if the workspace lies on one side of it only. A point is in the workspace if its
-path, seen from the first link, meets the boundary of W' or runs inside it.
+These are the arm's critical curves: the configurations where the joints that are not at a limit
+cannot move the tip in all directions. All are arcs and segments. They are cut where they meet, and
+a piece belongs to the boundary if the workspace lies on one side of it only. A point is in the
+workspace if its path, seen from the first link, meets the boundary of W' or runs inside it.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
@@ -37,7 +37,7 @@ from alpha5_model.planar.linkage import Linkage, within_limits
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
-#: Step to either side of a critical curve when asking which side is inside, as a share of the reach.
+#: Step to either side of a critical curve to see which side is inside, as a share of the reach.
 RELATIVE_STEP = 1e-7
 
 
@@ -106,7 +106,7 @@ class Workspace:
         p = float_array("points", points, (2,))
         tolerance = _tolerance(self.arm)
         flat = p.reshape(-1, 2)
-        # Farther than the arm is long nothing needs computing, and squares may overflow.
+        # Farther away than the arm is long no point is reached, and squares may overflow.
         inside: np.ndarray = (
             np.abs(flat).max(axis=1) <= (self.arm.reach if self.arm else 0.0) + tolerance
         )
@@ -173,9 +173,9 @@ def workspace(arm: PlanarArm) -> Workspace:
 def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
     """Radii between which a chain of freely turning links reaches.
 
-    The outer radius is the sum of the lengths, the inner one the longest less all others, if that is
-    positive. With lengths that vary: the longest at its least, the others at their greatest; only
-    one link can exceed the sum of the others, so no choice of lengths does better.
+    The outer radius is the sum of the lengths, the inner one the longest less all others, if that
+    is positive. With lengths that vary: the longest at its least, the others at their greatest;
+    only one link can exceed the sum of the others, so no choice of lengths does better.
 
     Args:
         length_ranges: (least, greatest) length of each link [m].
@@ -202,7 +202,13 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
     inner = _build(arm.part(1) if arm.n > 1 else None, tolerance, step)
     ranges = arm.length_ranges
     if ranges is not None:
-        return _annular(arm, inner, *annulus(ranges), tolerance)
+        low, high = annulus(ranges)
+        if high - low <= tolerance:  # a point, if high is too small
+            return Workspace(arm, (), (Arc((0.0, 0.0), high),), inner)
+        circles = [Edge(Arc((0.0, 0.0), high), True)]
+        if low > tolerance:
+            circles.append(Edge(Arc((0.0, 0.0), low), False))
+        return Workspace(arm, tuple(circles), (), inner)
     limit, angle = arm.limits[0], arm.angles[0]
     revolute = arm.joints[0] == "R"
     if limit is not None and limit[0] == limit[1]:  # a locked joint moves nothing
@@ -228,16 +234,6 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
     raw = Workspace(arm, (), (), inner)
     edges, thin = bounds(critical, lambda p: raw._contains(p, tolerance), tolerance, step)
     return replace(raw, edges=edges, thin=thin)
-
-
-def _annular(
-    arm: PlanarArm, inner: Workspace, low: float, high: float, tolerance: float
-) -> Workspace:
-    circles = [Arc((0.0, 0.0), r) for r in (high, low) if r > tolerance]
-    if high - low <= tolerance:
-        return Workspace(arm, (), (Arc((0.0, 0.0), high),), inner)  # a point, if high is too small
-    edges = tuple(Edge(c, inside) for c, inside in zip(circles, (True, False), strict=False))
-    return Workspace(arm, edges, (), inner)
 
 
 def _carried(curve: Curve, arm: PlanarArm, q: float) -> Curve:

@@ -1,10 +1,10 @@
-"""An arrangement of curves: overlapping ones united, all cut where they meet, and what bounds a set kept."""
+"""An arrangement of curves: united where they overlap, cut where they meet; what bounds a set."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -53,15 +53,15 @@ def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
                 merged[-1][1] = max(merged[-1][1], high)
             else:
                 merged.append([low, high])
-        if isinstance(first, Arc):
-            if len(merged) > 1 and merged[-1][1] >= merged[0][0] + TURN - slack:
-                merged[-1][1] = max(merged[-1][1], merged[0][1] + TURN)
-                del merged[0]
-            for low, high in merged:
-                span = TURN if high - low >= TURN - slack else high - low
-                out.append(Arc(first.center, first.radius, low, span))
-        else:
-            out += [first.piece(low, high) for low, high in merged]
+        whole = TURN if isinstance(first, Arc) else math.inf
+        if len(merged) > 1 and merged[-1][1] >= merged[0][0] + whole - slack:
+            merged[-1][1] = max(merged[-1][1], merged[0][1] + TURN)
+            del merged[0]
+        for low, high in merged:
+            piece = first.piece(low, high)
+            if isinstance(piece, Arc) and piece.span >= TURN - slack:
+                piece = replace(piece, span=TURN)
+            out.append(piece)
     return out
 
 
@@ -159,15 +159,8 @@ def _merged(cuts: list[float], width: float) -> list[float]:
 
     Where curves touch, rounding makes two cuts of one, some 1e-8 to either side; the mean is exact.
     """
-    groups = [[cuts[0]]]
-    for t in cuts[1:]:
-        if t - groups[-1][-1] <= width:
-            groups[-1].append(t)
-        else:
-            groups.append([t])
+    groups = np.split(cuts, np.flatnonzero(np.diff(cuts) > width) + 1)
     means = [math.fsum(g) / len(g) for g in groups]
-    if len(means) == 1:
-        return [cuts[0], cuts[-1]]
     return [cuts[0], *means[1:-1], cuts[-1]]
 
 

@@ -54,7 +54,7 @@ class Arc:
         return np.array([-math.cos(t), -math.sin(t)])
 
     def parameter(self, points: FloatArray, tolerance: float) -> FloatArray:
-        """Parameters of points on the circle, NaN where they lie outside the arc by `tolerance` [m]."""
+        """Parameters of points on the circle, NaN for those off the arc by over `tolerance` [m]."""
         angle = np.arctan2(points[..., 1] - self.center[1], points[..., 0] - self.center[0])
         t = self.start + np.mod(angle - self.start, TURN)
         if self.closed:
@@ -148,8 +148,8 @@ def circle_hits(
         tolerance: Distance up to which they count as touching [m].
 
     Returns:
-        Points (M, 4, 2) [m], NaN where there is none. A circle that runs along the curve is reported
-        at the curve's ends.
+        Points (M, 4, 2) [m], NaN where there is none. A circle that runs along the curve is
+        reported at the curve's ends.
     """
     if isinstance(curve, Arc):
         meet = circle_circle(centers, radii, np.asarray(curve.center), curve.radius, tolerance)

@@ -1,27 +1,30 @@
 """Dexterous workspace of planar arms: the points reached with every orientation of the last link.
 
 Pin the tip at p. The last link then turns about p, and its other end, the wrist, runs on the circle
-about p whose radius is the last link's length. p is dexterous exactly if the rest of the arm reaches
-that whole circle. Where the rest reaches an annulus, low <= r <= high, this is the exact condition
+about p whose radius is the last link's length. p is dexterous exactly if the rest of the arm
+reaches that whole circle. Where the rest reaches an annulus, low <= r <= high, this is the exact
+condition
 
     |p| + l_n <= high   and   | |p| - l_n | >= low,
 
-for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with the notes' l_4 = |p|.
-The notes' theorem is sufficient only. Both ask for Grashof's inequality (shortest and longest link
-together not longer than the other two); the theorem wants l_3 to be the shortest link, but l_3 also
-turns fully where the shortest is l_4, the ground: then the four-bar linkage is a double crank.
+for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with the notes' l_4 =
+|p|. The notes' theorem is sufficient only. Both ask for Grashof's inequality (shortest and longest
+link together not longer than the other two); the theorem wants l_3 to be the shortest link, but l_3
+also turns fully where the shortest is l_4, the ground: then the four-bar linkage is a double crank.
 
-For 3R arms reaching every orientation and turning through all of them without letting go are the same:
-one elbow follows the wrist round the whole circle. Isolated radii are real: with l = (5, 4, 1) the point
-p = 0 is dexterous and no neighbour is.
+For 3R arms reaching every orientation and turning through all of them with the tip held are the
+same: one elbow follows the wrist round the whole circle. Isolated radii are real: with l = (5, 4,
+1) the point p = 0 is dexterous and no neighbour is.
 
-With joint limits dexterity is found by enumeration: each of evenly spaced orientations of the last link puts
-the wrist at one place, which the two joints before reach in at most two ways; joints before those are sampled.
+With joint limits dexterity is found by enumeration: each of evenly spaced orientations of the last
+link puts the wrist at one place, which the two joints before reach in at most two ways; joints
+before those are sampled.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace" and "A topological perspective for
         3R-planar robots".
-    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103, 1981.
+    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103,
+        1981.
     [McCarthy2011] McCarthy, Soh: Geometric Design of Linkages, section 2.4 (Grashof linkages).
     [Ting1989] Ting: Mobility criteria of single-loop N-bar linkages, J. Mech. Design 111(4), 1989.
     [Siciliano2009] Siciliano et al.: Robotics, section 2.12.1 (solution of the planar arm).
@@ -103,9 +106,9 @@ class DexterityMap:
 def lecture_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
     """The notes' theorem to the letter: ``l_i + l_j >= L/2`` for all i, j in {1, 2, 4}.
 
-    i and j are different: with i = j the notes' own rows from 9 to 2 would fail. It says that l_3 may
-    turn by 2 pi while the tip is pinned at distance l_4 from the base. Sufficient, not necessary; see
-    `turns_fully`.
+    i and j are different: with i = j the notes' own rows from 9 to 2 would fail. It says that l_3
+    may turn by 2 pi while the tip is pinned at distance l_4 from the base. Sufficient, not
+    necessary; see `turns_fully`.
 
     Args:
         l_1, l_2, l_3: Link lengths, base to tip, positive.
@@ -138,8 +141,8 @@ def theorem_radii(l_1: float, l_2: float, l_3: float) -> tuple[float, float] | N
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
     """The exact condition: whether the last link turns fully with the tip pinned at a radius.
 
-    For any number of revolute joints without limits, and prismatic joints along their links. Where the
-    last link's length varies, every orientation may use its own length.
+    For any number of revolute joints without limits, and prismatic joints along their links. Where
+    the last link's length varies, every orientation may use its own length.
 
     Args:
         arm: The arm; see `dexterous_radii`.
@@ -156,11 +159,12 @@ def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
     """The dexterous workspace as intervals of distance from the base, exact.
 
     Args:
-        arm: First joint revolute, no revolute joint with limits, prismatic joints along their links.
+        arm: First joint revolute, no revolute joint with limits, prismatic joints along their
+            links.
 
     Returns:
-        Closed intervals (least, greatest) [m], ascending, disjoint; one of zero width is an isolated
-        circle, or the base itself. Empty if there is no dexterous point.
+        Closed intervals (least, greatest) [m], ascending, disjoint; one of zero width is an
+        isolated circle, or the base itself. Empty if there is no dexterous point.
 
     Raises:
         InputError: An arm whose dexterous workspace is not a set of radii; `dexterity` takes any.
@@ -184,7 +188,7 @@ def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
 
 
 def dexterous_area(arm: PlanarArm) -> float:
-    """Area of the dexterous workspace [m^2]; zero where it is made of isolated circles and points."""
+    """Area of the dexterous workspace [m^2]; zero if it consists of isolated circles and points."""
     return math.fsum(math.pi * (high**2 - low**2) for low, high in dexterous_radii(arm))
 
 
@@ -192,11 +196,11 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
     """Necessary conditions for a dexterous workspace with an interior, for planar arms.
 
     The ranges of the revolute joints add up to a full turn, for the orientation is the sum of their
-    angles, and two joints beside one of them place the end effector. The notes ask for a revolute joint
-    without limits in place of the first, which is not necessary: with +-2.967 rad on every joint the
-    notes' arm (5, 4, 1) has a dexterous workspace of 155.8. Both speak of an interior: a 2R arm of equal
-    lengths reaches its own base with every orientation, a single dexterous point. They are not
-    sufficient.
+    angles, and two joints beside one of them place the end effector. The notes ask for a revolute
+    joint without limits in place of the first, which is not necessary: with +-2.967 rad on every
+    joint the notes' arm (5, 4, 1) has a dexterous workspace of 155.8. Both speak of an interior: a
+    2R arm of equal lengths reaches its own base with every orientation, a single dexterous point.
+    They are not sufficient.
     """
     reasons = []
     rows = zip(instance("arm", arm, PlanarArm).joints, arm.limits, strict=True)
@@ -210,7 +214,7 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
 
 
 def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
-    """Annulus that the arm without its last link reaches, and the range of the last link's length."""
+    """Annulus that the arm without its last link reaches, and the last link's range of length."""
     ranges = instance("arm", arm, PlanarArm).length_ranges
     if ranges is None:
         raise InputError(
@@ -305,7 +309,7 @@ def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
 
 
 def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> np.ndarray:
-    """Whether joints 1 and 2 reach the wrist (..., 2) and joint 3 then the orientation phi (...)."""
+    """Whether joints 1 and 2 reach the wrist (..., 2), and joint 3 the orientation phi (...)."""
     first, second = wrist_solutions(arm, wrist)
     last = phi[..., None] - math.fsum(arm.angles)
     for kind, q in zip(arm.joints, (first, second), strict=False):
@@ -318,16 +322,16 @@ def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> np
 def wrist_solutions(arm: PlanarArm, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions of an arm's first two joints that bring the end of link 2 to points.
 
-    Limits are not asked for. The four cases (RR, RP, PR, PP) intersect the path on which joint 1
-    carries the target, seen from link 1, with the path of the end of link 2.
+    Limits are ignored. Seen from link 1, joint 1 carries the target along a circle or a line, which
+    meets the circle or line on which joint 2 moves the end of link 2.
 
     Args:
         arm: Two joints or more; the others do not matter.
         points: (..., 2) [m].
 
     Returns:
-        q_1 and q_2, (..., 2) each, one column per solution, NaN where there is none. Directions that
-        are free (the target on the pivot) come out as one of many.
+        q_1 and q_2, (..., 2) each, one column per solution, NaN where there is none. Directions
+        that are free (the target on the pivot) come out as one of many.
     """
     (l_1, l_2), (b_1, b_2), kinds = arm.lengths[:2], arm.angles[:2], arm.joints[:2]
     tolerance = 1e-9 * max(arm.reach, l_1 + l_2)

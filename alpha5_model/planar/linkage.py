@@ -1,9 +1,9 @@
 """A serial arm in the plane with revolute and prismatic joints.
 
-Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1 the next link is
-turned by ``angles[j]``; a revolute joint adds q_j to this angle, a prismatic joint adds q_j to the
-length of the link. So ``PlanarArm((5, 4, 1))`` is the notes' 3R arm, and a prismatic joint is a link of
-varying length, as they put it.
+Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1 the next link
+is turned by ``angles[j]``; a revolute joint adds q_j to this angle, a prismatic joint adds q_j to
+the length of the link. So ``PlanarArm((5, 4, 1))`` is the notes' 3R arm, and a prismatic joint is a
+link of varying length, as they put it.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
@@ -29,10 +29,11 @@ Limits = Sequence[tuple[float, float] | None]
 
 @dataclass(frozen=True)
 class Linkage:
-    """Links and joints of a planar arm, base at the origin: what `PlanarArm` is beside its workspace.
+    """Links and joints of a planar arm, base at the origin: `PlanarArm` without its workspace.
 
     Attributes:
-        lengths: Link lengths [m]: positive after a revolute joint, zero or more after a prismatic one.
+        lengths: Link lengths [m]: positive after a revolute joint, zero or more after a prismatic
+            one.
         limits: (lower, upper) per joint [rad or m]; None, for one or all, where a revolute joint
             has no limits. A range of a full turn or more counts as none.
         joints: One letter per joint, ``"R"`` or ``"P"``; all revolute by default.
@@ -160,7 +161,7 @@ class Linkage:
 
 
 def within_limits(arm: Linkage, joint: int, q: FloatArray, slack: Any) -> BoolArray:
-    """Whether positions q of a joint lie in its limits, up to `slack` (both broadcast); NaN does not."""
+    """Whether positions q of a joint lie in its limits, up to `slack` (broadcast); NaN does not."""
     limit = arm.limits[joint]
     if limit is None:
         return ~np.isnan(q)
