@@ -33,10 +33,12 @@ if TYPE_CHECKING:
     )
     from alpha5_model.dynamics.loading import load as load
     from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
+    from alpha5_model.dynamics.vehicle import Vehicle as Vehicle
     from alpha5_model.fluids import AIR as AIR
     from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
     from alpha5_model.fluids import SEA_WATER as SEA_WATER
     from alpha5_model.fluids import gravity_in_base as gravity_in_base
+    from alpha5_model.hydrodynamics import DragStrip as DragStrip
     from alpha5_model.kinematics import workspace as workspace
     from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
     from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
@@ -60,6 +62,8 @@ _DEFINED = {
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),
     "dynamics.collision": ("without_self_collision",),
+    "dynamics.vehicle": ("Vehicle",),
+    "hydrodynamics": ("DragStrip",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
     "kinematics.ik.path": ("inverse_kinematics_path",),

@@ -41,7 +41,7 @@ USED_WITHOUT_IMPORT = {
 FOLDERS = {
     "alpha5_model": ("plot", "mesh", "check"),
     "tests": ("test", "conformance"),
-    "scripts": ("bench", "conformance", "mutation"),
+    "scripts": ("bench", "conformance", "hydrodynamics", "mutation"),
     "examples": ("test",),
 }
 #: Not on Python's index: ROS 2, declared in package.xml.

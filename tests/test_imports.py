@@ -17,7 +17,7 @@ HEAVY = ("pinocchio", "xacro", "trimesh", "meshcat", "matplotlib", "scipy", "typ
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "checks", "files", "paths", "fluids", "spatial"),
     ("published",),
-    ("inertia", "corrections", "parameters", "jaws"),
+    ("inertia", "corrections", "parameters", "jaws", "hydrodynamics"),
     ("planar", "actuators", "meshing"),
     ("dh",),
     ("kinematics",),

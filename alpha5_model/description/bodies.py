@@ -23,11 +23,7 @@ from alpha5_model.meshing.collision_shapes import Primitive, collision_primitive
 from alpha5_model.meshing.formats import Material, material_of
 from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
 from alpha5_model.published import published
-from alpha5_model.published.tables import BODY_NAMES
 from alpha5_model.spatial import Triple
-
-#: Bodies that are drawn; the rod is not.
-MESHES = (*BODY_NAMES, "finger_1", "finger_2")
 
 
 @dataclass(frozen=True)
@@ -91,22 +87,27 @@ def arm_bodies(
     """
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
     jaws = split_link_4(parameters)
-    hinges = {
-        body.name: _hinge(body, joint)
+    hinged = [
+        (body, _hinge(body, joint), joint)
         for body, joint in zip(jaws.bodies[1:], jaws.joints, strict=True)
-    }
-    records = (*parameters.links[:4], *jaws.bodies) if moving else parameters.links
-    first = base_placement(parameters)
-    placements = (first, *joint_placements(parameters).values(), *hinges.values())
-    joints = (None, *parameters.joints[:4], *jaws.joints)
-    there = {name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)}
+    ]
+    arm: list[tuple[RigidBody, Placement, JointRange | None]] = [
+        *zip(
+            (*parameters.links[:4], jaws.wrist if moving else parameters.links[4]),
+            (base_placement(parameters), *joint_placements(parameters).values()),
+            (None, *parameters.joints[:4]),
+            strict=True,
+        ),
+        *(hinged if moving else ()),
+    ]
+    there = None if meshes is None else {name.removesuffix(".obj") for name in meshes}
     shapes = collision_primitives(gripper)
     bodies = []
-    for record, placement, joint in zip(records, placements, joints, strict=False):
-        drawn = {record.name: Placement(record.name)}
+    for record, placement, joint in arm:
+        drawn = {} if record.name == "jaw_rod" else {record.name: Placement(record.name)}
         if record.name == "link_4" and not moving:  # the closed fingers
-            drawn |= {name: hinges[name] for name in ("finger_1", "finger_2")}
-        visible = {name: at for name, at in drawn.items() if name in there}
+            drawn |= {finger.name: at for finger, at, _ in hinged[1:]}
+        visible = {name: at for name, at in drawn.items() if there is None or name in there}
         bodies.append(
             Body(
                 **{field.name: getattr(record, field.name) for field in fields(RigidBody)},

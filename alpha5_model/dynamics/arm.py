@@ -1,8 +1,8 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
 A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the fluid
-that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only: there is no drag and no
-added mass, for which nothing is published.
+that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only. Drag and added mass, for which
+nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has them.
 
 Thread safety: an arm never changes after it is made, and each thread computes in its own pin.Data, so
 one arm may be used from any number of threads. What a method returns belongs to the caller.
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, instance, listed, real
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
     displaced_fluid_model,
@@ -27,8 +28,10 @@ from alpha5_model.dynamics.hydrostatics import (
 )
 from alpha5_model.dynamics.models import on_free_flyer, with_body
 from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
+from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
+from alpha5_model.hydrodynamics import hydrodynamics
 from alpha5_model.kinematics import approach
 
 # Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
@@ -506,6 +509,39 @@ class Arm:
         model, volumes, *rest = self._arguments
         model, displaced = with_body(model, frame, mass, com, inertia, volume, cob)
         return type(self)(model, (*volumes, displaced), *rest)
+
+    def with_hydrodynamics(
+        self,
+        current: ArrayLike = (0.0, 0.0, 0.0),
+        level: str = "nominal",
+        numbers: str = "estimated",
+    ) -> HydrodynamicArm:
+        """The same arm in moving water: added mass and drag, which are estimated, not published.
+
+        Args:
+            current: Velocity of the water, uniform, in the world, (3,) [m/s].
+            level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
+            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that circulates; worse).
+
+        Raises:
+            UnknownNameError: No such level or numbers, or a model without the arm's links.
+        """
+        gripper = "jaws" if "finger_1" in self._frames else "locked"
+        bodies = hydrodynamics(gripper, level, numbers)
+        water = [joint_water(self, name, data) for name, data in bodies.items()]
+        return HydrodynamicArm(self, water, current)
+
+    def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
+        """This arm, afloat, with a vehicle in place of the mount; only the vehicle moves water.
+
+        For an arm that moves water, too: ``arm.with_hydrodynamics().on_vehicle(vehicle)``.
+        """
+        return HydrodynamicArm(self, ()).on_vehicle(vehicle)
+
+    @property
+    def _embedding(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """G, its form for positions and g_0: ``q_tree = G q + g_0``, in a tree of independent joints."""
+        return np.eye(self._model.nv), np.eye(self._model.nq), np.zeros(self._model.nq)
 
     def _frame(self, name: str) -> int:
         try:

@@ -102,6 +102,10 @@ class JawArm(Arm):
         return out
 
     @property
+    def _embedding(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return self._g, self._g_q, self._g_0
+
+    @property
     def _arguments(self) -> tuple[Any, ...]:
         # Pinocchio 4.1 pickles mimic joints into a model that crashes; the tree is sound.
         return self._tree._model, self.displacements, self.fluid_density, self._mimics

@@ -25,6 +25,7 @@ def with_body(
     inertia: ArrayLike | None,
     volume: float,
     cob: ArrayLike | None,
+    name: str = _PAYLOAD,
 ) -> tuple[Any, Displacement]:
     """A copy of a pin.Model with a rigid body fixed to a frame, and its volume on the joint below.
 
@@ -42,8 +43,8 @@ def with_body(
     loaded, names = model.copy(), [f.name for f in model.frames]
     index = loaded.getFrameId(choice("frame", frame, names))
     carrier = loaded.frames[index]
-    count = 1 + sum(name.startswith(_PAYLOAD) for name in names)
-    name = _PAYLOAD if count == 1 else f"{_PAYLOAD}_{count}"
+    count = 1 + sum(known.startswith(name) for known in names)
+    name = name if count == 1 else f"{name}_{count}"
     body = pin.Inertia(m, centre, tensor)
     kind = pin.FrameType.BODY
     # This adds the inertia to the joint, too.

@@ -14,6 +14,7 @@ from alpha5_model.errors import PublishedDataError
 DECIMAL_SHIFT: dict[str, int] = {
     **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm"), 0),
     **dict.fromkeys(("Nm/A", "V/rad/s", "kg/m^3", "rad/m"), 0),
+    **dict.fromkeys(("kg.m", "kg.m^2"), 0),
     "%": -2,
     **dict.fromkeys(("mm", "mm/s", "Nmm", "L"), -3),
     **dict.fromkeys(("uH", "kg.mm^2"), -6),

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,32 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
     table = root["table"].table("units", "rows")
     _check_units(t.EarlierRow, table["units"])
     return _rows(t.EarlierRow, table["rows"])
+
+
+@cache
+def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
+    """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
+
+    Raises:
+        PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an interval out of order.
+    """
+    path = Path(__file__).with_name(f"{numbers}_hydrodynamics.toml")
+    return parse_hydrodynamics(path.name, path.read_text(encoding="utf-8"))
+
+
+def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
+    """Read the text of a file of moving water."""
+    root = _root(file, text).table("units", "bodies")
+    units = {k: u for k, u in {**_units(t.HydrodynamicRow), **_units(t.StripRow)}.items() if u}
+    for name, unit in units.items():
+        root["units"].table(*units)[name].expect(unit)
+    given, rows = root["bodies"].value, {}
+    known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
+    bodies = root["bodies"].table(*known)
+    for name in known:
+        rows[name] = _record(t.HydrodynamicRow, bodies[name], name=name)
+        _status(bodies[name])
+    return rows
 
 
 @dataclass(frozen=True)
@@ -140,6 +167,32 @@ def _tensor(node: _Node, unit: str) -> t.Tensor:
     return x, y, z
 
 
+def _interval(node: _Node, unit: str) -> t.Interval:
+    low, nominal, high = _triple(node, unit)
+    if not 0 <= low.value <= nominal.value <= high.value:
+        raise node.fail("expected low, nominal, high, none below 0 and in this order")
+    return low, nominal, high
+
+
+def _matrix(node: _Node, unit: str) -> t.Matrix:
+    rows = tuple(
+        tuple(
+            _number(item, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)])
+            for j, item in enumerate(row.items(6, "six numbers"))
+        )
+        for i, row in enumerate(node.items(6, "six rows"))
+    )
+    for i, j in combinations(range(6), 2):
+        if rows[i][j].value != rows[j][i].value:
+            raise node.fail(f"the matrix is not symmetric in [{i}][{j}]")
+    return rows
+
+
+def _strips(node: _Node, unit: None) -> tuple[t.StripRow, ...]:
+    count = len(node.value) if isinstance(node.value, list) else 1
+    return tuple(_record(t.StripRow, item) for item in node.items(count, "a list of strips"))
+
+
 def _bounds(node: _Node, unit: str) -> Any:
     pairs = []
     for item in node.items(3, "three [min, max] pairs"):
@@ -174,6 +227,9 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
     "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else _number(node, unit),
     "Triple": _triple,
     "Tensor": _tensor,
+    "Interval": _interval,
+    "Matrix": _matrix,
+    "tuple[StripRow, ...]": _strips,
     "SourcedQuantity": _sourced,
     "int": _integer,
     "str": lambda node, unit: node.text(),

@@ -1,0 +1,142 @@
+"""What moving water does to each body, in SI units: added mass and drag strips. Estimated, not published.
+
+The sets are ``estimated`` (our own calculation, with low, nominal and high) and ``supplementary`` (numbers that
+circulate, by strip theory); both stand in ``published/``. `alpha5_model.dynamics` computes with them if it is asked to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray, bounded, choice, frozen, instance, listed, real, shaped
+from alpha5_model.errors import InputError
+from alpha5_model.published.reading import hydrodynamics as read
+from alpha5_model.published.tables import Interval
+
+LEVELS = ("low", "nominal", "high")
+SETS = ("estimated", "supplementary")
+#: Density of the water that added masses and damping are given for [kg/m^3]; another fluid scales them.
+WATER_DENSITY = 1000.0
+#: Relative to the largest product of diagonal entries: how far from symmetric and definite is still rounding.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class DragStrip:
+    """A straight piece of a slender body in the cross-flow principle (Morison).
+
+    A length ds resists the water's velocity u across it with ``rho / 2 across diameter ds |u| u``, and likewise
+    the velocity along it.
+
+    Attributes:
+        start, end: In the body's frame, (3,) [m].
+        diameter: [m].
+        across, along: Drag coefficients, both on ``diameter ds``.
+
+    Raises:
+        InputError: A coefficient or diameter below 0, or a strip without length.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    diameter: float
+    across: float
+    along: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            point = bounded(name, shaped(name, getattr(self, name), (3,)))
+            object.__setattr__(self, name, frozen(point))
+        for name in ("diameter", "across", "along"):
+            object.__setattr__(self, name, real(name, getattr(self, name), minimum=0.0))
+        if np.array_equal(self.start, self.end):
+            raise InputError("end", self.end.tolist(), "a point other than start")
+
+
+@dataclass(frozen=True, eq=False)
+class BodyHydrodynamics:
+    """What moving water does to one body, in its frame.
+
+    Attributes:
+        added_mass: Linear before angular, about the frame's origin, (6, 6) [kg, kg m, kg m^2], in water of
+            `WATER_DENSITY`.
+        strips: Where it drags.
+
+    Raises:
+        InputError: An added mass that is not symmetric, or has a negative eigenvalue.
+    """
+
+    added_mass: FloatArray
+    strips: Sequence[DragStrip] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))
+        strips = listed("strips", self.strips, "DragStrips")
+        object.__setattr__(self, "strips", tuple(instance("strips", s, DragStrip) for s in strips))
+
+
+def added_mass(matrix: ArrayLike) -> FloatArray:
+    """Check an added mass.
+
+    Returns:
+        The symmetric part, (6, 6).
+
+    Raises:
+        InputError: Not symmetric, or with a negative eigenvalue; ShapeError: not (6, 6).
+    """
+    given = bounded("added_mass", shaped("added_mass", matrix, (6, 6)))
+    diagonal = np.sqrt(np.abs(np.diag(given)))
+    scale = np.where(
+        diagonal > 0, diagonal, 1.0
+    )  # kg beside kg m^2: entries in units of their rows
+    relative = given / np.outer(scale, scale)
+    if np.abs(relative - relative.T).max() > _ROUNDING:
+        raise InputError("added_mass", given.tolist(), "a symmetric matrix")
+    symmetric: FloatArray = (given + given.T) / 2
+    if np.linalg.eigvalsh((relative + relative.T) / 2).min() < -_ROUNDING:
+        raise InputError("added_mass", given.tolist(), "no negative eigenvalue")
+    return symmetric
+
+
+def hydrodynamics(
+    gripper: str = "locked", level: str = "nominal", numbers: str = "estimated"
+) -> dict[str, BodyHydrodynamics]:
+    """Moving water at each body of the arm.
+
+    Args:
+        gripper: ``locked`` (link_4 with closed jaws) or ``jaws`` (wrist and fingers, each alone).
+        level: ``low``, ``nominal`` or ``high`` end of the interval.
+        numbers: ``estimated`` or ``supplementary``.
+
+    Returns:
+        Name of the link -> what the water does to it; bodies of which the set knows nothing are left out.
+
+    Raises:
+        UnknownNameError: No such gripper, level or set.
+    """
+    at = LEVELS.index(choice("level", level, LEVELS))
+    rows = read(choice("set", numbers, SETS))
+    parts = {"locked": ("link_4",), "jaws": ("wrist", "finger_1", "finger_2")}
+    tip = parts[choice("gripper", gripper, tuple(parts))]
+    names = {f"link_{i}": f"link_{i}" for i in range(4)}
+    names |= {("link_4" if name == "wrist" else name): name for name in tip}
+    out = {}
+    for link, name in names.items():
+        if name in rows:
+            row = rows[name]
+            matrix = np.array([[entry.si for entry in line] for line in row.added_mass])
+            strips = [
+                DragStrip(_si(s.start), _si(s.end), s.diameter.si, s.across[at].si, s.along[at].si)
+                for s in row.strips
+            ]
+            out[link] = BodyHydrodynamics(matrix * row.added_mass_factor[at].si, tuple(strips))
+    return out
+
+
+def _si(numbers: Interval | Iterable[Any]) -> FloatArray:
+    return np.array([number.si for number in numbers])

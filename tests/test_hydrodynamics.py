@@ -1,0 +1,161 @@
+"""The numbers of moving water: what they are, second routes to their size, and malformed files."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.hydrodynamics import LEVELS, BodyHydrodynamics, hydrodynamics
+from alpha5_model.published.reading import hydrodynamics as read
+from alpha5_model.published.reading import parse_hydrodynamics
+
+ROOT = Path(__file__).resolve().parent.parent
+FILE = ROOT / "alpha5_model" / "published" / "estimated_hydrodynamics.toml"
+TEXT = FILE.read_text("utf-8")
+
+
+@pytest.mark.parametrize("numbers", ["estimated", "supplementary"])
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_matrix_is_possible(numbers, gripper, level):
+    bodies = hydrodynamics(gripper, level, numbers)
+    assert {"link_0", "link_1", "link_2", "link_3", "link_4"} <= set(bodies)
+    assert ("finger_1" in bodies) == (gripper == "jaws" and numbers == "estimated")
+    for body in bodies.values():
+        matrix = body.added_mass
+        assert np.array_equal(matrix, matrix.T)
+        assert not matrix.flags.writeable
+        smallest = np.linalg.eigvalsh(matrix).min()
+        assert smallest > 0 if numbers == "estimated" else smallest > -1e-12
+        assert body.strips
+
+
+def test_every_value_says_that_it_is_not_published():
+    for row in read("estimated").values():
+        assert row.status == "estimated"
+        assert "our own" in row.source
+        assert row.method
+        low, nominal, high = (x.value for x in row.added_mass_factor)
+        assert low < nominal == 1 < high
+        for strip in row.strips:
+            assert strip.across[0].value < strip.across[1].value < strip.across[2].value
+    assert {row.status for row in read("supplementary").values()} == {"supplementary"}
+
+
+def ellipsoid(a: float, b: float) -> np.ndarray:
+    """Lamb's coefficients of a prolate ellipsoid, along and across."""
+    e = np.sqrt(1 - (b / a) ** 2)
+    log = np.log((1 + e) / (1 - e))
+    alpha = 2 * (1 - e**2) / e**3 * (log / 2 - e)
+    beta = 1 / e**2 - (1 - e**2) / (2 * e**3) * log
+    return np.array([alpha / (2 - alpha), beta / (2 - beta)])
+
+
+def test_link_2_is_near_an_ellipsoid_of_its_length_and_volume():
+    """Lamb 1932, article 114: another body, so a fifth is near."""
+    volume, length = a5.parameters().links[2].volume, 0.1907
+    across = np.sqrt(volume / (4 / 3 * np.pi * length / 2))
+    _, coefficient = ellipsoid(length / 2, across)
+    matrix = hydrodynamics()["link_2"].added_mass
+    assert np.diag(matrix)[1:3] == pytest.approx(1000 * volume * coefficient, rel=0.2)
+
+
+def test_the_wrist_is_a_cylinder_of_its_proportions():
+    """DNV-RP-H103, table A-2: 0.79 at a length of 2.8 diameters, of the cylinder's volume."""
+    volume = np.pi * 0.02**2 * 0.1118
+    matrix = hydrodynamics("jaws")["link_4"].added_mass
+    assert np.diag(matrix)[:2] == pytest.approx(1000 * volume * 0.79, rel=0.12)
+    middle = -(0.033 + 0.1118 / 2)
+    assert matrix[0, 4] == pytest.approx(matrix[0, 0] * middle, rel=0.1)
+    assert matrix[1, 3] == pytest.approx(-matrix[1, 1] * middle, rel=0.1)
+
+
+def test_links_1_and_3_are_one_part():
+    """The same shell in two frames: its matrix moves from one to the other."""
+    one, three = (hydrodynamics()[name].added_mass for name in ("link_1", "link_3"))
+    for block in (np.s_[:3, :3],):
+        ours, theirs = (np.linalg.eigvalsh(m[block]) for m in (one, three))
+        assert ours == pytest.approx(theirs, rel=0.02)
+
+
+def test_finger_2_is_finger_1_turned():
+    turn = np.kron(np.eye(2), np.diag([-1.0, -1.0, 1.0]))
+    one, two = (hydrodynamics("jaws")[f"finger_{i}"].added_mass for i in (1, 2))
+    each = np.sqrt(np.diag(one))
+    assert np.abs(turn @ one @ turn - two).max() < 0.03 * np.outer(each, each).max()
+
+
+def test_the_closed_jaws_move_at_most_what_their_parts_move():
+    closed, parts = hydrodynamics()["link_4"], hydrodynamics("jaws")
+    for i in (0, 1):
+        wrist = parts["link_4"].added_mass[i, i]
+        fingers = sum(parts[f"finger_{k}"].added_mass[j, j] for k in (1, 2) for j in (0, 2))
+        assert wrist < closed.added_mass[i, i] < wrist + fingers
+
+
+def test_strips_cover_the_bodies():
+    """Each within the body's bounds, and of an area that its outline has."""
+    for name, body in hydrodynamics().items():
+        bounds = a5.parameters().links[int(name[-1])].bounds
+        for strip in body.strips:
+            for end in (strip.start, strip.end):
+                assert (end > bounds[:, 0] - 1e-3).all()
+                assert (end < bounds[:, 1] + 1e-3).all()
+            assert 0.008 < strip.diameter <= 0.042
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('["-0.00447", "0.18704"', '["-0.00448", "0.18704"'),
+        ('added_mass_factor = ["0.75", "1", "1.25"]', 'added_mass_factor = ["0.75", "1", "0.9"]'),
+        ('added_mass_factor = ["0.75", "1", "1.25"]', 'added_mass_factor = ["-1", "1", "1.25"]'),
+        ('status = "estimated"', 'status = "published"'),
+        ("[bodies.link_0]", "[bodies.link_7]"),
+        ('diameter = "mm"', 'diameter = "m"'),
+        ("strips = [", "stripes = ["),
+        ("strips = [", "strips = 3\nmore = ["),
+        ('{ start = ["', '{ begin = ["'),
+        ("[bodies.link_0]", "[bodies]\nlink_1 = 3\n[bodies.link_0]"),
+        ('method = "potential', 'method = " " # "'),
+    ],
+)
+def test_malformed_numbers_are_refused(old, new):
+    if "0.00447" in old:  # whatever the digits are
+        first = TEXT.split("added_mass = [\n")[1].splitlines()[1]
+        old, new = first, first.replace('["-0.', '["-1.').replace('["0.', '["1.')
+    assert old in TEXT
+    with pytest.raises(a5.Alpha5Error) as error:
+        parse_hydrodynamics("some.toml", TEXT.replace(old, new, 1))
+    assert "some.toml" in str(error.value)
+
+
+def test_bodies_must_be_a_table():
+    with pytest.raises(a5.Alpha5Error, match=r"some\.toml: bodies"):
+        parse_hydrodynamics(
+            "some.toml", "bodies = 3\n" + TEXT[TEXT.index("[units]") : TEXT.index("[bodies")]
+        )
+
+
+@pytest.mark.parametrize("wrong", [{"gripper": "open"}, {"level": 1}, {"numbers": "printed"}])
+def test_unknown_names_are_told(wrong):
+    with pytest.raises(a5.Alpha5Error, match="choose from"):
+        hydrodynamics(**wrong)
+
+
+def test_an_added_mass_of_other_units_is_judged_in_its_own():
+    """A small moment of inertia beside kilogrammes is not lost in their rounding."""
+    matrix = np.diag([10.0, 10, 10, 1e-6, 1e-6, 1e-6])
+    assert np.array_equal(BodyHydrodynamics(matrix).added_mass, matrix)
+    matrix[3, 3] = -1e-6
+    with pytest.raises(a5.Alpha5Error, match="negative eigenvalue"):
+        BodyHydrodynamics(matrix)
+
+
+def test_the_example_runs(capsys):
+    runpy.run_path(str(ROOT / "examples" / "arm_on_bluerov2.py"), run_name="__main__")
+    assert "net weight" in capsys.readouterr().out
