@@ -23,7 +23,7 @@ class Alpha5Error(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        line = " ".join(message.split())  # names and paths may hold newlines, or are very long
+        line = " ".join(message.split())  # names and paths may hold newlines or be very long
         super().__init__(line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}")
 
     def __reduce__(self) -> tuple[Any, ...]:

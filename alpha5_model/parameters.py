@@ -252,9 +252,8 @@ def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple
         elif name.startswith("theta_") and variable is None and sign > 0:
             variable = name
         else:
-            raise PublishedDataError(
-                place, f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
-            )
+            problem = f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
+            raise PublishedDataError(place, problem)
     return variable, constant
 
 

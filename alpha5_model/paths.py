@@ -11,6 +11,6 @@ REPOSITORY_PATH = str(_data if (_data := _PACKAGE / "_data").is_dir() else _PACK
 PACKAGE_PATH = REPOSITORY_PATH
 #: The arm with its jaws locked, 4 joints.
 URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf")
-#: The arm with jaws, 5 joints of which 2 more mimic.
+#: The arm with jaws: 5 joints, and 2 fingers that follow the last one.
 JAWS_URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5_jaws.urdf")
 XACRO_PATH = str(Path(REPOSITORY_PATH) / "xacro" / "alpha5.urdf.xacro")
