@@ -120,6 +120,20 @@ def test_task_capability(chain, dimension, position, orientation, insertion) -> 
     assert task.insertion_reason
 
 
+@pytest.mark.parametrize(
+    ("count", "reason"),
+    [
+        (3, "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian has rank 3"),
+        (4, "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian has rank 3"),
+        (6, "6 joints, but the Jacobian never has more than rank 3"),
+        (7, "7 joints, but the Jacobian never has more than rank 3"),
+    ],
+)
+def test_why_an_arm_in_a_plane_is_not_general(count: int, reason: str) -> None:
+    chain = DHChain.from_table([[0, 0, 1, 0, 0]] * count)
+    assert task_capability(chain, samples=20).general_reason == reason
+
+
 def test_a_tool_that_can_never_be_vertical() -> None:
     task = task_capability(GANTRY_ROLL, tool_axis=X)
     assert task.insertion_dimension == 0

@@ -406,9 +406,10 @@ def test_a_tensor_must_fit_to_a_thousandth_or_half_its_last_digit():
             wrong[i, j] += factor * 1e-3 * right.max()
             wrong[j, i] = wrong[i, j]
             assert (inertia_reason(2, wrong) is not None) == named
-    assert (
-        inertia_reason(1, np.round(tensor(reference.INERTIA[1], +1), 6)) == f"{NEW}, {SOLIDWORKS}"
-    )
+    rounded = np.round(tensor(reference.INERTIA[1], +1), 6)
+    assert inertia_reason(1, rounded) == f"{NEW}, {SOLIDWORKS}"
+    rounded[1, 1] = 123e-6  # 122.362: more than half of the last digit, less than all of it
+    assert inertia_reason(1, rounded) is None
     assert inertia_reason(1, np.round(tensor(reference.INERTIA[1], +1), 5)) is None  # 4 % off
 
 

@@ -118,7 +118,7 @@ def test_pose_shapes(shape: tuple[int, ...]) -> None:
 
 def test_bad_poses() -> None:
     good = fk(sample(3, seed=76))
-    for spoil in ("scale", "mirror", "row", "nan"):
+    for spoil in ("scale", "mirror", "row", "negative row", "corner", "nan"):
         bad = good.copy()
         if spoil == "scale":
             bad[1, :3, :3] *= 1.01
@@ -126,6 +126,10 @@ def test_bad_poses() -> None:
             bad[1, :3, 0] *= -1
         elif spoil == "row":
             bad[1, 3, 0] = 0.1
+        elif spoil == "negative row":
+            bad[1, 3, 0] = -0.1
+        elif spoil == "corner":
+            bad[1, 3, 3] = 0.9
         else:
             bad[1, 0, 0] = np.nan
         with pytest.raises(InputError, match=r"transform\[1"):
