@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from alpha5_model import planar as planar
     from alpha5_model import trajectory as trajectory
     from alpha5_model.comparison.report import compare as compare
-    from alpha5_model.consistency.document import audit as audit
+    from alpha5_model.consistency import audit as audit
     from alpha5_model.description.srdf import named_pose as named_pose
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.collision import (
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 #: Module -> the public names that it defines.
 _DEFINED = {
     "comparison.report": ("compare",),
-    "consistency.document": ("audit",),
+    "consistency": ("audit",),
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
     "dynamics.loading": ("load", "robot_wrapper"),

@@ -147,7 +147,7 @@ def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -
 
 def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     script = (
-        "import alpha5_model as a5, alpha5_model.consistency.document, sys; "
+        "import alpha5_model as a5, alpha5_model.consistency, sys; "
         "early = 'pinocchio' in sys.modules; a5.audit(); "
         "print(early or any(m in sys.modules for m in ('scipy', 'matplotlib', 'xacro', 'rich')))"
     )

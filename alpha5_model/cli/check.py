@@ -17,7 +17,7 @@ from rich.text import Text
 from typer import Option
 
 from alpha5_model.cli.options import correction_names, show, spinner
-from alpha5_model.consistency.document import audit
+from alpha5_model.consistency import audit
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
 from alpha5_model.errors import InputError

@@ -10,7 +10,7 @@ import numpy as np
 from typer import Option, echo
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.document import audit
+from alpha5_model.consistency import audit
 from alpha5_model.description import variants
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.srdf import named_pose

@@ -1,1 +1,29 @@
-"""Does the document agree with itself? See `alpha5_model.audit`."""
+"""The audit: every claim of the documents that their own numbers can be held against."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from alpha5_model.consistency import actuation, bodies, geometry, lecture
+from alpha5_model.consistency.row import AuditRow
+from alpha5_model.parameters import parameters
+from alpha5_model.published import published
+
+
+@cache
+def audit() -> tuple[AuditRow, ...]:
+    """Every consistency check of the documents, measured against its bound.
+
+    One row per claim of the manufacturer's document and of the lecture on planar arms: its words in
+    short, the figure that follows from its other numbers, what the rounding of printed digits
+    allows, a verdict, and what the difference is worth. The rows judge the documents, not this
+    package: a row that differs is a finding. Rows of the kind ``observation`` hold their
+    numbers against something that they do not claim.
+
+    Returns:
+        Frozen rows, in the order of the topics; computed once.
+    """
+    printed, p = published(), parameters()
+    topics = (geometry, bodies, actuation)
+    rows = [row for topic in topics for row in topic.audit(printed, p)]
+    return (*rows, *lecture.audit(p))
