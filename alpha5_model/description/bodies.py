@@ -23,7 +23,11 @@ from alpha5_model.meshing.collision_shapes import Primitive, collision_primitive
 from alpha5_model.meshing.formats import Material, material_of
 from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
 from alpha5_model.published import published
+from alpha5_model.published.tables import BODY_NAMES
 from alpha5_model.spatial import Triple
+
+#: Bodies that are drawn; the rod is not.
+MESHES = (*BODY_NAMES, "finger_1", "finger_2")
 
 
 @dataclass(frozen=True)
@@ -87,27 +91,22 @@ def arm_bodies(
     """
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
     jaws = split_link_4(parameters)
-    hinged = [
-        (body, _hinge(body, joint), joint)
+    hinges = {
+        body.name: _hinge(body, joint)
         for body, joint in zip(jaws.bodies[1:], jaws.joints, strict=True)
-    ]
-    arm: list[tuple[RigidBody, Placement, JointRange | None]] = [
-        *zip(
-            (*parameters.links[:4], jaws.wrist if moving else parameters.links[4]),
-            (base_placement(parameters), *joint_placements(parameters).values()),
-            (None, *parameters.joints[:4]),
-            strict=True,
-        ),
-        *(hinged if moving else ()),
-    ]
-    there = None if meshes is None else {name.removesuffix(".obj") for name in meshes}
+    }
+    records = (*parameters.links[:4], *jaws.bodies) if moving else parameters.links
+    base = base_placement(parameters)
+    placements = (base, *joint_placements(parameters), *hinges.values())
+    joints = (None, *parameters.joints[:4], *jaws.joints)
+    there = {name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)}
     shapes = collision_primitives(gripper)
     bodies = []
-    for record, placement, joint in arm:
-        drawn = {} if record.name == "jaw_rod" else {record.name: Placement(record.name)}
+    for record, placement, joint in zip(records, placements, joints, strict=False):
+        drawn = {record.name: Placement(record.name)}
         if record.name == "link_4" and not moving:  # the closed fingers
-            drawn |= {finger.name: at for finger, at, _ in hinged[1:]}
-        visible = {name: at for name, at in drawn.items() if there is None or name in there}
+            drawn |= {name: hinges[name] for name in ("finger_1", "finger_2")}
+        visible = {name: at for name, at in drawn.items() if name in there}
         bodies.append(
             Body(
                 **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
@@ -131,14 +130,11 @@ def base_placement(parameters: Alpha5Parameters) -> Placement:
     return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
 
 
-def joint_placements(parameters: Alpha5Parameters) -> dict[str, Placement]:
-    """Pose of each child link at joint position zero, keyed ``axis_e`` to ``axis_b``."""
-    dh, joints = parameters.dh, parameters.joints
-    first = _turn(0.0, dh[0].theta_offset - parameters.base_yaw)
-    return {
-        joints[0].name: Placement("link_0", rpy=first),
-        **{joints[i].name: _after(i - 1, dh[i - 1], dh[i].theta_offset) for i in (1, 2, 3)},
-    }
+def joint_placements(parameters: Alpha5Parameters) -> tuple[Placement, ...]:
+    """Pose of each child link at joint position zero, ``axis_e`` to ``axis_b``."""
+    dh = parameters.dh
+    first = Placement("link_0", rpy=_turn(0.0, dh[0].theta_offset - parameters.base_yaw))
+    return (first, *(_after(i - 1, dh[i - 1], dh[i].theta_offset) for i in (1, 2, 3)))
 
 
 def tcp_placement(parameters: Alpha5Parameters) -> Placement:
