@@ -24,7 +24,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import Alpha5Parameters, JointRange, RigidBody
-from alpha5_model.spatial import pose
+from alpha5_model.spatial import moved, pose
 
 GRIPPERS = ("locked", "jaws")
 
@@ -65,12 +65,9 @@ class JawBody(RigidBody):
 
     def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
-        rotation = self.closed[:3, :3]
-        return (
-            self.origin + rotation @ self.com,
-            rotate_tensor(rotation, self.inertia),
-            self.origin + rotation @ self.cob,
-        )
+        placed = self.closed
+        inertia = rotate_tensor(placed[:3, :3], self.inertia)
+        return moved(placed, self.com), inertia, moved(placed, self.cob)
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,9 +76,8 @@ def stale_files(
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     """Write the generated files into the repository; returns the paths that changed."""
     fresh = generated_files()
-    changed = {
-        Path(repository) / stale.path: fresh[stale.path] for stale in stale_files(repository, fresh)
-    }
+    stale = stale_files(repository, fresh)
+    changed = {Path(repository) / file.path: fresh[file.path] for file in stale}
     atomic_write_all(changed)
     return list(changed)
 
@@ -87,10 +86,7 @@ def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:
     if committed is None:
         return f"{path}: missing\n"
     try:
-        old, new = committed.decode("utf-8"), fresh.decode("utf-8")
+        old, new = (text.decode("utf-8").splitlines(True) for text in (committed, fresh))
     except UnicodeDecodeError:
         return f"{path}: {len(committed)} bytes differ from {len(fresh)} fresh ones\n"
-    lines = difflib.unified_diff(
-        old.splitlines(True), new.splitlines(True), f"committed/{path}", f"fresh/{path}"
-    )
-    return "".join(lines)
+    return "".join(difflib.unified_diff(old, new, f"committed/{path}", f"fresh/{path}"))

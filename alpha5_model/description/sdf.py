@@ -12,12 +12,13 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import choice, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import Body, Mesh, Placement, arm_bodies, tcp_placement
+from alpha5_model.description.bodies import Body, Placement, arm_bodies, tcp_placement
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.xml_text import add, document, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
@@ -25,6 +26,7 @@ from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
 SDF_VERSION = "1.9"
+_HEAD = '<?xml version="1.0"?>\n'
 
 
 @dataclass(frozen=True)
@@ -121,56 +123,44 @@ def _buoyancy_box(body: Body, values: Alpha5Parameters) -> tuple[float, float, f
 
 
 def _frame(model: ET.Element, name: str, placement: Placement) -> None:
-    _pose(add(model, "frame", name=name, attached_to=placement.parent), placement)
+    _fill(add(model, "frame", name=name, attached_to=placement.parent), pose=_pose(placement))
 
 
 def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> None:
     link = add(model, "link", name=body.name)
     if body.joint is not None:
-        _pose(link, body.placement).set("relative_to", body.placement.parent)
-    inertial = add(link, "inertial")
-    _value(inertial, "pose", (*body.com, 0.0, 0.0, 0.0))
-    _value(inertial, "mass", body.mass)
-    inertia = add(inertial, "inertia")
-    for name, moment in body.moments.items():
-        _value(inertia, name, moment)
+        pose = add(link, "pose", relative_to=body.placement.parent)
+        pose.text = text_of(_pose(body.placement))
+    com, cob = ((*point.tolist(), 0.0, 0.0, 0.0) for point in (body.com, body.cob))
+    _fill(link, inertial={"pose": com, "mass": body.mass, "inertia": body.moments})
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
-        _value(collision, "pose", (*body.cob, 0.0, 0.0, 0.0))
-        box = add(add(collision, "geometry"), "box")
-        _value(box, "size", _buoyancy_box(body, values))
+        _fill(collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}})
     for mesh in body.meshes:
-        _visual(link, mesh)
-
-
-def _visual(link: ET.Element, mesh: Mesh) -> None:
-    visual = add(link, "visual", name=mesh.name)
-    _pose(visual, mesh.placement)
-    _value(add(add(visual, "geometry"), "mesh"), "uri", f"meshes/{mesh.name}.obj")
-    material = add(visual, "material")
-    for light in ("ambient", "diffuse"):
-        _value(material, light, mesh.material.rgba)
+        _fill(
+            add(link, "visual", name=mesh.name),
+            pose=_pose(mesh.placement),
+            geometry={"mesh": {"uri": f"meshes/{mesh.name}.obj"}},
+            material=dict.fromkeys(("ambient", "diffuse"), mesh.material.rgba),
+        )
 
 
 def _joint(model: ET.Element, joint: JointRange, body: Body) -> None:
     element = add(model, "joint", name=joint.name, type=joint.kind)
-    _value(element, "parent", body.placement.parent)
-    _value(element, "child", body.name)
-    axis = add(element, "axis")
-    _value(axis, "xyz", "0 0 1")
-    limit = add(axis, "limit")
-    for name in ("lower", "upper", "effort", "velocity"):
-        _value(limit, name, getattr(joint, name))
+    limit = {name: getattr(joint, name) for name in ("lower", "upper", "effort", "velocity")}
+    axis = {"xyz": "0 0 1", "limit": limit}
+    _fill(element, parent=body.placement.parent, child=body.name, axis=axis)
 
 
-def _pose(parent: ET.Element, placement: Placement) -> ET.Element:
-    return _value(parent, "pose", (*placement.xyz, *placement.rpy))
+def _pose(placement: Placement) -> tuple[float, ...]:
+    return *placement.xyz, *placement.rpy
 
 
-def _value(parent: ET.Element, name: str, value: str | float | Iterable[float]) -> ET.Element:
-    element = add(parent, name)
-    element.text = text_of(value)
-    return element
-
-
-_HEAD = '<?xml version="1.0"?>\n'
+def _fill(parent: ET.Element, /, **content: Any) -> None:
+    """Child elements by name: of a text or numbers, or of a dictionary of such again."""
+    for name, value in content.items():
+        child = add(parent, name)
+        if isinstance(value, dict):
+            _fill(child, **value)
+        else:
+            child.text = text_of(value)

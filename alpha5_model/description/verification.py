@@ -125,15 +125,12 @@ def _listed(text: Subject, check: str, problems: list[str], claim: str) -> FileC
 
 def _check_urdf(text: Subject) -> FileCheck:
     row = partial(FileCheck, text.path.name, "check_urdf")
-    # also beside the running interpreter: its environment may not be activated
-    program = shutil.which("check_urdf") or shutil.which(
-        "check_urdf", path=str(Path(sys.executable).parent)
-    )
+    beside = str(Path(sys.executable).parent)  # of an environment that may not be activated
+    program = shutil.which("check_urdf") or shutil.which("check_urdf", path=beside)
     if program is None:
         return row("not run", "the program check_urdf is not installed")
-    done = subprocess.run(
-        [program, str(text.path)], capture_output=True, text=True, errors="replace", check=False
-    )
+    command = [program, str(text.path)]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode == 0:
         return row("passed", "urdfdom reads it as one tree")
     words = " ".join((done.stderr + done.stdout).split())

@@ -130,11 +130,8 @@ class Singularities(NamedTuple):
     def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
         """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
         angle, distance = real("angle", angle, 0.0), real("distance", distance, 0.0)
-        return np.asarray(
-            (np.abs(self.stretched) < angle)
-            | (np.abs(self.folded) < angle)
-            | (np.abs(self.yaw_axis) < distance)
-        )
+        elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
+        return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
 
 
 def singularities(q: ArrayLike) -> Singularities:
@@ -143,7 +140,7 @@ def singularities(q: ArrayLike) -> Singularities:
     Args:
         q: (..., 4) [rad].
     """
-    _, gamma, r = _plane_coordinates(q)
+    gamma, r = _plane_coordinates(q)
     return Singularities(wrap(gamma - math.pi), wrap(gamma), r)
 
 
@@ -163,13 +160,13 @@ def manipulability(q: ArrayLike) -> FloatArray:
         (...) [m^3]: volume of the velocity parallelepiped for unit joint speeds.
     """
     g = arm_plane()
-    _, gamma, r = _plane_coordinates(q)
+    gamma, r = _plane_coordinates(q)
     return np.asarray(np.abs(r * np.sin(gamma)) * (g.l_1 * g.l_2))
 
 
-def _plane_coordinates(q: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """phi, gamma [rad] and the tcp's signed distance from the yaw axis [m], each (...)."""
+def _plane_coordinates(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """gamma [rad] and the tcp's signed distance from the yaw axis [m], each (...)."""
     g = arm_plane()
     position = float_array("q", q, (4,))
     phi, gamma = position[..., 1] + g.phi_offset, position[..., 2] + g.gamma_offset
-    return phi, gamma, g.a_0 + g.l_1 * np.cos(phi) + g.l_2 * np.cos(phi + math.pi - gamma)
+    return gamma, g.a_0 + g.l_1 * np.cos(phi) + g.l_2 * np.cos(phi + math.pi - gamma)

@@ -78,8 +78,7 @@ class Solutions(NamedTuple):
             JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
         """
         require_solution(self.q, self.within_limits, self.position)
-        q, reference = candidates(self.q, self.position, q_reference)
-        return pick(q, reference, self.within_limits)
+        return nearest(self.q, q_reference, self.within_limits, on_axis(self.position))
 
 
 def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions:
@@ -143,27 +142,19 @@ def _one(x: float, y: float, z: float, wrist: float) -> Solutions:
     return _NEW(Solutions, fast_solver()(x, y, z, wrist) or careful_answer(x, y, z, wrist))
 
 
-def candidates(
-    q: FloatArray, position: FloatArray, q_reference: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
-    """q (..., 4, 4), a free theta_0 taken from the reference, and the reference, (..., 4)."""
-    reference = float_array("q_reference", q_reference, (4,))
-    shape = (*q.shape[:-2], 4)
+def nearest(
+    q: FloatArray, q_reference: ArrayLike, allowed: BoolArray, free: BoolArray
+) -> FloatArray:
+    """The allowed solution of q (..., 4, 4) nearest to a reference, its theta_0 where free, (..., 4)."""
+    reference, shape = float_array("q_reference", q_reference, (4,)), (*q.shape[:-2], 4)
     try:
         reference = np.broadcast_to(reference, shape)
     except ValueError:
         raise InputError("q_reference", reference.shape, f"shape (4,) or {shape}") from None
-    free = on_axis(position)
     if free.any():
-        g = arm_plane()
+        g, q = arm_plane(), q.copy()
         kept = np.clip(reference[..., 0], g.lower[0], g.upper[0])
-        q = q.copy()
         q[..., 0] = np.where(free[..., None] & ~np.isnan(q[..., 0]), kept[..., None], q[..., 0])
-    return q, reference
-
-
-def pick(q: FloatArray, reference: FloatArray, allowed: BoolArray) -> FloatArray:
-    """The allowed solution nearest to the reference, (..., 4)."""
     with np.errstate(over="ignore"):
         travel = np.square(q - reference[..., None, :]).sum(axis=-1)
     travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
@@ -193,10 +184,10 @@ def require_solution(q: FloatArray, within_limits: BoolArray, position: FloatArr
         if not joint.lower - LIMIT_TOLERANCE <= angle <= joint.upper + LIMIT_TOLERANCE:
             bound = joint.lower if angle < joint.lower else joint.upper
             raise JointLimitError(joint.name, angle, bound)
-    nearest = nearest_reachable(target)
+    closest = nearest_reachable(target)
     place = f" (row {', '.join(map(str, index))})" if index else ""
     raise UnreachableError(
-        target, math.hypot(*(target - nearest)), nearest, f" within the joint limits{place}"
+        target, math.hypot(*(target - closest)), closest, f" within the joint limits{place}"
     )
 
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rigid
 from alpha5_model.dh import DHChain
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik import candidates, inverse_kinematics, pick, require_solution
+from alpha5_model.kinematics.ik import inverse_kinematics, nearest, require_solution
 from alpha5_model.kinematics.ik.one import on_axis
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import cross_matrix, wrap
@@ -70,10 +70,9 @@ class PoseSolutions(NamedTuple):
             UnreachableError: A position that no branch reaches within the limits.
         """
         require_solution(self.q, self.within_limits, self.position)
-        _, reference = candidates(self.q, self.position, q_reference)
         error = np.where(self.within_limits, self.rotation_error, np.inf)
         least = error <= error.min(axis=-1, keepdims=True) + TIE
-        return pick(self.q, reference, least & self.within_limits)
+        return nearest(self.q, q_reference, least & self.within_limits, np.zeros((), np.bool_))
 
 
 def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
