@@ -69,8 +69,9 @@ def torque_figure() -> bytes | None:
     rows = figure.subplots(2, 1, sharex=True)
     for axes, name in zip(rows, ("axis_d", "axis_c"), strict=True):
         k = a.smooth.joints.index(name)
-        for term, color in trajectory_plot.CAUSES.items():
-            values = getattr(a, term)[:, k]
+        causes = a.causes()
+        for term in (name for name in trajectory_plot.CAUSES if name in causes):
+            color, values = trajectory_plot.CAUSES[term], causes[term][:, k]
             axes.plot(a.smooth.time, values, color=color, linewidth=1.2, label=term)
         axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.6, label="torque")
         axes.set_ylabel(f"{name} [N m]")

@@ -26,6 +26,13 @@ if TYPE_CHECKING:
 FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
 Fluid = Annotated[str, Option(help=FLUID_HELP)]
 Gravity = Annotated[str, Option(help="In base_link, three numbers (m/s^2); tilts the mount.")]
+Current = Annotated[
+    str | None,
+    Option(
+        help="Velocity of the water in base_link, three numbers (m/s): adds drag and added mass, which are "
+        "estimated, not published."
+    ),
+]
 Constants = Annotated[
     str,
     Option(
@@ -37,6 +44,7 @@ Constants = Annotated[
 #: Larger than any fluid or vehicle has: a typing error.
 _MOST_DENSITY = 1e5
 _MOST_GRAVITY = 1e4
+_MOST_CURRENT = 100.0
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
 
 
@@ -70,9 +78,22 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
     Raises:
         InputError: Anything else, or more than any vehicle or planet gives.
     """
-    vector = triple("gravity", text)
-    if any(abs(x) > _MOST_GRAVITY for x in vector):
-        raise InputError("gravity", text, f"at most {_MOST_GRAVITY:g} m/s^2 along each axis")
+    return _limited("gravity", text, _MOST_GRAVITY, "m/s^2")
+
+
+def current_vector(text: str | None) -> tuple[float, float, float] | None:
+    """Three numbers [m/s]; None for none.
+
+    Raises:
+        InputError: Anything else, or more than any water has.
+    """
+    return None if text is None else _limited("current", text, _MOST_CURRENT, "m/s")
+
+
+def _limited(name: str, text: str, most: float, unit: str) -> tuple[float, float, float]:
+    vector = triple(name, text)
+    if any(abs(x) > most for x in vector):
+        raise InputError(name, text, f"at most {most:g} {unit} along each axis")
     return vector
 
 

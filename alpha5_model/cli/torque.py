@@ -6,12 +6,23 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any
 
+import numpy as np
 from typer import Option
 
 from alpha5_model.actuators import actuator
-from alpha5_model.cli.options import Constants, Fluid, Gravity, arm_in, show
+from alpha5_model.checks import FloatArray
+from alpha5_model.cli.options import (
+    Constants,
+    Current,
+    Fluid,
+    Gravity,
+    arm_in,
+    current_vector,
+    show,
+)
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.series import torque_terms
+from alpha5_model.dynamics.series import torque_terms, water_terms
+from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
 
 Four = tuple[float, float, float, float]
@@ -25,22 +36,31 @@ def torque(
     degrees: Annotated[bool, Option("--degrees", help="--q, --v, --a in degrees.")] = False,
     fluid: Fluid = "sea",
     gravity: Gravity = "0 0 -9.81",
+    current: Current = None,
     constants: Constants = "printed",
     as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
 
-    Example: alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
+    Examples:
+    alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
+    alpha5 torque --q 3.1 1.2 1.8 0 --current "0 1 0"
     """
     unit = math.pi / 180.0 if degrees else 1.0
     state = (tuple(unit * x for x in values) for values in (q, v, a))
-    result = _result(arm_in(fluid, gravity), constants, *state)
+    result = _result(arm_in(fluid, gravity), constants, current_vector(current), *state)
     show(as_json, result, _text(result))
 
 
-def _result(arm: Arm, constants: str, q: Any, v: Any, a: Any) -> Any:
+def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
     """The result as it goes to JSON, SI units."""
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
+    wrench = arm.base_wrench(q, v, a).vector
+    water, load = None, {}
+    if current is not None:
+        water = water_terms(arm, np.array([q]), np.array([v]), np.array([a]), current)
+        total, wrench = total + water.torque[0, 1], wrench + water.wrench[0, 1]
+        load = {"moving_water": dict(zip(LEVELS, map(_wrench, water.wrench[0]), strict=True))}
     joints = []
     for i, name in enumerate(arm.joint_names):
         motor, limits = actuator(name, constants), parameters().joints[i]
@@ -53,20 +73,31 @@ def _result(arm: Arm, constants: str, q: Any, v: Any, a: Any) -> Any:
                 "velocity": v[i],
                 "acceleration": a[i],
                 **{term: float(getattr(terms, term)[0, i]) for term in TERMS},
+                **({} if water is None else _share(water.torque[0, :, i])),
                 "torque": float(total[i]),
                 "current": float(motor.current(*moving)),
                 "current_range": [*map(float, span)],
                 "within_limits": limits.lower <= q[i] <= limits.upper,
             }
         )
-    wrench = arm.base_wrench(q, v, a)
     return {
         "fluid_density": arm.fluid_density,
         "gravity": arm.model.gravity.linear.tolist(),
+        **({} if current is None else {"water_current": list(current)}),
         "constants": constants,
         "joints": joints,
-        "mount": {"force": wrench.linear.tolist(), "moment": wrench.angular.tolist()},
+        "mount": {**_wrench(wrench), **load},
     }
+
+
+def _share(levels: FloatArray) -> dict[str, Any]:
+    """Moving water's share of a joint's torque, and its interval from all numbers low to all high."""
+    interval = [float(levels.min()), float(levels.max())]
+    return {"moving_water": float(levels[1]), "moving_water_range": interval}
+
+
+def _wrench(vector: FloatArray) -> dict[str, list[float]]:
+    return {"force": vector[:3].tolist(), "moment": vector[3:].tolist()}
 
 
 def _text(result: Any) -> Iterator[str]:
@@ -78,16 +109,33 @@ def _text(result: Any) -> Iterator[str]:
         low, high = map(_cell, joint["current_range"])
         cells = (_cell(joint[key]) for key in (*TERMS, "torque", "current"))
         yield _line(name, *cells, f"{low} to {high}")
-    force, moment = (f"({', '.join(map(_cell, part))})" for part in result["mount"].values())
-    density = result["fluid_density"]
-    yield f"\nfluid {density:g} kg/m^3; inertia + Coriolis + weight + buoyancy = torque"
+    mount, water = result["mount"], result.get("water_current")
+    force, moment = (f"({', '.join(map(_cell, mount[key]))})" for key in ("force", "moment"))
+    density, sum_of = result["fluid_density"], "inertia + Coriolis + weight + buoyancy"
+    yield f"\nfluid {density:g} kg/m^3; {sum_of}{' + water' if water else ''} = torque"
     yield "current of a moving joint: with friction and gear loss;"
     yield "                           range: friction's printed tolerance"
     yield "current of a joint at rest: without losses; range: where friction keeps it still"
     yield f"load on the mount at base_link: force {force} N,"
     yield f"                                moment {moment} N m"
+    if water:
+        yield from _water(result["joints"], mount["moving_water"], water)
     if not all(joint["within_limits"] for joint in result["joints"]):
         yield "* position beyond the joint's limits"
+
+
+def _water(joints: Any, loads: Any, current: list[float]) -> Iterator[str]:
+    """What moving water adds, and the interval that its numbers leave."""
+    speed = ", ".join(f"{x:g}" for x in current)
+    yield f"\nwater: drag and added mass in a current of ({speed}) m/s in base_link;"
+    yield "       estimated, not published; range: from all their numbers low to all high"
+    yield f"{'':8}{'nominal':>9}{'range':>21}"
+    for joint in joints:
+        low, high = map(_cell, joint["moving_water_range"])
+        yield f"{joint['joint']:8}{_cell(joint['moving_water']):>9}{f'{low} to {high}':>21} N m"
+    for part, unit in (("force", "N"), ("moment", "N m")):
+        low, nominal, high = (_cell(math.hypot(*loads[level][part])) for level in LEVELS)
+        yield f"{part:8}{nominal:>9}{f'{low} to {high}':>21} {unit} on the mount"
 
 
 def _line(*cells: str) -> str:

@@ -12,7 +12,15 @@ from typer import Argument, Option
 from alpha5_model import trajectory as library
 from alpha5_model.actuators import actuator
 from alpha5_model.checks import choice
-from alpha5_model.cli.options import Constants, Fluid, Gravity, arm_in, show
+from alpha5_model.cli.options import (
+    Constants,
+    Current,
+    Fluid,
+    Gravity,
+    arm_in,
+    current_vector,
+    show,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
@@ -42,6 +50,7 @@ def trajectory(
     as_json: Annotated[bool, Option("--json", help="Summary as JSON.")] = False,
     fluid: Fluid = "sea",
     gravity: Gravity = "0 0 -9.81",
+    current: Current = None,
     gripper: Annotated[
         str,
         Option(
@@ -72,6 +81,7 @@ def trajectory(
     # What cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, _GRIPPERS)
+    flow = current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
     with _Bar() as progress:
         motion = library.read_motion(file, progress)
@@ -96,6 +106,7 @@ def trajectory(
             supply_voltage=supply_voltage,
             current_limit=current_limit,
             progress=progress,
+            current=flow,
         )
         summary = library.summary(analysis)
         if output is not None:

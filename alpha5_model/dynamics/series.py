@@ -17,6 +17,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
+from alpha5_model.hydrodynamics import LEVELS
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -64,6 +65,43 @@ def torque_terms(
     weight = batch.rnea(arm._model, own, n, q, still, still)
     buoyancy = -batch.rnea(arm._fluid, own, n, q, still, still)
     return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
+
+
+@dataclass(frozen=True, eq=False)
+class WaterTerms:
+    """What moving water adds to an arm in still water: added mass and drag, estimated, not published.
+
+    Attributes:
+        current: Velocity of the water, uniform, in base_link, (3,) [m/s].
+        torque: Joint torque, (N, 3, nv) [N m, N]: with all numbers low, nominal, high.
+        wrench: Load on the mount in base_link, (N, 3, 6) [N, N m], likewise.
+    """
+
+    current: FloatArray
+    torque: FloatArray
+    wrench: FloatArray
+
+
+def water_terms(
+    arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike
+) -> WaterTerms:
+    """What moving water adds to the inverse dynamics and the base wrench of many states.
+
+    Args:
+        arm: On a fixed base, in still water; q: (N, nq); v: (N, nv); a: (N, nv).
+        current: (3,) [m/s].
+
+    Raises:
+        InputError: An arm on a floating base, or arrays that do not fit.
+    """
+    if arm.floating_base:
+        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
+    levels = [arm.with_hydrodynamics(current, level) for level in LEVELS]
+    torque, wrench = arm.inverse_dynamics_batch(q, v, a), arm.base_wrench_batch(q, v, a)
+    # Of the tree's torques the first six are the mount's: one pass for both.
+    trees = np.stack([wet._torques(q, v, a, None) for wet in levels], axis=1)
+    torques = trees @ levels[0]._tree.g - torque[:, None]
+    return WaterTerms(levels[0].current, torques, -trees[..., :6] - wrench[:, None])
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:

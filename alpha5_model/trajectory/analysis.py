@@ -23,7 +23,10 @@ from alpha5_model.trajectory.smoothing import (
 )
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.dynamics.series import WaterTerms
 
 #: Velocities are judged where a joint's rms speed is above this share of its rated speed.
 _JUDGED_SHARE = 0.02
@@ -37,8 +40,8 @@ _CHUNK = 25_000
 class Analysis:
     """A motion's forces, currents and powers; rows are samples, columns joints base to tip.
 
-    Torques are those at the joint: N m, for the jaw rod N. ``inertia + coriolis + weight + buoyancy``
-    is ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
+    Torques are those at the joint: N m, for the jaw rod N. ``inertia + coriolis + weight + buoyancy``, and
+    what moving water adds if it was asked for, is ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
     Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
 
     Attributes:
@@ -60,6 +63,8 @@ class Analysis:
             without them.
         supply_voltage, current_limit: As given [V], [A]; None if not.
         warnings: What was found odd in the motion, velocities that contradict positions included.
+        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and high; the nominal ones are
+            in ``torque``, ``base_wrench`` and all that follows from them. None if no current was given.
     """
 
     motion: Motion
@@ -84,6 +89,14 @@ class Analysis:
     supply_voltage: float | None
     current_limit: float | None
     warnings: tuple[MotionWarning, ...]
+    moving_water: WaterTerms | None = None
+
+    def causes(self) -> dict[str, FloatArray]:
+        """Torques by cause, (N, n) each: those of the joint, then ``friction`` at the motor."""
+        out = {name: getattr(self, name) for name in ("inertia", "coriolis", "weight", "buoyancy")}
+        if self.moving_water is not None:
+            out["moving_water"] = self.moving_water.torque[:, 1]
+        return {**out, "friction": self.friction}
 
 
 def analyse(
@@ -99,6 +112,7 @@ def analyse(
     current_limit: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    current: ArrayLike | None = None,
 ) -> Analysis:
     """Torques, currents, powers, mount load and TCP path of a motion.
 
@@ -112,12 +126,14 @@ def analyse(
         supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits. Not published.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
+        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are estimated,
+            not published. None for water that only bears.
 
     Raises:
         InputError: An arm with other joints than the motion, or one limit without the other.
         UnknownNameError: No such method, constants or joint.
     """
-    from alpha5_model.dynamics.series import frame_positions, torque_terms
+    from alpha5_model.dynamics.series import WaterTerms, frame_positions, torque_terms, water_terms
 
     if arm is None:
         from alpha5_model.dynamics.loading import load
@@ -142,10 +158,20 @@ def analyse(
         wrench = arm.base_wrench_batch(*state, threads=threads)
         terms = vars(torque_terms(arm, *state, threads=threads))
         parts.append({**terms, "base_wrench": wrench, "tcp": frame_positions(arm, state[0])})
+        if current is not None:
+            water = water_terms(arm, *state, current)
+            parts[-1] |= {"water_torque": water.torque, "water_wrench": water.wrench}
         if progress:
             progress("compute", min(start + _CHUNK, s.time.size) / s.time.size)
     out = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     out["torque"] = out["inertia"] + out["coriolis"] + out["weight"] + out["buoyancy"]
+    moving = None
+    if current is not None:
+        moving = WaterTerms(
+            water.current, *(frozen(out.pop(f"water_{k}")) for k in ("torque", "wrench"))
+        )
+        out["torque"] += moving.torque[:, 1]
+        out["base_wrench"] += moving.wrench[:, 1]
     out["mechanical_power"] = out["torque"] * s.velocity
     by_motor, limits = _motor_side(motors, s, out["torque"], drive)
     return Analysis(
@@ -158,6 +184,7 @@ def analyse(
         supply_voltage=supply_voltage,
         current_limit=current_limit,
         warnings=motion.warnings + _velocity_warnings(motion),
+        moving_water=moving,
     )
 
 

@@ -22,7 +22,6 @@ from alpha5_model.trajectory.smoothing import REST_SHARE
 FORMATS = (".csv", ".json")
 #: Rows written between two reports of progress.
 _CHUNK = 10_000
-CAUSES = ("inertia", "coriolis", "weight", "buoyancy", "friction")
 #: Figures of a joint that are None without a motor's constants, or without limits of its drive.
 _BY_MOTOR = ("current_peak", "current_rms", "voltage_peak", "power_peak", "energy_drawn_j")
 _BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_drive_limits")
@@ -63,6 +62,9 @@ def summary(analysis: Analysis) -> dict[str, Any]:
             "gripper": "jaws" if "axis_a" in s.joints else "locked",
             "fluid_density": a.arm.fluid_density,
             "gravity": a.arm.model.gravity.linear.tolist(),
+            **(
+                {} if a.moving_water is None else {"water_current": a.moving_water.current.tolist()}
+            ),
         },
         "smoothing": {
             "method": s.method,
@@ -87,6 +89,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "mount": {
             "force_peak_n": _peak(np.linalg.norm(a.base_wrench[:, :3], axis=1), s.time),
             "moment_peak_nm": _peak(np.linalg.norm(a.base_wrench[:, 3:], axis=1), s.time),
+            **_water_on_mount(a),
         },
         "tcp": {
             "first_m": a.tcp[0].tolist(),
@@ -97,6 +100,24 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         },
         "warnings": [asdict(w) for w in a.warnings],
         "ignored_columns": list(a.motion.ignored),
+    }
+
+
+def _water_on_mount(a: Analysis) -> dict[str, Any]:
+    """Peaks of what moving water adds to the load on the mount."""
+    if a.moving_water is None:
+        return {}
+    sizes = np.linalg.norm(a.moving_water.wrench.reshape(-1, 3, 2, 3), axis=3)
+    force, moment = (_water_peak(sizes[..., i], a.smooth.time) for i in (0, 1))
+    return {"water_force_peak_n": force, "water_moment_peak_nm": moment}
+
+
+def _water_peak(levels: FloatArray, time: FloatArray) -> dict[str, Any]:
+    """The largest nominal value, and its interval from all numbers low to all high; levels are (N, 3)."""
+    at = int(np.abs(levels[:, 1]).argmax())
+    return {
+        **_peak(levels[:, 1], time),
+        "interval": [float(levels[at].min()), float(levels[at].max())],
     }
 
 
@@ -120,9 +141,11 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
         "torque_rms": _rms(a.torque[:, k], s.time),
         # Against the effort that every public model copies; no rating is published.
         "torque_margin": float(joint.effort - np.abs(a.torque[:, k]).max()),
-        "causes_peak": {c: _finite(np.abs(getattr(a, c)[:, k]).max()) for c in CAUSES},
+        "causes_peak": {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()},
         **dict.fromkeys(_BY_MOTOR + _BY_DRIVE),
     }
+    if a.moving_water is not None:
+        out["moving_water_peak"] = _water_peak(a.moving_water.torque[:, :, k], s.time)
     if not np.isfinite(a.current[:, k]).all():
         return out
     at = int(np.abs(a.current[:, k]).argmax())
@@ -169,9 +192,15 @@ def _lines(record: dict[str, Any]) -> Iterator[str]:
     for kind, units, joints in groups:
         if joints:
             title = f"  peak {kind} by cause [{units['torque']}]"
-            yield f"\n{title:28}" + "".join(f"{cause:>11}" for cause in CAUSES)
+            heads = (
+                f"{cause.removeprefix('moving_'):>11}"
+                for cause in next(iter(joints.values()))["causes_peak"]
+            )
+            yield f"\n{title:28}" + "".join(heads)
         for name, j in joints.items():
-            yield f"  {name:26}" + "".join(_cell(j["causes_peak"][cause]) for cause in CAUSES)
+            yield f"  {name:26}" + "".join(map(_cell, j["causes_peak"].values()))
+    if water := model.get("water_current"):
+        yield from _water(record, water)
     energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
     least, most = energy["drawn_interval_j"]
     drawn = f"drawn {energy['drawn_j']:.4g} J ({least:.4g} .. {most:.4g})"
@@ -192,6 +221,21 @@ def _lines(record: dict[str, Any]) -> Iterator[str]:
             yield f"  limit: {name} is beyond the speed-torque limit in {weak} samples"
     for w in record["warnings"]:
         yield f"  warning: {w['text']}: {w['count']} x, first: {w['first']}"
+
+
+def _water(record: dict[str, Any], current: list[float]) -> Iterator[str]:
+    """Peaks of what moving water adds, with the interval of its numbers."""
+    speed = ", ".join(f"{x:g}" for x in current)
+    yield f"\n  water: current ({speed}) m/s; estimated, not published; peak, and with all numbers low .. high"
+    found = {
+        name: (j["moving_water_peak"], j["units"]["torque"]) for name, j in record["joints"].items()
+    }
+    mount = record["mount"]
+    found["mount"] = mount["water_force_peak_n"], "N"
+    found[""] = mount["water_moment_peak_nm"], "N m"
+    for name, (peak, unit) in found.items():
+        low, high = peak["interval"]
+        yield f"  {name:7} {peak['value']:+14.4g} {low:+14.4g} .. {high:+.4g} {unit}"
 
 
 def _peaks(joints: dict[str, Any], kind: str, units: dict[str, str]) -> Iterator[str]:
@@ -265,13 +309,17 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     """Every quantity over time by column name, SI units; motors that cannot be computed are left out.
 
     ``time_secs``; for each joint ``axis_e_pos, axis_e_vel, axis_e_acc`` (smoothed), ``axis_e_torque``
-    and its causes, currents, voltage, powers and, with limits, ``axis_e_torque_min``, ``_max``;
+    and its causes, currents, voltage, powers and, with limits, ``axis_e_torque_min``, ``_max``, in a current
+    ``axis_e_torque_moving_water_low``, ``_high``;
     ``base_force_x .. base_moment_z`` on the mount; ``tcp_x .. tcp_z``. The file can be read again by
     `read_motion`.
     """
     a, s = analysis, analysis.smooth
     by_joint = {"pos": s.position, "vel": s.velocity, "acc": s.acceleration, "torque": a.torque}
-    by_joint |= {f"torque_{cause}": getattr(a, cause) for cause in CAUSES}
+    by_joint |= {f"torque_{cause}": torque for cause, torque in a.causes().items()}
+    if (water := a.moving_water) is not None:
+        low, _, high = water.torque.swapaxes(0, 1)
+        by_joint |= {"torque_moving_water_low": low, "torque_moving_water_high": high}
     by_joint |= {name: getattr(a, name) for name in (*BY_MOTOR[1:], "mechanical_power")}
     if a.torque_limits is not None:
         by_joint |= {"torque_min": a.torque_limits.lower, "torque_max": a.torque_limits.upper}

@@ -20,6 +20,7 @@ CAUSES = {
     "buoyancy": Color.SKY,
     "inertia": Color.PINK,
     "coriolis": Color.GREEN,
+    "moving_water": Color.BLUE,
 }
 #: Most points of a curve; longer ones are thinned and keep the extremes of each stretch.
 _POINTS = 4000
@@ -61,10 +62,13 @@ def figure(analysis: Analysis) -> Any:
     page.axes[1].set_title("joint torque by cause")
     page.axes[2].set_title("motor current, band: tolerance of friction")
     names = page.axes[1].get_legend_handles_labels()
-    page.legend(*names, ncols=5, fontsize=10, loc="outside upper right")
+    page.legend(*names, ncols=len(names[1]), fontsize=10, loc="outside upper right")
     page.align_ylabels()
     width = "" if a.smooth.bandwidth is None else f" {a.smooth.bandwidth:.3g} Hz"
     fluid = f"{len(a.smooth.time)} samples; fluid {a.arm.fluid_density:g} kg/m³"
+    if a.moving_water is not None:
+        flow = ", ".join(f"{x:g}" for x in a.moving_water.current)
+        fluid += f"; current ({flow}) m/s, its effect estimated"
     method = f"{a.smooth.method}{width}; motor constants: {a.actuators[0].constants}"
     title = f"{Path(a.motion.source).name}   ({fluid}; {method})"
     page.suptitle(title, fontsize=12, x=0.01, ha="left")
@@ -83,8 +87,12 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
+    causes = a.causes()
     for cause, color in CAUSES.items():
-        _curve(axes, a, getattr(a, cause)[:, k], color=color, label=cause)
+        if cause in causes:
+            _curve(axes, a, causes[cause][:, k], color=color, label=cause.replace("_", " "))
+    if a.moving_water is not None:
+        _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
     _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.5, label="torque")
     _mark(axes, a.smooth.time, a.torque[:, k])
     axes.set_ylabel("N" if a.smooth.joints[k] == "axis_a" else "N m")
@@ -99,9 +107,7 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
         axes.text(0.5, 0.5, missing, color="#777777", fontsize=9, **middle)
         axes.set_yticks([])
         return
-    time, low = thin(a.smooth.time, a.current_lower[:, k])
-    high = np.interp(time, a.smooth.time, a.current_upper[:, k])
-    axes.fill_between(time, low, high, color="#9ECAE9", linewidth=0)
+    _band(axes, a, a.current_lower[:, k], a.current_upper[:, k])
     _curve(axes, a, current, color=Color.BLUE)
     _mark(axes, a.smooth.time, current)
     if a.current_limit is not None:
@@ -143,6 +149,13 @@ def _path(axes: Any, a: Analysis) -> None:
 def _curve(axes: Any, a: Analysis, values: FloatArray, **options: Any) -> None:
     """A quantity (N,) over time."""
     axes.plot(*thin(a.smooth.time, values), **options)
+
+
+def _band(axes: Any, a: Analysis, one: FloatArray, other: FloatArray) -> None:
+    """What lies between two quantities (N,) over time."""
+    time, end = thin(a.smooth.time, one)
+    other_end = np.interp(time, a.smooth.time, other)
+    axes.fill_between(time, end, other_end, color="#9ECAE9", linewidth=0)
 
 
 def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
