@@ -203,7 +203,7 @@ def by_unit(matrix: Array) -> Array:
 def placements(q: Iterable[float]) -> dict[str, Array]:
     """Pose of each link in base_link, (4, 4) [m]."""
     found = {"link_0": np.eye(4)}
-    for i, (angle, at) in enumerate(zip(q, joint_placements(parameters()).values(), strict=True)):
+    for i, (angle, at) in enumerate(zip(q, joint_placements(parameters()), strict=True)):
         turn = transform(rotation_about((0.0, 0.0, 1.0), angle))
         found[f"link_{i + 1}"] = found[at.parent] @ pose(at.xyz, at.rpy) @ turn
     return found
