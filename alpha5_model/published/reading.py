@@ -41,7 +41,7 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     head = document["document"].table(*_HEAD)
     one = _table(head, document["table_1"], t.DHRow, "elbow")
     numbers = document["workspace"].table("number", "section", "caption", "units", "values")
-    _check_units(t.WorkspaceNumbers, numbers["units"])
+    _check_units(_units(t.WorkspaceNumbers), numbers["units"])
     return t.Published(
         table_1=one,
         elbow=_record(t.Elbow, document["table_1"]["elbow"]),
@@ -58,7 +58,7 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
     root = _root(_EARLIER, _text(_EARLIER)).table("status", "source", "table")
     _status(root), root["source"].text()
     table = root["table"].table("units", "rows")
-    _check_units(t.EarlierRow, table["units"])
+    _check_units(_units(t.EarlierRow), table["units"])
     return _rows(t.EarlierRow, table["rows"])
 
 
@@ -69,16 +69,15 @@ def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
     Raises:
         PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an interval out of order.
     """
-    path = Path(__file__).with_name(f"{numbers}_hydrodynamics.toml")
-    return parse_hydrodynamics(path.name, path.read_text(encoding="utf-8"))
+    file = f"{numbers}_hydrodynamics.toml"
+    return parse_hydrodynamics(file, _text(file))
 
 
 def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
     """Read the text of a file of moving water."""
     root = _root(file, text).table("units", "bodies")
-    units = {k: u for k, u in {**_units(t.HydrodynamicRow), **_units(t.StripRow)}.items() if u}
-    for name, unit in units.items():
-        root["units"].table(*units)[name].expect(unit)
+    units = {**_units(t.HydrodynamicRow), **_units(t.StripRow)}
+    _check_units({name: unit for name, unit in units.items() if unit}, root["units"])
     given, rows = root["bodies"].value, {}
     known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
     bodies = root["bodies"].table(*known)
@@ -238,8 +237,9 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
     node.table("number", "section", "caption", "units", "rows", *more)
-    units = _check_units(record, node["units"])
-    rows, origins = _rows(record, node["rows"]), {}
+    units, origins = _units(record), {}
+    _check_units(units, node["units"])
+    rows = _rows(record, node["rows"])
     if "origins" in more:
         origins = {name: node["origins"].table(*units)[name].text() for name in units}
     return t.Table(_source(head, node), rows, origins)
@@ -253,12 +253,10 @@ def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
     return tuple(rows)
 
 
-def _check_units(record: type[Any], node: _Node) -> list[str]:
-    units = _units(record)
+def _check_units(units: dict[str, Any], node: _Node) -> None:
     node.table(*units)
     for name, unit in units.items():
         node[name].expect(unit)
-    return list(units)
 
 
 def _source(head: _Node, node: _Node) -> t.Source:
