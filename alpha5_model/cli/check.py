@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from rich.console import RenderableType
 from rich.padding import Padding
 from rich.rule import Rule
 from rich.table import Column, Table
 from rich.text import Text
 from typer import Option
 
-from alpha5_model.cli.options import correction_names, show, spinner
+from alpha5_model.cli.options import Lines, correction_names, show, spinner
 from alpha5_model.consistency import audit
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
@@ -66,9 +65,7 @@ def check(
     return 1 if failed else 0
 
 
-def _text(
-    document: Sequence[AuditRow], files: Sequence[FileCheck], every: bool
-) -> Iterator[RenderableType]:
+def _text(document: Sequence[AuditRow], files: Sequence[FileCheck], every: bool) -> Lines:
     for kind, rows in _grouped(document, lambda row: row.kind):
         yield from _document(_TITLES[kind], rows, every)
     yield Rule("[bold]The files against the documents", align="left", style="dim")
@@ -83,7 +80,7 @@ def _text(
     yield Text(_summary(document, files))
 
 
-def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Iterator[RenderableType]:
+def _document(title: str, rows: Sequence[AuditRow], every: bool) -> Lines:
     yield Rule(f"[bold]{title}", align="left", style="dim")
     yield _grid([("verdict", "of", "measured", "must be", "effect")], style="dim")
     for topic, of_topic in _grouped(rows, lambda row: row.topic):

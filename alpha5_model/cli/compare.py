@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 from rich import box
-from rich.console import RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 from typer import Argument, Option
 
-from alpha5_model.cli.options import show, spinner
+from alpha5_model.cli.options import Lines, show, spinner
 from alpha5_model.comparison.records import Comparison
 from alpha5_model.comparison.report import compare as run
 from alpha5_model.errors import InputError
@@ -72,7 +70,7 @@ def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
     return pairs
 
 
-def _text(comparison: Comparison) -> Iterator[RenderableType]:
+def _text(comparison: Comparison) -> Lines:
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
     yield Text(f"{comparison.name}: {joints or comparison.verdict}")
     if not joints:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from alpha5_model.cli.options import numbers, show
+from alpha5_model.cli.options import Lines, numbers, show
 from alpha5_model.dh import DHChain, DHLink
 from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.errors import InputError, ShapeError
@@ -69,7 +68,7 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
     return DHChain.alpha5()
 
 
-def _text(chain: DHChain, record: dict[str, Any]) -> Iterator[str]:
+def _text(chain: DHChain, record: dict[str, Any]) -> Lines:
     width = max(len("joint"), *map(len, chain.joint_names))
     heads = ("theta", "d", "a", "alpha", "sigma", "lower", "upper")
     yield " ".join([f"{'joint':{width}s}", *(f"{head:>11s}" for head in heads)])

@@ -94,8 +94,7 @@ def generate(
     given = {
         name: value
         for name, value in context.params.items()
-        if (source := context.get_parameter_source(name)) is not None
-        and source.name == "COMMANDLINE"
+        if getattr(context.get_parameter_source(name), "name", None) == "COMMANDLINE"
     }
     if check or update:
         alone = "check" if check else "update"

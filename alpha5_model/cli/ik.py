@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Annotated
 
 from rich import box
-from rich.console import RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 from typer import Argument, Option
 
-from alpha5_model.cli.options import show
+from alpha5_model.cli.options import Lines, show
 from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
@@ -49,7 +47,7 @@ def ik(
     show(as_json, record, _text(solutions, best))
 
 
-def _text(solutions: Solutions, best: list[float]) -> Iterator[RenderableType]:
+def _text(solutions: Solutions, best: list[float]) -> Lines:
     heads = (Column(joint.name, justify="right") for joint in parameters().joints[:4])
     table = Table(Column("branch", no_wrap=True), *heads, "in limits", box=box.SIMPLE_HEAD)
     table.title, table.title_justify = "joint positions (rad)", "left"

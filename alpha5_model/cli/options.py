@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from typer import Option, echo
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from alpha5_model.dynamics.arm import Arm
 
+#: What a command prints to be read: strings, and what Rich fits to the terminal.
+Lines: TypeAlias = "Iterable[RenderableType]"
 # Units stand in round brackets: the terminal takes [m] for a style.
 FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
 Fluid = Annotated[str, Option(help=FLUID_HELP)]
@@ -123,13 +125,13 @@ def arm_in(fluid: str, gravity: str = "0 0 -9.81", gripper: str = "locked") -> A
     return load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
 
 
-def show(as_json: bool, record: Any, text: Iterable[RenderableType], *written: Path | None) -> None:
+def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None:
     """Print a result for scripts or for people.
 
     Args:
         as_json: Print the record, and nothing else.
         record: The result in types that JSON has.
-        text: The same to read: strings, printed as they are, and what Rich fits to the terminal.
+        text: The same to read; strings are printed as they are.
         written: Files of this result, each named in a line of its own; None is skipped.
     """
     with messages_beside(*written):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Argument, Option
 
 from alpha5_model import planar as library
-from alpha5_model.cli.options import messages_beside, numbers, show
+from alpha5_model.cli.options import Lines, messages_beside, numbers, show
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.view.figures import FORMATS
@@ -76,7 +75,7 @@ def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
     }
 
 
-def _text(result: dict[str, Any]) -> Iterator[str]:
+def _text(result: dict[str, Any]) -> Lines:
     space, dexterous = result["workspace"], result["dexterous_workspace"]
     low, high = space["radii"]
     area = f", area {space['area']:.6g} m^2" if space["area"] else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from alpha5_model.cli.options import (
     Current,
     Fluid,
     Gravity,
+    Lines,
     arm_in,
     current_vector,
     show,
@@ -100,7 +100,7 @@ def _wrench(vector: FloatArray) -> dict[str, list[float]]:
     return {"force": vector[:3].tolist(), "moment": vector[3:].tolist()}
 
 
-def _text(result: Any) -> Iterator[str]:
+def _text(result: Any) -> Lines:
     heads = ("inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range")
     yield _line("", *heads)
     yield _line("", *["N m"] * 5, *["A"] * 2)

@@ -27,7 +27,6 @@ from alpha5_model.jaws import GRIPPERS
 from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.view import figures, trajectory_plot
 
-_GRIPPERS = ("auto", *GRIPPERS)
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 #: Shorter files are done before a bar of progress could be read.
 _PROGRESS_SAMPLES = 50_000
@@ -80,7 +79,7 @@ def trajectory(
     """
     # What cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
-    choice("gripper", gripper, _GRIPPERS)
+    choice("gripper", gripper, ("auto", *GRIPPERS))
     flow = current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
     with _Bar() as progress:

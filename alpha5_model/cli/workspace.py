@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 from rich import box
-from rich.console import RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 from typer import Option
 
-from alpha5_model.cli.options import show, spinner
+from alpha5_model.cli.options import Lines, show, spinner
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
@@ -60,7 +58,7 @@ def workspace(
     show(as_json, record, _text(share), plot)
 
 
-def _text(share: SampledShare | None) -> Iterator[RenderableType]:
+def _text(share: SampledShare | None) -> Lines:
     e = space.published_errors()
     figures = (Column(head, justify="right") for head in ("half-plane (cm²)", "volume (L)"))
     table = Table("region", *figures, box=box.SIMPLE_HEAD)
