@@ -106,7 +106,7 @@ def triple(name: str, text: str) -> tuple[float, float, float]:
 
 
 def numbers(name: str, text: str, expected: str, count: int | None = None) -> list[float]:
-    """Numbers in one text, separated by spaces or commas; as many as there are if no count is given.
+    """Numbers in one text, separated by spaces or commas; any number of them without a count.
 
     Raises:
         InputError: Anything else.

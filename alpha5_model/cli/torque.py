@@ -124,7 +124,7 @@ def _text(result: Any) -> Lines:
         yield "* position beyond the joint's limits"
 
 
-def _water(joints: Any, loads: Any, current: list[float]) -> Iterator[str]:
+def _water(joints: Any, loads: Any, current: list[float]) -> Lines:
     """What moving water adds, and the interval that its numbers leave."""
     speed = ", ".join(f"{x:g}" for x in current)
     yield f"\nwater: drag and added mass in a current of ({speed}) m/s in base_link;"

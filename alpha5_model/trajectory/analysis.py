@@ -40,9 +40,10 @@ _CHUNK = 25_000
 class Analysis:
     """A motion's forces, currents and powers; rows are samples, columns joints base to tip.
 
-    Torques are those at the joint: N m, for the jaw rod N. ``inertia + coriolis + weight + buoyancy``, and
-    what moving water adds if it was asked for, is ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear ratio.
-    Columns of a motor that cannot be computed (jaw rod without screw lead) are NaN.
+    Torques are those at the joint: N m, for the jaw rod N. The sum of ``inertia``, ``coriolis``,
+    ``weight``, ``buoyancy`` and, if asked for, what moving water adds is ``torque``; ``torque +
+    friction`` is what the motor gives, ``K_t i`` times the gear ratio. Columns of a motor that
+    cannot be computed (jaw rod without screw lead) are NaN.
 
     Attributes:
         motion: The samples as given.
@@ -51,8 +52,8 @@ class Analysis:
         arm: The model.
         inertia, coriolis, weight, buoyancy: Torques by cause, (N, n).
         torque: Joint torque, (N, n).
-        friction: Motor friction and gear loss at the joint, (N, n). At rest friction holds the load and
-            the motor gives the least torque that keeps it there, in most cases none.
+        friction: Motor friction and gear loss at the joint, (N, n). At rest friction holds the load
+            and the motor gives the least torque that keeps it there, in most cases none.
         current: Motor currents, (N, n) [A].
         current_lower, current_upper: Over the printed tolerance of friction, (N, n) [A].
         voltage: Winding voltages, (N, n) [V]; di/dt is left out (L/R is below 0.1 ms).
@@ -63,8 +64,9 @@ class Analysis:
             without them.
         supply_voltage, current_limit: As given [V], [A]; None if not.
         warnings: What was found odd in the motion, velocities that contradict positions included.
-        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and high; the nominal ones are
-            in ``torque``, ``base_wrench`` and all that follows from them. None if no current was given.
+        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and high; the
+            nominal ones are in ``torque``, ``base_wrench`` and all that follows from them. None if
+            no current was given.
     """
 
     motion: Motion
@@ -118,16 +120,17 @@ def analyse(
 
     Args:
         motion: From `read_motion` or `motion`.
-        arm: The model; its joints decide whether the jaw rod is used. None loads the jaws variant in
-            sea water if the motion has ``axis_a``, and the one with locked jaws otherwise.
+        arm: The model; its joints decide whether the jaw rod is used. None loads the jaws variant
+            in sea water if the motion has ``axis_a``, and the one with locked jaws otherwise.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
         constants: Which of the contradicting motor constants to believe (`alpha5_model.actuators`).
-        actuators: Motors by joint name, to replace those of Table 4, for example with a rotor inertia.
-        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits. Not published.
+        actuators: Motors by joint name, in place of those of Table 4: say, with a rotor inertia.
+        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits; not
+            published.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
-        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are estimated,
-            not published. None for water that only bears.
+        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are
+            estimated, not published. None for water that only bears.
 
     Raises:
         InputError: An arm with other joints than the motion, or one limit without the other.
@@ -214,8 +217,9 @@ def _motor_side(
     """`BY_MOTOR`, and what the drive can give while the joint moves and hold where it rests."""
     out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
     lower, upper = np.full((2, *torque.shape), np.nan)
+    velocity = s.signed_velocity
     for k, motor in enumerate(motors):
-        v, rest = s.signed_velocity[:, k], s.direction[:, k] == 0
+        v, rest = velocity[:, k], s.direction[:, k] == 0
         state = torque[:, k], v, s.acceleration[:, k], rest
         with suppress(MissingParameterError):
             current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))

@@ -24,7 +24,7 @@ LIMIT_SLACK = 1e-3
 #: A gap is longer than this many median sample times.
 GAP_FACTOR = 10.0
 
-#: Larger positions [rad], velocities and times [s] are not motion; their derivatives would overflow.
+#: Larger positions [rad], velocities and times [s] are refused: derivatives would overflow.
 _MOST = 1e9
 _MOST_TIME = 1e12
 #: Times nearer than this are the same [s].
@@ -69,7 +69,7 @@ class Motion:
         warnings: What was found odd.
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
-        time_unit: Of the file's time column: ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; `time` is in s.
+        time_unit: Of the file's time column: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``; `time` is in s.
     """
 
     time: FloatArray
@@ -91,7 +91,7 @@ def motion(
     """A motion from arrays, with the same checks as one from a file.
 
     Args:
-        time: (N,) [s], increasing; need not be uniform. Of samples with the same time the first counts.
+        time: (N,) [s], increasing, uniform or not. Of samples with the same time the first counts.
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n), optional.
         joints: Names of the columns, in any order; base to tip if None.

@@ -1,4 +1,4 @@
-"""Reading a motion from a CSV file: columns by joint name, every problem with its line and column."""
+"""Motion from a CSV file: columns by joint name, every problem with its line and column."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def read_motion(path: PathLike, progress: Progress | None = None) -> Motion:
     ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d, axis_c,
     axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
     (``axis_b_velocity``) and so on, optional, for all of these joints or none. Other columns are
-    ignored and named in `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
-    smaller unit if the joints can be so fast; a warning says so.
+    ignored and named in `Motion.ignored`. A column ``time`` in steps of a second or more is read in
+    milliseconds or a smaller unit if the joints can be so fast; a warning says so.
 
     Args:
         path: The file.
@@ -48,7 +48,7 @@ def read_motion(path: PathLike, progress: Progress | None = None) -> Motion:
         InputError: Not a path, or fewer than 5 samples.
         MissingFileError: No such file.
         FileFormatError: A missing or doubled column, another separator, an empty file, a line of
-            another length, text or NaN in place of a number, time that runs back; with line and column.
+            another length, text or NaN for a number, time that runs back; with line and column.
     """
     lines = _lines(path)
     header = _header(path, lines[0])

@@ -306,13 +306,13 @@ def _finite(value: float) -> float | None:
 
 
 def columns(analysis: Analysis) -> dict[str, FloatArray]:
-    """Every quantity over time by column name, SI units; motors that cannot be computed are left out.
+    """Every quantity over time by column name, SI units, without motors that cannot be computed.
 
-    ``time_secs``; for each joint ``axis_e_pos, axis_e_vel, axis_e_acc`` (smoothed), ``axis_e_torque``
-    and its causes, currents, voltage, powers and, with limits, ``axis_e_torque_min``, ``_max``, in a current
-    ``axis_e_torque_moving_water_low``, ``_high``;
-    ``base_force_x .. base_moment_z`` on the mount; ``tcp_x .. tcp_z``. The file can be read again by
-    `read_motion`.
+    ``time_secs``; for each joint ``axis_e_pos, axis_e_vel, axis_e_acc`` (smoothed),
+    ``axis_e_torque`` and its causes, currents, voltage, powers and, with limits,
+    ``axis_e_torque_min``, ``_max``, in a current ``axis_e_torque_moving_water_low``, ``_high``;
+    ``base_force_x .. base_moment_z`` on the mount; ``tcp_x .. tcp_z``. The file can be read again
+    by `read_motion`.
     """
     a, s = analysis, analysis.smooth
     by_joint = {"pos": s.position, "vel": s.velocity, "acc": s.acceleration, "torque": a.torque}

@@ -1,13 +1,13 @@
 """Positions, velocities and accelerations of a motion from noisy samples, with a stated bandwidth.
 
-Differentiating twice multiplies noise by the square of its frequency, so that a recording says nothing
-about acceleration until a bandwidth is chosen. Each method states the one it has: the frequency at
-which the amplitude of a sine is down to 1/sqrt(2) (-3 dB). All are free of phase shift.
+Differentiating twice multiplies noise by the square of its frequency, so that a recording says
+nothing about acceleration until a bandwidth is chosen. Each method states the one it has: the
+frequency at which the amplitude of a sine is down to 1/sqrt(2) (-3 dB). None shifts the phase.
 
 ``"spline"`` (default)
-    Cubic smoothing spline, the minimum of ``integral (y - f)^2 dt + lam * integral f''^2 dt``, with the
-    first integral by the trapezoidal rule, so that samples need not be uniform. Its response to a
-    sine of angular frequency w is ``1 / (1 + lam w^4)`` [Silverman1984], hence
+    Cubic smoothing spline, the minimum of ``integral (y - f)^2 dt + lam * integral f''^2 dt``, with
+    the first integral by the trapezoidal rule, so that samples need not be uniform. Its response to
+    a sine of angular frequency w is ``1 / (1 + lam w^4)`` [Silverman1984], hence
     ``lam = (sqrt(2) - 1) / w_c^4``. Accelerations are zero at both ends (natural spline).
 ``"savgol"``
     Savitzky-Golay filter of third degree on a uniform grid of the median sample time, the window
@@ -17,7 +17,8 @@ which the amplitude of a sine is down to 1/sqrt(2) (-3 dB). All are free of phas
 
 References:
     [Reinsch1967] Smoothing by spline functions, Numerische Mathematik 10.
-    [Silverman1984] Spline smoothing: the equivalent variable kernel method, Annals of Statistics 12(3).
+    [Silverman1984] Spline smoothing: the equivalent variable kernel method, Annals of Statistics
+        12(3).
     [Schafer2011] What is a Savitzky-Golay filter?, IEEE Signal Processing Magazine 28(4).
 """
 
@@ -37,12 +38,12 @@ from alpha5_model.trajectory.motion import Motion
 METHODS = ("spline", "savgol", "interpolate")
 #: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.
 DEFAULT_BANDWIDTH = 2.0
-#: Slower than this share of its rated speed a joint counts as at rest: friction then holds the load.
+#: Slower than this share of its rated speed a joint counts as at rest: friction holds the load.
 REST_SHARE = 0.002
-#: Noise in velocities hides the direction of slow motion; the displacement over this time shows it [s].
+#: Noise in velocities hides the direction of slow motion; displacement over this time shows it [s].
 DIRECTION_WINDOW = 0.5
-#: Least bandwidth as a share of the sample rate: the condition of the spline's equations grows with its
-#: inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
+#: Least bandwidth as a share of the sample rate: the condition of the spline's equations grows with
+#: its inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
 LEAST_BANDWIDTH = 1e-4
 _DEGREE = 3
 
@@ -57,8 +58,8 @@ class SmoothMotion:
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n) [rad/s].
         acceleration: (N, n) [rad/s^2].
-        direction: Direction of motion, (N, n): -1, 0 (at rest) or 1, the sign of the mean velocity over
-            `DIRECTION_WINDOW` if there is smoothing, so that noise does not reverse friction.
+        direction: Direction of motion, (N, n): -1, 0 (at rest) or 1, the sign of the mean velocity
+            over `DIRECTION_WINDOW` if there is smoothing, so that noise does not reverse friction.
         method: One of `METHODS`.
         bandwidth: -3 dB frequency [Hz]; None for ``"interpolate"``.
         from_velocity: Velocities and accelerations come from the motion's velocities.
@@ -95,8 +96,8 @@ def smooth(
         method: One of `METHODS`; see the docstring of this module.
         bandwidth: -3 dB frequency [Hz]; no effect on ``"interpolate"``.
         use_velocity: Take velocities, and accelerations as their derivative, from the velocities of
-            the motion in place of its positions; None does so if there are any. Real recordings hold
-            each position for about 0.1 s, which makes the second derivative of positions useless.
+            the motion in place of its positions; None does so if there are any. Real recordings
+            hold each position for about 0.1 s, and the second derivative of that is useless.
 
     Raises:
         UnknownNameError: No such method.
@@ -222,7 +223,7 @@ def savitzky_golay(
         whole number of samples in the window gives [Hz].
 
     Raises:
-        InputError: The bandwidth asks for a window longer than the motion, or shorter than 5 samples.
+        InputError: The bandwidth asks for a window longer than the motion, or below 5 samples.
     """
     from scipy.signal import savgol_filter
 
