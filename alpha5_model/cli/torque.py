@@ -91,7 +91,7 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
 
 
 def _share(levels: FloatArray) -> dict[str, Any]:
-    """Moving water's share of a joint's torque, and its interval from all numbers low to all high."""
+    """Moving water's share of a joint's torque, and its interval, all numbers low to all high."""
     interval = [float(levels.min()), float(levels.max())]
     return {"moving_water": float(levels[1]), "moving_water_range": interval}
 
