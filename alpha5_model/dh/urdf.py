@@ -12,12 +12,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, instance
 from alpha5_model.dh.link import DHLink
-from alpha5_model.errors import (
-    FileFormatError,
-    InputError,
-    MissingParameterError,
-    UnknownNameError,
-)
+from alpha5_model.errors import FileFormatError, InputError, MissingParameterError, UnknownNameError
 from alpha5_model.files import read_named
 from alpha5_model.spatial import rpy_from_rotation
 

@@ -21,11 +21,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, instance, listed, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
-from alpha5_model.dynamics.hydrostatics import (
-    Displacement,
-    displaced_fluid_model,
-    net_weight_model,
-)
+from alpha5_model.dynamics.hydrostatics import Displacement, displaced_fluid_model, net_weight_model
 from alpha5_model.dynamics.models import on_free_flyer, with_body
 from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
 from alpha5_model.dynamics.vehicle import Vehicle
@@ -79,10 +75,7 @@ class Arm:
     """
 
     def __init__(
-        self,
-        model: Any,
-        displacements: Iterable[Displacement],
-        fluid_density: float = SEA_WATER,
+        self, model: Any, displacements: Iterable[Displacement], fluid_density: float = SEA_WATER
     ) -> None:
         if not isinstance(model, pin.Model) or not any(i.mass for i in list(model.inertias)[1:]):
             raise InputError("model", model, "a pin.Model with moving masses")

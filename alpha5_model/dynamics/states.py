@@ -1,8 +1,8 @@
 """Input checks of states, one or many: of one in a tenth of the microsecond that Pinocchio takes.
 
 ``hypot(*x.tolist()) < LARGEST`` tells a clean vector in 0.1 us where ``numpy.isfinite(x).all()``
-takes 1 us. A vector that is not plainly clean (a list, integers, a wrong shape, NaN, masked, too
-large, a quaternion in it) goes through `vector`, which converts it or says what is wrong.
+takes 1 us. What is not plainly clean (a list, integers, a wrong shape, NaN, masked, too large, no
+unit quaternion) goes through `vector`, which converts it or says what is wrong.
 """
 
 from __future__ import annotations
@@ -26,20 +26,21 @@ from alpha5_model.checks import (
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
-_ARRAY, _FLOAT64 = np.ndarray, np.dtype(np.float64)
+_ARRAY, _FLOAT64, _normalized = np.ndarray, np.dtype(np.float64), pin.isNormalized
 
 
 def position_check(model: Any) -> Callable[[Any], FloatArray]:
     """A function that returns q, converted if need be, or raises if it cannot be used."""
-    n = model.nq if model.nq == model.nv else None  # quaternions take the other way
+    nq, fixed = model.nq, model.nq == model.nv
 
     def check(q: Any) -> Any:
         try:
             if (
                 type(q) is _ARRAY
                 and q.dtype is _FLOAT64
-                and len(q) == n
+                and len(q) == nq
                 and hypot(*q.tolist()) < LARGEST  # a second axis would make it a list of lists
+                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
             ):
                 return q
         except TypeError:
@@ -51,15 +52,17 @@ def position_check(model: Any) -> Callable[[Any], FloatArray]:
 
 def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray]]:
     """The same for q and v."""
-    nq, nv = model.nq, model.nv
+    nq, nv, fixed = model.nq, model.nv, model.nq == model.nv
 
     def check(q: Any, v: Any) -> Any:
         try:
             if (
                 type(q) is type(v) is _ARRAY
                 and q.dtype is v.dtype is _FLOAT64
-                and len(q) == nq == nv == len(v)
+                and len(q) == nq
+                and len(v) == nv
                 and hypot(*q.tolist(), *v.tolist()) < LARGEST
+                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
             ):
                 return q, v
         except TypeError:
@@ -73,15 +76,17 @@ def motion_check(
     model: Any, name: str
 ) -> Callable[[Any, Any, Any], tuple[FloatArray, FloatArray, FloatArray]]:
     """The same for q, v and a third vector of the length of v."""
-    nq, nv = model.nq, model.nv
+    nq, nv, fixed = model.nq, model.nv, model.nq == model.nv
 
     def check(q: Any, v: Any, x: Any) -> Any:
         try:
             if (
                 type(q) is type(v) is type(x) is _ARRAY
                 and q.dtype is v.dtype is x.dtype is _FLOAT64
-                and len(q) == nq == nv == len(v) == len(x)
+                and len(q) == nq
+                and len(v) == nv == len(x)
                 and hypot(*q.tolist(), *v.tolist(), *x.tolist()) < LARGEST
+                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
             ):
                 return q, v, x
         except TypeError:
@@ -93,7 +98,7 @@ def motion_check(
 
 def _state(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
     position = vector("q", q, model.nq)
-    if model.nq > model.nv and not pin.isNormalized(model, position, ROTATION_TOLERANCE):
+    if model.nq > model.nv:
         _check_quaternions(position)
     return [position, *(vector(name, x, model.nv) for name, x in rates.items())]
 

@@ -10,14 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.planar.curves import (
-    TURN,
-    Arc,
-    Curve,
-    Segment,
-    circle_hits,
-    line_hits,
-)
+from alpha5_model.planar.curves import TURN, Arc, Curve, Segment, circle_hits, line_hits
 
 #: Points (N, 2) [m] -> whether they belong to a set, (N,).
 Contains = Callable[[FloatArray], BoolArray]
