@@ -1,11 +1,12 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
-A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the fluid
-that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only. Drag and added mass, for which
-nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has them.
+A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the
+fluid that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only. Drag and added
+mass, for which nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has
+them.
 
-Thread safety: an arm never changes after it is made, and each thread computes in its own pin.Data, so
-one arm may be used from any number of threads. What a method returns belongs to the caller.
+Thread safety: an arm never changes after it is made, and each thread computes in its own pin.Data,
+so one arm may be used from any number of threads. What a method returns belongs to the caller.
 """
 
 from __future__ import annotations
@@ -57,18 +58,20 @@ _HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 class Arm:
     """An arm in a fluid. Make one with `alpha5_model.load`.
 
-    Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both are the number
-    of joints. With a floating base, v and a begin with the spatial velocity and acceleration of base_link in
-    its own axes, and tau with the wrench on it (linear before angular).
+    Arguments named q are (nq,), those named v, a, tau are (nv,); with a fixed base both are the
+    number of joints. With a floating base, v and a begin with the spatial velocity and acceleration
+    of base_link in its own axes, and tau with the wrench on it (linear before angular).
 
-    Every method raises `InputError` or one of its kinds (`ShapeError`, `NonFiniteError`) for input that it
-    cannot use.
+    Every method raises `InputError` or one of its kinds (`ShapeError`, `NonFiniteError`) for input
+    that it cannot use.
 
     Attributes:
         model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
-            nothing done to this one changes what the arm's methods return. With jaws it has mimic joints,
-            which not every algorithm of Pinocchio supports: see `alpha5_model.dynamics.jaw_arm`.
-        fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of buoyancy.
+            nothing done to this one changes what the arm's methods return. With jaws it has mimic
+            joints, which not every algorithm of Pinocchio supports: see
+            `alpha5_model.dynamics.jaw_arm`.
+        fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of
+            buoyancy.
         displacements: The displaced volumes.
         fluid_density: [kg/m^3].
         floating_base: Whether the first joint is Pinocchio's free-flyer.
@@ -91,7 +94,7 @@ class Arm:
         self._own = batch.Scratch(self._model, self._fluid, self._net, self.model)
         self._clean_q = position_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
-        # Pinocchio leaves the bodies fixed to the universe (link_0 on a fixed base) out of its sums.
+        # Pinocchio leaves bodies fixed to the universe (link_0 on a fixed base) out of its sums.
         moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
         fixed = model.inertias[0]
         total = moving + fixed.mass
@@ -120,8 +123,8 @@ class Arm:
         """Pose of a frame.
 
         Args:
-            q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base, position [m] and
-                quaternion (x, y, z, w) of base_link come first.
+            q: Joint positions, (nq,) [rad, and m for axis_a]; with a floating base, position [m]
+                and quaternion (x, y, z, w) of base_link come first.
             frame: Name of a frame of the model.
 
         Returns:
@@ -147,8 +150,8 @@ class Arm:
         Args:
             q: (nq,).
             frame: Name of a frame of the model.
-            reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The default is the velocity of
-                the frame's origin in the axes of the world.
+            reference_frame: Axes and point of the twist, a pin.ReferenceFrame. The default is the
+                velocity of the frame's origin in the axes of the world.
 
         Returns:
             (6, nv), linear rows [m/rad] above angular rows, as Pinocchio has them.
@@ -225,8 +228,9 @@ class Arm:
             q: (nq,).
 
         Returns:
-            pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's ``fext``. Entry 0 is what
-            the fluid applies to bodies fixed to the universe, link_0 on a fixed base.
+            pin.StdVec_Force of length njoints, each in its joint's frame: Pinocchio's ``fext``.
+            Entry 0 is what the fluid applies to bodies fixed to the universe, link_0 on a fixed
+            base.
         """
         q = self._clean_q(q)
         data = self._own.data
@@ -254,7 +258,7 @@ class Arm:
         return out
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
-        """Centroid of the displaced volume of the whole arm, link_0 included, in base_link, (3,) [m].
+        """Centroid of the whole arm's displaced volume, link_0 included, in base_link, (3,) [m].
 
         It does not depend on the fluid, and is there in air too.
 
@@ -275,8 +279,8 @@ class Arm:
     def in_collision(self, q: ArrayLike) -> bool:
         """Whether the arm touches itself at q, (nq,).
 
-        The bodies are primitives that enclose the drawn ones within 3 mm; links that turn against each
-        other at a joint are not compared, and a payload has no body.
+        The bodies are primitives that enclose the drawn ones within 3 mm; links that turn against
+        each other at a joint are not compared, and a payload has no body.
         """
         return self._own.collisions.in_collision(self._clean_q(q))
 
@@ -292,7 +296,7 @@ class Arm:
         return _crba(self._model, self._own.data, self._clean_q(q))
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        """C(q, v), (nv, nv), with ``dM/dt - 2 C`` skew-symmetric; C v is Coriolis and centrifugal."""
+        """C(q, v), (nv, nv): C v is Coriolis and centrifugal, and ``dM/dt - 2 C`` skew-symmetric."""
         q, v = self._clean_qv(q, v)
         return _coriolis(self._model, self._own.data, q, v)
 
@@ -348,8 +352,8 @@ class Arm:
     def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
         """Analytic derivatives of `inverse_dynamics` [Carpentier2018], water included.
 
-        [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics algorithms,
-        RSS 2018.
+        [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics
+            algorithms, RSS 2018.
 
         Args:
             q: (nq,).
@@ -357,7 +361,8 @@ class Arm:
             a: (nv,).
 
         Returns:
-            dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating base.
+            dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); dq in the tangent space for a floating
+            base.
         """
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
@@ -374,7 +379,8 @@ class Arm:
             tau: (nv,).
 
         Returns:
-            da/dq, da/dv, da/dtau = M^-1, each (nv, nv); dq in the tangent space for a floating base.
+            da/dq, da/dv, da/dtau = M^-1, each (nv, nv); dq in the tangent space for a floating
+            base.
         """
         a = self.forward_dynamics(q, v, tau)
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a)
@@ -391,8 +397,8 @@ class Arm:
             q: (nq,).
             v: (nv,).
             a: (nv,).
-            fext: Further external forces on the arm, one pin.Force for each joint in its frame (entry 0:
-                on link_0 of a fixed base).
+            fext: Further external forces on the arm, one pin.Force for each joint in its frame
+                (entry 0: on link_0 of a fixed base).
 
         Returns:
             pin.Force at the origin and in the axes of base_link, force [N] and moment [N m].
@@ -406,7 +412,7 @@ class Arm:
         load = own.data.f[1] - own.fluid_data.f[1]
         if self.floating_base:
             return -load
-        # RNEA stops at the first joint: the last step down to the bodies of the universe is taken here.
+        # RNEA stops at the first joint: here follows the last step, to the bodies of the universe.
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
@@ -419,8 +425,8 @@ class Arm:
             a: (nv,).
 
         Returns:
-            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between arm and
-            vehicle, linearised.
+            dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between
+            arm and vehicle, linearised.
         """
         state = self._on_free_flyer(*self._clean_qva(q, v, a))
         (model, data), (fluid, fluid_data) = ((m, self._own.pool(m).getData(0)) for m in self._free)
@@ -443,8 +449,8 @@ class Arm:
             q: (N, nq), one state in each row; a single row is used for all states, here and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many to use at most; None for all that this process may use. One for each full
-                5000 states is used, and only one in a forked process.
+            threads: How many to use at most; None for all that this process may use. One for each
+                full 5000 states is used, and only one in a forked process.
 
         Returns:
             (N, nv).
@@ -487,7 +493,8 @@ class Arm:
         Args:
             mass: [kg].
             com: Centre of mass in ``frame``, (3,) [m].
-            inertia: At the COM in the axes of ``frame``, URDF sign, (3, 3) [kg m^2]; None for a point mass.
+            inertia: At the COM in the axes of ``frame``, URDF sign, (3, 3) [kg m^2]; None for a
+                point mass.
             volume: Displaced volume [m^3].
             cob: Centre of buoyancy in ``frame``, (3,) [m]; None for the COM.
             frame: Name of the frame that carries it.
@@ -514,7 +521,8 @@ class Arm:
         Args:
             current: Velocity of the water, uniform, in the world, (3,) [m/s].
             level: ``low``, ``nominal`` or ``high`` end of the numbers' interval.
-            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that circulates; worse).
+            numbers: ``estimated`` (our own), or ``supplementary`` (strip theory that circulates;
+                worse).
 
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's links.
@@ -533,7 +541,7 @@ class Arm:
 
     @property
     def _embedding(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """G, its form for positions and g_0: ``q_tree = G q + g_0``, in a tree of independent joints."""
+        """G, its form for positions and g_0: ``q_tree = G q + g_0``, every joint independent."""
         return np.eye(self._model.nv), np.eye(self._model.nq), np.zeros(self._model.nq)
 
     def _frame(self, name: str) -> int:
@@ -554,7 +562,7 @@ class Arm:
         return (arm, fluid) if self.floating_base else (on_free_flyer(arm), on_free_flyer(fluid))
 
     def _on_free_flyer(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
-        """States (..., n) of the models in `_free`: on a fixed base, the free-flyer stays where it is."""
+        """States (..., n) of the models in `_free`; on a fixed base the free-flyer is at rest."""
         if self.floating_base:
             return [q, *rates]
         start = np.broadcast_to(_HOME, (*q.shape[:-1], 7))
