@@ -209,8 +209,22 @@ def test_without_moving_water_it_is_the_arm(arm, rng):
     close(ours, theirs, 1e-12)
     assert dry.forward_kinematics(q) == arm.forward_kinematics(q)
     assert dry.joint_names == arm.joint_names
-    with pytest.raises(AttributeError):
-        dry.nothing_like_this  # noqa: B018
+
+
+def test_what_is_asked_of_the_arm_in_still_water():
+    """Moving water changes none of these; whatever else an arm can do has to be done anew."""
+    passed_on = {n for n in dir(Arm) if not n.startswith("_")} - set(vars(HydrodynamicArm))
+    assert passed_on == {
+        *("approach_directions", "buoyancy_torque", "buoyancy_wrenches", "center_of_buoyancy"),
+        *("center_of_mass", "collision_distance", "data", "forward_kinematics", "gravity_torque"),
+        *("hydrostatic_torque", "hydrostatic_torque_derivative", "in_collision", "jacobian"),
+        *("joint_names", "potential_energy", "with_hydrodynamics"),
+    }
+    wet = a5.load().with_hydrodynamics()
+    assert wet.fluid_density == RHO
+    for name in ("with_hydrodynamics", "_clean_q", "nothing_like_this"):
+        with pytest.raises(AttributeError):
+            getattr(wet, name)
 
 
 def test_added_mass_scales_with_the_fluid():

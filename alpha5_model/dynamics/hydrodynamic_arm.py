@@ -32,29 +32,10 @@ from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 
-#: What moving water does not change: asked of the arm in still water.
-_STILL = (
-    "approach_directions",
-    "buoyancy_torque",
-    "buoyancy_wrenches",
-    "center_of_buoyancy",
-    "center_of_mass",
-    "collision_distance",
-    "data",
-    "displacements",
-    "floating_base",
-    "fluid_density",
-    "fluid_model",
-    "forward_kinematics",
-    "gravity_torque",
-    "hydrostatic_torque",
-    "hydrostatic_torque_derivative",
-    "in_collision",
-    "jacobian",
-    "joint_names",
-    "model",
-    "potential_energy",
-)
+#: Velocity of the water, in the world [m/s]; None for the arm's own.
+Flow = ArrayLike | None
+#: Derivatives with respect to positions, velocities and accelerations or torques.
+Partials = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class HydrodynamicArm:
@@ -78,12 +59,13 @@ class HydrodynamicArm:
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def __getattr__(self, name: str) -> Any:
-        if name in _STILL:
-            return getattr(self.still, name)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        # Moving water changes nothing of what this class does not define.
+        if name.startswith("_") or name in ("still", "with_hydrodynamics"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(self.still, name)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *_STILL]
+        return [*super().__dir__(), *dir(self.still)]
 
     def added_mass(self, link: str) -> FloatArray:
         """Added mass of a link at the arm's fluid density, (6, 6) [kg, kg m, kg m^2].
@@ -105,20 +87,13 @@ class HydrodynamicArm:
         """C(q, v) in still water, (nv, nv), with ``dM/dt - 2 C`` skew-symmetric."""
         return self._tree.coriolis(*self._tree.expand(*self.still._clean_qv(q, v)))
 
-    def nonlinear_effects(
-        self, q: ArrayLike, v: ArrayLike, current: ArrayLike | None = None
-    ) -> FloatArray:
+    def nonlinear_effects(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> FloatArray:
         """Inverse dynamics without acceleration: Coriolis, weight, buoyancy, drag, (nv,) [N m]."""
         still = np.zeros(self.still._model.nv)
         return self.inverse_dynamics(q, v, still, current=current)
 
     def inverse_dynamics(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        fext: Any = None,
-        current: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Any = None, current: Flow = None
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         out: FloatArray = self._tree.g.T @ self._torque(
@@ -127,12 +102,7 @@ class HydrodynamicArm:
         return out
 
     def forward_dynamics(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        tau: ArrayLike,
-        fext: Any = None,
-        current: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Any = None, current: Flow = None
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2]; see `Arm.forward_dynamics`."""
         _, _, torque = self.still._clean_qvtau(q, v, tau)
@@ -140,21 +110,21 @@ class HydrodynamicArm:
         return np.asarray(np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64)
 
     def inverse_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+    ) -> Partials:
         """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); see `Arm.inverse_dynamics_derivatives`."""
         dq, dv, da, _ = self._derivatives(q, v, a, current)
         return self._tree.g.T @ dq, self._tree.g.T @ dv, self._tree.g.T @ da
 
     def inverse_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `inverse_dynamics` with respect to the current, (nv, 3) [N s]."""
         return np.asarray(self._tree.g.T @ self._derivatives(q, v, a, current)[3])
 
     def forward_dynamics_derivatives(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: ArrayLike | None = None
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
+    ) -> Partials:
         """da/dq, da/dv, da/dtau = M^-1, each (nv, nv); see `Arm.forward_dynamics_derivatives`."""
         a = self.forward_dynamics(q, v, tau, current=current)
         dq, dv, mass = self.inverse_dynamics_derivatives(q, v, a, current)
@@ -162,7 +132,7 @@ class HydrodynamicArm:
         return -inverse @ dq, -inverse @ dv, inverse
 
     def forward_dynamics_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `forward_dynamics` with respect to the current, (nv, 3)."""
         a = self.forward_dynamics(q, v, tau, current=current)
@@ -170,32 +140,25 @@ class HydrodynamicArm:
         return np.asarray(-np.linalg.solve(self.mass_matrix(q), change), dtype=np.float64)
 
     def base_wrench(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        fext: Any = None,
-        current: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Any = None, current: Flow = None
     ) -> Any:
         """Wrench that the arm exerts on its mount, a pin.Force in base_link; see `Arm.base_wrench`."""
         return pin.Force(-self._torque(self.still._clean_qva(q, v, a), fext, current)[:6])
 
     def base_wrench_derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+    ) -> Partials:
         """dw/dq, dw/dv, dw/da, each (6, nv); see `Arm.base_wrench_derivatives`."""
         dq, dv, da, _ = self._derivatives(q, v, a, current)
         return -dq[:6], -dv[:6], -da[:6]
 
     def base_wrench_current_derivative(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `base_wrench` with respect to the current, (6, 3)."""
         return -self._derivatives(q, v, a, current)[3][:6]
 
-    def current_load(
-        self, q: ArrayLike, current: ArrayLike | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def current_load(self, q: ArrayLike, current: Flow = None) -> tuple[FloatArray, FloatArray]:
         """What a steady current alone loads an arm at rest with: weight and buoyancy are left out.
 
         Args:
@@ -211,16 +174,14 @@ class HydrodynamicArm:
         change -= self._torque(state, None, np.zeros(3))
         return self._tree.g.T @ change, -change[:6]
 
-    def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: ArrayLike | None = None) -> float:
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
         """Kinetic energy of the arm and of the water that it moves [J].
 
         The arm's share is ``v^T M v / 2`` in the world, the water's ``nu^T A nu / 2`` of the velocities relative to it.
         """
         return self._tree.kinetic_energy(self._moving(q, v), self._flow(current))
 
-    def dissipated_power(
-        self, q: ArrayLike, v: ArrayLike, current: ArrayLike | None = None
-    ) -> float:
+    def dissipated_power(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
         """Power that drag takes out of the motion relative to the water [W]; never negative."""
         nu, _ = self._tree.motion(self._moving(q, v), self._flow(current))
         return float(self._tree.water.dissipated_power(nu)[0])
@@ -231,7 +192,7 @@ class HydrodynamicArm:
         v: ArrayLike,
         a: ArrayLike,
         threads: int | None = None,
-        current: ArrayLike | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`inverse_dynamics` of many states, (N, nv).
 
@@ -239,7 +200,8 @@ class HydrodynamicArm:
             q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
-        return np.asarray(self._torques(q, v, a, current) @ self._tree.g)
+        water = self._water_torques(q, v, a, current) @ self._tree.g
+        return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
     def base_wrench_batch(
         self,
@@ -247,10 +209,11 @@ class HydrodynamicArm:
         v: ArrayLike,
         a: ArrayLike,
         threads: int | None = None,
-        current: ArrayLike | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`base_wrench` of many states, (N, 6); arguments as `inverse_dynamics_batch`."""
-        return -self._torques(q, v, a, current)[:, :6]
+        water = self._water_torques(q, v, a, current)[:, :6]
+        return np.asarray(self.still.base_wrench_batch(q, v, a, threads) - water)
 
     def forward_dynamics_batch(
         self,
@@ -258,7 +221,7 @@ class HydrodynamicArm:
         v: ArrayLike,
         tau: ArrayLike,
         threads: int | None = None,
-        current: ArrayLike | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv); arguments as `inverse_dynamics_batch`."""
         states, speeds, torques = rows(self.still._model, q=q, v=v, tau=tau)
@@ -303,7 +266,7 @@ class HydrodynamicArm:
     def __repr__(self) -> str:
         return f"HydrodynamicArm({self.still!r}, current {self.current.tolist()} m/s)"
 
-    def _flow(self, current: ArrayLike | None) -> FloatArray:
+    def _flow(self, current: Flow) -> FloatArray:
         return self.current if current is None else vector("current", current, 3)
 
     def _moving(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
@@ -311,12 +274,7 @@ class HydrodynamicArm:
         position, velocity = self.still._clean_qv(q, v)
         return self._tree.expand(position, velocity, np.zeros_like(velocity))
 
-    def _torque(
-        self,
-        state: Iterable[FloatArray],
-        fext: Any,
-        current: ArrayLike | None,
-    ) -> FloatArray:
+    def _torque(self, state: Iterable[FloatArray], fext: Any, current: Flow) -> FloatArray:
         """Inverse dynamics of the tree, (tree nv,)."""
         outside = None
         if fext is not None:
@@ -325,19 +283,17 @@ class HydrodynamicArm:
             outside = np.array([one.vector for one in given])
         return self._tree.torque(self._tree.expand(*state), self._flow(current), outside)
 
-    def _torques(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None
-    ) -> FloatArray:
-        """Inverse dynamics of the tree of each row, (N, tree nv)."""
+    def _water_torques(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow) -> FloatArray:
+        """What moving water adds to the tree's torques, of each row, (N, tree nv)."""
         states = rows(self.still._model, q=q, v=v, a=a)
         n, given = len(states[0]), self.current if current is None else current
         flows = bounded("current", float_array("current", given, (3,)))
         if flows.ndim > 2 or (flows.ndim == 2 and len(flows) not in (1, n)):
             raise ShapeError("current", flows.shape, f"shape (3,) or ({n}, 3)")
-        return self._tree.torques(self._tree.expand(*states), np.broadcast_to(flows, (n, 3)))
+        return self._tree.water_torques(self._tree.expand(*states), np.broadcast_to(flows, (n, 3)))
 
     def _derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         state = self._tree.expand(*self.still._clean_qva(q, v, a))
         return self._tree.derivatives(state, self._flow(current))
@@ -372,14 +328,12 @@ class ArmOnVehicle(HydrodynamicArm):
         joints = vector("q", q, self.still._model.nq - 7)
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
-    def mount_load(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
-    ) -> Any:
+    def mount_load(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None) -> Any:
         """Wrench that the arm exerts on the vehicle through the motion, a pin.Force in base_link."""
         return self.arm.base_wrench(q, v, a, current=self._flow(current))
 
     def reaction(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> tuple[FloatArray, FloatArray]:
         """What a motion of the arm does to the vehicle with its thrusters off.
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,12 @@ import pinocchio as pin
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
 from alpha5_model.dynamics.models import on_free_flyer
-from alpha5_model.dynamics.moving_water import JointWater, MovingWater, kirchhoff, skew
+from alpha5_model.dynamics.moving_water import JointWater, MovingWater, cross_force, kirchhoff, skew
+from alpha5_model.errors import InputError
 from alpha5_model.spatial import cross_matrix
 
+#: States that are computed at once: what a processor's cache holds.
+_BLOCK = 384
 #: q, v, a of the tree; of batches, in rows.
 State = Sequence[FloatArray]
 
@@ -56,7 +60,7 @@ class HydrodynamicTree:
         return np.asarray(np.array(found) @ self.g)
 
     def motion(self, state: State, current: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Velocities of the tree's joints relative to the water, and their rates, (joints, 1, 6)."""
+        """Velocities of the tree's joints relative to the water, and their rates, (joints, 6, 1)."""
         own, (q, v, a) = self._own, state
         if current.any():
             # An arm that moves as this one does, seen from the water: its base drifts against the current.
@@ -65,7 +69,7 @@ class HydrodynamicTree:
             v[:3] -= stream
             a[:3] += cross_matrix(v[3:6]) @ stream
         pin.forwardKinematics(self._tree, own.data, q, v, a)
-        return np.array(own.velocities)[:, None], np.array(own.accelerations)[:, None]
+        return np.array(own.velocities)[..., None], np.array(own.accelerations)[..., None]
 
     def mass(self, q: FloatArray) -> FloatArray:
         """Of the arm and of the water, in the arm's coordinates, (nv, nv)."""
@@ -82,14 +86,14 @@ class HydrodynamicTree:
         pin.computeJointJacobiansTimeVariation(tree, data, q, v)
         rates = [pin.getJointJacobianTimeVariation(tree, data, i, pin.LOCAL) for i in self._joints]
         nu, _ = self.motion((q, v, np.zeros_like(v)), np.zeros(3))
-        inner = added @ (np.array(rates) @ self.g) + kirchhoff((nu @ added)[:, 0]) @ jacobians
+        inner = added @ (np.array(rates) @ self.g) + kirchhoff((added @ nu)[..., 0]) @ jacobians
         return np.asarray(out + np.einsum("jai,jak->ik", jacobians, inner))
 
     def kinetic_energy(self, state: State, current: FloatArray) -> float:
         """Of the arm in the world and of the water relative to itself [J]."""
         q, v, _ = state
         nu, _ = self.motion(state, current)
-        water = float((nu @ self.water.added_mass * nu).sum()) / 2
+        water = float((self.water.added_mass @ nu * nu).sum()) / 2
         return float(pin.computeKineticEnergy(self._tree, self._own.data, q, v)) + water
 
     def torque(
@@ -97,7 +101,7 @@ class HydrodynamicTree:
     ) -> FloatArray:
         """Inverse dynamics, (tree nv,); ``outside`` are further forces on the joints, (joints, 6)."""
         own = self._own
-        force = self.water.force(*self.motion(state, current))[:, 0]
+        force = self.water.force(*self.motion(state, current))[..., 0]
         if outside is not None:
             force += outside
         for view, one in zip(own.force_views, force, strict=True):
@@ -106,11 +110,67 @@ class HydrodynamicTree:
         tau -= pin.computeGeneralizedGravity(self._fluid, own.fluid_data, state[0])
         return tau
 
-    def torques(self, states: State, currents: FloatArray) -> FloatArray:
-        """`torque` of each row, (N, tree nv)."""
-        rows = zip(zip(*states, strict=True), currents, strict=True)
-        found = [self.torque(state, current) for state, current in rows]
-        return np.array(found).reshape(states[1].shape)
+    def water_torques(self, states: State, currents: FloatArray) -> FloatArray:
+        """What moving water adds to `torque`, of each row, (N, tree nv).
+
+        Raises:
+            InputError: A joint that neither turns about one axis nor slides along one.
+        """
+        found = [
+            self._water_torques(
+                *(np.ascontiguousarray(x[i : i + _BLOCK].T) for x in (*states, currents))
+            )
+            for i in range(0, len(currents), _BLOCK)
+        ]
+        return np.concatenate([np.zeros((0, self._tree.nv)), *(tau.T for tau in found)])
+
+    def _water_torques(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, currents: FloatArray
+    ) -> FloatArray:
+        """The same of columns: twists down the tree, forces up, all states at once."""
+        motion = np.empty((len(self._joints), 2, 6, q.shape[1]))  # twists and their rates
+        motion[0] = v[:6], a[:6]
+        axis, w = q[3:6], q[6]
+        aside = np.cross(axis, currents, axis=0)
+        stream = currents + 2 * (np.cross(axis, aside, axis=0) - w * aside)
+        motion[0, 0, :3] -= stream
+        motion[0, 1, :3] += np.cross(v[3:6], stream, axis=0)
+        weights = []
+        for i, (parent, terms, s, turns, at) in enumerate(self._links, 1):
+            angle, rate, acceleration = q[at[0]], v[at[1]], a[at[1]]
+            # exp(-angle [s]x): of a turn by Rodrigues' formula, of a slide its first two terms.
+            first, second = (np.sin(angle), 1 - np.cos(angle)) if turns else (angle, 0 * angle)
+            weights.append(np.stack([np.ones_like(angle), first, second])[:, None])
+            up = (terms @ motion[parent]).reshape(2, 3, 6, -1)
+            motion[i] = up[:, 0] + first * up[:, 1] + second * up[:, 2]
+            motion[i, 0] += s[:, None] * rate
+            motion[i, 1] += s[:, None] * acceleration + (cross_force(s).T @ motion[i, 0]) * rate
+        force, tau = self.water.force(motion[:, 0], motion[:, 1]), np.empty_like(v)
+        for i in range(len(self._links), 0, -1):
+            parent, terms, s, _, at = self._links[i - 1]
+            tau[at[1]] = -s @ force[i]
+            force[parent] += terms.T @ (weights[i - 1] * force[i]).reshape(18, -1)
+        tau[:6] = -force[0]
+        return tau
+
+    @cached_property
+    def _links(self) -> list[tuple[int, FloatArray, FloatArray, bool, tuple[int, int]]]:
+        """Of each joint but the first: parent, three terms of the twist into it (18, 6), axis (6,),
+        whether it turns, and its places in q and v."""
+        tree, out = self._tree, []
+        data = tree.createData()
+        pin.computeJointJacobians(tree, data, pin.neutral(tree))
+        for i in self._joints[1:]:
+            joint = tree.joints[i]
+            if joint.nq != 1:
+                expected = "joints that turn about or slide along an axis"
+                raise InputError("model", joint.shortname(), expected)
+            s = pin.getJointJacobian(tree, data, i, pin.LOCAL)[:, joint.idx_v]
+            place, cross = tree.jointPlacements[i].actionInverse, cross_force(s).T  # minus [s]x
+            terms = np.vstack([place, cross @ place, cross @ cross @ place])
+            at = joint.idx_q, joint.idx_v
+            out.append((tree.parents[i] - 1, terms, s, bool(s[3:].any()), at))
+        return out
 
     def derivatives(
         self, state: State, current: FloatArray
@@ -119,7 +179,7 @@ class HydrodynamicTree:
         own, water, tree, data = self._own, self.water, self._tree, self._own.data
         nu, dnu = self.motion(state, current)
         stream = current @ np.array(own.rotations)
-        for view, one in zip(own.force_views, water.force(nu, dnu)[:, 0], strict=True):
+        for view, one in zip(own.force_views, water.force(nu, dnu)[..., 0], strict=True):
             view[:] = one
         dq, dv, da = (x.copy() for x in pin.computeRNEADerivatives(tree, data, *state, own.forces))
         dq -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, state[0])
@@ -132,7 +192,7 @@ class HydrodynamicTree:
         v_v, rotations = a_a, np.array(own.rotations)
         # A turn of the joint's frame turns the stream in it the other way.
         stream_q, stream_u = skew(stream) @ v_v[:, 3:], rotations.swapaxes(1, 2)
-        spin, back = skew(nu[:, 0, 3:]), -skew(stream)
+        spin, back = skew(nu[:, 3:, 0]), -skew(stream)
         v_q[:, :3] -= stream_q
         a_q[:, :3] += spin @ stream_q + back @ v_q[:, 3:]
         a_v[:, :3] += back @ v_v[:, 3:]

@@ -20,6 +20,8 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 from alpha5_model.spatial import cross_matrix
 
+#: Two rows of a twist, linear and quadratic resistance.
+Resistance = tuple[FloatArray, FloatArray, float, float]
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -44,7 +46,7 @@ class JointWater:
 
 
 class MovingWater:
-    """Added mass and drag on the joints of a tree, in a fluid; twists and forces are (joints, N, 6).
+    """Added mass and drag on the joints of a tree, in a fluid; twists and forces are (joints, 6, N).
 
     Attributes:
         added_mass: (joints, 6, 6), in the joints' frames.
@@ -54,65 +56,63 @@ class MovingWater:
         names = list(joints)  # the first one carries what a fixed base carries
         share, n = density / WATER_DENSITY, len(names)
         self.added_mass = np.zeros((n, 6, 6))
-        found: list[list[tuple[FloatArray, FloatArray, float, float]]] = [[] for _ in names]
+        found: list[list[Resistance]] = [[] for _ in names]
         for body in bodies:
             i = names.index(body.joint) if body.joint in names else 0
             x = body.action
             self.added_mass[i] += share * x.T @ body.data.added_mass @ x
             found[i] += [(b @ x, c @ x, d, e) for b, c, d, e in _resistances(body)]
-        most = max(map(len, found))
-        pairs = np.zeros((n, 2, most, 6))
-        self._linear, self._quadratic = np.zeros((2, n, 1, most))
+        pairs = np.zeros((n, 2, max(map(len, found)), 6))
+        self._linear, self._quadratic = np.zeros((2, n, pairs.shape[2], 1))
         for i, entries in enumerate(found):
             for k, (one, other, linear, quadratic) in enumerate(entries):
                 pairs[i, :, k] = one, other
-                self._linear[i, 0, k], self._quadratic[i, 0, k] = share * linear, share * quadratic
-        self._rows = pairs.reshape(n, 2 * most, 6)
-        self._slips = np.ascontiguousarray(self._rows.swapaxes(1, 2))
+                self._linear[i, k], self._quadratic[i, k] = share * linear, share * quadratic
+        self._rows = pairs.reshape(n, -1, 6) if pairs.size else np.zeros((n, 0, 6))
+        self._columns = np.ascontiguousarray(self._rows.swapaxes(1, 2))
         # nu x* A nu is quadratic in nu: 36 products of two components, times constants.
         crossed = np.array([cross_force(axis) for axis in np.eye(6)])
-        self._whirl = np.einsum("bac,jcd->jbda", crossed, self.added_mass).reshape(n, 36, 6)
+        self._whirl = np.einsum("bac,jcd->jabd", crossed, self.added_mass).reshape(n, 6, 36)
 
     def force(self, nu: FloatArray, dnu: FloatArray) -> FloatArray:
-        """Force of the water on each joint's bodies, (joints, N, 6).
+        """Force of the water on each joint's bodies.
 
         Args:
-            nu: Velocity relative to the water, (joints, N, 6).
-            dnu: Its rate of change in the joint's frame, (joints, N, 6).
+            nu: Velocity relative to the water.
+            dnu: Its rate of change in the joint's frame.
         """
-        products = (nu[..., :, None] * nu[..., None, :]).reshape(*nu.shape[:2], 36)
+        joints, _, n = nu.shape
+        products = (nu[:, :, None] * nu[:, None]).reshape(joints, 36, n)
         slip, resistance, _ = self._slip(nu)
-        drag = (slip * resistance[..., None, :]).reshape(*nu.shape[:2], self._rows.shape[1])
-        return np.asarray(-(dnu @ self.added_mass + products @ self._whirl + drag @ self._rows))
+        drag = self._columns @ (slip * resistance[:, None]).reshape(joints, self._rows.shape[1], n)
+        return np.asarray(-(self.added_mass @ dnu + self._whirl @ products + drag))
 
     def force_by_velocity(self, nu: FloatArray) -> FloatArray:
         """Derivative of `force` with respect to nu, of one state, (joints, 6, 6)."""
         slip, resistance, speed = self._slip(nu)
         growth = np.divide(self._quadratic, speed, out=np.zeros_like(speed), where=speed > 0)
-        x, y = slip.transpose(2, 0, 1, 3)
-        one, other = np.split(self._slips, 2, axis=2)
+        (x, y), (one, other) = slip.swapaxes(0, 1), np.split(self._rows, 2, axis=1)
         one_t, other_t = one.swapaxes(1, 2), other.swapaxes(1, 2)
-        mixed = one * (growth * x * y) @ other_t
-        drag = one * (resistance + growth * x * x) @ one_t + mixed
-        drag += other * (resistance + growth * y * y) @ other_t + mixed.swapaxes(1, 2)
-        crossed = cross_force(nu[:, 0])
-        momentum = (nu @ self.added_mass)[:, 0]
-        return np.asarray(-(crossed @ self.added_mass + kirchhoff(momentum) + drag))
+        mixed = one_t @ (growth * x * y * other)
+        drag = one_t @ ((resistance + growth * x * x) * one) + mixed
+        drag += other_t @ ((resistance + growth * y * y) * other) + mixed.swapaxes(1, 2)
+        whirl = kirchhoff((self.added_mass @ nu)[..., 0])
+        return np.asarray(-(cross_force(nu[..., 0]) @ self.added_mass + whirl + drag))
 
     def dissipated_power(self, nu: FloatArray) -> FloatArray:
         """Power that drag takes out of the motion relative to the water, (N,) [W]; never negative."""
         _, resistance, speed = self._slip(nu)
-        return np.asarray((resistance * speed**2).sum(axis=(0, 2)))
+        return np.asarray((resistance * speed**2).sum(axis=(0, 1)))
 
     def _slip(self, nu: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Slip (joints, N, 2, k) of each resistance, its resistance and speed (joints, N, k)."""
-        slip = (nu @ self._slips).reshape(*nu.shape[:2], 2, self._linear.shape[2])
-        speed = np.sqrt((slip**2).sum(axis=2))
+        """Slip (joints, 2, k, N) of each resistance, its resistance and speed (joints, k, N)."""
+        joints, k, _ = self._linear.shape
+        slip = (self._rows @ nu).reshape(joints, 2, k, nu.shape[2])
+        speed = np.sqrt(slip[:, 0] ** 2 + slip[:, 1] ** 2)
         return slip, self._linear + self._quadratic * speed, speed
 
 
-def _resistances(body: JointWater) -> Iterable[tuple[FloatArray, FloatArray, float, float]]:
-    """Two rows of the twist in the body's frame, linear and quadratic resistance."""
+def _resistances(body: JointWater) -> Iterable[Resistance]:
     nothing = np.zeros(6)
     for strip in body.data.strips:
         yield from _of_strip(strip)
@@ -121,7 +121,7 @@ def _resistances(body: JointWater) -> Iterable[tuple[FloatArray, FloatArray, flo
             yield row, nothing, float(linear), float(quadratic)
 
 
-def _of_strip(strip: DragStrip) -> Iterable[tuple[FloatArray, FloatArray, float, float]]:
+def _of_strip(strip: DragStrip) -> Iterable[Resistance]:
     line = strip.end - strip.start
     length = float(np.linalg.norm(line))
     # Rows of the last two right singular vectors of the line are across it.
