@@ -313,6 +313,11 @@ def test_broken_files_say_where(text, words, tmp_path, capsys):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+def test_a_lighter_body_has_a_negative_mass_error():
+    comparison = compare_robots(parse_urdf(OWN.replace('value="0.38"', 'value="0.3"')), samples=5)
+    assert comparison.bodies[2].mass_error == pytest.approx(-0.08)
+
+
 def test_command_line(tmp_path, capsys):
     assert main(["compare", a5.URDF_PATH, "--samples", "5"]) == 0
     assert "agrees" in capsys.readouterr().out

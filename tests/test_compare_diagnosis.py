@@ -600,6 +600,8 @@ def test_solids_of_the_bodys_size_are_named():
     assert "length 4.0 mm" in solid_of_size(LINKS[2], 0.4, flat)
     assert solid_of_size(LINKS[2], 0.4, np.diag([2e-4, 2e-4, 0.0])) is None
     assert solid_of_size(LINKS[2], -0.4, cylinder(-0.4, 0.02, 0.15, 0)) is None
+    assert solid_of_size(LINKS[2], -0.4, cylinder(0.4, 0.02, 0.15, 0)) is None
+    assert solid_of_size(LINKS[2], 0.0, cylinder(0.4, 0.02, 0.15, 0)) is None
 
 
 def link(name, mass, inertia, com=(0, 0, 0), pose=HERE):

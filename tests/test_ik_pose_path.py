@@ -134,6 +134,9 @@ def test_bad_poses() -> None:
             bad[1, 0, 0] = np.nan
         with pytest.raises(InputError, match=r"transform\[1"):
             a5.inverse_kinematics_pose(bad)
+        bad[2] = bad[1]
+        with pytest.raises(InputError, match=r"transform\[1"):  # the first one is named
+            a5.inverse_kinematics_pose(bad)
     with pytest.raises(ShapeError):
         a5.inverse_kinematics_pose(np.eye(3))
 

@@ -264,6 +264,16 @@ def test_reached_orientations_are_reached(kinds: str) -> None:
         assert dexterity(turned, point, orientations=1, samples=101) == 1
 
 
+def test_a_wrist_stretched_or_folded_to_rounding_is_reached() -> None:
+    rng = np.random.default_rng(10)
+    for bend in (0.0, math.pi):
+        for lengths in rng.uniform(0.5, 2, (40, 3)):
+            arm = PlanarArm(lengths)
+            q = np.array([rng.uniform(-3, 3), bend, 0.0])
+            q[2] = -q[:2].sum()  # the orientation that is asked for
+            assert dexterity(arm, arm.forward_kinematics(q)[:2], orientations=1) == 1
+
+
 @pytest.mark.parametrize("kinds", ["RRR", "RPR", "PRR", "PPR"])
 def test_the_mirror_image_reaches_as_much(kinds: str) -> None:
     rng = np.random.default_rng(9)

@@ -208,7 +208,7 @@ def closed_jaws(text: Subject) -> float | None:
         total += placed @ pseudo_inertia(body.mass, body.com, body.inertia) @ placed.T
     mass, com, tensor, _ = _table_2()[4]
     printed = pseudo_inertia(mass, com, tensor)
-    scale = np.empty((4, 4))
+    scale = np.zeros((4, 4))
     scale[:3, :3] = np.abs(printed[:3, :3]).max()
     scale[:3, 3] = scale[3, :3] = np.abs(printed[:3, 3]).max()
     scale[3, 3] = printed[3, 3]
