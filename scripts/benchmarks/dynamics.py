@@ -20,6 +20,7 @@ OWN = "alpha5_model"
 PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}
 #: Bounds of the wrapping, as this package's time over the raw one's.
 WRAPPED, WITH_WATER, BATCH = 2.5, 3.5, 2.2
+MOVING, MOVING_BATCH = 80.0, 6.0
 _N = 100_000
 
 
@@ -27,7 +28,13 @@ def rows() -> list[Row]:
     """Measured rows of this section."""
     rng = np.random.default_rng(1)
     q, v, a = (np.ascontiguousarray(x) for x in rng.uniform(0.1, 3.0, (3, 4)))
-    return [*_single(q, v, a), *_against_peers(q, v, a), *_batches(rng), _loading()]
+    return [
+        *_single(q, v, a),
+        *_against_peers(q, v, a),
+        *_batches(rng),
+        *_moving_water(q, v, a),
+        _loading(),
+    ]
 
 
 def missing() -> list[str]:
@@ -217,6 +224,32 @@ def _batches(rng: np.random.Generator) -> list[Row]:
                 work, times, {"raw": f"Pinocchio: {name}InParallel, no water"}, {"raw": 1 / BATCH}
             )
     return out
+
+
+def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
+    """Added mass, drag and a current, beside the same without; in Python, for what no kernel is there yet."""
+    arm = a5.load()
+    wet = arm.with_hydrodynamics((0.3, -0.5, 0.7))
+    model, data, n = arm.model, arm.model.createData(), 20_000
+    many = [np.tile(x, (n, 1)) for x in (q, v, a)]
+    one = {
+        OWN: lambda: wet.inverse_dynamics(q, v, a),
+        "raw": lambda: pin.rnea(model, data, q, v, a),
+    }
+    batch = {
+        OWN: lambda: wet.inverse_dynamics_batch(*many, threads=1),
+        "raw": lambda: arm.inverse_dynamics_batch(*many, threads=1),
+    }
+    work = "inverse_dynamics in a current"
+    return [
+        *_rows(work, measure(one), {"raw": "Pinocchio: rnea, no water"}, {"raw": 1 / MOVING}),
+        *_rows(
+            f"{work}, batch of {n}, 1 thread",
+            measure(batch, per_call=n),
+            {"raw": "the same without moving water"},
+            {"raw": 1 / MOVING_BATCH},
+        ),
+    ]
 
 
 def _loading() -> Row:
