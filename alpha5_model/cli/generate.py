@@ -38,6 +38,8 @@ _FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
     "mjcf": (MjcfOptions, mjcf_files, "alpha5.xml"),
     "sdf": (SdfOptions, sdf_files, "model.sdf"),
 }
+#: Why an option is not for the format that was asked for, where that needs a word.
+_REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
 
@@ -78,6 +80,13 @@ def generate(
     drag: Annotated[
         bool, Option("--drag", help="mjcf: MuJoCo's own drag, not from the document.")
     ] = False,
+    hydrodynamics: Annotated[
+        bool,
+        Option(
+            "--hydrodynamics",
+            help="mjcf: drag, sdf: drag and added mass of moving water; estimated, not published.",
+        ),
+    ] = False,
     check: Annotated[
         bool, Option("--check", help="Compare the committed files; status 1 if stale.")
     ] = False,
@@ -90,6 +99,7 @@ def generate(
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
+    alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     """
     given = {
         name: value
@@ -108,7 +118,7 @@ def generate(
     for name in given:
         formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
         if formats and description_format not in formats:
-            expected = f"--format {' or '.join(formats)} with it"
+            expected = f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
             raise InputError(_option(name), description_format, expected)
     values = {
         **context.params,

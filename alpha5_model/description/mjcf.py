@@ -16,14 +16,17 @@ from itertools import chain
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice, real
+from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
+from alpha5_model.description.drag import ellipsoids
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.description.xml_text import Value, add, document, serialized, template, text_of
+from alpha5_model.errors import InputError
 from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.hydrodynamics import hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS
@@ -62,6 +65,7 @@ class MjcfOptions:
         drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
         collision: ``primitives`` or ``none``.
         corrections: Recorded corrections to apply.
+        hydrodynamics: Adds drag by strips, which is estimated, not published; instead of ``drag``.
     """
 
     gripper: str = "locked"
@@ -70,8 +74,12 @@ class MjcfOptions:
     drag: bool = False
     collision: str = "primitives"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
+    hydrodynamics: bool = False
 
     def __post_init__(self) -> None:
+        flag("hydrodynamics", self.hydrodynamics)
+        if self.drag and self.hydrodynamics:
+            raise InputError("drag", self.drag, "hydrodynamics or drag, not both")
         choice("gripper", self.gripper, GRIPPERS)
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
@@ -99,7 +107,9 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
 
 def _readme(options: MjcfOptions) -> str:
     source = provenance(parameters(options.corrections))
-    said = {**vars(options), **source, "drag": "on" if options.drag else "off"}
+    drag = "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
+    water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
+    said = {**vars(options), **source, "drag": drag, "moving_water": water}
     return template("mjcf_readme.md").format(**said, dilution=DILUTION, jaws=_JAWS[options.gripper])
 
 
@@ -123,6 +133,10 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         root.insert(len(root) - 1, comment)
         option.set("density", text_of(chosen.fluid_density))
         option.set("viscosity", text_of(VISCOSITY))
+    if chosen.hydrodynamics:
+        comment = ET.Comment(" Density: drag of the strips, estimated, not published. ")
+        root.insert(len(root) - 1, comment)
+        option.set("density", text_of(chosen.fluid_density))
     _defaults(root)
     _assets(root, bodies)
     _worldbody(root, values, bodies, chosen)
@@ -146,6 +160,8 @@ def _defaults(root: ET.Element) -> None:
     fluid = {"fluidshape": "ellipsoid", "fluidcoef": "0 0 0 0 0"}
     no_drag = add(top, "default", "no_drag")
     add(no_drag, "geom", **shape, **fluid, **untouched, group="4", mass="0")
+    strip = {"type": "ellipsoid", "fluidshape": "ellipsoid", **untouched}
+    add(add(top, "default", "strip"), "geom", **strip, group="4", mass="0")
 
 
 def _assets(root: ET.Element, bodies: tuple[Body, ...]) -> None:
@@ -159,6 +175,7 @@ def _assets(root: ET.Element, bodies: tuple[Body, ...]) -> None:
 def _worldbody(
     root: ET.Element, values: Alpha5Parameters, bodies: tuple[Body, ...], options: MjcfOptions
 ) -> None:
+    water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
     base = add(add(root, "worldbody"), "body", name="base_link", childclass="alpha5")
     elements = {"base_link": base}
     for body in bodies:
@@ -177,6 +194,11 @@ def _worldbody(
         for shape in body.shapes if options.collision == "primitives" else ():
             size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
             add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))
+        for piece in chain(*map(ellipsoids, water[body.name].strips if body.name in water else ())):
+            form = {"fromto": (*piece.start, *piece.end), "size": piece.radius}
+            add(element, "geom", "strip", **form, fluidcoef=piece.coefficients)
+        if water and body.name not in water:
+            add(element, "geom", "no_drag")
         if body.volume > 0:
             _buoyancy(element, body, options)
     tip = tcp_placement(values)
@@ -188,7 +210,7 @@ def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
     name = f"{body.name}_buoyancy"
     child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
     add(child, "inertial", pos="0 0 0", mass=body.volume / DILUTION, diaginertia="0 0 0")
-    if options.drag:
+    if options.drag or options.hydrodynamics:
         add(child, "geom", "no_drag")
 
 

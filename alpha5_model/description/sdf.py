@@ -4,6 +4,13 @@ Gazebo's buoyancy system takes the sum of a link's collision volumes as its disp
 volume-weighted mean of the collisions' pose origins as its centre of buoyancy (gz-sim,
 ``systems::Buoyancy``). One box per link, of exactly the printed volume and placed at the printed centre,
 therefore gives Table 3. A box is also the shape for which the system's graded density works.
+
+On request, estimated and in SDF 1.11: added mass in ``<fluid_added_mass>``, which is about the link's origin
+[SDFormat]_, and drag by Gazebo's hydrodynamics system. It takes no coefficient but those of products
+``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative where they brake), so its drag is the strips' for
+each component of a velocity alone and near it for others. Its own added mass, a step late, is off.
+
+.. [SDFormat] SDFormat 1.11, inertial.sdf, ``fluid_added_mass``; gz-sim, ``systems::Hydrodynamics``.
 """
 
 from __future__ import annotations
@@ -12,20 +19,27 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import choice, real
+from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, tcp_placement
+from alpha5_model.description.drag import damping
 from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.xml_text import add, document, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
+from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, hydrodynamics
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
 SDF_VERSION = "1.9"
+#: The least that Gazebo's stable releases have with ``fluid_added_mass``.
+MOVING_WATER_SDF_VERSION = "1.11"
+#: Names of the components of a velocity in a matrix of added mass, of a force and of a velocity in damping.
+_ADDED, _FORCE, _VELOCITY = "xyzpqr", "xyzkmn", "UVWPQR"
 _HEAD = '<?xml version="1.0"?>\n'
 
 
@@ -37,16 +51,24 @@ class SdfOptions:
         gripper: ``locked`` or ``jaws``. SDF 1.9 has no mimic joints: the fingers then move freely.
         fluid_density: Of the world [kg/m^3]; 0 is air.
         corrections: Recorded corrections to apply.
+        hydrodynamics: Adds drag and added mass, which are estimated, not published.
     """
 
     gripper: str = "locked"
     fluid_density: float = SEA_WATER
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
+    hydrodynamics: bool = False
 
     def __post_init__(self) -> None:
+        flag("hydrodynamics", self.hydrodynamics)
         choice("gripper", self.gripper, GRIPPERS)
         real("fluid_density", self.fluid_density, minimum=0.0)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
+
+    @property
+    def version(self) -> str:
+        """SDF version that it takes."""
+        return MOVING_WATER_SDF_VERSION if self.hydrodynamics else SDF_VERSION
 
 
 def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
@@ -62,7 +84,7 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     meshes = mesh_assets(".obj", ".mtl")
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
-        "model.config": template("model.config").encode(),
+        "model.config": template("model.config").format(version=chosen.version).encode(),
         "world.sdf": sdf_world(chosen, meshes).encode(),
         **{f"meshes/{name}": data for name, data in meshes.items()},
     }
@@ -97,15 +119,23 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
 
 def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
     values = parameters(options.corrections)
-    root = document(values, "sdf", version=SDF_VERSION)
+    root = document(values, "sdf", version=options.version)
+    water: dict[str, BodyHydrodynamics] = {}
+    if options.hydrodynamics:
+        water = hydrodynamics(options.gripper)
+        said = "estimated, not published: published/estimated_hydrodynamics.toml of the package"
+        root.append(ET.Comment(f" Added mass and drag: {said}. "))
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)
     _frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0)))
     for body in arm_bodies(values, options.gripper, meshes):
-        _link(model, body, values)
+        moved = water.get(body.name)
+        _link(model, body, values, {} if moved is None else _added_mass(moved, options))
         if body.joint is not None:
             _joint(model, body.joint, body)
+        if moved is not None:
+            _drag(model, body.name, damping(moved.strips, options.fluid_density))
     _frame(model, "tcp", tcp_placement(values))
     return root, model
 
@@ -126,13 +156,30 @@ def _frame(model: ET.Element, name: str, placement: Placement) -> None:
     _fill(add(model, "frame", name=name, attached_to=placement.parent), pose=_pose(placement))
 
 
-def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> None:
+def _added_mass(water: BodyHydrodynamics, options: SdfOptions) -> dict[str, Any]:
+    matrix = water.added_mass * (options.fluid_density / WATER_DENSITY)
+    pairs = combinations_with_replacement(range(6), 2)
+    return {"fluid_added_mass": {_ADDED[i] + _ADDED[j]: matrix[i, j] for i, j in pairs}}
+
+
+def _drag(model: ET.Element, link: str, terms: FloatArray) -> None:
+    system = {"filename": "gz-sim-hydrodynamics-system", "name": "gz::sim::systems::Hydrodynamics"}
+    terms = np.where(np.abs(terms) > 1e-9 * np.abs(terms).max(), terms, 0.0)
+    named = {
+        f"{_FORCE[i]}{_VELOCITY[j]}abs{_VELOCITY[k]}": terms[i, j, k]
+        for i, j, k in np.argwhere(terms).tolist()
+    }
+    off = dict.fromkeys(("disable_added_mass", "disable_coriolis"), "true")
+    _fill(add(model, "plugin", **system), link_name=link, **named, **off)
+
+
+def _link(model: ET.Element, body: Body, values: Alpha5Parameters, water: dict[str, Any]) -> None:
     link = add(model, "link", name=body.name)
     if body.joint is not None:
         pose = add(link, "pose", relative_to=body.placement.parent)
         pose.text = text_of(_pose(body.placement))
     com, cob = ((*point.tolist(), 0.0, 0.0, 0.0) for point in (body.com, body.cob))
-    _fill(link, inertial={"pose": com, "mass": body.mass, "inertia": body.moments})
+    _fill(link, inertial={"pose": com, "mass": body.mass, "inertia": body.moments, **water})
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
         _fill(collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}})

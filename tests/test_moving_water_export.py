@@ -1,0 +1,263 @@
+"""Added mass and drag in SDF and MJCF, against the numbers' file and a plain sum over short pieces of its strips."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import xml.etree.ElementTree as ET
+
+import current_load
+import numpy as np
+import pytest
+import reference
+from test_mjcf import mass_matrix
+
+from alpha5_model.cli import main
+from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
+from alpha5_model.errors import InputError
+from alpha5_model.jaws import GRIPPERS
+
+#: Name of the link in the file of a gripper -> name of the body in the data.
+LINKS = {f"link_{i}": f"link_{i}" for i in range(5)}
+JAWS = {**LINKS, "link_4": "wrist", "finger_1": "finger_1", "finger_2": "finger_2"}
+NAMES = {"locked": LINKS, "jaws": JAWS}
+
+
+def wrench(row: dict, nu: np.ndarray, density: float = 1025.0, level: int = 1) -> np.ndarray:
+    """Drag on a link that moves with the twist nu (6,) in still water, about its origin, (6,)."""
+    total = np.zeros(6)
+    for strip in row["strips"]:
+        points, force = current_load.strip_drag(
+            strip, level, lambda p: -(nu[:3] + np.cross(nu[3:], p)), density
+        )
+        total += np.concatenate([force.sum(axis=0), np.cross(points, force).sum(axis=0)])
+    return total
+
+
+# --- SDF --------------------------------------------------------------------------------------
+
+
+def coefficients(model: ET.Element) -> dict[str, np.ndarray]:
+    """Quadratic damping of each link as gz-sim's Hydrodynamics system reads it, (6, 6, 6)."""
+    found = {}
+    for plugin in model.findall("plugin"):
+        assert plugin.get("filename") == "gz-sim-hydrodynamics-system"
+        assert plugin.find("disable_added_mass").text == "true"
+        assert not [e.tag for e in plugin if "Dot" in e.tag]
+        out = np.zeros((6, 6, 6))
+        for i, force in enumerate("xyzkmn"):
+            for j, one in enumerate("UVWPQR"):
+                for k, other in enumerate("UVWPQR"):
+                    element = plugin.find(f"{force}{one}abs{other}")
+                    out[i, j, k] = 0.0 if element is None else float(element.text)
+        found[plugin.find("link_name").text] = out
+    return found
+
+
+def gazebo_drag(coefficient: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    """``f_i = sum c_ijk |nu_k| nu_j``: the system subtracts twice (gz-sim, Hydrodynamics.cc, PreUpdate)."""
+    return np.einsum("ijk,j,k->i", coefficient, nu, np.abs(nu))
+
+
+@pytest.mark.parametrize("gripper", GRIPPERS)
+@pytest.mark.parametrize("density", [1025.0, 1000.0])
+def test_added_mass_in_sdf_is_the_files_about_the_links_origin(gripper, density):
+    options = SdfOptions(gripper=gripper, fluid_density=density, hydrodynamics=True)
+    root, rows = ET.fromstring(sdf(options)), current_load.bodies()
+    assert root.get("version") == "1.11"
+    seen = {}
+    for link in root.iter("link"):
+        matrix = link.find("inertial/fluid_added_mass")
+        if matrix is None:
+            continue
+        expected = np.array(rows[NAMES[gripper][link.get("name")]]["added_mass"], dtype=float)
+        for i, row in enumerate("xyzpqr"):
+            for j, column in enumerate("xyzpqr"):
+                if i <= j:
+                    value = float(matrix.find(row + column).text)
+                    assert value == pytest.approx(expected[i, j] * density / 1000, rel=1e-15)
+        assert len(matrix) == 21
+        # No rotation in the inertial's pose: its axes are the link's, whichever are meant.
+        assert link.find("inertial/pose").text.endswith(" 0.0 0.0 0.0")
+        seen[link.get("name")] = matrix
+    assert set(seen) == set(NAMES[gripper])
+    assert set(coefficients(root.find("model"))) == set(seen)
+
+
+@pytest.mark.parametrize("gripper", GRIPPERS)
+def test_neither_mass_nor_inertia_nor_volume_changes(gripper):
+    roots = [
+        ET.fromstring(sdf(SdfOptions(gripper=gripper, hydrodynamics=x))) for x in (True, False)
+    ]
+    roots[0].set("version", "1.9")
+    model = roots[0].find("model")
+    for plugin in model.findall("plugin"):
+        model.remove(plugin)
+    for inertial in model.iter("inertial"):
+        for matrix in inertial.findall("fluid_added_mass"):
+            inertial.remove(matrix)
+    ours, plain = ([(e.tag, e.attrib, (e.text or "").strip()) for e in r.iter()] for r in roots)
+    assert ours == plain
+
+
+@pytest.mark.parametrize("gripper", GRIPPERS)
+def test_drag_in_sdf_is_the_strips_for_each_component_alone(gripper):
+    rows = current_load.bodies()
+    model = ET.fromstring(sdf(SdfOptions(gripper=gripper, hydrodynamics=True))).find("model")
+    for name, coefficient in coefficients(model).items():
+        for k in range(6):
+            for speed in (0.7, -0.3):
+                nu = speed * np.eye(6)[k]
+                expected = wrench(rows[NAMES[gripper][name]], nu)
+                scale = np.abs(expected).max()
+                # 8 points of Gauss where a strip passes the origin; strips may hardly turn about themselves
+                assert np.abs(gazebo_drag(coefficient, nu) - expected).max() <= 5e-3 * scale + 1e-9
+
+
+def test_drag_in_sdf_stays_near_the_strips_and_takes_energy():
+    """In a current from anywhere within a tenth, in any motion within a third (root mean square)."""
+    rows, rng = current_load.bodies(), np.random.default_rng(3)
+    model = ET.fromstring(sdf(SdfOptions(hydrodynamics=True))).find("model")
+    for name, coefficient in coefficients(model).items():
+        for spin, share in ((0.0, 0.12), (5.0, 0.35)):
+            error, size = [], []
+            for _ in range(60):
+                nu = np.concatenate([rng.normal(size=3), spin * rng.normal(size=3)])
+                drag, expected = gazebo_drag(coefficient, nu), wrench(rows[name], nu)
+                assert nu @ drag < 0
+                error.append((drag - expected)[:3])
+                size.append(expected[:3])
+            assert np.linalg.norm(error) < share * np.linalg.norm(size)
+
+
+def test_the_worlds_arm_is_the_models_and_its_folder_says_the_version():
+    options = SdfOptions(hydrodynamics=True)
+    world = ET.fromstring(sdf_world(options))
+    assert len(world.findall("./world/model/model/plugin")) == 5
+    assert '<sdf version="1.11">' in sdf_files(options)["model.config"].decode()
+    assert '<sdf version="1.9">' in sdf_files()["model.config"].decode()
+    assert "estimated, not published" in sdf(options)
+
+
+@pytest.mark.skipif(shutil.which("gz") is None, reason="libsdformat's gz is not there")
+def test_libsdformat_takes_it(tmp_path):
+    (tmp_path / "model.sdf").write_text(sdf(SdfOptions(hydrodynamics=True)))
+    subprocess.run(["gz", "sdf", "-k", str(tmp_path / "model.sdf")], check=True)
+
+
+# --- MJCF -------------------------------------------------------------------------------------
+
+
+def moving(gripper: str = "locked", **options):
+    """MuJoCo's model without weight or contact, and its data."""
+    mujoco = pytest.importorskip("mujoco")
+    text = mjcf(MjcfOptions(gripper=gripper, hydrodynamics=True, collision="none", **options))
+    model = mujoco.MjModel.from_xml_string(text)
+    return mujoco, model, mujoco.MjData(model)
+
+
+def own_torque(q, v, current) -> np.ndarray:
+    """Torque of drag at the joints, (4,), by the tests' own frames and sums."""
+    frames, rows, out = reference.inertial_frames(q), current_load.bodies(), np.zeros(4)
+    axes = [(f[:3, 3], f[:3, 2]) for f in frames[1:]]
+    for i, frame in enumerate(frames):
+        turn, at = frame[:3, :3], frame[:3, 3]
+        spin = sum((v[k] * axes[k][1] for k in range(i)), np.zeros(3))
+        speed = sum((v[k] * np.cross(axes[k][1], at - axes[k][0]) for k in range(i)), np.zeros(3))
+        nu = np.concatenate([turn.T @ (speed - current), turn.T @ spin])
+        drag = wrench(rows[f"link_{i}"], nu)
+        force, moment = turn @ drag[:3], turn @ drag[3:]
+        for k in range(i):
+            origin, axis = axes[k]
+            out[k] += axis @ (moment + np.cross(at - origin, force))
+    return out
+
+
+def test_mujocos_drag_on_a_moving_joint_is_the_strips():
+    """One joint at a time within 5 %, of the torque about its own axis; axis_b turns links about themselves."""
+    mujoco, model, data = moving()
+    rng = np.random.default_rng(6)
+    for k in range(3):
+        error, size = [], []
+        for _ in range(8):
+            q, v = rng.uniform(reference.LOWER, reference.UPPER), rng.choice([-1, 1]) * np.eye(4)[k]
+            data.qpos, data.qvel = q, v
+            mujoco.mj_forward(model, data)
+            expected = own_torque(q, v, np.zeros(3))[k]
+            assert data.qfrc_fluid[k] * v[k] < 0
+            error.append(data.qfrc_fluid[k] - expected)
+            size.append(expected)
+        assert np.linalg.norm(error) < 0.05 * np.linalg.norm(size)
+
+
+def test_mujocos_wind_is_a_current():
+    """Torques at rest, over poses and directions, within 15 % (root mean square)."""
+    mujoco, model, data = moving()
+    rng, error, size = np.random.default_rng(8), [], []
+    for _ in range(25):
+        q, u = rng.uniform(reference.LOWER, reference.UPPER), rng.normal(size=3)
+        data.qpos, model.opt.wind = q, u
+        mujoco.mj_forward(model, data)
+        expected = own_torque(q, np.zeros(4), u)[:3]
+        error.append(data.qfrc_fluid[:3] - expected)
+        size.append(expected)
+    assert np.linalg.norm(error) < 0.15 * np.linalg.norm(size)
+
+
+@pytest.mark.parametrize("gripper", GRIPPERS)
+def test_mass_matrix_and_still_torques_stay(gripper):
+    """What moves water has no mass here; what has none in the data feels no drag."""
+    mujoco, model, data = moving(gripper)
+    text = mjcf(MjcfOptions(gripper=gripper, collision="none"))
+    plain = mujoco.MjModel.from_xml_string(text)
+    other = mujoco.MjData(plain)
+    data.qpos[:4] = other.qpos[:4] = (3.0, 1.2, 1.7, 0.4)
+    for m, d in ((model, data), (plain, other)):
+        mujoco.mj_forward(m, d)
+    np.testing.assert_array_equal(mass_matrix(model, data), mass_matrix(plain, other))
+    np.testing.assert_allclose(data.qfrc_bias, other.qfrc_bias, rtol=0, atol=1e-15)
+    assert not data.qfrc_fluid.any()
+    np.testing.assert_array_equal(model.body_mass, plain.body_mass)
+    without = {model.body(i).name for i in range(model.nbody) if model.body_geomnum[i] == 0}
+    assert without <= {"world", "base_link"}
+    assert model.opt.viscosity == 0.0
+    assert model.opt.density == 1025.0
+
+
+def test_the_readme_says_what_is_estimated_and_what_is_missing():
+    said = mjcf_files(MjcfOptions(hydrodynamics=True))["README.md"].decode()
+    assert "Moving water is **estimated**, not published" in said
+    assert "What MuJoCo cannot carry" in said
+    assert "no mass matrix" in said
+    assert "oving water" not in mjcf_files()["README.md"].decode()
+
+
+def test_drag_and_hydrodynamics_exclude_each_other():
+    with pytest.raises(InputError, match="not both"):
+        MjcfOptions(drag=True, hydrodynamics=True)
+    for options in (MjcfOptions, SdfOptions):
+        with pytest.raises(InputError, match="hydrodynamics"):
+            options(hydrodynamics="yes")
+
+
+# --- command line -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("kind", "file"), [("sdf", "model.sdf"), ("mjcf", "alpha5.xml")])
+def test_the_option_is_the_librarys(tmp_path, capsys, kind, file):
+    out = tmp_path / "out"
+    assert main(["generate", "--format", kind, "--hydrodynamics", "--output", str(out)]) == 0
+    text = (out / file).read_text("utf-8")
+    assert ("fluid_added_mass" in text, "fluidcoef" in text) == (kind == "sdf", kind == "mjcf")
+    assert json.dumps(capsys.readouterr().err) == '""'
+
+
+def test_urdf_has_no_place_for_it_and_says_so(capsys):
+    assert main(["generate", "--hydrodynamics"]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert len(out.err.splitlines()) == 1
+    assert "URDF has no element for drag or added mass" in out.err
+    assert "--format mjcf or sdf" in out.err
