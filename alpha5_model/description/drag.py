@@ -75,8 +75,10 @@ def ellipsoids(strip: DragStrip) -> Iterator[Ellipsoid]:
         radius, needle = _FLAT_RADIUS * length, _NEEDLE_RADIUS * length
         share = strip.diameter * length / 2 / (np.pi * radius**2)
         blunt, slender = strip.along, (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
-        ends = (middle + sign * 2 * _FLATNESS * _FLAT_RADIUS * half for sign in (-1, 1))
-        yield Ellipsoid(*ends, radius, (share * blunt, share * slender, 0.0, 0.0, 0.0))
+        short = 2 * _FLATNESS * _FLAT_RADIUS * half
+        yield Ellipsoid(
+            middle - short, middle + short, radius, (share * blunt, share * slender, 0.0, 0.0, 0.0)
+        )
         share = strip.diameter / (np.pi * needle)
         turning, lift = 15 / 32 * strip.across, _LIFT * (strip.across - strip.along)
         yield Ellipsoid(start, end, needle, (0.0, 0.0, share * turning, share * lift, 0.0))
