@@ -97,11 +97,9 @@ def water_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     levels = [arm.with_hydrodynamics(current, level) for level in LEVELS]
-    torque, wrench = arm.inverse_dynamics_batch(q, v, a), arm.base_wrench_batch(q, v, a)
     # Of the tree's torques the first six are the mount's: one pass for both.
-    trees = np.stack([wet._torques(q, v, a, None) for wet in levels], axis=1)
-    torques = trees @ levels[0]._tree.g - torque[:, None]
-    return WaterTerms(levels[0].current, torques, -trees[..., :6] - wrench[:, None])
+    trees = np.stack([wet._water_torques(q, v, a, None) for wet in levels], axis=1)
+    return WaterTerms(levels[0].current, trees @ levels[0]._tree.g, -trees[..., :6])
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
