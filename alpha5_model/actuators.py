@@ -294,11 +294,10 @@ class Actuator:
 
     def extremes(self) -> tuple[Actuator, Actuator]:
         """This actuator with the least and with the greatest friction of the printed tolerance."""
-        p = self.parameters
-        low, high = (
-            replace(p, friction=p.friction * (1 + sign * p.friction_tolerance)) for sign in (-1, 1)
-        )
-        return replace(self, parameters=low), replace(self, parameters=high)
+        p, spread = self.parameters, self.parameters.friction_tolerance
+        ends = (p.friction * (1 - spread), p.friction * (1 + spread))
+        low, high = (replace(self, parameters=replace(p, friction=end)) for end in ends)
+        return low, high
 
     def current_interval(
         self, torque: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None

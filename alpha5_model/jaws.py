@@ -58,14 +58,9 @@ class JawBody(RigidBody):
     roll: float
     origin: FloatArray
 
-    @property
-    def closed(self) -> FloatArray:
-        """Pose in link_4, jaws closed, (4, 4)."""
-        return pose(self.origin, (self.roll, 0.0, 0.0))
-
     def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
-        placed = self.closed
+        placed = pose(self.origin, (self.roll, 0.0, 0.0))
         inertia = rotate_tensor(placed[:3, :3], self.inertia)
         return moved(placed, self.com), inertia, moved(placed, self.cob)
 

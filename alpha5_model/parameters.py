@@ -221,7 +221,7 @@ def convert(printed: Published, corrections: tuple[str, ...]) -> Alpha5Parameter
         links=_links(printed, dh, corrections),
         joints=tuple(_record(JointParameters, row) for row in printed.supplementary.joints),
         actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
-        jaws=JawParameters(**{k: _si(v) for k, v in printed.supplementary.jaws.items()}),
+        jaws=JawParameters(**{k: in_si(v) for k, v in printed.supplementary.jaws.items()}),
         base_yaw=0.0 if "base_frame" in corrections else math.pi,
         corrections=corrections,
     )
@@ -265,7 +265,7 @@ def _links(
         printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies, strict=True
     )
     for inertial, buoyancy, body in rows:
-        cob = _si(buoyancy.cob)
+        cob = in_si(buoyancy.cob)
         if body.name == "link_3" and "link3_cob" in corrections:
             # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
             # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
@@ -275,11 +275,11 @@ def _links(
             LinkParameters(
                 name=body.name,
                 mass=inertial.mass.si,
-                com=frozen(_si(inertial.com)),
-                inertia=frozen(flip_products(_si(inertial.inertia_com))),
+                com=frozen(in_si(inertial.com)),
+                inertia=frozen(flip_products(in_si(inertial.inertia_com))),
                 volume=buoyancy.volume.si,
                 cob=frozen(cob),
-                bounds=frozen(_si(body.bounds)),
+                bounds=frozen(in_si(body.bounds)),
             )
         )
     return tuple(links)
@@ -287,13 +287,13 @@ def _links(
 
 def _record(kind: type[Record], row: Any) -> Record:
     """A record from the printed row, whose fields have the same names."""
-    return kind(**{f.name: _si(getattr(row, f.name)) for f in fields(kind)})  # type: ignore[arg-type]
+    return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})  # type: ignore[arg-type]
 
 
-def _si(value: Any) -> Any:
+def in_si(value: Any) -> Any:
     """Numbers in SI units, at any depth; what is no printed number as it is."""
     if isinstance(value, tuple):
-        return [_si(item) for item in value]
+        return [in_si(item) for item in value]
     if isinstance(value, SourcedQuantity):
         return value.quantity.si
     return value.si if isinstance(value, Quantity) else value

@@ -81,10 +81,8 @@ class Inertial:
     @property
     def meant_in_our_frame(self) -> bool:
         """Whether its frame is ours but for an error of the geometry."""
-        shift, turn = self.pose[:3, 3], self.pose[:3, :3] - self.pose[:3, :3].T
-        facing = np.trace(self.pose[:3, :3]) > 1.0
-        near = np.linalg.norm(shift) < SAME_FRAME[0]
-        return bool(near and facing and np.linalg.norm(turn) < np.sqrt(8) * np.sin(SAME_FRAME[1]))
+        near = np.linalg.norm(self.pose[:3, 3]) < SAME_FRAME[0]
+        return bool(near and np.trace(self.pose[:3, :3]) > 1 + 2 * np.cos(SAME_FRAME[1]))
 
 
 def subjects(written: Sequence[Inertial]) -> list[Inertial]:

@@ -21,7 +21,7 @@ from alpha5_model.comparison.arm import our_arm
 from alpha5_model.fluids import FRESH_WATER, SEA_WATER
 from alpha5_model.inertia import flip_products, point_mass_tensor, rotate_tensor
 from alpha5_model.jaws import split_link_4
-from alpha5_model.parameters import parameters
+from alpha5_model.parameters import in_si, parameters
 from alpha5_model.published import published
 from alpha5_model.published.reading import earlier_revision
 from alpha5_model.spatial import moved
@@ -69,7 +69,7 @@ def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) ->
     """From the printed rows of its two tables."""
 
     def column(rows: Iterable[Any], name: str) -> FloatArray:
-        return np.array([_si(getattr(row, name)) for row in rows])
+        return np.array([in_si(getattr(row, name)) for row in rows])
 
     return Revision(
         numbers=numbers,
@@ -80,10 +80,6 @@ def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) ->
         volume=column(buoyancy, "volume"),
         cob=column(buoyancy, "cob"),
     )
-
-
-def _si(value: Any) -> Any:
-    return [_si(part) for part in value] if isinstance(value, tuple) else value.si
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +215,6 @@ def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
             words = f"{whose} mass and the water's added mass of {volume}, {water * 1e3:.0f} g"
             found.append((words, dry.mass[body] + water))
     if body == 4:
-        opened = split_link_4(parameters())
-        parts = sum(part.mass for part in (opened.rod, opened.finger_1, opened.finger_2))
+        parts = sum(part.mass for part in split_link_4(parameters()).bodies[1:])
         found.append(("the jaws are counted twice", now.mass[4] + parts))
     return tuple(Hypothesis(words, np.array(value), 1) for words, value in found)

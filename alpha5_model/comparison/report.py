@@ -102,18 +102,9 @@ def compare_robots(
     written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
     com, inertia = bodies_in_our_frames(theirs, alignment)
     exact = bodies_in_our_frames(theirs, alignment.exact or alignment)[0]
-    bodies = tuple(
-        BodyDifference(
-            name=link.name,
-            links=theirs.links[i],
-            mass=float(theirs.mass[i]),
-            com=com[i],
-            inertia=inertia[i],
-            ours=link,
-            slack=float(np.linalg.norm(exact[i] - com[i])),
-        )
-        for i, link in enumerate(parameters().links)
-    )
+    ours, slack = parameters().links, np.linalg.norm(exact - com, axis=1).tolist()
+    columns = (theirs.links, theirs.mass.tolist(), com, inertia, ours, slack)
+    bodies = tuple(map(BodyDifference, [link.name for link in ours], *columns))
     # Gravity points down in our base frame, wherever the other root stands.
     there, down = alignment.theirs(q), alignment.base[:3, :3].T @ DOWN
     gravity = written.gravity_torque(there, down) * alignment.sign - our_arm().gravity_torque(q)
