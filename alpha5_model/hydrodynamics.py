@@ -6,7 +6,7 @@ circulate, by strip theory); both stand in ``published/``. `alpha5_model.dynamic
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,7 +72,7 @@ class BodyHydrodynamics:
     """
 
     added_mass: FloatArray
-    strips: Sequence[DragStrip] = ()
+    strips: Iterable[DragStrip] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))

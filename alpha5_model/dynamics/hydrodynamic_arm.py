@@ -14,17 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import (
-    FloatArray,
-    bounded,
-    choice,
-    float_array,
-    frozen,
-    instance,
-    listed,
-    rigid_transform,
-    shaped,
-)
+from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree
 from alpha5_model.dynamics.moving_water import JointWater
 from alpha5_model.dynamics.states import forces, rows, vector
@@ -32,6 +22,8 @@ from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 
+#: One state in each row, or one for all.
+Rows = ArrayLike
 #: Velocity of the water, in the world [m/s]; None for the arm's own.
 Flow = ArrayLike | None
 #: Derivatives with respect to positions, velocities and accelerations or torques.
@@ -187,12 +179,7 @@ class HydrodynamicArm:
         return float(self._tree.water.dissipated_power(nu)[0])
 
     def inverse_dynamics_batch(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        threads: int | None = None,
-        current: Flow = None,
+        self, q: Rows, v: Rows, a: Rows, threads: int | None = None, current: Flow = None
     ) -> FloatArray:
         """`inverse_dynamics` of many states, (N, nv).
 
@@ -204,24 +191,14 @@ class HydrodynamicArm:
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
     def base_wrench_batch(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        threads: int | None = None,
-        current: Flow = None,
+        self, q: Rows, v: Rows, a: Rows, threads: int | None = None, current: Flow = None
     ) -> FloatArray:
         """`base_wrench` of many states, (N, 6); arguments as `inverse_dynamics_batch`."""
         water = self._water_torques(q, v, a, current)[:, :6]
         return np.asarray(self.still.base_wrench_batch(q, v, a, threads) - water)
 
     def forward_dynamics_batch(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        tau: ArrayLike,
-        threads: int | None = None,
-        current: Flow = None,
+        self, q: Rows, v: Rows, tau: Rows, threads: int | None = None, current: Flow = None
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv); arguments as `inverse_dynamics_batch`."""
         states, speeds, torques = rows(self.still._model, q=q, v=v, tau=tau)
@@ -250,9 +227,8 @@ class HydrodynamicArm:
             strips: Where it drags, in ``frame``.
         """
         still = self.still.with_payload(mass, com, inertia, volume, cob, frame)
-        matrix = np.zeros((6, 6)) if added_mass is None else added_mass
-        drag = listed("strips", strips, "DragStrips")
-        data = BodyHydrodynamics(shaped("added_mass", matrix, (6, 6)), drag)
+        matrix: Any = np.zeros((6, 6)) if added_mass is None else added_mass
+        data = BodyHydrodynamics(matrix, strips)
         body = joint_water(still, still.displacements[-1].body, data)
         return HydrodynamicArm(still, (*self.bodies, body), self.current)
 
@@ -308,12 +284,12 @@ class ArmOnVehicle(HydrodynamicArm):
     """
 
     def __init__(self, arm: HydrodynamicArm, vehicle: Vehicle) -> None:
-        self.arm = arm
-        self.vehicle = instance("vehicle", vehicle, Vehicle)
         still = carrying(arm.still, vehicle)
+        self.arm, self.vehicle = arm, vehicle
         data = BodyHydrodynamics(vehicle.added_mass)
-        damping = vehicle.linear_damping, vehicle.quadratic_damping
-        body = joint_water(still, "vehicle", data, *damping)
+        body = joint_water(
+            still, "vehicle", data, vehicle.linear_damping, vehicle.quadratic_damping
+        )
         super().__init__(still, (*arm.bodies, body), arm.current)
 
     def configuration(self, transform_vehicle_to_world: ArrayLike, q: ArrayLike) -> FloatArray:

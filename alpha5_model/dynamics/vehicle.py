@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, frozen, real, rigid_transform, shaped
+from alpha5_model.checks import FloatArray, bounded, frozen, instance, real, rigid_transform, shaped
 from alpha5_model.dynamics.models import on_free_flyer, with_body
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
@@ -96,6 +96,7 @@ def afloat(still: Any) -> Any:
 
 def carrying(still: Any, vehicle: Vehicle) -> Any:
     """The floating arm with the vehicle's body at its base, in a new frame ``vehicle``."""
+    instance("vehicle", vehicle, Vehicle)
     model, volumes, *rest = still._arguments
     placement = pin.SE3(np.array(vehicle.transform_vehicle_to_base))
     model, base = model.copy(), model.getFrameId("base_link")

@@ -159,11 +159,16 @@ def _triple(node: _Node, unit: str) -> t.Triple:
 
 def _tensor(node: _Node, unit: str) -> t.Tensor:
     x, y, z = (_triple(row, unit) for row in node.items(3, "three rows"))
-    for i, j, one, other in ((0, 1, x[1], y[0]), (0, 2, x[2], z[0]), (1, 2, y[2], z[1])):
+    _symmetric(node, (x, y, z))
+    return x, y, z
+
+
+def _symmetric(node: _Node, rows: t.Matrix) -> None:
+    for i, j in combinations(range(len(rows)), 2):
+        one, other = rows[i][j], rows[j][i]
         if one.value != other.value:
             problem = f"the tensor is not symmetric: {one.text} against {other.text}"
             raise PublishedDataError(f"{node.place}[{i}][{j}]", problem)
-    return x, y, z
 
 
 def _interval(node: _Node, unit: str) -> t.Interval:
@@ -181,9 +186,7 @@ def _matrix(node: _Node, unit: str) -> t.Matrix:
         )
         for i, row in enumerate(node.items(6, "six rows"))
     )
-    for i, j in combinations(range(6), 2):
-        if rows[i][j].value != rows[j][i].value:
-            raise node.fail(f"the matrix is not symmetric in [{i}][{j}]")
+    _symmetric(node, rows)
     return rows
 
 
