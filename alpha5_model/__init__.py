@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from alpha5_model.comparison.report import compare as compare
     from alpha5_model.consistency import audit as audit
     from alpha5_model.description.srdf import named_pose as named_pose
+    from alpha5_model.dynamics import load as load
+    from alpha5_model.dynamics import robot_wrapper as robot_wrapper
     from alpha5_model.dynamics.arm import Arm as Arm
     from alpha5_model.dynamics.collision import (
         without_self_collision as without_self_collision,
     )
-    from alpha5_model.dynamics.loading import load as load
-    from alpha5_model.dynamics.loading import robot_wrapper as robot_wrapper
     from alpha5_model.dynamics.vehicle import Vehicle as Vehicle
     from alpha5_model.fluids import AIR as AIR
     from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
@@ -60,7 +60,7 @@ _DEFINED = {
     "consistency": ("audit",),
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
-    "dynamics.loading": ("load", "robot_wrapper"),
+    "dynamics": ("load", "robot_wrapper"),
     "dynamics.collision": ("without_self_collision",),
     "dynamics.vehicle": ("Vehicle",),
     "hydrodynamics": ("DragStrip",),

@@ -26,7 +26,7 @@ from hydrodynamics.potential_flow import DENSITY, added_mass, rigid_motions
 from alpha5_model.description.bodies import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.jaws import split_link_4
-from alpha5_model.meshing.bodies import bodies
+from alpha5_model.meshing import bodies
 from alpha5_model.meshing.dimensions import BASE
 from alpha5_model.meshing.solid import cylinder, kernel, union
 from alpha5_model.parameters import parameters

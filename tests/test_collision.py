@@ -131,7 +131,7 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     pytest.importorskip("manifold3d")
     import trimesh
 
-    from alpha5_model.meshing.bodies import bodies
+    from alpha5_model.meshing import bodies
     from alpha5_model.meshing.solid import surface
 
     outside = surface(bodies()[name].outside)

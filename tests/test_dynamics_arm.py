@@ -18,8 +18,8 @@ from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
 from reference import MASS, VOLUME
 
 import alpha5_model as a5
+from alpha5_model import dynamics
 from alpha5_model.checks import LARGEST
-from alpha5_model.dynamics import loading
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.series import torque_terms
 from alpha5_model.errors import (
@@ -521,8 +521,8 @@ def test_load_refuses_what_it_cannot_use():
 
 
 def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
-    monkeypatch.setattr(loading, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
-    loading._parsed.cache_clear()
+    monkeypatch.setattr(dynamics, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
+    dynamics._parsed.cache_clear()
     with pytest.raises(MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"):
         a5.load()
 

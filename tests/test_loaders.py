@@ -14,8 +14,7 @@ from water_reference import Reference
 import alpha5_model as a5
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.files import atomic_write
-from alpha5_model.loaders import alpha5_description
-from alpha5_model.loaders.example_robot_data import loader_class, robot_files
+from alpha5_model.loaders import alpha5_description, loader_class, robot_files
 
 
 def same_arm(model: pin.Model) -> None:

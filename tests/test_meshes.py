@@ -313,7 +313,7 @@ def test_committed_files_are_a_fresh_generation_and_the_same_every_time():
     pytest.importorskip("manifold3d")
     program = (
         "import hashlib, json\n"
-        "from alpha5_model.description.meshes import mesh_files\n"
+        "from alpha5_model.description.committed import mesh_files\n"
         "print(json.dumps({n: hashlib.sha256(c).hexdigest() for n, c in mesh_files().items()}))"
     )
     runs = [
@@ -503,7 +503,7 @@ def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
 
 def test_a_volume_out_of_reach_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.meshing.bodies import solve_volume
+    from alpha5_model.meshing import solve_volume
     from alpha5_model.meshing.solid import cylinder
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)

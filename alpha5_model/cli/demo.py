@@ -12,10 +12,10 @@ from typer import Option, echo
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency import audit
 from alpha5_model.description import variants
-from alpha5_model.description.meshes import mesh_assets
+from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.srdf import named_pose
 from alpha5_model.description.verification import verify_urdf
-from alpha5_model.dynamics.loading import load
+from alpha5_model.dynamics import load
 from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics

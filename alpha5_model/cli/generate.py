@@ -18,7 +18,7 @@ from alpha5_model.cli.options import (
     triple,
 )
 from alpha5_model.description import committed
-from alpha5_model.description.meshes import mesh_assets
+from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf_files
 from alpha5_model.description.variants import Variant, urdf

@@ -120,7 +120,7 @@ def numbers(name: str, text: str, expected: str, count: int | None = None) -> li
 
 def arm_in(fluid: str, gravity: str = "0 0 -9.81", gripper: str = "locked") -> Arm:
     """The arm, from the text of the options."""
-    from alpha5_model.dynamics.loading import load
+    from alpha5_model.dynamics import load
 
     return load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
 

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from alpha5_model.description.meshes import mesh_files
-from alpha5_model.description.srdf import srdf
+from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description.srdf import NAMED_POSES, srdf
 from alpha5_model.description.variants import Variant, parameter_yaml, urdf
+from alpha5_model.errors import MissingFileError
 from alpha5_model.files import atomic_write_all
+from alpha5_model.meshing import bodies
+from alpha5_model.meshing.formats import MTL_NAME, Node, glb, mtl, obj
+from alpha5_model.meshing.solid import Surface, surface
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
 
+GLB_NAME = "alpha5.glb"
 #: Printed where the meshes cannot be drawn.
 NOT_DRAWN = "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)"
 
@@ -80,6 +87,57 @@ def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     changed = {Path(repository) / file.path: fresh[file.path] for file in stale}
     atomic_write_all(changed)
     return list(changed)
+
+
+def mesh_assets(*suffixes: str) -> dict[str, bytes]:
+    """Name -> content of the files in ``meshes/`` that end in one of the suffixes.
+
+    Raises:
+        MissingFileError: There are none.
+    """
+    folder = Path(REPOSITORY_PATH) / "meshes"
+    files = {p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes}
+    if not files:
+        raise MissingFileError(folder, f"mesh files ({', '.join(suffixes)})")
+    return files
+
+
+@cache
+def surfaces() -> dict[str, Surface]:
+    """Closed surface of each body in its link's frame, base to tip.
+
+    Raises:
+        MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
+    """
+    return {name: surface(body.solid) for name, body in bodies().items()}
+
+
+def mesh_files() -> dict[str, bytes]:
+    """Name -> content of every file in ``meshes/``; the same bytes every time.
+
+    Raises:
+        MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
+    """
+    return {
+        **{f"{name}.obj": obj(name, body) for name, body in surfaces().items()},
+        MTL_NAME: mtl(),
+        GLB_NAME: glb(list(_scene())),
+    }
+
+
+def _scene() -> Iterator[Node]:
+    """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
+    # glTF has y up, the base frame has z up.
+    yield Node("base_link", rpy=(-math.pi / 2, 0.0, 0.0))
+    angles = iter(NAMED_POSES["home"])
+    for body in arm_bodies(parameters(), "jaws"):
+        if not body.meshes:  # the rod
+            continue
+        parent, turn = body.placement.parent, body.placement.rpy
+        if body.joint is not None:
+            yield Node(body.joint.name, parent, body.placement.xyz, turn)
+            parent, turn = body.joint.name, (0.0, 0.0, next(angles, 0.0))
+        yield Node(body.name, parent, rpy=turn, surface=surfaces()[body.name])
 
 
 def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:

@@ -18,12 +18,12 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description import Value, add, document, serialized, template, text_of
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
+from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.drag import ellipsoids
-from alpha5_model.description.meshes import mesh_assets
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
-from alpha5_model.description.xml_text import Value, add, document, serialized, template, text_of
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics

@@ -26,10 +26,10 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description import add, document, serialized, template, text_of
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, tcp_placement
+from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.drag import damping
-from alpha5_model.description.meshes import mesh_assets
-from alpha5_model.description.xml_text import add, document, serialized, template, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, hydrodynamics
 from alpha5_model.jaws import GRIPPERS

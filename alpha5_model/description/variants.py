@@ -18,8 +18,8 @@ import numpy as np
 
 from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.description import text_of
 from alpha5_model.description.bodies import Body, arm_bodies, fixed_frames, provenance
-from alpha5_model.description.xml_text import text_of
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
 from alpha5_model.files import read_named
 from alpha5_model.jaws import GRIPPERS

@@ -1,1 +1,115 @@
-"""Dynamics under water: Pinocchio on the generated URDF, with the water added."""
+"""From the shipped URDF to an arm in the water: `load` and `robot_wrapper`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import choice, flag
+from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
+from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.hydrostatics import Displacement, displacements
+from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
+from alpha5_model.dynamics.states import vector
+from alpha5_model.files import read_named
+from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.jaws import GRIPPERS
+from alpha5_model.parameters import parameters
+from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+
+
+def load(
+    fluid_density: float = SEA_WATER,
+    gripper: str = "locked",
+    floating_base: bool = False,
+    gravity: ArrayLike = GRAVITY,
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+) -> Arm:
+    """The arm in a fluid, from the shipped URDF.
+
+    Args:
+        fluid_density: [kg/m^3]; ``SEA_WATER``, ``FRESH_WATER``, ``AIR`` or any other.
+        gripper: ``locked`` (4 joints) or ``jaws`` (adds axis_a, the jaw rod, which the fingers
+            follow).
+        floating_base: Puts base_link on Pinocchio's free-flyer joint, ``root_joint``.
+        gravity: In the world, (3,) [m/s^2]; the world is base_link if the base is fixed, so for a
+            tilted mount pass ``gravity_in_base(rotation)``.
+        corrections: Recorded corrections to the document. Other than the default ones, the URDF is
+            generated in memory.
+
+    Returns:
+        An arm, independent of every other one.
+
+    Raises:
+        InputError: A density below 0, or gravity that is not three finite numbers.
+        UnknownNameError: No such gripper or correction.
+    """
+    chosen = check_corrections(corrections)
+    choice("gripper", gripper, GRIPPERS)
+    g = vector("gravity", gravity, 3)
+    parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
+    tree = parsed.copy()
+    tree.gravity.linear = g
+    if mimics:
+        return JawArm(tree, displaced, fluid_density, mimics)
+    return Arm(tree, displaced, fluid_density)
+
+
+def robot_wrapper(
+    gripper: str = "locked",
+    floating_base: bool = False,
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+) -> Any:
+    """The arm with its meshes as Pinocchio's RobotWrapper, as example-robot-data returns robots.
+
+    Water is left out: see `load`. With ``gripper="jaws"`` the fingers are mimic joints.
+
+    Args:
+        gripper, floating_base, corrections: As in `load`.
+
+    Returns:
+        pin.RobotWrapper.
+
+    Raises:
+        UnknownNameError: No such gripper or correction.
+    """
+    from pinocchio.robot_wrapper import RobotWrapper
+
+    chosen = check_corrections(corrections)
+    choice("gripper", gripper, GRIPPERS)
+    text, folder = _urdf(gripper, chosen)
+    model = mimicking(*_parsed(gripper, flag("floating_base", floating_base), chosen)[:2])
+    collision, visual = (
+        pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
+        for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
+    )
+    return RobotWrapper(model, collision_model=collision, visual_model=visual)
+
+
+@cache
+def _parsed(
+    gripper: str, floating_base: bool, corrections: tuple[str, ...]
+) -> tuple[Any, tuple[UrdfJoint, ...], tuple[Displacement, ...]]:
+    """The URDF's tree with every joint free to move, which joints follow which, and the volumes."""
+    text, _ = _urdf(gripper, corrections)
+    root = [pin.JointModelFreeFlyer()] if floating_base else []
+    tree = pin.buildModelFromXML(text, *root)
+    mimics = tuple(j for j in parse_urdf(text).joints.values() if j.mimic is not None)
+    return tree, mimics, displacements(tree, parameters(corrections), gripper)
+
+
+def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:
+    """Text of the URDF, and the folder to which its mesh paths are relative."""
+    path = Path(JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH)
+    if corrections == DEFAULT_CORRECTIONS:
+        text = read_named(path, "the generated URDF (alpha5 generate)").decode()
+    else:
+        text = urdf(Variant(gripper=gripper, corrections=corrections))
+    return text, str(path.parent)

@@ -139,7 +139,7 @@ def analyse(
     from alpha5_model.dynamics.series import WaterTerms, frame_positions, torque_terms, water_terms
 
     if arm is None:
-        from alpha5_model.dynamics.loading import load
+        from alpha5_model.dynamics import load
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)

@@ -113,10 +113,9 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import ListedColormap
 
-    from alpha5_model.dynamics.collision import without_self_collision
-
     # Imported here because nothing else in this module needs Pinocchio.
-    from alpha5_model.dynamics.loading import load
+    from alpha5_model.dynamics import load
+    from alpha5_model.dynamics.collision import without_self_collision
 
     plane = arm_plane()
     side, up = (math.ceil(far / cell) for far in (plane.a_0 + plane.longest, plane.longest))
