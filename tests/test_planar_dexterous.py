@@ -318,6 +318,14 @@ def test_the_map_has_the_exact_area() -> None:
     assert limited.share[j, i] == pytest.approx(limited_brute_force(arm, point, 120))
 
 
+@pytest.mark.parametrize("kinds", ["RRR", "RPR", "PRR", "PPR", "RRRR"])
+def test_nothing_is_reached_where_squares_overflow(kinds: str) -> None:
+    limits = [(-1.0, 1.0)] * len(kinds)
+    arm = PlanarArm((2, 1, 1, 0.5)[: len(kinds)], limits, kinds, (0.5,) * len(kinds))
+    points = [[-1e300, 1e300], [1e160, 0], arm.forward_kinematics(np.zeros(len(kinds)))[:2]]
+    assert (dexterity(arm, points, orientations=36, samples=3) > 0).tolist() == [False, False, True]
+
+
 def test_negative_controls_of_the_map() -> None:
     arm = PlanarArm((5, 4, 1), [None, None, (-3, 3)])
     assert dexterity(arm, [20.0, 0.0]) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -389,6 +390,14 @@ def test_velocities_that_contradict_positions_are_reported() -> None:
     found = a5.trajectory.analyse(a5.trajectory.motion(m.time, m.position, wrong)).warnings
     assert [w.kind for w in found] == ["velocity"]
     assert "axis_c's velocities are 57.3 times" in str(found[0])
+
+
+@pytest.mark.parametrize("bad", [" ", "24", [24.0], np.zeros((2, 2)), np.zeros(0), abs, math.nan])
+def test_a_supply_or_a_limit_that_is_no_number_is_refused(bad: object) -> None:
+    m = planned(101)
+    for supply, limit in ((bad, 1.0), (24.0, bad), (bad, None), (None, bad)):
+        with pytest.raises(InputError, match="supply_voltage|current_limit"):
+            a5.trajectory.analyse(m, supply_voltage=supply, current_limit=limit)
 
 
 def test_what_does_not_fit_is_refused() -> None:

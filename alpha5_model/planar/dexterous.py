@@ -285,11 +285,12 @@ def dexterity(
     phi = np.arange(orientations) * (TURN / orientations)
     found = np.zeros((len(flat), orientations), dtype=bool)
     tail = arm.part(arm.n - 3)
-    wrist = flat[:, None, :] - arm.lengths[-1] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    near = np.abs(flat).max(axis=1) <= (1 + 1e-8) * arm.reach  # of others squares may overflow
+    wrist = flat[near, None, :] - arm.lengths[-1] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     for x, y, heading in _sampled_starts(arm, samples):
         c, s = math.cos(heading), math.sin(heading)
         local = (wrist - (x, y)) @ np.array([[c, -s], [s, c]])
-        found |= _three_joint_reach(tail, local, phi - heading)
+        found[near] |= _three_joint_reach(tail, local, phi - heading)
     return np.asarray(found.mean(axis=1).reshape(p.shape[:-1]))
 
 

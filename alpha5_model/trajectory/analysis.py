@@ -146,7 +146,7 @@ def analyse(
     drive = None
     if supply_voltage is not None and current_limit is not None:
         drive = supply_voltage, current_limit
-    elif supply_voltage != current_limit:
+    elif supply_voltage is not current_limit:  # one is None
         given = supply_voltage, current_limit
         raise InputError("supply_voltage and current_limit", given, "both or neither")
     by_joint = {name: actuator(name, constants) for name in motion.joints}
@@ -229,8 +229,8 @@ def _motor_side(
             out[..., k] = friction, current, *interval, voltage, voltage * current
             if drive is not None:
                 supply, limit = drive
+                moving = motor.torque_limits(v, supply, limit)  # checks both
                 most = min(limit, supply / motor.parameters.resistance)
-                moving = motor.torque_limits(v, supply, limit)
                 lower[:, k] = np.where(rest, motor.holding_torque(-most).lower, moving.lower)
                 upper[:, k] = np.where(rest, motor.holding_torque(most).upper, moving.upper)
     limits = None if drive is None else Interval(frozen(lower), frozen(upper))
