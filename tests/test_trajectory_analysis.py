@@ -396,7 +396,7 @@ def test_velocities_that_contradict_positions_are_reported() -> None:
 def test_a_supply_or_a_limit_that_is_no_number_is_refused(bad: object) -> None:
     m = planned(101)
     for supply, limit in ((bad, 1.0), (24.0, bad), (bad, None), (None, bad)):
-        with pytest.raises(InputError, match="supply_voltage|current_limit"):
+        with pytest.raises(InputError, match=r"supply_voltage|current_limit"):
             a5.trajectory.analyse(m, supply_voltage=supply, current_limit=limit)
 
 
