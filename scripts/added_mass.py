@@ -119,7 +119,10 @@ def solids() -> dict[str, Any]:
 
     def link_4(angle: float) -> Any:
         turn = transform(rotation_about((0.0, 0.0, 1.0), angle))
-        posed = (moved(drawn[name].solid, body.closed @ turn) for name, body in fingers.items())
+        posed = (
+            moved(drawn[name].solid, pose(body.origin, (body.roll, 0.0, 0.0)) @ turn)
+            for name, body in fingers.items()
+        )
         return union([wrist, *posed])
 
     return {
