@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import actuation, bodies, geometry, lecture
+from alpha5_model.consistency import actuation, bodies, geometry, lecture, moving_water
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -18,7 +18,7 @@ def audit() -> tuple[AuditRow, ...]:
     short, the figure that follows from its other numbers, what the rounding of printed digits
     allows, a verdict, and what the difference is worth. The rows judge the documents, not this
     package: a row that differs is a finding. Rows of the kind ``observation`` hold their
-    numbers against something that they do not claim.
+    numbers, or numbers that circulate beside them, against something that they do not claim.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.
@@ -26,4 +26,4 @@ def audit() -> tuple[AuditRow, ...]:
     printed, p = published(), parameters()
     topics = (geometry, bodies, actuation)
     rows = [row for topic in topics for row in topic.audit(printed, p)]
-    return (*rows, *lecture.audit(p))
+    return (*rows, *moving_water.audit(p), *lecture.audit(p))
