@@ -7,11 +7,11 @@ from functools import cache, lru_cache
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import FloatArray, choice
 from alpha5_model.comparison.reading import foot, last_digits, map_joints, rest_position
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
-from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.errors import InputError
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.inertia import combine, rotate_tensor
 from alpha5_model.parameters import parameters
@@ -95,6 +95,17 @@ class FourJointArm:
         """Torques that hold the weight in air, (..., 4) [N m]; arguments of `gravity_regressor`."""
         numbers = np.column_stack([self.mass, self.mass[:, None] * self.com])[1:]
         return np.asarray((self.gravity_regressor(q, gravity) * numbers).sum(axis=(-2, -1)))
+
+    def mass_matrix(self, q: FloatArray) -> FloatArray:
+        """Joint-space inertia, (..., 4, 4) [kg m^2], from the bodies' Jacobians at their COMs."""
+        poses, (points, axes) = self.poses(q)[..., 1:, :, :], self.axis_lines(q)
+        arms = moved(poses, self.com[1:])[..., None, :] - points[..., None, :, :]  # body, joint
+        turning = axes[..., None, :, :] * np.tril(np.ones((4, 4)))[..., None]
+        jacobian = np.concatenate([np.cross(turning, arms), turning], axis=-1)
+        tensors = rotate_tensor(poses[..., :3, :3], self.inertia[1:])
+        momenta = [self.mass[1:, None, None] * jacobian[..., :3], turning @ tensors]
+        per_body = np.concatenate(momenta, axis=-1) @ np.swapaxes(jacobian, -1, -2)
+        return np.asarray(per_body.sum(axis=-3))
 
 
 def chain_poses(placements: FloatArray, axes: FloatArray, q: FloatArray) -> FloatArray:
@@ -199,8 +210,8 @@ def reduce_robot(
             body[joint.child] = before
             pose[joint.child] = at @ joint.motion(rest_position(robot, joint))
     base_path, way = (paths[link] for link in (joints[0].parent, joints[-1].child))
-    if base is not None and base not in base_path:
-        raise UnknownNameError("link on the way to axis_e", base, base_path)
+    if base is not None:
+        choice("link on the way to axis_e", base, base_path)
     still = {name: paths[name] for name in robot.links if body[name] == 0}
     own = _own_base(robot, base_path, still, base)
     first = next((name for name in base_path if name in own), base_path[-1])

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import FloatArray, choice
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
 from alpha5_model.description.variants import expand_xacro
-from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.files import read_named
 from alpha5_model.parameters import parameters
 from alpha5_model.published.tables import JOINT_NAMES
@@ -202,10 +202,8 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
     """
     given = dict(names or {})
     for axis, name in given.items():
-        if axis not in AXES:
-            raise UnknownNameError("joint", axis, AXES)
-        if name not in robot.joints:
-            raise UnknownNameError("joint of the other model", name, robot.joints)
+        choice("joint", axis, AXES)
+        choice("joint of the other model", name, tuple(robot.joints))
         if robot.joints[name].kind not in TURNING:
             raise InputError("map", name, "a revolute joint")
         if twice := [other for other in given if other != axis and given[other] == name]:

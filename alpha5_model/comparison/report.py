@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, count
+from alpha5_model.checks import count
 from alpha5_model.comparison import reading
 from alpha5_model.comparison.alignment import (
     align,
@@ -109,7 +109,7 @@ def compare_robots(
     there, down = alignment.theirs(q), alignment.base[:3, :3].T @ DOWN
     gravity = written.gravity_torque(there, down) * alignment.sign - our_arm().gravity_torque(q)
     signs = np.outer(alignment.sign, alignment.sign)
-    inertias = _mass_matrices(written, there) * signs - _mass_matrices(our_arm(), q)
+    inertias = written.mass_matrix(there) * signs - our_arm().mass_matrix(q)
     tips = our_tips(q) - their_tips(written, alignment, q)
     found = [
         *geometry_findings(other, theirs, written, alignment, q),
@@ -177,19 +177,3 @@ def _remarks(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Ite
     for name in sorted({file for link in other.links.values() for file in link.files}):
         if folder and "://" not in name and not (folder / name).is_file():
             yield Finding(name, "mesh is not there", serious=False)
-
-
-def _mass_matrices(arm: FourJointArm, q: FloatArray) -> FloatArray:
-    """By Pinocchio, (N, 4, 4) [kg m^2], at its own angles q (N, 4)."""
-    import pinocchio as pin
-
-    model, parent = pin.Model(), 0
-    for i, joint in enumerate(arm.joints):
-        # an unaligned axis keeps whatever direction the file gives
-        kind, placement = pin.JointModelRevoluteUnaligned(arm.axes[i]), pin.SE3(arm.placements[i])
-        parent = model.addJoint(parent, kind, placement, joint.name)
-        body = pin.Inertia.Zero()  # filled by parts: the constructor refuses impossible tensors
-        body.mass, body.lever, body.inertia = arm.mass[i + 1], arm.com[i + 1], arm.inertia[i + 1]
-        model.appendBodyToJoint(parent, body, pin.SE3.Identity())
-    data = model.createData()
-    return np.array([pin.crba(model, data, row).copy() for row in q])
