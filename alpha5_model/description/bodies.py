@@ -20,7 +20,6 @@ from alpha5_model.checks import choice
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.jaws import GRIPPERS, JawBody, split_link_4
 from alpha5_model.meshing.collision_shapes import Primitive, collision_primitives
-from alpha5_model.meshing.formats import Material, material_of
 from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
 from alpha5_model.published import published
 from alpha5_model.published.tables import BODY_NAMES
@@ -45,15 +44,6 @@ class Placement:
     rpy: Triple = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Mesh:
-    """A visual mesh: file name without suffix, material, pose in the body."""
-
-    name: str
-    material: Material
-    placement: Placement
-
-
 @dataclass(frozen=True, eq=False)
 class Body(RigidBody):
     """One rigid body in the tree.
@@ -61,13 +51,13 @@ class Body(RigidBody):
     Attributes:
         placement: Parent body and pose in it, joint at zero.
         joint: About or along +z of the body; None for link_0, which is fixed in base_link.
-        meshes: What it looks like.
+        meshes: What it looks like: name of a mesh -> its pose in the body.
         shapes: What it collides with.
     """
 
     placement: Placement
     joint: JointRange | None
-    meshes: tuple[Mesh, ...]
+    meshes: dict[str, Placement]
     shapes: tuple[Primitive, ...]
 
     @property
@@ -106,13 +96,12 @@ def arm_bodies(
         drawn = {record.name: Placement(record.name)}
         if record.name == "link_4" and not moving:  # the closed fingers
             drawn |= {name: hinges[name] for name in ("finger_1", "finger_2")}
-        visible = {name: at for name, at in drawn.items() if name in there}
         bodies.append(
             Body(
                 **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
                 placement=placement,
                 joint=joint,
-                meshes=tuple(Mesh(name, material_of(name), at) for name, at in visible.items()),
+                meshes={name: at for name, at in drawn.items() if name in there},
                 shapes=shapes.get(record.name, ()),
             )
         )

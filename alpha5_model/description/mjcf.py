@@ -29,7 +29,7 @@ from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
-from alpha5_model.meshing.formats import MATERIALS
+from alpha5_model.meshing.formats import MATERIALS, material_of
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
 ACTUATORS = ("position", "velocity", "motor")
@@ -169,7 +169,7 @@ def _assets(root: ET.Element, bodies: tuple[Body, ...]) -> None:
     for material in MATERIALS:
         add(asset, "material", **vars(material))
     for mesh in chain(*(body.meshes for body in bodies)):
-        add(asset, "mesh", name=mesh.name, file=f"{mesh.name}.obj")
+        add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
 
 
 def _worldbody(
@@ -188,9 +188,9 @@ def _worldbody(
             add(element, "joint", name=joint.name, axis="0 0 1", type=kind, range=limits)
         moments, quat = _principal(body.inertia)
         add(element, "inertial", pos=body.com, quat=quat, mass=body.mass, diaginertia=moments)
-        for mesh in body.meshes:
-            look = {"mesh": mesh.name, "material": mesh.material.name}
-            add(element, "geom", "visual", **look, **_pose(mesh.placement))
+        for mesh, at in body.meshes.items():
+            look = {"mesh": mesh, "material": material_of(mesh).name}
+            add(element, "geom", "visual", **look, **_pose(at))
         for shape in body.shapes if options.collision == "primitives" else ():
             size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
             add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))

@@ -33,6 +33,7 @@ from alpha5_model.description.drag import damping
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, hydrodynamics
 from alpha5_model.jaws import GRIPPERS
+from alpha5_model.meshing.formats import material_of
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
 SDF_VERSION = "1.9"
@@ -183,12 +184,12 @@ def _link(model: ET.Element, body: Body, values: Alpha5Parameters, water: dict[s
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
         _fill(collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}})
-    for mesh in body.meshes:
+    for mesh, at in body.meshes.items():
         _fill(
-            add(link, "visual", name=mesh.name),
-            pose=_pose(mesh.placement),
-            geometry={"mesh": {"uri": f"meshes/{mesh.name}.obj"}},
-            material=dict.fromkeys(("ambient", "diffuse"), mesh.material.rgba),
+            add(link, "visual", name=mesh),
+            pose=_pose(at),
+            geometry={"mesh": {"uri": f"meshes/{mesh}.obj"}},
+            material=dict.fromkeys(("ambient", "diffuse"), material_of(mesh).rgba),
         )
 
 

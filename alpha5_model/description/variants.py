@@ -193,11 +193,9 @@ def expand_xacro(
             document = process(os.fspath(path), mappings=dict(arguments or {}))
     except Exception as error:
         raise FileFormatError(path, f"xacro: {' '.join(str(error).split())}") from None
-    for node in list(document.childNodes):
-        if node.nodeType == node.COMMENT_NODE:
-            document.removeChild(node)
-    text: str = document.toprettyxml(indent="  ")
-    return "\n".join(line for line in text.splitlines() if line.strip()) + "\n"
+    text: str = document.documentElement.toprettyxml(indent="  ")
+    lines = [line for line in text.splitlines() if line.strip()]
+    return "\n".join(['<?xml version="1.0" ?>', *lines, ""])
 
 
 @contextmanager

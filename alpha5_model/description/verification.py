@@ -2,7 +2,7 @@
 
 Every check reads the file anew and compares it with the printed tables by a second route: the numbers
 of the text with the printed digits, the frames that other tools compute with the product of Table 1's
-rows, written out here without the code that made the file. If a tool is not installed, its row says
+rows, which the code that made the file does not form. If a tool is not installed, its row says
 ``not run``, which does not count as passed.
 """
 
@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from alpha5_model.description.verification_text import (
     closed_jaws,
     jaw_limit_differences,
 )
+from alpha5_model.dh.link import dh_transform
 from alpha5_model.dh.urdf import urdf_model
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.parameters import Alpha5Parameters, parameters
@@ -181,7 +182,7 @@ def configurations(p: Alpha5Parameters, count: int) -> FloatArray:
 
 
 def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
-    """Poses in base_link of all frames, from Table 1 and Section 2, by elementary matrices.
+    """Poses in base_link of all frames, from Table 1 and Section 2, by the relative poses A_j.
 
     Args:
         p: Table 1 in SI units.
@@ -190,26 +191,13 @@ def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
     Returns:
         ``base_link``, ``link_0`` to ``link_4``, ``dh_1`` to ``dh_5`` and ``tcp`` -> (N, 4, 4).
     """
-
-    def elementary(angle: Any, axis: int, shift: tuple[float, float, float]) -> FloatArray:
-        angle = np.asarray(angle, dtype=np.float64)
-        i, j = ((1, 2), (2, 0), (0, 1))[axis]
-        out = np.zeros((*angle.shape, 4, 4))
-        out[..., range(4), range(4)] = 1.0
-        out[..., i, i] = out[..., j, j] = np.cos(angle)
-        out[..., j, i] = np.sin(angle)
-        out[..., i, j] = -out[..., j, i]
-        out[..., :3, 3] = shift
-        return out
-
     pose = np.broadcast_to(np.eye(4), (len(q), 4, 4))
-    frames = {"base_link": pose, "link_0": pose @ elementary(p.base_yaw, 2, (0, 0, 0))}
+    frames = {"base_link": pose, "link_0": pose @ dh_transform(p.base_yaw, 0, 0, 0)}
     for i, row in enumerate(p.dh):
         angle = row.theta_offset + (q[:, i] if row.variable else 0.0)
-        turned = pose @ elementary(angle, 2, (0, 0, 0))
-        if row.variable:
-            frames[f"link_{i + 1}"] = turned  # Section 2: after the rotation, before the rest
-        pose = turned @ elementary(0.0, 2, (0, 0, row.d)) @ elementary(row.alpha, 0, (row.a, 0, 0))
+        if row.variable:  # Section 2: after the rotation, before the rest
+            frames[f"link_{i + 1}"] = pose @ dh_transform(angle, 0, 0, 0)
+        pose = pose @ dh_transform(angle, row.d, row.a, row.alpha)
         frames[f"dh_{i + 1}"] = pose
     frames["tcp"] = pose
     return frames

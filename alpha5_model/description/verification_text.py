@@ -208,11 +208,8 @@ def closed_jaws(text: Subject) -> float | None:
         total += placed @ pseudo_inertia(body.mass, body.com, body.inertia) @ placed.T
     mass, com, tensor, _ = _table_2()[4]
     printed = pseudo_inertia(mass, com, tensor)
-    scale = np.zeros((4, 4))
-    scale[:3, :3] = np.abs(printed[:3, :3]).max()
-    scale[:3, 3] = scale[3, :3] = np.abs(printed[:3, 3]).max()
-    scale[3, 3] = printed[3, 3]
-    return float((np.abs(total - printed) / scale).max())
+    blocks = np.s_[:3, :3], np.s_[:3, 3], np.s_[3, 3]
+    return max(float(np.abs((total - printed)[b]).max() / np.abs(printed[b]).max()) for b in blocks)
 
 
 def jaw_limit_differences(text: Subject) -> list[str]:
