@@ -204,3 +204,35 @@ def test_a_floating_base_has_no_mount_to_load():
     q, v = np.zeros((1, 11)), np.zeros((1, 10))
     with pytest.raises(a5.errors.InputError, match="fixed base"):
         water_terms(arm, q, v, v, CURRENT)
+
+
+def readme_table() -> list[str]:
+    """Rows of README's table of loads: 20 000 poses and directions at random; loads go with the speed squared."""
+    rng = np.random.default_rng(0)
+    q, direction = rng.uniform(LOWER, UPPER, (20_000, 4)), rng.normal(size=(20_000, 3))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    arm, still, found = a5.load(), np.zeros_like(q), []
+    before = arm.inverse_dynamics_batch(q, still, still), arm.base_wrench_batch(q, still, still)
+    for level in LEVELS:
+        wet = arm.with_hydrodynamics(level=level)
+        tau = wet.inverse_dynamics_batch(q, still, still, current=direction) - before[0]
+        wrench = wet.base_wrench_batch(q, still, still, current=direction) - before[1]
+        sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
+        found.append(np.column_stack([sizes, np.abs(tau[:, :3])]))
+    low, nominal, high = np.median(found, axis=1)
+    most = np.max(found[1], axis=0)
+    rows = []
+    for speed in (0.25, 0.5, 0.75, 1.0, 1.25, 1.5):
+        cells = (
+            "{:.2g} ({:.2g}–{:.2g}), at most {:.2g}".format(*(speed**2 * x for x in figures))
+            for figures in zip(nominal, low, high, most, strict=True)
+        )
+        rows.append(f"| {speed:g} m/s | {' | '.join(cells)} |")
+    return rows
+
+
+def test_readmes_table_of_loads_is_the_strips():
+    text = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
+    assert [
+        row for row in text.splitlines() if row.startswith("| ") and " m/s | " in row
+    ] == readme_table()
