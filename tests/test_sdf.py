@@ -213,6 +213,9 @@ def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
         element = ET.fromstring(f"<v><pose>{origin.get('xyz')} {origin.get('rpy')}</pose></v>")
         name = Path(visual.find("geometry/mesh").get("filename")).stem
         np.testing.assert_allclose(shown.pop(name), pose(element), atol=1e-12)
+        colour = visual.find("material/color").get("rgba")
+        for light in ("ambient", "diffuse"):
+            assert root.findtext(f".//visual[@name='{name}']/material/{light}") == colour
     assert set(shown) == {f"link_{i}" for i in range(4)}
 
 
