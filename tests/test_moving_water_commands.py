@@ -15,7 +15,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.dynamics.series import water_terms
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.view import trajectory_plot
+from alpha5_model.view import current_plot, trajectory_plot
 
 CURRENT = (0.4, -0.7, 0.3)
 TEXT = " ".join(map(str, CURRENT))
@@ -204,6 +204,35 @@ def test_a_floating_base_has_no_mount_to_load():
     q, v = np.zeros((1, 11)), np.zeros((1, 10))
     with pytest.raises(a5.errors.InputError, match="fixed base"):
         water_terms(arm, q, v, v, CURRENT)
+
+
+def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
+    q, arm = (3.1, 1.2, 1.8, 0.4), a5.load()
+    page = current_plot.figure(arm, q, 0.8)
+    angles = page.axes[0].lines[0].get_xdata()
+    for i in (0, 11, 40, 72):
+        flow = 0.8 * np.array([np.cos(angles[i]), np.sin(angles[i]), 0.0])
+        for axes, kind in zip(page.axes, (1, 2), strict=True):
+            sizes = [np.linalg.norm(current_load.load(q, flow, level)[kind]) for level in range(3)]
+            assert axes.lines[0].get_ydata()[i] == pytest.approx(sizes[1], rel=1e-9)
+            corners = axes.collections[0].get_paths()[0].vertices
+            for end in (sizes[0], sizes[2]):
+                near = np.abs(corners - [angles[i], end]).max(axis=1)
+                assert near.min() < 1e-9
+    assert "estimated, not published" in page.get_suptitle()
+    path = tmp_path / "polar.svg"
+    words_given = ["--q", *words(q), "--current", "0.8 0 0", "--plot", str(path)]
+    assert torque(capsys, *words_given).endswith(f"wrote {path}\n")
+    assert path.stat().st_size > 5000
+
+
+@pytest.mark.parametrize("current", [[], ["--current", "0 0 0"]])
+def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
+    path = tmp_path / "polar.png"
+    assert main(["torque", "--q", "3", "1", "1", "0", *current, "--plot", str(path)]) == 2
+    out = capsys.readouterr()
+    assert "a --current that flows" in out.err
+    assert (out.out, path.exists()) == ("", False)
 
 
 def readme_table() -> list[str]:

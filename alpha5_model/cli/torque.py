@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -22,8 +23,11 @@ from alpha5_model.cli.options import (
 )
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.series import torque_terms, water_terms
+from alpha5_model.errors import InputError
+from alpha5_model.files import check_outputs
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
+from alpha5_model.view import current_plot, figures
 
 Four = tuple[float, float, float, float]
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
@@ -38,18 +42,31 @@ def torque(
     gravity: Gravity = "0 0 -9.81",
     current: Current = None,
     constants: Constants = "printed",
+    plot: Annotated[
+        Path | None,
+        Option(
+            help="Load on the mount over the direction of a level current as fast as --current, .png, .pdf or .svg."
+        ),
+    ] = None,
     as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
 
     Examples:
     alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
-    alpha5 torque --q 3.1 1.2 1.8 0 --current "0 1 0"
+    alpha5 torque --q 3.1 1.2 1.8 0 --current "0 1 0" --plot polar.png
     """
+    check_outputs((), plot=(plot, figures.FORMATS))
     unit = math.pi / 180.0 if degrees else 1.0
-    state = (tuple(unit * x for x in values) for values in (q, v, a))
-    result = _result(arm_in(fluid, gravity), constants, current_vector(current), *state)
-    show(as_json, result, _text(result))
+    state = [tuple(unit * x for x in values) for values in (q, v, a)]
+    arm, flow = arm_in(fluid, gravity), current_vector(current)
+    result = _result(arm, constants, flow, *state)
+    if plot is not None:
+        if not any(flow or ()):
+            raise InputError("plot", plot, "a --current that flows, with it")
+        page = current_plot.figure(arm, state[0], math.hypot(*(flow or ())))
+        figures.write_figure(page, plot, dpi=110)
+    show(as_json, result, _text(result), plot)
 
 
 def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
