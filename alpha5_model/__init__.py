@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from alpha5_model import dh as dh
     from alpha5_model import planar as planar
     from alpha5_model import trajectory as trajectory
-    from alpha5_model.comparison.report import compare as compare
+    from alpha5_model.comparison import compare as compare
     from alpha5_model.consistency import audit as audit
     from alpha5_model.description.srdf import named_pose as named_pose
     from alpha5_model.dynamics import load as load
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 #: Module -> the public names that it defines.
 _DEFINED = {
-    "comparison.report": ("compare",),
+    "comparison": ("compare",),
     "consistency": ("audit",),
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),

@@ -19,9 +19,9 @@ from hypothesis import strategies as st
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.comparison import compare, compare_robots
 from alpha5_model.comparison.arm import reduce_robot
 from alpha5_model.comparison.reading import map_joints
-from alpha5_model.comparison.report import compare, compare_robots
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError

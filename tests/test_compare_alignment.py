@@ -15,8 +15,8 @@ import reference
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+from alpha5_model.comparison import compare, compare_robots
 from alpha5_model.comparison.reading import find_chains, last_digits, meant_angle
-from alpha5_model.comparison.report import compare, compare_robots
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError

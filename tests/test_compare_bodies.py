@@ -13,9 +13,8 @@ import pytest
 import reference
 
 from alpha5_model.cli import main
-from alpha5_model.comparison import bodies
+from alpha5_model.comparison import bodies, compare_robots
 from alpha5_model.comparison.records import Finding
-from alpha5_model.comparison.report import compare_robots
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 import recordings
 
-from alpha5_model.comparison.report import compare
+from alpha5_model.comparison import compare
 
 MODELS = recordings.RECORDINGS / "models"
 HKOLANO = {f"axis_{axis}": f"r5m_joint{n}" for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)}

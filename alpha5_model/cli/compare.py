@@ -12,8 +12,8 @@ from rich.text import Text
 from typer import Argument, Option
 
 from alpha5_model.cli.options import Lines, show, spinner
+from alpha5_model.comparison import compare as run
 from alpha5_model.comparison.records import Comparison
-from alpha5_model.comparison.report import compare as run
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.view.figures import FORMATS, plot_comparison

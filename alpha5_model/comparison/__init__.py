@@ -1,1 +1,179 @@
-"""Another model of this arm held against ours: what differs, by how much, and why."""
+"""The comparison itself: both models measured at the same joint positions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from alpha5_model.checks import count
+from alpha5_model.comparison import reading
+from alpha5_model.comparison.alignment import (
+    align,
+    bodies_in_our_frames,
+    body_transforms,
+    their_tips,
+)
+from alpha5_model.comparison.arm import (
+    DOWN,
+    FourJointArm,
+    our_arm,
+    our_tips,
+    random_positions,
+    reduce_robot,
+)
+from alpha5_model.comparison.bodies import body_findings
+from alpha5_model.comparison.geometry import geometry_findings
+from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
+from alpha5_model.description.urdf_reading import UrdfRobot
+from alpha5_model.parameters import parameters
+
+#: Shapes of axes that lie farther apart than this are not the same arm's: a third of the upper arm.
+#: A model of this arm with an offset on the wrong side comes to 40 mm at most.
+OTHER_ARM = 0.05  # [m]
+SAME_SHAPE = 0.005  # [m]
+#: The numbers of `reading.Chain.shape`: four distances, three angles.
+SHAPE = (
+    *(f"{axis} from {before}" for before, axis in pairwise(reading.AXES)),
+    "the elbow out of the arm's plane",
+    *(f"{axis} to {before}" for before, axis in pairwise(reading.AXES)),
+)
+#: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
+VOLUME_TOLERANCE = 5e-3
+
+
+def compare(
+    path: str | Path,
+    joints: Mapping[str, str] | None = None,
+    samples: int = 500,
+    base: str | None = None,
+    packages: Mapping[str, str] | None = None,
+    arguments: Mapping[str, str] | None = None,
+) -> Comparison:
+    """Compare another model of this arm with ours.
+
+    The arm is found by the shape of its axes, the bases are aligned by the joint axes, every other
+    joint is frozen with the jaws closed, what carries the arm is left out, and each body is
+    compared in our link frame with the tables.
+
+    Args:
+        path: A URDF, or a xacro file that makes one. Meshes need not be there.
+        joints: Our joint name -> theirs, for those that cannot be found by axes and names.
+        samples: Random configurations for the kinematic and dynamic errors.
+        base: The first link of the arm, if something carries it; found by its mass if None.
+        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder.
+        arguments: Of a xacro file: values of its arguments, as text.
+
+    Returns:
+        The comparison; ``agrees`` and ``verdict`` say how it ends. Another arm is no error: the
+        verdict says that it is not a Reach Alpha 5, and why.
+
+    Raises:
+        MissingFileError, FileFormatError: The file cannot be read; the message says where.
+        UnknownNameError, InputError: A joint or link is not there, or the joints cannot be mapped.
+    """
+    other = reading.read_model(path, packages, arguments)
+    return compare_robots(other, joints, samples, Path(path).parent, base)
+
+
+def compare_robots(
+    other: UrdfRobot,
+    names: Mapping[str, str] | None = None,
+    samples: int = 500,
+    folder: Path | None = None,
+    base: str | None = None,
+) -> Comparison:
+    """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
+    q, meant = random_positions(count("samples", samples)), reading.as_meant(other)
+    chains = reading.find_chains(meant, names)
+    if not chains or not _is_ours(chains[0]):
+        return Comparison(other.name, (_another_arm(other, chains),))
+    mapped = chains[0].joints
+    theirs = reduce_robot(meant, mapped, base)
+    alignment = align(theirs)
+    way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
+    if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
+        # What stands before our base_link carries it, even if it weighs nothing.
+        base = alignment.base_link
+        theirs = reduce_robot(meant, mapped, base)
+    written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
+    com, inertia = bodies_in_our_frames(theirs, alignment)
+    exact = bodies_in_our_frames(theirs, alignment.exact or alignment)[0]
+    ours, slack = parameters().links, np.linalg.norm(exact - com, axis=1).tolist()
+    columns = (theirs.links, theirs.mass.tolist(), com, inertia, ours, slack)
+    bodies = tuple(map(BodyDifference, [link.name for link in ours], *columns))
+    # Gravity points down in our base frame, wherever the other root stands.
+    there, down = alignment.theirs(q), alignment.base[:3, :3].T @ DOWN
+    gravity = written.gravity_torque(there, down) * alignment.sign - our_arm().gravity_torque(q)
+    signs = np.outer(alignment.sign, alignment.sign)
+    inertias = written.mass_matrix(there) * signs - our_arm().mass_matrix(q)
+    tips = our_tips(q) - their_tips(written, alignment, q)
+    found = [
+        *geometry_findings(other, theirs, written, alignment, q),
+        *body_findings(other, theirs, body_transforms(theirs, alignment), bodies, q),
+        *_remarks(other, theirs, folder),
+    ]
+    found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
+    return Comparison(
+        name=other.name,
+        findings=(*found, *_other_arms(chains)),
+        joints=dict(zip(reading.AXES, chains[0].names, strict=True)),
+        alignment=alignment,
+        bodies=bodies,
+        tip_error=float(np.linalg.norm(tips, axis=1).max()),
+        gravity_error=np.abs(gravity).max(axis=0),
+        mass_matrix_error=float(np.abs(inertias).max()),
+        volume=theirs.volume or math.nan,
+        carried={name: other.links[name].mass or 0.0 for name in theirs.carried},
+    )
+
+
+def _is_ours(chain: reading.Chain) -> bool:
+    """If more joints follow, as on many arms, the shape has to be just this one."""
+    return chain.misfit <= (OTHER_ARM if chain.following < 2 else SAME_SHAPE)
+
+
+def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
+    """Why a model is not of this arm."""
+    turning = sum(j.kind in reading.TURNING and j.mimic is None for j in other.joints.values())
+    why = f"no four joints turn one after another, as its four do ({turning} turning joints in all)"
+    if chains:
+        names, off = ", ".join(chains[0].names), chains[0].differences
+        scale, units = (np.repeat(x, (4, 3)) for x in ([1e3, 180 / math.pi], ["mm", "deg"]))
+        rows = zip(SHAPE, chains[0].shape * scale, reading.our_shape() * scale, units, strict=True)
+        texts = [f"{words} {a:.0f} {unit} (ours {b:.0f})" for words, a, b, unit in rows]
+        worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
+        why = f"of its {turning} turning joints {names} come closest, with {worst}"
+    return Finding("arm", f"This is not a Reach Alpha 5: {why}.")
+
+
+def _other_arms(chains: list[reading.Chain]) -> Iterator[Finding]:
+    """Further chains of the shape of this arm, such as a second arm on the vehicle."""
+    for chain in chains[1:]:
+        if _is_ours(chain) and set(chain.names).isdisjoint(chains[0].names):
+            mapping = ",".join(f"{a}={n}" for a, n in zip(reading.AXES, chain.names, strict=True))
+            text = f"another arm of this shape is there: compare it with --map {mapping}"
+            yield Finding("arm", text, serious=False)
+
+
+def _remarks(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
+    """What does not count, or is missing, in its collision shapes and files."""
+    links = [other.links[name] for names in theirs.links for name in names]
+    if meshes := sum(len(link.meshes) for link in links):
+        text = f"{meshes} collision meshes: their volume is not counted"
+        yield Finding("volume", text, serious=False)
+    # Our own collision shapes enclose the bodies and are not meant to displace water.
+    printed, enclosing = sum(link.volume for link in parameters().links), our_arm().volume
+    known = [abs(theirs.volume - v) <= VOLUME_TOLERANCE * printed for v in (printed, enclosing)]
+    if theirs.volume and not any(known):
+        text = (
+            f"collision primitives sum to {theirs.volume * 1e3:.3f} L, the arm displaces "
+            f"{printed * 1e3:.3f} L: wrong buoyancy in a tool that takes it from them"
+        )
+        yield Finding("volume", text, serious=False)
+    for name in sorted({file for link in other.links.values() for file in link.files}):
+        if folder and "://" not in name and not (folder / name).is_file():
+            yield Finding(name, "mesh is not there", serious=False)
