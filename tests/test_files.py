@@ -319,6 +319,10 @@ COMMANDS = {
     "demo": (["demo"], {}),  # its folder is not read
     "planar": (["planar", "2", "1"], {"--plot": ".png"}),
     "workspace": (["workspace"], {"--plot": ".png"}),
+    "torque": (
+        ["torque", "--q", "3", "1", "1", "0", "--current", "1 0 0"],
+        {"--plot": ".png"},
+    ),
 }
 
 
