@@ -51,10 +51,9 @@ def generated_files() -> dict[str, bytes]:
         "urdf/alpha5.srdf": srdf(),
         "urdf/alpha5_jaws.srdf": srdf("jaws"),
     }
-    return {
-        **{path: text.encode("utf-8") for path, text in texts.items()},
-        **{f"meshes/{n}": content for n, content in (mesh_files() if can_draw() else {}).items()},
-    }
+    drawn = mesh_files() if can_draw() else {}
+    meshes = {f"meshes/{name}": content for name, content in drawn.items()}
+    return {path: text.encode("utf-8") for path, text in texts.items()} | meshes
 
 
 def can_draw() -> bool:
@@ -83,8 +82,7 @@ def stale_files(
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     """Write the generated files into the repository; returns the paths that changed."""
     fresh = generated_files()
-    stale = stale_files(repository, fresh)
-    changed = {Path(repository) / file.path: fresh[file.path] for file in stale}
+    changed = {Path(repository, s.path): fresh[s.path] for s in stale_files(repository, fresh)}
     atomic_write_all(changed)
     return list(changed)
 

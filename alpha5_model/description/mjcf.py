@@ -18,7 +18,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Value, add, document, serialized, template, text_of
+from alpha5_model.description import Value, add, document, serialized, template
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
 from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.drag import ellipsoids
@@ -127,16 +127,14 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     root = document(values, "mujoco", model="alpha5")
     # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
     add(root, "compiler", angle="radian", eulerseq="XYZ", autolimits="true", meshdir="assets")
-    option = add(root, "option", integrator="implicitfast", gravity=GRAVITY)
+    fluid: dict[str, Value] = {}
     if chosen.drag:
-        comment = ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. ")
-        root.insert(len(root) - 1, comment)
-        option.set("density", text_of(chosen.fluid_density))
-        option.set("viscosity", text_of(VISCOSITY))
+        root.append(ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. "))
+        fluid = {"density": chosen.fluid_density, "viscosity": VISCOSITY}
     if chosen.hydrodynamics:
-        comment = ET.Comment(" Density: drag of the strips, estimated, not published. ")
-        root.insert(len(root) - 1, comment)
-        option.set("density", text_of(chosen.fluid_density))
+        root.append(ET.Comment(" Density: drag of the strips, estimated, not published. "))
+        fluid = {"density": chosen.fluid_density}
+    add(root, "option", integrator="implicitfast", gravity=GRAVITY, **fluid)
     _defaults(root)
     _assets(root, bodies)
     _worldbody(root, values, bodies, chosen)
@@ -240,17 +238,17 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
         if isinstance(joint, FingerJoint):
             continue
         limits, effort = (joint.lower, joint.upper), (-joint.effort, joint.effort)
-        common: dict[str, Value] = {"name": joint.name, "joint": joint.name}
-        if kind == "motor":
-            add(actuator, "motor", **common, ctrlrange=effort)
-            continue
-        common |= {"kp": _STIFFNESS[joint.name], "forcerange": effort}
-        common |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
-        if kind == "position":
-            add(actuator, "position", **common, ctrlrange=limits)
-        else:  # a position servo whose target moves at the speed asked for: it holds against weight
-            speeds = (-joint.velocity, joint.velocity)
-            add(actuator, "intvelocity", **common, ctrlrange=speeds, actrange=limits)
+        speeds = (-joint.velocity, joint.velocity)
+        servo: dict[str, Value] = {"kp": _STIFFNESS[joint.name], "forcerange": effort}
+        servo |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
+        kinds: dict[str, tuple[str, dict[str, Value]]] = {
+            "motor": ("motor", {"ctrlrange": effort}),
+            "position": ("position", {**servo, "ctrlrange": limits}),
+            # A position servo whose target moves at the speed asked for: it holds against weight.
+            "velocity": ("intvelocity", {**servo, "ctrlrange": speeds, "actrange": limits}),
+        }
+        tag, attributes = kinds[kind]
+        add(actuator, tag, name=joint.name, joint=joint.name, **attributes)
 
 
 def _keyframes(root: ET.Element, joints: list[JointRange], kind: str) -> None:

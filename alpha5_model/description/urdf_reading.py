@@ -323,21 +323,19 @@ class _Reader:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")
             axis = axis / length
         limit, mimic, origin = (element.find(tag) for tag in ("limit", "mimic", "origin"))
-        limits: dict[str, Any] = {}
+        more: dict[str, Any] = {}
         if limit is not None:
             for key in LIMITS[2 if kind == "continuous" else 0 :]:
                 if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):
-                    limits[key] = self.number(limit, key)
-        follower: dict[str, Any] = {}
+                    more[key] = self.number(limit, key)
         if mimic is not None:
             factors = (key for key in ("multiplier", "offset") if key in mimic.attrib)
-            follower = {key: self.number(mimic, key) for key in factors}
-            follower["mimic"] = self.attribute(mimic, "joint")
-        (parent, child), placed = ends, self.pose(element)
-        texts = ("", "") if origin is None else (origin.get("xyz", ""), origin.get("rpy", ""))
-        return UrdfJoint(
-            name, kind, parent, child, placed, axis, **limits, **follower, printed=texts
-        )
+            more |= {key: self.number(mimic, key) for key in factors}
+            more["mimic"] = self.attribute(mimic, "joint")
+        if origin is not None:
+            more["printed"] = (origin.get("xyz", ""), origin.get("rpy", ""))
+        parent, child = ends
+        return UrdfJoint(name, kind, parent, child, self.pose(element), axis, **more)
 
 
 def _volume(kind: str, *size: float) -> float:

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import LIMITS, UrdfJoint, UrdfRobot, read_urdf
 from alpha5_model.inertia import inconsistencies, pseudo_inertia
-from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.parameters import Alpha5Parameters, in_si
 from alpha5_model.published import published
 from alpha5_model.published.tables import BODY_NAMES
 
@@ -68,11 +68,8 @@ def _table_2() -> tuple[tuple[float, list[float], FloatArray, FloatArray], ...]:
     """
     rows = []
     for row in published().table_2.rows:
-        at_com, at_link = (
-            np.array([[x.si for x in line] for line in tensor])
-            for tensor in (row.inertia_com, row.inertia_link)
-        )
-        rows.append((row.mass.si, [c.si for c in row.com], _opposite_products(at_com), at_link))
+        at_com, at_link = np.array(in_si((row.inertia_com, row.inertia_link)))
+        rows.append((row.mass.si, in_si(row.com), _opposite_products(at_com), at_link))
     return tuple(rows)
 
 
@@ -136,10 +133,7 @@ def _inertial_differences(text: Subject) -> list[str]:
 
 def _usual_mistake(given: FloatArray, tensor: FloatArray, at_link: FloatArray) -> str:
     """The two mistakes that public models make, by name."""
-
-    def alike(a: FloatArray, b: FloatArray) -> bool:
-        return np.allclose(a, b, rtol=1e-3, atol=1e-12)
-
+    alike = partial(np.allclose, rtol=1e-3, atol=1e-12)
     if alike(given, _opposite_products(tensor)):
         return " (products of inertia with SolidWorks' sign)"
     return " (it is I_Link)" if alike(np.abs(given), np.abs(at_link)) else ""
