@@ -209,6 +209,28 @@ def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
     assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() == 0
 
 
+def test_the_current_has_an_arrow_and_is_in_the_torques(page: Tab, arm: a5.Arm) -> None:
+    """Off it is not there; on, what holds a joint includes the load that Pinocchio's route finds."""
+    wet, rng = arm.with_hydrodynamics((1.0, 0.0, 0.0)), np.random.default_rng(5)
+    lower, upper = ([getattr(j, end) for j in a5.parameters().joints] for end in ("lower", "upper"))
+    for _ in range(3):
+        q = rng.uniform(lower, upper)
+        page.run("(q) => alpha5.setPose(q)", q.tolist())
+        for groups, load in (((), np.zeros(5)), (("current",), wet.current_load(q)[0])):
+            only(page, "bodies", *groups)
+            shown = page.run(
+                "() => [...document.querySelectorAll('#joints .torque')].map((e) => Number(e.dataset.value))"
+            )
+            expected = arm.hydrostatic_torque(q) + load
+            np.testing.assert_allclose(shown[:4], expected[:4], atol=1e-6)
+    only(page, "bodies")
+    before = page.pixels()
+    page.page.locator("#groups input[name='current']").click()
+    assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() > 200
+    page.page.locator("#groups input[name='current']").click()
+    assert (np.abs(page.pixels() - before).max(axis=2) > 10).sum() == 0
+
+
 def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
     page.settle()
     found = page.run(

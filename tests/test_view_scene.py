@@ -166,6 +166,35 @@ def test_forces_follow_a_tilted_mount() -> None:
     np.testing.assert_allclose(tip, ARROW_SCALE * sum(MASS) * gravity, atol=1e-9)
 
 
+def test_a_current_that_is_given_is_shown_to_scale() -> None:
+    arm = a5.load()
+    assert "current" not in build_scene(arm).show
+    scene = build_scene(arm, current=(0.3, -0.4, 0.0))
+    assert "current" in scene.show
+    (shape,) = (s for s in scene.shapes if s.group == "current")
+    tip = shape.mesh.vertices[np.argmax(shape.mesh.vertices @ [0.3, -0.4, 0.0])]
+    np.testing.assert_allclose(tip, 0.12 * np.array([0.3, -0.4, 0.0]), atol=1e-9)
+    (label,) = (one for one in scene.labels if one.group == "current")
+    assert label.text == "current 0.5 m/s, load estimated"
+    still = build_scene(arm, current=(0.0, 0.0, 0.0))
+    assert [s.name for s in still.shapes if s.group == "current"] == ["arrow"]
+
+
+def test_streams_are_the_strips_load_of_a_current() -> None:
+    """Force on the mount from the numbers that the page gets, against the dynamics."""
+    arm, flow = a5.load(), np.array([0.3, -0.4, 0.6])
+    scene, total = build_scene(arm, current=flow), np.zeros(3)
+    for stream in scene.streams:
+        for _, axis, across, along in stream.strips:
+            line = scene.poses[stream.link][:3, :3] @ axis
+            parallel = (flow @ line) * line
+            normal = flow - parallel
+            total += across * np.linalg.norm(normal) * normal
+            total += along * np.linalg.norm(parallel) * parallel
+    load = arm.with_hydrodynamics(flow).current_load(scene.q)[1]
+    np.testing.assert_allclose(total, load[:3], atol=1e-12)
+
+
 def test_every_group_has_something_and_names_are_unique() -> None:
     arm = a5.load(gripper="jaws")
     scene = build_scene(arm, target=[0.06, 0.05, 0.36])

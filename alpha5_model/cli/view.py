@@ -11,7 +11,15 @@ from typing import Annotated
 
 from typer import Option, echo
 
-from alpha5_model.cli.options import Fluid, arm_in, messages_beside, names, print_written, triple
+from alpha5_model.cli.options import (
+    Fluid,
+    arm_in,
+    current_vector,
+    messages_beside,
+    names,
+    print_written,
+    triple,
+)
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
@@ -34,11 +42,17 @@ def view(
         str | None,
         Option(
             help="Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
-            "buoyancy, workspace, surface, ghosts, collision."
+            "buoyancy, workspace, surface, ghosts, collision, current."
         ),
     ] = None,
     gripper: Annotated[str, Option(help="locked or jaws.")] = "jaws",
     fluid: Fluid = "sea",
+    current: Annotated[
+        str | None,
+        Option(
+            help="Velocity of the water (m/s): an arrow, and its estimated load in the torques."
+        ),
+    ] = None,
     html: Annotated[
         Path | None, Option(help="Write one page that works from disk, and end.")
     ] = None,
@@ -63,6 +77,7 @@ def view(
         target=None if target is None else triple("target", target),
         motion=None if motion is None else read_motion(motion),
         show=None if show is None else names(show),
+        current=current_vector(current),
     )
     if html is None and image is None and not serve and not _has_display():
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"

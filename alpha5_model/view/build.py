@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice, shaped
+from alpha5_model.checks import FloatArray, bounded, choice, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
+from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
 from alpha5_model.view import scene
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
-from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape
+from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Stream
 from alpha5_model.view.shapes import arrow, ball, drawn, triad
 from alpha5_model.view.workspace_plot import workspace_shapes
 
@@ -29,10 +30,15 @@ if TYPE_CHECKING:
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = 0.015
+#: Of the current's arrow per speed [s].
+CURRENT_SCALE = 0.12
+#: Current that a page offers if none is given [m/s].
+_FLOW = (1.0, 0.0, 0.0)
 #: Length of the axes of a frame [m].
 _AXES = 0.05
 _YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
 _BLUE, _WHITE, _ORANGE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97), (0.95, 0.55, 0.1)
+_TEAL = (0.0, 0.5, 0.55)
 _RED, _SKY, _PINK = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86), (0.85, 0.1, 0.5)
 #: Kinds of centre: the attributes of `Load` for the point, its weight in the mean and its force;
 #: text of the label; colours of the centre, label and arrow; 1 along gravity, -1 against it.
@@ -54,6 +60,7 @@ def build_scene(
     target: ArrayLike | None = None,
     motion: Motion | None = None,
     show: Iterable[str] | None = None,
+    current: ArrayLike | None = None,
 ) -> Scene:
     """Build the scene of an arm.
 
@@ -63,7 +70,9 @@ def build_scene(
         target: Position, (3,) [m]; every solution of its inverse kinematics is shown as a ghost.
         motion: Played in real time.
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on. If
-            None: bodies, labels, centres, and the ghosts if there is a target.
+            None: bodies, labels, centres, the ghosts if there is a target, the current if it is given.
+        current: Velocity of the water in the world, (3,) [m/s]; 1 m/s along x if None. Where it is shown, its
+            nominal load, which is estimated, is in the page's torques.
 
     Raises:
         InputError: Joint positions or a target that do not fit (`ShapeError`, `NonFiniteError`).
@@ -74,9 +83,11 @@ def build_scene(
     tree, sliders, named = tree_of(arm, text), arm.joint_names, named_poses(arm)
     position = shaped("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
+    flow = bounded("current", shaped("current", _FLOW if current is None else current, (3,)))
     loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
     if show is None:
-        show = scene.DEFAULT_SHOW if target is None else (*scene.DEFAULT_SHOW, "ghosts")
+        given = {"ghosts": target, "current": current}
+        show = (*scene.DEFAULT_SHOW, *(name for name, value in given.items() if value is not None))
     shown = tuple(choice("group", group, tuple(scene.GROUPS)) for group in show)
     bodies = list(_bodies(text, folder))
     things: list[Shape | Label] = [
@@ -85,6 +96,7 @@ def build_scene(
         *_centers(gravity, loads),
         *_collision(text, folder),
         *workspace_shapes(),
+        *_current(flow),
     ]
     if target is not None:
         things += _ghosts(arm, tree, bodies, position, shaped("target", target, (3,)))
@@ -105,6 +117,8 @@ def build_scene(
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
         gravity=gravity,
+        current=flow,
+        streams=_streams(arm),
         camera=scene.framing(shapes, poses, shown),
         show=shown,
         named_poses=named,
@@ -182,6 +196,37 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
             yield Shape(force, name, at, mesh, (r, g, b), on_top=1)
             if whole:
                 yield Label(force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b))
+
+
+def _current(flow: FloatArray) -> Iterator[Shape | Label]:
+    """An arrow beside the base along the current."""
+    tip, at = CURRENT_SCALE * flow, Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
+    speed = float(np.linalg.norm(flow))
+    yield Shape(
+        "current",
+        "arrow",
+        at,
+        arrow(tip, 0.004) if speed else _ball(0.004, _TEAL, _TEAL),
+        _TEAL,
+        on_top=1,
+    )
+    yield Label("current", f"current {speed:.3g} m/s, load estimated", at, _TEAL)
+
+
+def _streams(arm: Arm) -> tuple[Stream, ...]:
+    """What a current does to each link, at the arm's fluid density."""
+    streams = []
+    density = arm.fluid_density
+    for link, water in hydrodynamics("jaws" if "axis_a" in arm.joint_names else "locked").items():
+        strips = []
+        for s in water.strips:
+            line = s.end - s.start
+            length = float(np.linalg.norm(line))
+            face = density / 2 * s.diameter * length
+            strips.append(((s.start + s.end) / 2, line / length, face * s.across, face * s.along))
+        added = water.added_mass[:3, :3] * (density / WATER_DENSITY)
+        streams.append(Stream(link, tuple(strips), added))
+    return tuple(streams)
 
 
 def _ghosts(

@@ -81,7 +81,27 @@ const alpha5 = (() => {
       const cob = vector(load.cob).applyMatrix4(poses[load.link]).sub(origin);
       torque -= com.cross(down).dot(axis) * load.weight - cob.cross(down).dot(axis) * load.buoyancy;
     }
-    return torque;
+    return shown.current ? torque - drag(joint, origin, axis) : torque;
+  }
+  // A steady current on links at rest: drag of their strips, and the Munk moment of their added mass.
+  function drag(joint, origin, axis) {
+    const flow = vector(data.current);
+    const total = new THREE.Vector3();
+    for (const stream of data.streams) {
+      if (!carried[joint.child].includes(stream.link)) continue;
+      const turn = new THREE.Matrix3().setFromMatrix4(poses[stream.link]);
+      for (const [middle, direction, across, along] of stream.strips) {
+        const line = vector(direction).applyMatrix3(turn);
+        const parallel = line.clone().multiplyScalar(flow.dot(line));
+        const normal = flow.clone().sub(parallel);
+        const force = normal.multiplyScalar(across * normal.length()).addScaledVector(parallel, along * parallel.length());
+        total.add(vector(middle).applyMatrix4(poses[stream.link]).sub(origin).cross(force));
+      }
+      const local = flow.clone().applyMatrix3(turn.clone().transpose());
+      const momentum = vector(stream.added_mass.map((row) => vector(row).dot(local)));
+      total.sub(local.cross(momentum).applyMatrix3(turn));
+    }
+    return total.dot(axis);
   }
 
   // ---- drawing
@@ -117,6 +137,7 @@ const alpha5 = (() => {
     else if (name !== "labels") viewer.set_property(split(`/meshcat/alpha5/${name}`), "visible", on);
     const box = document.querySelector(`#groups input[name="${name}"]`);
     if (box) box.checked = on;
+    if (name === "current" && poses.base_link) refresh();
     viewer.set_dirty();
   }
   function seeThrough(on) {
@@ -188,7 +209,7 @@ const alpha5 = (() => {
     button.textContent = name;
     button.onclick = () => { pause(); setPose(data.poses[name]); };
   }
-  const dots = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80" };
+  const dots = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c" };
   for (const group of data.groups) {
     const label = byId("groups").appendChild(document.createElement("label"));
     const box = label.appendChild(document.createElement("input"));

@@ -24,7 +24,17 @@ from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Mean, Rigid, Sce
 #: meshcat's viewer in its package.
 _VIEWER = "viewer/dist/main.min.js"
 #: Fields of a scene that go to the page unchanged.
-_AS_IT_STANDS = ("title", "notes", "sliders", "labels", "loads", "gravity", "camera")
+_AS_IT_STANDS = (
+    "title",
+    "notes",
+    "sliders",
+    "labels",
+    "loads",
+    "gravity",
+    "current",
+    "streams",
+    "camera",
+)
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
 #: MessagePack extension codes by which meshcat sends typed arrays.

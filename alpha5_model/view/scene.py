@@ -31,6 +31,7 @@ GROUPS: dict[str, str] = {
     "surface": "Reach, surface",
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
+    "current": "Current (estimated)",
 }
 #: Groups of shapes; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
@@ -157,6 +158,21 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False)
+class Stream:
+    """What a steady current does to one link at rest; estimated.
+
+    Attributes:
+        link: Its name.
+        strips: Middle and axis, (3,) each in the link's frame, resistance across and along [N s^2/m^2].
+        added_mass: Of its translations, (3, 3) [kg].
+    """
+
+    link: str
+    strips: tuple[tuple[FloatArray, FloatArray, float, float], ...]
+    added_mass: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A perspective camera.
 
@@ -209,6 +225,7 @@ class Scene:
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
+        current, streams: Velocity of the water, (3,) [m/s], and what it does to the links.
     """
 
     title: str
@@ -225,6 +242,8 @@ class Scene:
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
+    current: FloatArray = field(default_factory=lambda: np.zeros(3))
+    streams: tuple[Stream, ...] = ()
 
 
 def framing(
