@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -45,24 +45,8 @@ def damping(strips: Iterable[DragStrip], density: float) -> FloatArray:
     return out
 
 
-@dataclass(frozen=True, eq=False)
-class Ellipsoid:
-    """An ellipsoid of revolution that the fluid of MuJoCo acts on.
-
-    Attributes:
-        start, end: Ends of its axis, (3,) [m].
-        radius: [m]; not the body's.
-        coefficients: ``fluidcoef``: blunt, slender, angular drag, Kutta and Magnus lift.
-    """
-
-    start: FloatArray
-    end: FloatArray
-    radius: float
-    coefficients: tuple[float, float, float, float, float]
-
-
-def ellipsoids(strip: DragStrip) -> Iterator[Ellipsoid]:
-    """What drags in MuJoCo as a strip does: a flat ellipsoid and a needle on each of its pieces.
+def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Any]]:
+    """Geoms that drag in MuJoCo as a strip does: a flat ellipsoid and a needle on each of its pieces.
 
     At an angle x to the axis MuJoCo takes for the shadow of an ellipsoid with half axes k r, r, r
     ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k = 0.8 its slender drag goes within 0.04 like the
@@ -76,9 +60,10 @@ def ellipsoids(strip: DragStrip) -> Iterator[Ellipsoid]:
         share = strip.diameter * length / 2 / (np.pi * radius**2)
         blunt, slender = strip.along, (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
         short = 2 * _FLATNESS * _FLAT_RADIUS * half
-        yield Ellipsoid(
-            middle - short, middle + short, radius, (share * blunt, share * slender, 0.0, 0.0, 0.0)
-        )
+        flat = np.concatenate([middle - short, middle + short])
+        drag = share * blunt, share * slender, 0.0, 0.0, 0.0
+        yield {"fromto": flat, "size": radius, "fluidcoef": drag}
         share = strip.diameter / (np.pi * needle)
         turning, lift = 15 / 32 * strip.across, _LIFT * (strip.across - strip.along)
-        yield Ellipsoid(start, end, needle, (0.0, 0.0, share * turning, share * lift, 0.0))
+        turn = 0.0, 0.0, share * turning, share * lift, 0.0
+        yield {"fromto": np.concatenate([start, end]), "size": needle, "fluidcoef": turn}

@@ -193,8 +193,7 @@ def _worldbody(
             size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
             add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))
         for piece in chain(*map(ellipsoids, water[body.name].strips if body.name in water else ())):
-            ends, drag = (*piece.start, *piece.end), piece.coefficients
-            add(element, "geom", "strip", fromto=ends, size=piece.radius, fluidcoef=drag)
+            add(element, "geom", "strip", **piece)
         if water and body.name not in water:
             add(element, "geom", "no_drag")
         if body.volume > 0:
