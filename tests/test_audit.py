@@ -338,6 +338,7 @@ def test_link_3s_cob_is_outside(rows: dict[str, AuditRow]) -> None:
 def test_densities(rows: dict[str, AuditRow]) -> None:
     for i in range(5):
         row = rows[f"density.link_{i}"]
+        assert row.expected == 2.7  # aluminium
         assert row.measured == pytest.approx(reference.MASS[i] / reference.VOLUME[i])
         assert row.verdict == ("differs" if i in (1, 3) else "agrees")
     assert rows["density.link_1"].measured == pytest.approx(5.03, abs=0.01)

@@ -225,6 +225,17 @@ def test_shifted_zeros_and_signs_are_measured():
     np.testing.assert_allclose(alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12)
 
 
+def test_a_mimic_below_a_limit_of_zero_is_measured():
+    """At its lower limit the rod drives the finger to 51 * 0.0013 - 0.1 rad."""
+    text = Path(JAWS_URDF_PATH).read_text().replace('offset="-0.0663"', 'offset="-0.1"', 1)
+    findings = compare_robots(parse_urdf(text), samples=5).findings
+    (found,) = (f for f in findings if "mimics" in f.text)
+    assert (found.where, found.text) == (
+        "finger_1_joint",
+        "mimics axis_a 0.0337 beyond its own limit",
+    )
+
+
 def test_a_limit_a_hair_below_zero_prints_no_negative_zero():
     def limits(root):
         root.find("joint[@name='axis_d']/limit").attrib.update(lower="-0.0001", upper="3.8")

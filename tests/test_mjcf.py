@@ -293,6 +293,31 @@ def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
         assert at == pytest.approx([float(x) for x in xyz_rpy["xyz"].split()], abs=1e-12)
 
 
+def test_collision_shapes_are_as_large_as_the_urdfs():
+    root = ET.fromstring(mjcf())
+    found = {
+        body.get("name"): [
+            (geom.get("type"), *map(float, geom.get("size").split()))
+            for geom in body.findall("geom[@class='collision']")
+        ]
+        for body in root.iter("body")
+    }
+    for link in ET.parse(URDF_PATH).iter("link"):
+        wanted = []
+        for shape in link.findall("collision/geometry/*"):
+            values = {k: float(x) for k, x in shape.attrib.items() if k != "size"}
+            sizes = {
+                "box": [float(x) / 2 for x in shape.get("size", "").split()],
+                "cylinder": [values.get("radius"), values.get("length", 0.0) / 2],
+                "sphere": [values.get("radius")],
+            }
+            wanted.append((shape.tag, *sizes[shape.tag]))
+        if wanted:
+            assert found[link.get("name")] == [
+                (kind, *map(pytest.approx, size)) for kind, *size in wanted
+            ]
+
+
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 @pytest.mark.parametrize("posture", ["stow", "home", "reach"])
 def test_servos_hold_the_postures_under_water_without_contact(tmp_path, gripper, posture):

@@ -158,6 +158,9 @@ def test_the_standard_error_is_never_zero_and_holds() -> None:
     everything = space.sampled_share(lambda q: np.ones(len(q), bool), 400)
     assert everything == pytest.approx((1.0, nothing.standard_error, space.volume(), 400))
     shares = [space.sampled_share(underarm, 400, seed=k) for k in range(60)]
+    for share in shares:  # Laplace's rule of succession, for odd and even counts
+        p = (400 * share.share + 1) / 402
+        assert share.standard_error == pytest.approx(math.sqrt(p * (1 - p) / 400), rel=1e-12)
     spread = np.std([s.share for s in shares], ddof=1)
     assert spread == pytest.approx(shares[0].standard_error, rel=0.3)
     assert space.sampled_share(underarm, 400, seed=5) == shares[5]

@@ -304,6 +304,18 @@ def test_a_mistake_is_caught(mistake: str, tmp_path: Path) -> None:
         assert "frames, Pinocchio" not in failed(rows)  # and nothing else is blamed
 
 
+@pytest.mark.parametrize(("count", "more"), [(3, ""), (4, " (and 1 more)"), (5, " (and 2 more)")])
+def test_of_many_differences_three_are_told(count: int, more: str, tmp_path: Path) -> None:
+    root = ET.fromstring(LOCKED)
+    for i in range(count):
+        mass = root.find(f"link[@name='link_{i}']/inertial/mass")
+        mass.set("value", repr(float(mass.get("value")) * 1.5))
+    rows = verify(ET.tostring(root, encoding="unicode"), tmp_path)
+    (row,) = [row for row in rows if row.check == "inertias"]
+    assert row.finding.count("mass") == 3
+    assert row.finding.endswith(f"expected {reference.MASS[2]}{more}")
+
+
 def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(tmp_path: Path) -> None:
     """Second moments are half the trace less the inertia: more about all axes alike is half as much."""
     more = 1e-6

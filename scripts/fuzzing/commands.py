@@ -155,7 +155,7 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         shown = out.buffer.getvalue().decode()  # type: ignore[attr-defined]
         lines = complaint.strip("\n").splitlines()
         # What else there is to say makes way for a file on standard output.
-        aside = status != 2 and lines[-1:] == ["wrote -"]
+        aside = status != 2 and "-" in args
         if (
             status not in (0, 1, 2)
             or (status == 2) != complaint.startswith("alpha5: ")
@@ -165,7 +165,8 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         if "Traceback" in complaint + shown:
             raise RuntimeError("a traceback")
         if status < 2 and "--json" in args and args[0] != "generate":
-            return json.loads(shown, parse_constant=_refuse)
+            text = "".join(x for x in complaint.splitlines(True) if not x.startswith("wrote "))
+            return json.loads(text if aside else shown, parse_constant=_refuse)
         if status == 2:
             raise RefusedError(complaint.strip())
         return None
