@@ -31,7 +31,7 @@ GROUPS: dict[str, str] = {
     "surface": "Reach, surface",
     "ghosts": "IK solutions",
     "collision": "Collision bodies",
-    "current": "Current (estimated)",
+    "current": "Current (est.)",
 }
 #: Groups of shapes; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
