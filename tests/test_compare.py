@@ -225,9 +225,15 @@ def test_shifted_zeros_and_signs_are_measured():
     np.testing.assert_allclose(alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12)
 
 
-def test_a_mimic_below_a_limit_of_zero_is_measured():
-    """At its lower limit the rod drives the finger to 51 * 0.0013 - 0.1 rad."""
-    text = Path(JAWS_URDF_PATH).read_text().replace('offset="-0.0663"', 'offset="-0.1"', 1)
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_mimic_beyond_a_limit_of_zero_is_measured(side):
+    """At its lower limit the rod drives the finger to 51 * 0.0013 - 0.1 rad, or the other way."""
+    text = Path(JAWS_URDF_PATH).read_text()
+    if side > 0:
+        text = text.replace('offset="-0.0663"', 'offset="-0.1"', 1)
+    else:
+        text = text.replace('"51.0" offset="-0.0663"', '"-51.0" offset="0.1"', 1)
+        text = text.replace('lower="0.0" upper="0.612"', 'lower="-0.612" upper="0.0"', 1)
     findings = compare_robots(parse_urdf(text), samples=5).findings
     (found,) = (f for f in findings if "mimics" in f.text)
     assert (found.where, found.text) == (

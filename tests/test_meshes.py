@@ -400,6 +400,7 @@ def test_many_vertices_take_long_indices(count, kind):
     data = glb([Node("part", surface=Surface(vertices, faces, np.eye(3)[:1], 0 * faces))])
     size = struct.unpack_from("<I", data, 12)[0]
     scene = json.loads(data[20 : 20 + size])
+    assert set(scene["nodes"][0]) == {"name", "mesh"}  # neither moved nor turned
     primitive = scene["meshes"][0]["primitives"][0]
     assert scene["accessors"][primitive["attributes"]["POSITION"]]["count"] == count
     assert scene["accessors"][primitive["indices"]]["componentType"] == kind

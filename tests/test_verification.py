@@ -482,8 +482,21 @@ def test_corrections_of_another_file(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 def test_a_finger_on_another_link_is_no_split_of_link_4(tmp_path: Path) -> None:
     head, joint, tail = JAWS.partition('<joint name="finger_1_joint"')
-    moved = head + joint + tail.replace('<parent link="link_4"/>', '<parent link="link_3"/>', 1)
-    assert moved != JAWS
-    for text, finding in ((JAWS, "wrist, rod and fingers have link 4's"), (moved, "not all there")):
+    for parent in ("link_3", "link_4", "tcp"):
+        text = head + joint + tail.replace("link_4", parent, 1)
         (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
-        assert finding in row.finding
+        own = "wrist, rod and fingers have link 4's"
+        assert (own if parent == "link_4" else "not all there") in row.finding
+
+
+def test_a_rod_that_starts_at_zero_closes_its_jaws_there(tmp_path: Path) -> None:
+    """The fingers are closed as before; only the rod of a few grammes stands 1.3 mm off."""
+    text = JAWS.replace('lower="0.0013"', 'lower="0.0"').replace('offset="-0.0663"', 'offset="0.0"')
+    (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
+    assert row.measured is not None
+    assert 0 < row.measured < 1e-3
+
+
+def test_without_a_base_link_there_is_no_prefix(tmp_path: Path) -> None:
+    found = verify(LOCKED.replace('"base_link"', '"bottom"'), tmp_path)
+    assert "base_link" in " ".join(row.finding for row in found if row.verdict == "failed")
