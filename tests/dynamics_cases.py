@@ -100,3 +100,9 @@ def central_difference(
         ahead, behind = (function(moved(arm, q, s * dq), *rest) for s in (1.0, -1.0))
         columns.append((ahead - behind) / (2 * h))
     return np.stack(columns, axis=-1)
+
+
+def close(ours: Any, reference: Any, relative: float) -> None:
+    """Equal to a share of the reference's largest entry, or of 1 if that is more."""
+    scale = max(1.0, float(np.abs(reference).max()))
+    assert np.abs(np.asarray(ours) - reference).max() < relative * scale

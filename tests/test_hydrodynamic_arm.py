@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import VARIANTS, central_difference, make, moved, random_q, random_v
+from dynamics_cases import VARIANTS, central_difference, close, make, moved, random_q, random_v
 
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
@@ -43,11 +43,6 @@ def wet(arm):
 @pytest.fixture
 def rng():
     return np.random.default_rng(11)
-
-
-def close(ours, reference, relative):
-    scale = max(1.0, float(np.abs(reference).max()))
-    assert np.abs(np.asarray(ours) - reference).max() < relative * scale
 
 
 def test_forward_and_inverse_dynamics_undo_each_other(wet, rng):

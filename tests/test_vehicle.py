@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import PAYLOAD, random_q, random_v
+from dynamics_cases import PAYLOAD, close, random_q, random_v
 from recordings import RECORDINGS, needs_recordings
 
 import alpha5_model as a5
@@ -54,11 +54,6 @@ NOTHING = {
 @pytest.fixture
 def rng():
     return np.random.default_rng(5)
-
-
-def close(ours, reference, relative):
-    scale = max(1.0, float(np.abs(reference).max()))
-    assert np.abs(np.asarray(ours) - reference).max() < relative * scale
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])

@@ -13,7 +13,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import AuditRow, audited
 from alpha5_model.dh import DHChain
-from alpha5_model.hydrodynamics import BodyHydrodynamics, hydrodynamics
+from alpha5_model.hydrodynamics import BodyHydrodynamics, gauss_points, hydrodynamics
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.spatial import cross_matrix, rotation_about
 
@@ -49,10 +49,9 @@ def _coupled(water: BodyHydrodynamics) -> FloatArray:
     along = np.outer(line, line) / (line @ line)
     per_strip = added.max() * (np.eye(3) - along) + added.min() * along
     out = np.zeros((6, 6))
-    for point, weight in zip(*np.polynomial.legendre.leggauss(2), strict=True):
-        middle = (strip.start + strip.end + point * line) / 2
-        velocity = np.hstack([np.eye(3), -cross_matrix(middle)])
-        out += weight / 2 * velocity.T @ per_strip @ velocity
+    for point, share in gauss_points(strip, 2):
+        velocity = np.hstack([np.eye(3), -cross_matrix(point)])
+        out += share * velocity.T @ per_strip @ velocity
     return out
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.hydrodynamics import DragStrip
+from alpha5_model.hydrodynamics import DragStrip, gauss_points
 from alpha5_model.spatial import cross_matrix
 
 #: Share of a velocity that counts beside another one. A norm is no sum of sizes; with this one the damping is within
@@ -20,7 +20,6 @@ _PIECES, _FLAT_RADIUS, _NEEDLE_RADIUS = 4, 0.1, 0.02
 #: Half axes of the flat ellipsoid, one over the other, and the best share of ``sin x cos x`` in ``sin^2 x cos x``
 #: over directions from all around, 15 pi / 64.
 _FLATNESS, _LIFT = 0.8, 15 * np.pi / 64
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def damping(strips: Iterable[DragStrip], density: float) -> FloatArray:
@@ -34,12 +33,11 @@ def damping(strips: Iterable[DragStrip], density: float) -> FloatArray:
         line = strip.end - strip.start
         length = float(np.linalg.norm(line))
         along = np.outer(line, line) / length**2
-        for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
-            at = (strip.start + strip.end + point * line) / 2
-            velocity = np.hstack([np.eye(3), -cross_matrix(at)])
+        for point, share in gauss_points(strip):
+            velocity = np.hstack([np.eye(3), -cross_matrix(point)])
             for part, drag in ((np.eye(3) - along, strip.across), (along, strip.along)):
                 slip = part @ velocity
-                face = density / 2 * drag * strip.diameter * length * weight / 2
+                face = density / 2 * drag * strip.diameter * length * share
                 sizes = np.linalg.norm(slip, axis=0)
                 out -= face * (slip.T @ slip)[:, :, None] * sizes * mix
     return out

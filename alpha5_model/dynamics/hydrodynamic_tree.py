@@ -17,7 +17,8 @@ import pinocchio as pin
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
 from alpha5_model.dynamics.models import on_free_flyer
-from alpha5_model.dynamics.moving_water import JointWater, MovingWater, cross_force, kirchhoff, skew
+from alpha5_model.dynamics.moving_water import JointWater, MovingWater, cross_force, kirchhoff
+from alpha5_model.dynamics.states import expanded
 from alpha5_model.errors import InputError
 from alpha5_model.spatial import cross_matrix
 
@@ -50,7 +51,7 @@ class HydrodynamicTree:
 
     def expand(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
         """States (..., n) of the tree."""
-        return [q @ self._g_q.T + self._g_0, *(rate @ self.g.T for rate in rates)]
+        return expanded((self.g, self._g_q, self._g_0), q, *rates)
 
     def jacobians(self, q: FloatArray) -> FloatArray:
         """Twist of each of the tree's joints, in its frame, by the arm's velocities, (joints, 6, nv)."""
@@ -191,8 +192,8 @@ class HydrodynamicTree:
         v_q, a_q, a_v, a_a = (np.array(x) for x in zip(*found, strict=True))
         v_v, rotations = a_a, np.array(own.rotations)
         # A turn of the joint's frame turns the stream in it the other way.
-        stream_q, stream_u = skew(stream) @ v_v[:, 3:], rotations.swapaxes(1, 2)
-        spin, back = skew(nu[:, 3:, 0]), -skew(stream)
+        stream_q, stream_u = cross_matrix(stream) @ v_v[:, 3:], rotations.swapaxes(1, 2)
+        spin, back = cross_matrix(nu[:, 3:, 0]), -cross_matrix(stream)
         v_q[:, :3] -= stream_q
         a_q[:, :3] += spin @ stream_q + back @ v_q[:, 3:]
         a_v[:, :3] += back @ v_v[:, 3:]

@@ -20,7 +20,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces, Partials
 from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.states import rows
+from alpha5_model.dynamics.states import expanded, rows
 
 
 def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
@@ -95,7 +95,7 @@ class JawArm(Arm):
 
     def _expand(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
         """States (..., n) of the tree."""
-        return [q @ self._g_q.T + self._g_0, *(rate @ self._g.T for rate in rates)]
+        return expanded(self._embedding, q, *rates)
 
     def _project(self, matrix: FloatArray) -> FloatArray:
         out: FloatArray = self._g.T @ matrix @ self._g

@@ -17,12 +17,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
+from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip, gauss_points
 from alpha5_model.spatial import cross_matrix
 
 #: Two rows of a twist, linear and quadratic resistance.
 Resistance = tuple[FloatArray, FloatArray, float, float]
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,32 +126,27 @@ def _of_strip(strip: DragStrip) -> Iterable[Resistance]:
     # Rows of the last two right singular vectors of the line are across it.
     along, one, other = np.linalg.svd(line[None])[2]
     face = WATER_DENSITY / 2 * strip.diameter * length
-    for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
-        at = -cross_matrix((strip.start + strip.end + point * line) / 2)
+    for point, share in gauss_points(strip):
+        at = -cross_matrix(point)
         rows = [np.concatenate([axis, axis @ at]) for axis in (one, other)]
-        yield rows[0], rows[1], 0.0, strip.across * face * weight / 2
+        yield rows[0], rows[1], 0.0, strip.across * face * share
     # The velocity along a line is the same at all its points.
     row = np.concatenate([along, along @ -cross_matrix(strip.start)])
     yield row, np.zeros(6), 0.0, strip.along * face
 
 
-def skew(v: FloatArray) -> FloatArray:
-    """The matrices [v]x, (..., 3, 3)."""
-    return np.asarray(np.cross(v[..., None, :], np.eye(3))).swapaxes(-1, -2)
-
-
 def cross_force(nu: FloatArray) -> FloatArray:
     """The matrices of ``nu x* f`` on forces, (..., 6, 6)."""
     out = np.zeros((*nu.shape, 6))
-    out[..., :3, :3] = out[..., 3:, 3:] = skew(nu[..., 3:])
-    out[..., 3:, :3] = skew(nu[..., :3])
+    out[..., :3, :3] = out[..., 3:, 3:] = cross_matrix(nu[..., 3:])
+    out[..., 3:, :3] = cross_matrix(nu[..., :3])
     return out
 
 
 def kirchhoff(momentum: FloatArray) -> FloatArray:
     """Skew-symmetric C with ``C nu = nu x* h`` for the momentum h = A nu, (..., 6, 6)."""
     out = np.zeros((*momentum.shape, 6))
-    linear = skew(momentum[..., :3])
+    linear = cross_matrix(momentum[..., :3])
     out[..., :3, 3:] = out[..., 3:, :3] = -linear
-    out[..., 3:, 3:] = -skew(momentum[..., 3:])
+    out[..., 3:, 3:] = -cross_matrix(momentum[..., 3:])
     return out

@@ -167,3 +167,17 @@ def forces(fext: Any, njoints: int) -> Any:
             raise NonFiniteError("fext", force.vector.tolist(), (joint,))
         bounded(f"fext[{joint}]", force.vector)
     return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)
+
+
+def expanded(
+    embedding: tuple[FloatArray, FloatArray, FloatArray], q: FloatArray, *rates: FloatArray
+) -> list[FloatArray]:
+    """States (..., n) of a tree in which an arm is embedded: ``G_q q + g_0``, then ``G v`` of each rate.
+
+    Args:
+        embedding: G (tree nv, nv), G_q (tree nq, nq) and g_0 (tree nq,).
+        q: (..., nq).
+        rates: Velocity, acceleration, (..., nv) each.
+    """
+    g, g_q, g_0 = embedding
+    return [q @ g_q.T + g_0, *(rate @ g.T for rate in rates)]
