@@ -39,7 +39,7 @@ USED_WITHOUT_IMPORT = {
 }
 #: Folder -> extras that stand behind it, beside the dependencies of everyone.
 FOLDERS = {
-    "alpha5_model": ("plot", "mesh", "check"),
+    "alpha5_model": ("plot", "mesh", "check", "symbolic"),
     "tests": ("test", "conformance"),
     "scripts": ("bench", "conformance", "hydrodynamics", "mutation"),
     "examples": ("test",),

@@ -11,16 +11,28 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).resolve().parent.parent / "alpha5_model"
-HEAVY = ("pinocchio", "xacro", "trimesh", "meshcat", "matplotlib", "scipy", "typer", "rich", "yaml")
+HEAVY = (
+    "pinocchio",
+    "xacro",
+    "trimesh",
+    "meshcat",
+    "matplotlib",
+    "scipy",
+    "casadi",
+    "typer",
+    "rich",
+    "yaml",
+)
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "checks", "files", "paths", "fluids", "spatial"),
     ("published",),
-    ("inertia", "corrections", "parameters", "jaws", "hydrodynamics"),
+    ("inertia", "corrections", "parameters", "jaws", "hydrodynamics", "base_parameters"),
     ("planar", "actuators", "meshing"),
     ("dh",),
     ("kinematics",),
+    ("symbolic",),
     ("description",),
     ("dynamics", "comparison", "loaders"),
     ("trajectory",),

@@ -1,0 +1,124 @@
+"""The equations of motion of the arm on a fixed base, jaws locked, as CasADi expressions.
+
+Newton's and Euler's equations, recursively and in the axes of the links, of the base parameters: moving
+links have first and second moments but no mass, see `alpha5_model.base_parameters`. With angular velocity
+omega and acceleration alpha of a link, ``U = [alpha]x + [omega]x [omega]x`` gives all [Khalil2002]: a point r
+accelerates by ``U r``, a first moment h pulls with ``U h``, second moments S turn with ``U S - (U S)^T``.
+
+References:
+    [Khalil2002] Khalil, Dombre: Modeling, Identification and Control of Robots, section 9.6.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import casadi
+from casadi import SX, cross, horzcat, vertcat, vertsplit
+
+from alpha5_model.base_parameters import BASE_PARAMETERS
+from alpha5_model.parameters import parameters
+
+JOINTS = 4
+
+
+class Turn(NamedTuple):
+    """The step from a frame to the next link: along its x and z, about x by a multiple of pi/2, then about z.
+
+    Attributes:
+        origin: Of the link in the frame before, (3, 1).
+        cosine, sine: Of the angle about z.
+        across, along: Sine and cosine of the angle about x.
+    """
+
+    origin: SX
+    cosine: SX
+    sine: SX
+    across: int
+    along: int
+
+    def outward(self, vector: SX) -> SX:
+        """A vector in the axes of the link."""
+        x, y, z = vertsplit(vector)
+        y, z = self.along * y + self.across * z, self.along * z - self.across * y
+        return vertcat(self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z)
+
+    def inward(self, vector: SX) -> SX:
+        """A vector of the link in the axes of the frame before."""
+        x, y, z = vertsplit(vector)
+        x, y = self.cosine * x - self.sine * y, self.sine * x + self.cosine * y
+        return vertcat(x, self.along * y - self.across * z, self.across * y + self.along * z)
+
+
+def turns(q: SX) -> list[Turn]:
+    """Base to link 1, ..., link 3 to link 4."""
+    p = parameters()
+    out, origin, alpha = [], [0.0, 0.0, 0.0], 0.0
+    for i, row in enumerate(p.dh[:JOINTS]):
+        # cos(q + offset) from cos(q) and sin(q): q + offset would round large angles.
+        cosine, sine = _exact(math.cos(row.theta_offset)), _exact(math.sin(row.theta_offset))
+        c, s = casadi.cos(q[i]), casadi.sin(q[i])
+        across, along = round(math.sin(alpha)), round(math.cos(alpha))
+        out.append(Turn(SX(origin), cosine * c - sine * s, sine * c + cosine * s, across, along))
+        origin, alpha = [row.a, 0.0, row.d], row.alpha
+    return out
+
+
+def _exact(value: float) -> float:
+    """Sine or cosine, exact for multiples of pi/2."""
+    return float(round(value)) if abs(value - round(value)) < 1e-15 else value
+
+
+def newton_euler(q: SX, v: SX, a: SX, base_parameters: SX) -> tuple[SX, SX]:
+    """Joint torques (4, 1), and force above moment on the mount in base_link (6, 1).
+
+    Of zero velocities, accelerations or gravity only what does not vanish is left: statics, Coriolis, ...
+    """
+    p = dict(zip(BASE_PARAMETERS, vertsplit(base_parameters), strict=True))
+    p |= {"link_1.xx": p["link_1.zz"]}  # only xx + yy counts there
+
+    def of(link: int, *names: str) -> list[SX]:
+        return [p.get(f"link_{link}.{name}", SX(0.0)) for name in names]
+
+    gravity = g = vertcat(*(p[f"gravity.{axis}"] for axis in "xyz"))
+    omega, alpha, acceleration, u = SX.zeros(3), SX.zeros(3), SX.zeros(3), SX.zeros(3, 3)
+    steps, forces, moments = turns(q), [], []
+    for i, step in enumerate(steps):
+        acceleration = step.outward(acceleration + u @ step.origin)
+        g, omega, alpha = step.outward(g), step.outward(omega), step.outward(alpha)
+        alpha += vertcat(omega[1] * v[i], -omega[0] * v[i], a[i])
+        omega += vertcat(0.0, 0.0, v[i])
+        u = _rates(omega, alpha)
+        h, n = vertcat(*of(i + 1, "hx", "hy", "hz")), vertcat(*of(i + 1, "nx", "ny", "nz"))
+        second = of(i + 1, "xx", "yy", "xy", "xz", "yz")
+        forces.append(u @ h)
+        moments.append(_turning(u, *second) + cross(h, acceleration) + cross(g, n))
+    force, moment = SX.zeros(3), SX.zeros(3)
+    torques: list[SX] = []
+    for i in reversed(range(JOINTS)):
+        force, moment = forces[i] + force, moments[i] + moment
+        torques.insert(0, moment[2])
+        force = steps[i].inward(force)
+        moment = steps[i].inward(moment) + cross(steps[i].origin, force)
+    weight = p["link_0.n"] * gravity
+    moment += cross(gravity, vertcat(*of(0, "nx", "ny", "nz")))
+    return vertcat(*torques), vertcat(weight - force, -moment)
+
+
+def _rates(omega: SX, alpha: SX) -> SX:
+    """U, (3, 3)."""
+    x, y, z = vertsplit(omega)
+    a, b, c = vertsplit(alpha)
+    xx, yy, zz, xy, xz, yz = -x * x, -y * y, -z * z, x * y, x * z, y * z
+    rows = (yy + zz, xy - c, xz + b), (xy + c, xx + zz, yz - a), (xz - b, yz + a, xx + yy)
+    return vertcat(*(horzcat(*row) for row in rows))
+
+
+def _turning(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
+    """The moment in the skew part of ``U S``, of second moments without zz, (3, 1)."""
+    return vertcat(
+        u[2, 0] * xy + u[2, 1] * yy + (u[2, 2] - u[1, 1]) * yz - u[1, 0] * xz,
+        (u[0, 0] - u[2, 2]) * xz + u[0, 1] * yz - u[2, 0] * xx - u[2, 1] * xy,
+        u[1, 0] * xx - u[0, 1] * yy + (u[1, 1] - u[0, 0]) * xy + u[1, 2] * xz - u[0, 2] * yz,
+    )

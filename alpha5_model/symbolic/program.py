@@ -1,0 +1,157 @@
+"""A CasADi function as a straight line of instructions: what every emitter of code walks along.
+
+Each register is written once. Equal expressions are computed once, and the sine and cosine of one
+angle stand next to each other, so that an emitter can make one call of the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import casadi
+
+from alpha5_model.errors import InputError
+
+#: Operations of two arguments, of one, and those that are neither.
+BINARY = ("add", "sub", "mul", "div", "atan2", "fmin", "fmax")
+UNARY = ("neg", "twice", "sq", "sqrt", "inv", "sin", "cos", "atan", "fabs", "floor")
+_OTHERS = ("const", "input", "output", "assign")
+_NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *_OTHERS)}
+_COMMUTATIVE = ("add", "mul")
+
+#: Unit and meaning of what goes in and comes out, by name.
+TEXTS = {
+    "q": "joint positions, base to tip [rad]",
+    "v": "joint velocities [rad/s]",
+    "a": "joint accelerations [rad/s^2]",
+    "tau": "joint torques [N m]",
+    "parameters": "base parameters of the arm, its fluid and gravity, SI units",
+}
+
+
+@dataclass(frozen=True)
+class Slot:
+    """An input or output.
+
+    Attributes:
+        name: Of the input or output.
+        size: Number of elements.
+        text: Unit and meaning.
+        shape: (n,) or (rows, columns), whose elements are numbered row by row.
+    """
+
+    name: str
+    size: int
+    text: str
+    shape: tuple[int, ...]
+
+
+class Step(NamedTuple):
+    """One instruction.
+
+    Attributes:
+        op: CasADi's name in lower case.
+        result: Register that is written, of no meaning for ``output``.
+        arguments: Registers that are read; for ``input`` slot and element, for ``output`` slot, element
+            and register.
+        value: Of a ``const``, else None.
+    """
+
+    op: str
+    result: int
+    arguments: tuple[int, ...]
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Program:
+    """A function in static-single-assignment form: each register is written once."""
+
+    name: str
+    inputs: tuple[Slot, ...]
+    outputs: tuple[Slot, ...]
+    steps: tuple[Step, ...]
+
+    @property
+    def flops(self) -> int:
+        """Number of operations: all but constants, inputs and outputs."""
+        return sum(step.op not in _OTHERS for step in self.steps)
+
+
+def program(function: casadi.Function) -> Program:
+    """The instructions of an SX function.
+
+    Args:
+        function: CasADi Function of SX kind with named inputs and outputs, all dense.
+
+    Raises:
+        InputError: A sparse input or output, or an instruction that emitters do not know.
+    """
+    inputs, outputs = (
+        tuple(_slot(name, sparsity(name)) for name in names())
+        for names, sparsity in (
+            (function.name_in, function.sparsity_in),
+            (function.name_out, function.sparsity_out),
+        )
+    )
+    steps: dict[tuple[object, ...], Step] = {}
+    arguments: tuple[int, ...]
+    register: dict[int, int] = {}  # CasADi's work elements, which it writes again and again
+    for i in range(function.n_instructions()):
+        op = _NAMES.get(function.instruction_id(i))
+        if op is None:
+            raise InputError(
+                f"instruction {i} of {function.name()}",
+                function.instruction_id(i),
+                f"one of {', '.join(_NAMES.values())}",
+            )
+        read, written = function.instruction_input(i), function.instruction_output(i)
+        value = None
+        if op == "const":
+            arguments, value = (), float(function.instruction_constant(i))
+        elif op == "input":
+            arguments = read[0], _by_rows(inputs[read[0]].shape, read[1])
+        elif op == "output":
+            arguments = (
+                written[0],
+                _by_rows(outputs[written[0]].shape, written[1]),
+                register[read[0]],
+            )
+        else:
+            arguments = tuple(register[element] for element in read[: 2 if op in BINARY else 1])
+        if op == "assign":
+            register[written[0]] = arguments[0]
+            continue
+        same = tuple(sorted(arguments)) if op in _COMMUTATIVE else arguments
+        step = steps.setdefault((op, same, str(value)), Step(op, len(steps), arguments, value))
+        if op != "output":
+            register[written[0]] = step.result
+    return Program(function.name(), inputs, outputs, _paired(steps.values()))
+
+
+def _paired(steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Each sine and the cosine of the same register, whichever comes first, one after the other."""
+    angles: dict[tuple[int, ...], list[Step]] = {}
+    out: list[list[Step]] = []
+    for step in steps:
+        group = angles.setdefault(step.arguments, []) if step.op in ("sin", "cos") else []
+        if not group:
+            out.append(group)
+        group.append(step)
+    return tuple(step for group in out for step in group)
+
+
+def _slot(name: str, sparsity: casadi.Sparsity) -> Slot:
+    rows, columns = sparsity.shape
+    if not sparsity.is_dense():
+        raise InputError(name, f"{sparsity.nnz()} of {rows * columns} elements", "a dense matrix")
+    shape = (rows,) if columns == 1 else (rows, columns)
+    return Slot(name, rows * columns, TEXTS.get(name, ""), shape)
+
+
+def _by_rows(shape: tuple[int, ...], element: int) -> int:
+    """CasADi numbers elements column by column."""
+    column, row = divmod(element, shape[0])
+    return row * shape[-1] + column if len(shape) == 2 else element

@@ -1,0 +1,123 @@
+"""Straight-line programs, run step by step in plain Python, against CasADi's own evaluation."""
+
+from __future__ import annotations
+
+import math
+
+import casadi
+import numpy as np
+import pytest
+
+from alpha5_model.errors import InputError
+from alpha5_model.symbolic import functions
+from alpha5_model.symbolic.program import BINARY, UNARY, Program, program
+
+OPERATIONS = {
+    "add": lambda x, y: x + y,
+    "sub": lambda x, y: x - y,
+    "mul": lambda x, y: x * y,
+    "div": lambda x, y: x / y,
+    "fmin": min,
+    "fmax": max,
+    "neg": lambda x: -x,
+    "twice": lambda x: 2 * x,
+    "sq": lambda x: x * x,
+    "inv": lambda x: 1 / x,
+    **{
+        name: getattr(math, name)
+        for name in ("sqrt", "sin", "cos", "atan", "atan2", "floor", "fabs")
+    },
+}
+
+
+def run(of: Program, *inputs: np.ndarray) -> list[np.ndarray]:
+    registers: dict[int, float] = {}
+    out = [np.full(slot.size, np.nan) for slot in of.outputs]
+    for op, result, arguments, value in of.steps:
+        if op == "output":
+            slot, element, register = arguments
+            out[slot][element] = registers[register]
+            continue
+        assert result not in registers, "written twice"
+        if op == "const":
+            registers[result] = value
+        elif op == "input":
+            registers[result] = inputs[arguments[0]].ravel()[arguments[1]]
+        else:
+            registers[result] = OPERATIONS[op](*(registers[i] for i in arguments))
+    return [x.reshape(slot.shape) for x, slot in zip(out, of.outputs, strict=True)]
+
+
+def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
+    one = program(function)
+    inputs = [rng.uniform(0.1, 1.5, slot.shape) for slot in one.inputs]
+    expected = function.call([casadi.DM(x) for x in inputs])
+    for got, want in zip(run(one, *inputs), expected, strict=True):
+        assert np.allclose(got, np.array(want).reshape(got.shape), rtol=1e-13, atol=1e-15)
+
+
+def test_every_operation_gives_what_casadi_computes() -> None:
+    assert {*OPERATIONS} == {*BINARY, *UNARY}
+    x, y = casadi.SX.sym("x", 2), casadi.SX.sym("y", 2, 3)
+    a, b = x[0], x[1]
+    every = [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        casadi.fmin(a, b),
+        casadi.fmax(a, b),
+        -a,
+        2 * a,
+        a * a,
+        1 / a,
+    ]
+    every += [getattr(casadi, f)(a) for f in ("sqrt", "sin", "cos", "atan", "floor", "fabs")]
+    every += [casadi.atan2(a, b), casadi.SX(0.25), y[0, 2]]
+    function = casadi.Function(
+        "every", [x, y], [casadi.vertcat(*every), y.T @ y, x], ["x", "y"], ["out", "square", "copy"]
+    )
+    assert {step.op for step in program(function).steps} >= {*OPERATIONS}
+    against_casadi(function, np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("name", functions())
+def test_the_arms_functions_give_what_casadi_computes(name: str) -> None:
+    against_casadi(functions()[name], np.random.default_rng(2))
+
+
+def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> None:
+    x = casadi.SX.sym("x", 2)
+    a, b = x[0], x[1]
+    out = casadi.vertcat(casadi.sin(a) * b, b * casadi.sin(a) + casadi.cos(b), casadi.cos(a))
+    one = program(casadi.Function("f", [x], [out], ["x"], ["out"]))
+    ops = [step.op for step in one.steps]
+    assert (ops.count("mul"), ops.count("sin"), one.flops) == (1, 1, 5)
+    assert (
+        abs(
+            ops.index("sin")
+            - next(
+                i
+                for i, s in enumerate(one.steps)
+                if s.op == "cos" and s.arguments == one.steps[ops.index("sin")].arguments
+            )
+        )
+        == 1
+    )
+
+
+def test_what_no_emitter_knows_is_refused() -> None:
+    x = casadi.SX.sym("x", 2)
+    for out, message in (
+        (casadi.erf(x), "instruction"),
+        (casadi.SX(casadi.Sparsity(2, 1)), "dense"),
+    ):
+        with pytest.raises(InputError, match=message):
+            program(casadi.Function("f", [x], [out], ["x"], ["out"]))
+
+
+def test_slots_are_named_with_shape_unit_and_meaning() -> None:
+    one = program(functions()["inverse_dynamics"])
+    assert [slot.name for slot in one.inputs] == ["q", "v", "a", "parameters"]
+    assert [slot.shape for slot in one.outputs] == [(4,)]
+    assert all("[" in slot.text or "SI" in slot.text for slot in (*one.inputs, *one.outputs))
