@@ -10,6 +10,7 @@ from casadi import SX, densify
 
 from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.symbolic.dynamics import JOINTS, newton_euler
+from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
 
 
 def functions() -> dict[str, casadi.Function]:
@@ -31,5 +32,6 @@ def functions() -> dict[str, casadi.Function]:
     all_functions = (
         function("hydrostatic_torque", "q", tau=holding),
         function("inverse_dynamics", "q v a", tau=torque),
+        inverse_kinematics(),
     )
     return {f.name(): f for f in all_functions}

@@ -28,6 +28,11 @@ TEXTS = {
     "a": "joint accelerations [rad/s^2]",
     "tau": "joint torques [N m]",
     "parameters": "base parameters of the arm, its fluid and gravity, SI units",
+    "position": "tcp in base_link [m]",
+    "wrist": "theta_3 [rad]",
+    "reach": "rho^2 to the nearer edge of reach, of two poses, positive within [m^2]",
+    "limits": "angle to the nearest limit, of four branches, not negative within [rad]",
+    "clearance": "of all margins from where rounding matters, positive beyond [1]",
 }
 
 

@@ -29,8 +29,9 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
+from alpha5_model.kinematics.edges import LIMIT_TOLERANCE, on_axis
 from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.ik.one import LIMIT_TOLERANCE, careful_answer, fast_solver, on_axis
+from alpha5_model.kinematics.ik.one import careful_answer, fast_solver
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.checks import BoolArray, FloatArray
+from alpha5_model.kinematics import edges
 from alpha5_model.kinematics.ik import one
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.spatial import wrap
@@ -60,7 +61,7 @@ def _wrist(wrist: FloatArray) -> tuple[FloatArray, BoolArray]:
     lower, upper, middle = arm_plane().limits[3]
     angle = wrap(wrist, middle)
     clipped = np.clip(angle, lower, upper)
-    fits = np.abs(angle - clipped) <= one.LIMIT_TOLERANCE
+    fits = np.abs(angle - clipped) <= edges.LIMIT_TOLERANCE
     return np.where(fits, clipped, angle), fits
 
 
@@ -89,7 +90,7 @@ def _solve_block(
     np.multiply(y, y, out=work[0, 0])
     radius += work[0, 0]
     np.sqrt(radius, out=radius)
-    near = radius < one.NEAR_AXIS
+    near = radius < edges.NEAR_AXIS
     np.subtract(radius, g.a_0, out=r[0])
     np.subtract(-g.a_0, radius, out=r[1])
     np.multiply(r, r, out=below)
@@ -101,7 +102,7 @@ def _solve_block(
     np.multiply(above, below, out=work[0])
     found = work[0] > 0.0
     np.abs(work[0], out=work[0])
-    near |= (work[0] < one.NEAR_EDGE * 4 * g.l_1 * g.l_2).any(axis=0)
+    near |= (work[0] < edges.NEAR_EDGE * 4 * g.l_1 * g.l_2).any(axis=0)
 
     # Where a target is out of reach, the root is NaN and so is what follows.
     np.divide(below, above, out=tangent)
@@ -134,7 +135,7 @@ def _solve_block(
         off, half = work[: len(theta)], (upper - lower) / 2
         np.subtract(theta, middle, out=off)
         np.abs(off, out=off)
-        inside, close = off < half - one.NEAR_LIMIT, off < half + one.NEAR_LIMIT
+        inside, close = off < half - edges.NEAR_LIMIT, off < half + edges.NEAR_LIMIT
         if np.count_nonzero(close) != np.count_nonzero(inside):
             near |= (close & ~inside).any(axis=(0, 1))
         fits &= inside

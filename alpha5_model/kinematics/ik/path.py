@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
+from alpha5_model.kinematics.edges import on_axis
 from alpha5_model.kinematics.ik import Solutions, inverse_kinematics, require_solution
-from alpha5_model.kinematics.ik.one import on_axis
 from alpha5_model.kinematics.plane import arm_plane
 
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
