@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi
 
@@ -17,8 +17,10 @@ from alpha5_model.errors import InputError
 #: Operations of two arguments, of one, and those that are neither.
 BINARY = ("add", "sub", "mul", "div", "atan2", "fmin", "fmax")
 UNARY = ("neg", "twice", "sq", "sqrt", "inv", "sin", "cos", "atan", "fabs", "floor")
+#: Operations on truth values, 0 or 1; functions for vectors of states do without.
+DECISIONS = ("lt", "le", "and", "or", "not", "if_else_zero")
 _OTHERS = ("const", "input", "output", "assign")
-_NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *_OTHERS)}
+_NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *DECISIONS, *_OTHERS)}
 _COMMUTATIVE = ("add", "mul")
 
 #: Unit and meaning of what goes in and comes out, by name.
@@ -32,6 +34,10 @@ TEXTS = {
     "wrist": "theta_3 [rad]",
     "reach": "rho^2 to the nearer edge of reach, of two poses, positive within [m^2]",
     "limits": "angle to the nearest limit, of four branches, not negative within [rad]",
+    "tolerances": "what rounding is forgiven, see `alpha5_model.symbolic.solutions`",
+    "exists": "whether each branch reaches the target",
+    "within_limits": "whether it does so within the joint limits",
+    "singular": "whether the target is on the yaw axis or at the edge of reach",
     "clearance": "of all margins from where rounding matters, positive beyond [1]",
 }
 
@@ -125,7 +131,7 @@ def program(function: casadi.Function) -> Program:
                 register[read[0]],
             )
         else:
-            arguments = tuple(register[element] for element in read[: 2 if op in BINARY else 1])
+            arguments = tuple(register[element] for element in read)
         if op == "assign":
             register[written[0]] = arguments[0]
             continue
@@ -160,3 +166,15 @@ def _by_rows(shape: tuple[int, ...], element: int) -> int:
     """CasADi numbers elements column by column."""
     column, row = divmod(element, shape[0])
     return row * shape[-1] + column if len(shape) == 2 else element
+
+
+def folded(function: casadi.Function, **values: Any) -> casadi.Function:
+    """The same function with numbers in place of some inputs: fewer operations."""
+    free = {
+        name: casadi.SX.sym(name, function.sparsity_in(i))
+        for i, name in enumerate(function.name_in())
+        if name not in values
+    }
+    given = [free.get(name, casadi.DM(values.get(name, 0))) for name in function.name_in()]
+    outputs = [casadi.densify(out) for out in function.call(given)]
+    return casadi.Function(function.name(), [*free.values()], outputs, [*free], function.name_out())
