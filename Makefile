@@ -6,13 +6,16 @@ BIN := $(VENV)/bin
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test lint format benchmark conformance fuzz mutation clean
+.PHONY: demo test docs lint format benchmark conformance fuzz mutation clean
 
 demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
 	$(BIN)/alpha5 demo
 
 test: $(VENV)/.test ## every test
 	$(BIN)/python -m pytest
+
+docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning is an error
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
 
 lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
 	$(BIN)/ruff format --check .
@@ -27,8 +30,8 @@ format: $(VENV)/.test
 benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
 	$(BIN)/python scripts/benchmark.py
 
-conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the README
-	$(BIN)/python scripts/conformance.py --readme README.md
+conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the documentation
+	$(BIN)/python scripts/conformance.py --readme docs/conformance.md
 
 fuzz: $(VENV)/.test ## 100 000 inputs to the package, its readers and its command line
 	$(BIN)/python scripts/fuzz.py
@@ -49,6 +52,10 @@ $(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
 $(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[test,lint]'
 	touch $@ $(VENV)/.demo
+
+$(VENV)/.docs: pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	touch $@
 
 $(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'

@@ -1,6 +1,6 @@
 """Run every tool on the generated files and compare it with Pinocchio: one table.
 
-    python scripts/conformance.py [--readme README.md] [--json FILE] [--states N] [--tools NAME,...]
+    python scripts/conformance.py [--readme docs/conformance.md] [--json FILE] [--states N] [--tools NAME,...]
 
 A tool that is not installed is reported as not run. Exit status 1 if one that ran is off.
 """

@@ -1,4 +1,4 @@
-"""Make the README's figures from the package itself.
+"""Make the figures of README and documentation from the package itself.
 
     python scripts/make_figures.py [FOLDER]
 

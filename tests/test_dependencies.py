@@ -36,6 +36,8 @@ USED_WITHOUT_IMPORT = {
     "ruff": "make lint",
     "mypy": "make lint",
     "types-pyyaml": "make lint",
+    "myst-nb": "docs/conf.py, by name",
+    "furo": "docs/conf.py, by name",
 }
 #: Folder -> extras that stand behind it, beside the dependencies of everyone.
 FOLDERS = {
@@ -43,6 +45,7 @@ FOLDERS = {
     "tests": ("test", "conformance"),
     "scripts": ("bench", "conformance", "hydrodynamics", "mutation"),
     "examples": ("test",),
+    "docs": ("docs",),
 }
 #: Not on Python's index: ROS 2, declared in package.xml.
 ROS = {"launch", "launch_ros"}
@@ -89,7 +92,9 @@ def imported(source: str) -> set[str]:
 def distributions(folder: str) -> dict[str, str]:
     """Distribution -> one file of the folder that imports it; our own modules left out."""
     files = sorted((ROOT / folder).rglob("*.py"))
-    ours = {p.stem for f in ("tests", "scripts", "examples") for p in (ROOT / f).rglob("*.py")}
+    ours = {
+        p.stem for f in ("tests", "scripts", "examples", "docs") for p in (ROOT / f).rglob("*.py")
+    }
     ours |= {p.name for p in (ROOT / "scripts").iterdir() if p.is_dir()}
     return {
         normal(DISTRIBUTION.get(name, name)): file.name

@@ -236,7 +236,7 @@ def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
 
 
 def readme_table() -> list[str]:
-    """Rows of README's table of loads: 20 000 poses and directions at random; loads go with the speed squared."""
+    """Rows of the documentation's table of loads: 20 000 poses and directions at random; loads go with the speed squared."""
     rng = np.random.default_rng(0)
     q, direction = rng.uniform(LOWER, UPPER, (20_000, 4)), rng.normal(size=(20_000, 3))
     direction /= np.linalg.norm(direction, axis=1)[:, None]
@@ -260,8 +260,8 @@ def readme_table() -> list[str]:
     return rows
 
 
-def test_readmes_table_of_loads_is_the_strips():
-    text = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
+def test_the_documented_table_of_loads_is_the_strips():
+    text = (Path(__file__).parents[1] / "docs" / "guides" / "moving-water.md").read_text("utf-8")
     assert [
         row for row in text.splitlines() if row.startswith("| ") and " m/s | " in row
     ] == readme_table()

@@ -1,15 +1,17 @@
-"""README's tables are tables: a blank line or a missing cell turns the rest of one into plain text."""
+"""Tables of README and documentation are tables, and the errata are the audit's.
+
+A blank line or a missing cell turns the rest of a table into plain text.
+"""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
+from pages import PAGES, REPOSITORY, generated_text
 
 import alpha5_model as a5
 
-REPOSITORY = Path(__file__).resolve().parents[1]
 DELIMITER = re.compile(r"\|(\s*:?-{3,}:?\s*\|)+")
 
 
@@ -27,9 +29,9 @@ def faults(text: str) -> list[str]:
 
 
 def test_every_row_stands_in_a_table() -> None:
-    text = (REPOSITORY / "README.md").read_text("utf-8")
-    assert text.count("\n|") > 60
-    assert faults(text) == []
+    texts = {page.name: generated_text.written(page.read_text("utf-8")) for page in PAGES}
+    assert sum(text.count("\n|") for text in texts.values()) > 60
+    assert {name: faults(text) for name, text in texts.items() if faults(text)} == {}
 
 
 @pytest.mark.parametrize(
@@ -48,17 +50,18 @@ def test_a_broken_table_is_seen(text: str, fault: str) -> None:
 
 
 def errata() -> dict[str, list[tuple[str, str]]]:
-    """Kind -> (text, name of claim or topic) of each row of README's two tables, as they stand."""
-    text = (REPOSITORY / "README.md").read_text("utf-8").split("## Errata of the documents")[1]
-    blocks = re.findall(r"(?:^\|.*\n)+", text.split("\n## ")[0], re.MULTILINE)
-    assert len(blocks) == 2
+    """Kind -> (text, name of claim) of each row of the two tables that the build writes."""
     found = {}
-    for kind, block in zip(("claim", "observation"), blocks, strict=True):
-        rows = [line.rpartition(" | ") for line in block.splitlines()[2:]]
-        found[kind] = [
-            (row, name) for row, _, names in rows for name in re.findall(r"`(.+?)`", names)
-        ]
+    for kind, name in (("claim", "errata"), ("observation", "observations")):
+        rows = [line.rpartition(" | ") for line in generated_text.TEXTS[name]().splitlines()[2:]]
+        found[kind] = [(row, claim) for row, _, names in rows for claim in claims(names)]
     return found
+
+
+def claims(names: str) -> list[str]:
+    """Claims of a cell: the first one whole, the others by what follows the topic."""
+    first, *others = re.findall(r"`(.+?)`", names)
+    return [first, *(f"{first.partition('.')[0]}.{name}" for name in others)]
 
 
 def says(text: str, value: float) -> bool:
@@ -75,14 +78,12 @@ def test_the_errata_are_what_the_audit_measures(kind: str) -> None:
     rows = {r.claim: r for r in a5.audit() if r.kind == kind and r.verdict != "agrees"}
     covered = set()
     for text, name in errata()[kind]:
-        meant = [row for row in rows.values() if name in (row.claim, row.topic)]
-        assert meant, f"{name} differs no more"
-        for row in meant:
-            covered.add(row.claim)
-            figures = [row.measured, row.effect or 0.0, row.standard_error]
-            figures.append(row.bound if row.bound > 1e-6 else 0.0)
-            for figure in figures:
-                assert not figure or says(text, figure), (row.claim, figure)
+        row = rows[name]  # it differs no more if it is not here
+        covered.add(name)
+        figures = [row.measured, row.effect or 0.0, row.standard_error]
+        figures.append(row.bound if row.bound > 1e-6 else 0.0)
+        for figure in figures:
+            assert not figure or says(text, figure), (row.claim, figure)
     assert covered == set(rows)
 
 

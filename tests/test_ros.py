@@ -197,6 +197,6 @@ def test_document_numbers_map_to_the_arms_names():
     joints = a5.parameters().joints
     assert [joint.name[-1] for joint in joints] == ["e", "d", "c", "b", "a"]
     assert [joint.device_id for joint in joints] == [5, 4, 3, 2, 1]
-    text = (REPOSITORY / "README.md").read_text("utf-8")
+    text = (REPOSITORY / "docs" / "guides" / "ros.md").read_text("utf-8")
     for number, joint in enumerate(joints):
         assert f"| {number} | `{joint.name}` | {joint.device_id} |" in text

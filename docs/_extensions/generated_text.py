@@ -1,0 +1,175 @@
+"""Text that the build writes into the pages: the errata from the audit, the commands from their help.
+
+A page says where by a line of its own, ``<!-- generated: NAME -->`` with a NAME of `TEXTS`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from itertools import groupby
+from typing import Any
+
+from typer.main import get_command
+
+import alpha5_model as a5
+from alpha5_model.cli import COMMANDS, application
+from alpha5_model.consistency.row import AuditRow
+from alpha5_model.corrections import CORRECTIONS
+
+MARK = re.compile(r"^<!-- generated: (.+?) -->$", re.MULTILINE)
+RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    cells = ([re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in line] for line in lines)
+    return "".join(f"| {' | '.join(line)} |\n" for line in cells)
+
+
+# --- the audit ---------------------------------------------------------------------------------
+
+
+def audit_table(kind: str) -> str:
+    """The rows of one kind that differ; neighbours with the same words and figures as one."""
+    rows = [row for row in a5.audit() if row.kind == kind and row.verdict != "agrees"]
+    lines = []
+    for _, same in groupby(rows, lambda r: (r.topic, r.says, r.finding, r.measured, r.effect)):
+        group = list(same)
+        row = group[0]
+        claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
+        places = list(dict.fromkeys(r.place for r in group))
+        lines.append(
+            [
+                places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:]),
+                plain(row.says),
+                plain(row.finding),
+                measured(row),
+                "" if row.effect is None else f"{figure(row.effect)} {unit(row.effect_unit)}",
+                ", ".join(f"`{claim}`" for claim in claims),
+            ]
+        )
+    return table(["where", "printed", "what we find", "measured", "effect", "row"], lines)
+
+
+def shorter(first: str, place: str) -> str:
+    """What a place says beyond the parts that it shares with the first one."""
+    parts, ours = place.split(", "), first.split(", ")
+    while len(parts) > 1 and ours and parts[0] == ours[0]:
+        parts, ours = parts[1:], ours[1:]
+    return ", ".join(parts)
+
+
+def measured(row: AuditRow) -> str:
+    """Figure, what it may be off by, and what it would have to be."""
+    spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
+    width = f" ± {figure(spread, 2)}" if spread else ""
+    must = f"{RELATION[row.relation]}{figure(row.expected)}"
+    return f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
+
+
+def figure(value: float, digits: int = 4) -> str:
+    """A number to so many significant digits, without an exponent."""
+    text = f"{value:.{digits}g}"
+    return text if "e" not in text else f"{value:.0f}" if abs(value) > 1 else f"{value:.7f}"
+
+
+def unit(name: str) -> str:
+    """A unit as a reader writes it."""
+    return name.replace("^2", "²").replace("N m", "N·m")
+
+
+def plain(text: str) -> str:
+    """Words that Markdown would take for markup or mathematics."""
+    return re.sub(r"([*<\[\]])", r"\\\1", text)
+
+
+def corrections() -> str:
+    """The recorded corrections: what is corrected, why, and what it is worth."""
+    rows = (
+        [f"`{c.name}`", plain(c.statement), plain(c.evidence), plain(c.effect)]
+        for c in CORRECTIONS.values()
+    )
+    return table(["name", "what it does", "evidence", "effect"], rows)
+
+
+# --- the command line --------------------------------------------------------------------------
+
+
+def commands() -> str:
+    """A section for each command: its help, its arguments and its options."""
+    return "\n".join(command_section(name) for name in COMMANDS)
+
+
+def command_section(name: str) -> str:
+    """One command, from the objects that print its help."""
+    command: Any = get_command(application(name)).commands[name]  # type: ignore[attr-defined]
+    blocks = [" ".join(block.split()) for block in re.split(r"\n\s*\n", command.help.strip())]
+    examples = [
+        f"alpha5 {words.strip()}"
+        for block in blocks
+        if block.startswith("Example")
+        for words in re.split(r"(?:Examples?:)? ?\balpha5 ", block)[1:]
+    ]
+    named = sorted(command.params, key=lambda parameter: parameter.param_type_name)
+    words = [parameter.name.upper() for parameter in named if positional(parameter)]
+    return "\n".join(
+        [
+            f"(alpha5-{name})=",
+            f"## alpha5 {name}",
+            "",
+            *(f"{plain(block)}\n" for block in blocks if not block.startswith("Example")),
+            f"```text\n{' '.join(['alpha5', name, *words, '[OPTIONS]'])}\n```",
+            "",
+            *(f"```sh\n{example}\n```\n" for example in examples),
+            table(["argument or option", "default", "meaning"], map(parameter_row, named)),
+        ]
+    )
+
+
+def positional(parameter: Any) -> bool:
+    """Whether it is an argument without a name."""
+    return bool(parameter.param_type_name == "argument")
+
+
+def parameter_row(parameter: Any) -> list[str]:
+    """Name with its value, default and help of an argument or option."""
+    flag = getattr(parameter, "is_flag", False)
+    *short, name = sorted(parameter.opts, key=len)
+    word = parameter.metavar or name.rpartition("-")[2].upper()
+    value = " ".join([word] * max(1, parameter.nargs))
+    shown = [value] if positional(parameter) else [*short, name if flag else f"{name} {value}"]
+    default = parameter.default
+    if isinstance(default, tuple | list):
+        default = " ".join(map(str, default))
+    given = "" if flag or default is None or default == "" else f"`{default}`"
+    return [
+        ", ".join(f"`{words}`" for words in shown),
+        "required" if parameter.required else given,
+        plain(parameter.help or "")
+        + (" May be given again." if parameter.multiple and parameter.nargs == 1 else ""),
+    ]
+
+
+TEXTS: dict[str, Callable[[], str]] = {
+    "errata": lambda: audit_table("claim"),
+    "observations": lambda: audit_table("observation"),
+    "corrections": corrections,
+    "commands": commands,
+}
+
+
+def written(text: str) -> str:
+    """A page's source with its generated parts in place of the marks."""
+    return MARK.sub(lambda found: TEXTS[found[1]](), text)
+
+
+def setup(app: Any) -> dict[str, Any]:
+    """Sphinx's entry point."""
+
+    def read(_app: Any, _name: str, source: list[str]) -> None:
+        source[0] = written(source[0])
+
+    app.connect("source-read", read)
+    return {"parallel_read_safe": True, "version": a5.__version__}

@@ -1,0 +1,106 @@
+"""References in docstrings: `name` finds what the API pages document under any longer name.
+
+A docstring says `Solutions` or `Arm.with_payload` for what the pages list as
+``alpha5_model.kinematics.ik.Solutions`` and so on. What no page documents must at least exist in
+the package; it is shown as code. Any other name is left to Sphinx, which warns.
+"""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from sphinx.ext.napoleon import GoogleDocstring
+
+PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
+
+
+@cache
+def names() -> frozenset[str]:
+    """Every name of the package's code: modules, definitions, arguments, attributes."""
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        found |= {path.stem, path.parent.name}
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            for field in ("name", "id", "attr", "arg"):
+                value = getattr(node, field, None)
+                if isinstance(value, str):
+                    found.add(value)
+    return frozenset(found)
+
+
+def resolve(app: Any, env: Any, node: Any, content: Any) -> Any:
+    """The documented object that ends in the target, the nearest one if there are several."""
+    if node.get("refdomain") != "py":
+        return None
+    target = node["reftarget"].lstrip(".~")
+    domain = env.domains["py"]
+    places = [node.get("py:class"), node.get("py:module")]
+    here = ".".join(place for place in places if place)
+    matches = sorted(
+        (name for name in domain.objects if f".{name}".endswith(f".{target}")),
+        key=lambda name: (-common(name, here), len(name), name),
+    )
+    if matches:
+        return reference(app, node, content, domain.objects[matches[0]])
+    if target.rpartition(".")[2] in names():
+        return content
+    return None
+
+
+def common(name: str, here: str) -> int:
+    """Length of the shared beginning."""
+    return next((i for i, (a, b) in enumerate(zip(name, here, strict=False)) if a != b), 0)
+
+
+def reference(app: Any, node: Any, content: Any, entry: Any) -> nodes.reference:
+    """A link to a documented object."""
+    uri = app.builder.get_relative_uri(node["refdoc"], entry.docname)
+    return nodes.reference(
+        "", "", content, internal=True, refuri=f"{uri}#{entry.node_id}", reftitle=node["reftarget"]
+    )
+
+
+def skip_fields(_app: Any, what: str, _name: str, member: Any, _skip: bool, _options: Any) -> Any:
+    """Leave out the fields of named tuples: their meaning stands under Attributes."""
+    return True if what == "class" and type(member).__name__ == "_tuplegetter" else None
+
+
+def returned(section: Any, preprocess_types: bool = False) -> list[tuple[str, str, list[str]]]:
+    """The text under Returns as it stands; napoleon would take words before a colon for a type."""
+    del preprocess_types
+    lines = section._dedent(section._consume_to_next_section())
+    return [("", "", lines)] if any(lines) else []
+
+
+def property_text(section: Any) -> tuple[str, list[str]]:
+    """The text of a property as it stands, for the same reason."""
+    lines = []
+    while section._lines:
+        lines.append(section._lines.next())
+    return "", lines
+
+
+def list_references(
+    _app: Any, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]
+) -> None:
+    """The entries under References as a list; a run of lines would become one paragraph."""
+    if "References:" not in lines:
+        return
+    start = lines.index("References:") + 1
+    for i, line in enumerate(lines[start:], start):
+        if line.startswith(" "):
+            lines[i] = line.replace("[", "- [", 1) if line.lstrip().startswith("[") else f"  {line}"
+
+
+def setup(app: Any) -> dict[str, Any]:
+    """Sphinx's entry point."""
+    GoogleDocstring._consume_returns_section = returned  # type: ignore[method-assign]
+    GoogleDocstring._consume_inline_attribute = property_text  # type: ignore[method-assign]
+    app.connect("missing-reference", resolve)
+    app.connect("autodoc-skip-member", skip_fields)
+    app.connect("autodoc-process-docstring", list_references, priority=100)
+    return {"parallel_read_safe": True}
