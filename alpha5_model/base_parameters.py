@@ -1,34 +1,88 @@
 """The fewest numbers that fix the torques and the load on the mount of the arm on a fixed base.
 
-What lies on the axis of a joint, or turns about it like a ring, moves with the link before just as well: a
-body's mass m, its moment m c_z and its second moment along the axis are handed down to that link [Khalil2002].
-Of each moving link two first moments and the other second moments are left; link_0, which does not move, has
-only weight. In a fluid the weight is less by the displaced fluid's, so its mass and moments, ``m - rho V``
-and ``m c - rho V b``, are numbers of their own, which are handed down in the same way.
+What lies on the axis of a joint moves with the link before just as well: a body's mass m, its moment m c_z and
+its second moment along the axis are handed down to that link [Khalil2002]. Of each moving link two first
+moments and the other second moments are left; link_0, which does not move, has only weight. In a fluid the
+weight is less by that of the displaced fluid: net mass and moments, ``m - rho V`` and ``m c - rho V b``, are
+numbers of their own, handed down in the same way.
 
 References:
     [Khalil2002] Khalil, Dombre: Modeling, Identification and Control of Robots, section 9.4.
     [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent inertial
-        parameter identification, IEEE RA-L 3(1) (second moments instead of the tensor of inertia).
+        parameter identification, IEEE RA-L 3(1) (a body's numbers in one matrix).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model.checks import FloatArray
+from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.parameters import RigidBody, parameters
+from alpha5_model.spatial import pose
+
+_SECOND = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 _FIRST = ("hx", "hy", "nx", "ny")
-_SECOND = ("xx", "yy", "xy", "xz", "yz")
-#: Name -> unit, in order. ``xx`` to ``yz`` are second moments, the integral of x x ... y z over the mass, ``hx``
-#: and ``hy`` first moments of the mass, ``nx`` to ``nz`` of the net mass, ``n`` the net mass, each with what the
-#: links beyond hand down, in the axes of the link. Link 1 turns about its z only and shows ``zz = xx + yy``.
+#: Name -> unit, in order. In the axes of each link, with what the links beyond hand down: ``xx`` to ``yz`` are
+#: second moments, sums of ``m x x`` to ``m y z``; ``hx``, ``hy`` first moments; ``n``, ``nx`` to ``nz`` the net mass
+#: and its first moments. Link 1 turns about its z only: there ``izz = xx + yy`` is all that counts of the two.
 BASE_PARAMETERS: dict[str, str] = {
     "link_0.n": "kg",
-    **{f"link_0.{axis}": "kg m" for axis in ("nx", "ny", "nz")},
-    **{f"link_1.{name}": "kg m^2" for name in ("zz", "xz", "yz")},
-    **{f"link_1.{name}": "kg m" for name in _FIRST},
+    **{f"link_0.n{axis}": "kg m" for axis in "xyz"},
     **{
         f"link_{i}.{name}": unit
-        for i in (2, 3, 4)
-        for names, unit in ((_SECOND, "kg m^2"), (_FIRST, "kg m"))
+        for i in (1, 2, 3, 4)
+        for names, unit in (
+            (("izz", "xz", "yz") if i == 1 else tuple(_SECOND), "kg m^2"),
+            (_FIRST, "kg m"),
+        )
         for name in names
     },
     **{f"gravity.{axis}": "m/s^2" for axis in "xyz"},
 }
+
+
+def base_parameters(
+    links: Sequence[RigidBody], fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+) -> FloatArray:
+    """Values of `BASE_PARAMETERS`.
+
+    Args:
+        links: link_0, in the axes of base_link, to link_4, each with all that is fixed to it;
+            ``parameters().links`` for the bare arm.
+        fluid_density: [kg/m^3].
+        gravity: In base_link, (3,) [m/s^2].
+
+    Returns:
+        (41,).
+    """
+    values = dict(zip((f"gravity.{axis}" for axis in "xyz"), np.asarray(gravity), strict=True))
+    rows, handed = parameters().dh, np.zeros((2, 4, 4))
+    for i in (4, 3, 2, 1, 0):
+        mass, net = left = handed + _moments(links[i], fluid_density)
+        values |= {f"link_{i}.n": net[3, 3], f"link_{i}.izz": mass[0, 0] + mass[1, 1]}
+        values |= {f"link_{i}.{name}": mass[at] for name, at in _SECOND.items()}
+        for k, axis in enumerate("xyz"):
+            values |= {f"link_{i}.h{axis}": mass[k, 3], f"link_{i}.n{axis}": net[k, 3]}
+        left[:, :2], left[:, :, :2] = 0.0, 0.0
+        if i > 1:
+            row = rows[i - 2]
+            before = pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0))
+            left = before @ left @ before.T
+        handed = left
+    return np.array([values[name] for name in BASE_PARAMETERS])
+
+
+def _moments(body: RigidBody, density: float) -> FloatArray:
+    """Mass, first and second moments of a body and of its net mass in one matrix each, (2, 4, 4).
+
+    They are P; with T the body's pose in another frame they are ``T P T^T`` there.
+    """
+    mass, com, cob = body.mass, np.append(body.com, 1.0), np.append(body.cob, 1.0)
+    out = np.array([mass * np.outer(com, com)] * 2)
+    out[0, :3, :3] += np.trace(body.inertia) / 2 * np.eye(3) - body.inertia
+    out[1] -= density * body.volume * np.outer(cob, cob)
+    return out

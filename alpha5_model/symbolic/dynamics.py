@@ -65,6 +65,20 @@ def turns(q: SX) -> list[Turn]:
     return out
 
 
+def tcp() -> Turn:
+    """Link 4 to the tcp."""
+    *_, wrist, last = parameters().dh
+    angle = last.theta_offset
+    c, s = SX(_exact(math.cos(angle))), SX(_exact(math.sin(angle)))
+    return Turn(
+        SX([wrist.a, 0.0, wrist.d]),
+        c,
+        s,
+        round(math.sin(wrist.alpha)),
+        round(math.cos(wrist.alpha)),
+    )
+
+
 def _exact(value: float) -> float:
     """Sine or cosine, exact for multiples of pi/2."""
     return float(round(value)) if abs(value - round(value)) < 1e-15 else value
@@ -76,7 +90,7 @@ def newton_euler(q: SX, v: SX, a: SX, base_parameters: SX) -> tuple[SX, SX]:
     Of zero velocities, accelerations or gravity only what does not vanish is left: statics, Coriolis, ...
     """
     p = dict(zip(BASE_PARAMETERS, vertsplit(base_parameters), strict=True))
-    p |= {"link_1.xx": p["link_1.zz"]}  # only xx + yy counts there
+    p |= {"link_1.xx": p["link_1.izz"]}  # xx + yy is all that counts there
 
     def of(link: int, *names: str) -> list[SX]:
         return [p.get(f"link_{link}.{name}", SX(0.0)) for name in names]
@@ -121,4 +135,120 @@ def _turning(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
         u[2, 0] * xy + u[2, 1] * yy + (u[2, 2] - u[1, 1]) * yz - u[1, 0] * xz,
         (u[0, 0] - u[2, 2]) * xz + u[0, 1] * yz - u[2, 0] * xx - u[2, 1] * xy,
         u[1, 0] * xx - u[0, 1] * yy + (u[1, 1] - u[0, 0]) * xy + u[1, 2] * xz - u[0, 2] * yz,
+    )
+
+
+def link_poses(q: SX) -> list[SX]:
+    """Poses in base_link of link 1 to link 4 and of the tcp, (4, 4) each."""
+    pose, out = SX.eye(4), []
+    for step in [*turns(q), tcp()]:
+        turned = horzcat(*(step.inward(axis) for axis in casadi.horzsplit(SX.eye(3))))
+        pose = pose @ vertcat(horzcat(turned, step.origin), SX([[0.0, 0.0, 0.0, 1.0]]))
+        out.append(pose)
+    return out
+
+
+def jacobian(q: SX) -> SX:
+    """Of the tcp, velocity of its point above angular velocity, in base_link, (6, 4)."""
+    *links, tip = link_poses(q)
+    axes = horzcat(*(link[:3, 2] for link in links))
+    return vertcat(casadi.jacobian(tip[:3, 3], q), axes)
+
+
+def mass_matrix(q: SX, base_parameters: SX) -> SX:
+    """M(q), (4, 4): its lower half, mirrored."""
+    a, still = SX.sym("a", JOINTS), SX.zeros(JOINTS)
+    torque, _ = newton_euler(q, still, a, weightless(base_parameters))
+    return casadi.tril2symm(casadi.tril(casadi.jacobian(torque, a)))
+
+
+def weightless(base_parameters: SX) -> SX:
+    """The same without gravity."""
+    return vertcat(base_parameters[:-3], SX.zeros(3))
+
+
+def factored(matrix: SX) -> tuple[SX, SX]:
+    """L with ones on its diagonal, and D, of a positive definite matrix ``L diag(D) L^T``."""
+    n = matrix.shape[0]
+    lower, diagonal = SX.eye(n), SX.zeros(n)
+    for j in range(n):
+        scaled = lower[j, :j].T * diagonal[:j]
+        diagonal[j] = matrix[j, j] - lower[j, :j] @ scaled
+        for i in range(j + 1, n):
+            lower[i, j] = (matrix[i, j] - lower[i, :j] @ scaled) / diagonal[j]
+    return lower, diagonal
+
+
+def solved(factors: tuple[SX, SX], right: SX) -> SX:
+    """X of ``L diag(D) L^T X = right``."""
+    lower, diagonal = factors
+    x, n = SX(right), right.shape[0]
+    for i in range(n):
+        x[i, :] -= lower[i, :i] @ x[:i, :]
+    for i in reversed(range(n)):
+        x[i, :] = x[i, :] / diagonal[i] - lower[i + 1 :, i].T @ x[i + 1 :, :]
+    return x
+
+
+def dynamics() -> tuple[casadi.Function, ...]:
+    """Every function; inputs are of q, v, a, tau and the base parameters.
+
+    One function serves several quantities by its parameters: in air, hydrostatic torque is gravity torque.
+    """
+    q, v, a, tau = (SX.sym(name, JOINTS) for name in ("q", "v", "a", "tau"))
+    p, still = SX.sym("parameters", len(BASE_PARAMETERS)), SX.zeros(JOINTS)
+    inputs = {"q": q, "v": v, "a": a, "tau": tau, "parameters": p}
+    *links, tip = link_poses(q)
+    torque, wrench = newton_euler(q, v, a, p)
+    holding, _ = newton_euler(q, still, still, p)
+    bias, _ = newton_euler(q, v, still, p)
+    coriolis, _ = newton_euler(q, v, still, weightless(p))
+    by = {
+        name: (casadi.jacobian(torque, inputs[name]), casadi.jacobian(wrench, inputs[name]))
+        for name in "qva"
+    }
+    mass = mass_matrix(q, p)
+    factors = factored(mass)
+    acceleration = solved(factors, tau - bias)
+    mobility = casadi.tril2symm(casadi.tril(solved(factors, SX.eye(JOINTS))))
+    pushed = casadi.substitute(by["q"][0], a, acceleration)
+    every: dict[str, tuple[str, dict[str, SX]]] = {
+        "forward_kinematics": ("q", {"tcp": tip}),
+        "link_poses": ("q", {f"link_{i}": pose for i, pose in enumerate(links, 1)}),
+        "jacobian": ("q", {"jacobian": jacobian(q)}),
+        "hydrostatic_torque": ("q parameters", {"tau": holding}),
+        "hydrostatic_torque_derivative": ("q parameters", {"tau_q": casadi.jacobian(holding, q)}),
+        "mass_matrix": ("q parameters", {"tau_a": mass}),
+        "coriolis_torque": ("q v parameters", {"tau": coriolis}),
+        "coriolis_matrix": ("q v parameters", {"coriolis": casadi.jacobian(coriolis, v) / 2}),
+        "nonlinear_effects": ("q v parameters", {"tau": bias}),
+        "inverse_dynamics": ("q v a parameters", {"tau": torque}),
+        "inverse_dynamics_derivatives": (
+            "q v a parameters",
+            {"tau_q": by["q"][0], "tau_v": by["v"][0], "tau_a": mass},
+        ),
+        "base_wrench": ("q v a parameters", {"wrench": wrench}),
+        "inverse_dynamics_with_base_wrench": (
+            "q v a parameters",
+            {"tau": torque, "wrench": wrench},
+        ),
+        "base_wrench_derivatives": (
+            "q v a parameters",
+            {"wrench_q": by["q"][1], "wrench_v": by["v"][1], "wrench_a": by["a"][1]},
+        ),
+        "forward_dynamics": ("q v tau parameters", {"a": acceleration}),
+        "forward_dynamics_derivatives": (
+            "q v tau parameters",
+            {"a_q": -mobility @ pushed, "a_v": -mobility @ by["v"][0], "a_tau": mobility},
+        ),
+    }
+    return tuple(
+        casadi.Function(
+            name,
+            [inputs[one] for one in given.split()],
+            [casadi.densify(x) for x in outputs.values()],
+            given.split(),
+            [*outputs],
+        )
+        for name, (given, outputs) in every.items()
     )
