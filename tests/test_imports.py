@@ -26,7 +26,7 @@ HEAVY = (
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "checks", "files", "paths", "fluids", "spatial"),
+    ("errors", "checks", "files", "paths", "fluids", "spatial", "kernels"),
     ("published",),
     ("inertia", "corrections", "parameters", "jaws", "hydrodynamics", "base_parameters"),
     ("planar", "actuators", "meshing"),

@@ -165,6 +165,6 @@ def _committed(check: bool) -> int:
         echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
     else:
         print_written(*committed.update())
-    if not committed.can_draw():
-        echo(committed.NOT_DRAWN)
+    for line in committed.not_generated():
+        echo(line)
     return 1 if stale else 0

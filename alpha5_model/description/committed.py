@@ -22,8 +22,11 @@ from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
 
 GLB_NAME = "alpha5.glb"
-#: Printed where the meshes cannot be drawn.
-NOT_DRAWN = "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)"
+#: What part of the files needs, and what is printed where it is not installed.
+_NEEDED = {
+    "manifold3d": "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)",
+    "casadi": "casadi is not installed: the formulas are not generated anew (pip install casadi)",
+}
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,9 @@ class StaleFile:
 def generated_files() -> dict[str, bytes]:
     """Every file that is committed and generated: path in the repository -> content.
 
-    The meshes are there only where `can_draw`.
+    Meshes and formulas are there only where what they need is, see `not_generated`.
     """
+    lacking = _lacking()
     texts = {
         "xacro/parameters.yaml": parameter_yaml(parameters()),
         "urdf/alpha5.urdf": urdf(Variant()),
@@ -51,14 +55,28 @@ def generated_files() -> dict[str, bytes]:
         "urdf/alpha5.srdf": srdf(),
         "urdf/alpha5_jaws.srdf": srdf("jaws"),
     }
-    drawn = mesh_files() if can_draw() else {}
+    if _in_checkout() and "casadi" not in lacking:
+        from alpha5_model.symbolic.sources import generated_sources
+
+        texts |= generated_sources()
+    drawn = {} if "manifold3d" in lacking else mesh_files()
     meshes = {f"meshes/{name}": content for name, content in drawn.items()}
     return {path: text.encode("utf-8") for path, text in texts.items()} | meshes
 
 
-def can_draw() -> bool:
-    """Whether manifold3d, with which the bodies are drawn, is installed."""
-    return find_spec("manifold3d") is not None
+def not_generated() -> tuple[str, ...]:
+    """Why some files are not generated here, one line for each package that is not installed."""
+    return tuple(_NEEDED[package] for package in _lacking())
+
+
+def _lacking() -> list[str]:
+    # An installed package has its formulas as they are.
+    needed = _NEEDED if _in_checkout() else ["manifold3d"]
+    return [package for package in needed if find_spec(package) is None]
+
+
+def _in_checkout() -> bool:
+    return Path(REPOSITORY_PATH, "alpha5_model").is_dir()
 
 
 def stale_files(

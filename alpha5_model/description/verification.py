@@ -22,7 +22,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.description.committed import NOT_DRAWN, can_draw, stale_files
+from alpha5_model.description.committed import not_generated, stale_files
 from alpha5_model.description.verification_text import (
     CHECKS,
     Subject,
@@ -68,8 +68,9 @@ class FileCheck:
 
 def verify_generated() -> tuple[FileCheck, ...]:
     """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
-    verdict: Verdict = "passed" if can_draw() else "not run"
-    finding = "every file is what the generator writes now" if can_draw() else NOT_DRAWN
+    finding = "; ".join(not_generated())
+    verdict: Verdict = "not run" if finding else "passed"
+    finding = finding or "every file is what the generator writes now"
     if stale := [file.path for file in stale_files()]:
         verdict, finding = "failed", f"stale: {', '.join(stale)}"
     fresh = FileCheck("generated files", "fresh", verdict, finding)

@@ -1,0 +1,98 @@
+"""The kernels without a compiler: the generated formulas on Python's numbers, and on blocks of NumPy's arrays.
+
+The same two functions as the compiled module has.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from alpha5_model.checks import LARGEST, FloatArray
+from alpha5_model.kernels.generated import formulas
+
+#: States in a block: what a formula holds of them at a time stays in the cache.
+BLOCK = 2048
+_KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    arctan=math.atan,
+    arctan2=math.atan2,
+    fabs=abs,
+    floor=math.floor,
+    fmin=min,
+    fmax=max,
+)
+
+
+def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[..., Any]:
+    """A kernel for one state, with its parameters.
+
+    Args:
+        name: Of a kernel.
+        parameters: Its last input, copied; empty where it takes none.
+
+    Returns:
+        A function of the other inputs: a new array for each output, several in a tuple. None unless each
+        input is a C-contiguous float64 array of the right shape whose entries can be computed with.
+    """
+    formula, inputs, outputs = _KERNELS[name]
+    last = ([float(x) for x in parameters],) if len(parameters) else ()
+    shapes = inputs[: len(inputs) - len(last)]
+
+    def kernel(*given: Any) -> Any:
+        if len(given) != len(shapes) or not all(map(_clean, given, shapes)):
+            return None
+        results = formula(*(x.ravel().tolist() for x in given), *last, _NUMBERS)
+        arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
+        return arrays[0] if len(arrays) == 1 else tuple(arrays)
+
+    return kernel
+
+
+def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArray) -> bool:
+    """A kernel for each row of its inputs, into the rows of its outputs.
+
+    Args:
+        name: Of a kernel.
+        parameters: Its last input, for all rows; empty where it takes none.
+        arrays: The other inputs, then the outputs, one state in each row.
+
+    Returns:
+        False, with nothing in the outputs to rely on, unless all are C-contiguous float64 arrays of as many
+        rows of the right size, and the entries of the inputs can be computed with.
+    """
+    formula, inputs, outputs = _KERNELS[name]
+    last = ([np.array(x) for x in parameters],) if len(parameters) else ()
+    given = len(inputs) - len(last)
+    shapes, n = (*inputs[:given], *outputs), len(arrays[-1])
+    if len(arrays) != len(shapes) or not all(
+        _plain(x) and len(x) == n and x.size == n * math.prod(shape)
+        for x, shape in zip(arrays, shapes, strict=True)
+    ):
+        return False
+    rows = [x.reshape(n, math.prod(s)) for x, s in zip(arrays, shapes, strict=True)]
+    with np.errstate(all="ignore"):
+        for start in range(0, n, BLOCK):
+            here = slice(start, start + BLOCK)
+            columns = [np.ascontiguousarray(x[here].T) for x in rows[:given]]
+            if not all(np.abs(x).max() <= LARGEST for x in columns):
+                return False
+            for out, result in zip(rows[given:], formula(*columns, *last, np), strict=True):
+                for k, column in enumerate(result):
+                    out[here, k] = column
+    return True
+
+
+def _plain(x: Any) -> bool:
+    return type(x) is np.ndarray and x.dtype == np.float64 and x.flags.c_contiguous
+
+
+def _clean(x: Any, shape: tuple[int, ...]) -> bool:
+    return _plain(x) and x.shape == shape and all(abs(e) <= LARGEST for e in x.ravel().tolist())

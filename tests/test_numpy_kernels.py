@@ -1,0 +1,65 @@
+"""What the kernels without a compiler take and refuse, and that rows and single states agree."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from alpha5_model.base_parameters import base_parameters
+from alpha5_model.checks import LARGEST
+from alpha5_model.kernels import numpy_kernels
+from alpha5_model.kernels.generated.formulas import KERNELS
+from alpha5_model.parameters import parameters
+
+PARAMETERS = base_parameters(parameters().links)
+
+
+def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
+    """Inputs and empty outputs of n states, and the parameters."""
+    _, inputs, outputs = KERNELS[name]
+    own = PARAMETERS if inputs[-1] == PARAMETERS.shape else np.empty(0)
+    rng = np.random.default_rng(5)
+    given = [rng.uniform(-0.3, 0.3, (n, *s)) for s in inputs[: len(inputs) - bool(len(own))]]
+    return given, [np.full((n, *s), np.nan) for s in outputs], own
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_rows_over_several_blocks_are_the_single_states(name: str) -> None:
+    n = 2 * numpy_kernels.BLOCK + 3
+    given, out, own = arrays(name, n)
+    assert numpy_kernels.batch(name, own, *given, *out)
+    one = numpy_kernels.bind(name, own)
+    for k in (0, numpy_kernels.BLOCK - 1, numpy_kernels.BLOCK, n - 1):
+        single = one(*(x[k] for x in given))
+        for rows, result in zip(
+            out, single if isinstance(single, tuple) else (single,), strict=True
+        ):
+            assert result.shape == rows.shape[1:]
+            scale = max(1.0, np.abs(result).max())
+            assert np.abs(rows[k] - result).max() < 1e-13 * scale
+
+
+def test_what_is_no_plain_state_is_refused() -> None:
+    one = numpy_kernels.bind("inverse_dynamics", PARAMETERS)
+    (q, v, a), (out,), _ = arrays("inverse_dynamics", 3)
+    assert one(q[0], v[0], a[0]) is not None
+    wrong = [[0.0] * 4, np.zeros(4, np.float32), np.zeros(5), np.zeros(8)[::2], np.zeros((1, 4))]
+    wrong += [np.array([0.0, x, 0.0, 0.0]) for x in (math.nan, math.inf, -2 * LARGEST)]
+    for bad in (*wrong, None, "q", np.ma.array(np.zeros(4))):
+        assert one(q[0], bad, a[0]) is None
+    assert one(q[0], v[0]) is None
+    for bad in (v.tolist(), v[:2], v.astype(np.float32), v[:, ::-1], v + math.nan, v + 2 * LARGEST):
+        assert not numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, bad, a, out)
+    assert not numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, v, out)
+    assert numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, v, a, out)
+    assert numpy_kernels.batch("inverse_dynamics", PARAMETERS, q[:0], v[:0], a[:0], out[:0])
+
+
+def test_parameters_are_copied() -> None:
+    own = PARAMETERS.copy()
+    one = numpy_kernels.bind("hydrostatic_torque", own)
+    before = one(np.ones(4))
+    own[:] = 0.0
+    assert np.array_equal(one(np.ones(4)), before)
