@@ -59,10 +59,15 @@ def base_parameters(
     Returns:
         (41,).
     """
+    return regrouped([_moments(link, fluid_density) for link in links], gravity)
+
+
+def regrouped(moments: Sequence[FloatArray], gravity: ArrayLike) -> FloatArray:
+    """Values of `BASE_PARAMETERS`, linear in what each link has of mass and net mass, (2, 4, 4) each."""
     values = dict(zip((f"gravity.{axis}" for axis in "xyz"), np.asarray(gravity), strict=True))
     rows, handed = parameters().dh, np.zeros((2, 4, 4))
     for i in (4, 3, 2, 1, 0):
-        mass, net = left = handed + _moments(links[i], fluid_density)
+        mass, net = left = handed + moments[i]
         values |= {f"link_{i}.n": net[3, 3], f"link_{i}.izz": mass[0, 0] + mass[1, 1]}
         values |= {f"link_{i}.{name}": mass[at] for name, at in _SECOND.items()}
         for k, axis in enumerate("xyz"):

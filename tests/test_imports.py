@@ -35,7 +35,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("symbolic",),
     ("description",),
     ("dynamics", "comparison", "loaders"),
-    ("trajectory",),
+    ("trajectory", "casadi", "c_library"),
     ("consistency",),
     ("view",),
     ("cli",),

@@ -5,7 +5,13 @@ CasADi is needed to generate, not to run.
 
 from __future__ import annotations
 
-import casadi
+from alpha5_model.errors import MissingDependencyError
+
+try:
+    import casadi
+except ImportError:
+    remedy = "pip install 'alpha5-model[symbolic]'"
+    raise MissingDependencyError("casadi", "making code of the equations", remedy) from None
 
 from alpha5_model.symbolic.dynamics import dynamics
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics

@@ -48,6 +48,13 @@ TEXTS = {
     "wrist": "theta_3 [rad]",
     "reach": "rho^2 to the nearer edge of reach, of two poses, positive within [m^2]",
     "limits": "angle to the nearest limit, of four branches, not negative within [rad]",
+    "mass": "of the body [kg]",
+    "com": "its centre of mass in tcp [m]",
+    "inertia": "at its centre of mass, axes of tcp, row by row [kg m^2]",
+    "volume": "that it displaces [m^3]",
+    "cob": "centre of that volume in tcp [m]",
+    "fluid_density": "of the fluid around it [kg/m^3]",
+    "parameters_with_payload": "base parameters of the arm that holds it, SI units",
     "tolerances": "what rounding is forgiven, see `alpha5_model.symbolic.solutions`",
     "exists": "whether each branch reaches the target",
     "within_limits": "whether it does so within the joint limits",
@@ -98,6 +105,16 @@ class Program:
     inputs: tuple[Slot, ...]
     outputs: tuple[Slot, ...]
     steps: tuple[Step, ...]
+
+    def documentation(self, summary: str) -> str:
+        """What it is, then name, shape, meaning and unit of all that goes in and comes out."""
+        lines = [summary]
+        for title, slots in (("Inputs", self.inputs), ("Outputs", self.outputs)):
+            lines += ["", f"{title}:"]
+            for slot in slots:
+                shape = "" if slot.shape == (1,) else f" ({', '.join(map(str, slot.shape))})"
+                lines.append(f"    {slot.name}{shape}: {slot.text}")
+        return "\n".join(lines)
 
     @property
     def flops(self) -> int:

@@ -117,3 +117,19 @@ def statements(
         statement = language.truth if op in _TRUTHS else language.number
         computed.append(statement.format(name, text))
     return read + computed, results
+
+
+def element(slot: Slot, index: int) -> str:
+    """An element of an array, or the number itself."""
+    return slot.name if slot.shape == (1,) else f"{slot.name}[{index}]"
+
+
+def nested(elements: list[str], shape: tuple[int, ...]) -> str:
+    """An array in brackets, row by row; a number alone."""
+    if shape == (1,):
+        return elements[0]
+    if len(shape) > 1:
+        width = len(elements) // shape[0]
+        rows = (elements[i : i + width] for i in range(0, len(elements), width))
+        elements = [nested(row, shape[1:]) for row in rows]
+    return f"[{', '.join(elements)}]"

@@ -1,0 +1,1 @@
+"""The arm's equations as a C99 library."""
