@@ -37,10 +37,17 @@ def trajectory(
         Path,
         Argument(
             help="CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
-            "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel and so on "
-            "if recorded."
+            "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel, axis_e_effort (N m) "
+            "and so on if recorded. Parquet (.parquet) with the same columns. A ROS bag (.bag, .db3, .mcap or "
+            "its folder) with sensor_msgs/JointState."
         ),
     ],
+    topic: Annotated[
+        str | None, Option(help="Of a bag, if several topics name the arm's joints.")
+    ] = None,
+    prefix: Annotated[
+        str | None, Option(help="Before the joints' names, if there are several: left_.")
+    ] = None,
     output: Annotated[
         Path | None,
         Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
@@ -75,6 +82,8 @@ def trajectory(
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
+    Recorded efforts are compared with the torques.
+
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
     """
     # What cannot be written or chosen is refused before the work, not after it.
@@ -83,7 +92,7 @@ def trajectory(
     flow = current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
     with _Bar() as progress:
-        motion = library.read_motion(file, progress)
+        motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
         if gripper == "auto":
             gripper = "jaws" if "axis_a" in motion.joints else "locked"

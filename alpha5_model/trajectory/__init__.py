@@ -7,7 +7,8 @@
 from alpha5_model.trajectory.analysis import Analysis, analyse
 from alpha5_model.trajectory.motion import Motion, MotionWarning, motion
 from alpha5_model.trajectory.reading import read_motion
-from alpha5_model.trajectory.report import columns, summary, text, write
+from alpha5_model.trajectory.report import columns, summary, write
+from alpha5_model.trajectory.report_text import text
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 
 __all__ = [

@@ -13,8 +13,7 @@ from alpha5_model.actuators import Actuator, Interval, actuator
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
-from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning
-from alpha5_model.trajectory.reading import Progress
+from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Progress
 from alpha5_model.trajectory.smoothing import (
     DEFAULT_BANDWIDTH,
     LEAST_BANDWIDTH,
@@ -206,6 +205,7 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
         joints=wanted,
         position=motion.position[:, :4],
         velocity=None if motion.velocity is None else motion.velocity[:, :4],
+        effort=None if motion.effort is None else motion.effort[:, :4],
         warnings=tuple(w for w in motion.warnings if "axis_a" not in w.text),
         ignored=(*motion.ignored, "axis_a"),
     )

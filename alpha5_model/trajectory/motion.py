@@ -34,6 +34,8 @@ _LEAST_STEP = 1e-9
 Place = Callable[[int, "str | None"], str]
 #: (sample, joint or None for the time, what was given, what is expected) -> the error to raise.
 Refuse = Callable[[int, "str | None", float, str], Alpha5Error]
+#: (stage, part done, 0 to 1)
+Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,9 @@ class MotionWarning:
     """Something odd in a motion that does not stop the computation.
 
     Attributes:
-        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``, ``"velocity"`` or
-            ``"time_unit"``.
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``, ``"velocity"``,
+            ``"effort"`` or ``"time_unit"``; of a bag also ``"missing_joints"``,
+            ``"not_finite"``, ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
         count: How often.
         first: Where it happens first.
         text: What it is, and what is done about it.
@@ -70,6 +73,8 @@ class Motion:
         source: File name, or ``"arrays"``.
         ignored: Columns of the file that were not used.
         time_unit: Of the file's time column: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``; `time` is in s.
+        effort: Joint torques as recorded, (N, n) [N m], jaw rod [N], NaN where there is none; None
+            if not given. Compared with the model's torque, never used for it.
     """
 
     time: FloatArray
@@ -80,6 +85,7 @@ class Motion:
     source: str = "arrays"
     ignored: tuple[str, ...] = ()
     time_unit: str = "s"
+    effort: FloatArray | None = None
 
 
 def motion(
@@ -87,6 +93,7 @@ def motion(
     position: ArrayLike,
     velocity: ArrayLike | None = None,
     joints: Sequence[str] | None = None,
+    effort: ArrayLike | None = None,
 ) -> Motion:
     """A motion from arrays, with the same checks as one from a file.
 
@@ -95,6 +102,7 @@ def motion(
         position: (N, n) [rad], jaw rod [m].
         velocity: (N, n), optional.
         joints: Names of the columns, in any order; base to tip if None.
+        effort: Recorded joint torques, (N, n) [N m], jaw rod [N], optional.
 
     Raises:
         InputError: Time runs back, a joint is missing or named twice, too few samples, not finite.
@@ -105,9 +113,14 @@ def motion(
     q = float_array("position", position, ())
     if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
         raise ShapeError("position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a")
-    v = None if velocity is None else float_array("velocity", velocity, ())
-    if v is not None and v.shape != q.shape:
-        raise ShapeError("velocity", v.shape, f"the shape of position, {q.shape}")
+
+    def like_position(name: str, value: ArrayLike | None) -> FloatArray | None:
+        table = None if value is None else float_array(name, value, ())
+        if table is not None and table.shape != q.shape:
+            raise ShapeError(name, table.shape, f"the shape of position, {q.shape}")
+        return table
+
+    v, e = like_position("velocity", velocity), like_position("effort", effort)
     names = JOINTS[: q.shape[1]] if joints is None else tuple(joints)
     for name in names:
         choice("joint", name, JOINTS)
@@ -122,19 +135,22 @@ def motion(
     def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
         return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
 
-    return checked(
-        Motion(t, wanted, q[:, order], None if v is None else v[:, order]), place, refuse
-    )
+    v, e = (table if table is None else table[:, order] for table in (v, e))
+    return checked(Motion(t, wanted, q[:, order], v, effort=e), place, refuse)
 
 
 def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted."""
-    time, position, velocity = raw.time, raw.position, raw.velocity
+    time, position, velocity, effort = raw.time, raw.position, raw.velocity, raw.effort
     if time.size < MINIMUM_SAMPLES:
         name = raw.source if raw.source != "arrays" else "time"
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
-    tables = (("time", time[:, None], _MOST_TIME), ("position", position, _MOST))
-    for what, table, most in (*tables, ("velocity", velocity, _MOST)):
+    for what, table, most in (
+        ("time", time[:, None], _MOST_TIME),
+        ("position", position, _MOST),
+        ("velocity", velocity, _MOST),
+        ("recorded effort", effort, _MOST),
+    ):
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
             joint = None if what == "time" else raw.joints[k]
@@ -153,7 +169,6 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
 
     warn("repeated_time", np.flatnonzero(~keep), None, "time repeated, sample dropped")
     t, q = time[keep], position[keep]
-    v = None if velocity is None else velocity[keep]
     if t.size < MINIMUM_SAMPLES:
         expected = f"at least {MINIMUM_SAMPLES} samples with different times"
         raise refuse(0, None, time[0], expected)
@@ -169,5 +184,7 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
         outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
         text = f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}"
         warn("outside_limits", samples[outside], name, text)
-    v = None if v is None else frozen(v)
-    return replace(raw, time=frozen(t), position=frozen(q), velocity=v, warnings=tuple(found))
+    v, e = (None if table is None else frozen(table[keep]) for table in (velocity, effort))
+    return replace(
+        raw, time=frozen(t), position=frozen(q), velocity=v, effort=e, warnings=tuple(found)
+    )

@@ -1,119 +1,110 @@
-"""Motion from a CSV file: columns by joint name, every problem with its line and column."""
+"""Motion from a file: CSV, Parquet or a ROS bag; every problem with its place in the file."""
 
 from __future__ import annotations
 
 import csv
 import math
-import re
-from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import Alpha5Error, FileFormatError
+from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.files import PathLike, read_named
-from alpha5_model.parameters import parameters
-from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, checked
+from alpha5_model.trajectory.bags import is_bag, read_bag
+from alpha5_model.trajectory.columns import find_columns, table_motion
+from alpha5_model.trajectory.motion import Motion, Place, Progress, checked
+from alpha5_model.trajectory.parquet import SUFFIXES, read_parquet
 
-TIME_COLUMNS = ("time_secs", "time")
-#: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
-_TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
-_PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
-POSITION_SUFFIXES = ("_pos", "_position", "")
-VELOCITY_SUFFIXES = ("_vel", "_velocity")
 #: Lines parsed between two reports of progress.
 CHUNK = 50_000
 
-Progress = Callable[[str, float], None]
 
+def read_motion(
+    path: PathLike,
+    progress: Progress | None = None,
+    *,
+    topic: str | None = None,
+    prefix: str | None = None,
+) -> Motion:
+    """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
-def read_motion(path: PathLike, progress: Progress | None = None) -> Motion:
-    """Read joint motion from a CSV file with a header line.
+    A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and
+    the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d,
+    axis_c, axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
+    (``axis_b_velocity``) and so on, optional, for all of these joints or none; ``axis_b_effort``
+    [N m], optional, NaN where it is not known. Other columns are ignored and named in
+    `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
+    smaller unit if the joints can be so fast; a warning says so. Parquet (``.parquet``, needs
+    pyarrow) may have times of its own types instead.
 
-    Columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and the like;
-    ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d, axis_c,
-    axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
-    (``axis_b_velocity``) and so on, optional, for all of these joints or none. Other columns are
-    ignored and named in `Motion.ignored`. A column ``time`` in steps of a second or more is read in
-    milliseconds or a smaller unit if the joints can be so fast; a warning says so.
+    A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its ``metadata.yaml``; needs
+    rosbags) holds ``sensor_msgs/JointState`` messages. Their stamps are the time; the bag's own where
+    a message has none. Messages without all joints, or with positions that are not finite, are left
+    out, and messages out of order are sorted; each with a warning.
 
     Args:
         path: The file.
         progress: Called with a stage's name and the part done, 0 to 1.
+        topic: Of a bag; None takes the only one that names the arm's joints.
+        prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``; None takes the
+            names as they are, else the only prefix.
 
     Raises:
-        InputError: Not a path, or fewer than 5 samples.
+        InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag, several
+            topics or prefixes to choose from.
+        UnknownNameError: A topic that the bag has not.
         MissingFileError: No such file.
+        MissingDependencyError: rosbags or pyarrow is not installed.
         FileFormatError: A missing or doubled column, another separator, an empty file, a line of
-            another length, text or NaN for a number, time that runs back; with line and column.
+            another length, text or NaN for a number, time that runs back, with line and column or
+            row; a bag that is damaged or has no joint states of the arm.
     """
-    lines = _lines(path)
-    header = _header(path, lines[0])
-    time_column, joints, positions, velocities = _columns(path, header)
-    used = [time_column, *positions, *velocities]
-    try:
-        table = _parse(lines, used, len(header), progress)
-    except (ValueError, csv.Error):
-        table = None
-    if table is None or not np.isfinite(table).all():
-        _complain(path, lines, header, used)
-    rows = np.flatnonzero([bool(line) for line in lines])[1:] if "" in lines else None
-    joint_columns = dict(zip(joints, positions, strict=True))
-
-    def place(sample: int, joint: str | None) -> str:
-        line = sample + 2 if rows is None else int(rows[sample]) + 1
-        column = time_column if joint is None else joint_columns[joint]
-        return _place(line, column, header)
+    if is_bag(path):
+        raw, place = read_bag(path, topic, prefix, progress)
+    elif topic is not None:
+        raise InputError("topic", topic, "no value: only a ROS bag has topics")
+    elif Path(str(path)).suffix.lower() in SUFFIXES:
+        raw, place = read_parquet(path, prefix)
+    else:
+        raw, place = _read_csv(path, prefix, progress)
 
     def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
         return FileFormatError(path, f"expected {expected}", place(sample, joint))
 
-    n = len(joints)
-    name = header[time_column]
-    guess = _likely_unit(table[:, 0], table[:, 1 : 1 + n])
-    stated = _TIME_WITH_UNIT.fullmatch(name)
-    unit = guess if stated is None else stated[1].lower()
-    warnings: tuple[MotionWarning, ...] = ()
-    if guess != "s" and (unit == "s" or stated is None):
-        text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
-        if stated is not None:
-            text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
-        warnings = (MotionWarning("time_unit", 1, place(0, None), text),)
-    raw = Motion(
-        table[:, 0] / _PER_SECOND[unit],
-        joints,
-        position=table[:, 1 : 1 + n],
-        velocity=table[:, 1 + n :] if velocities else None,
-        warnings=warnings,
-        source=str(path),
-        ignored=tuple(name for k, name in enumerate(header) if k not in used),
-        time_unit=unit,
-    )
     return checked(raw, place, refuse)
 
 
-def _likely_unit(time: FloatArray, position: FloatArray) -> str:
-    """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
+def _read_csv(
+    path: PathLike, prefix: str | None, progress: Progress | None
+) -> tuple[Motion, Place]:
+    lines = _lines(path)
+    header = _header(path, lines[0])
+    columns, table = find_columns(path, header, prefix, "line 1"), None
+    # With text among the efforts these are ignored, as other columns are.
+    for use in (columns, columns._replace(efforts={})):
+        with suppress(ValueError, csv.Error):
+            columns, table = use, _parse(lines, use.used, len(header), progress)
+            break
+    needed = columns.needed
+    if table is None or not np.isfinite(table[:, : len(needed)]).all():
+        _complain(path, lines, header, needed)
+    rows = np.flatnonzero([bool(line) for line in lines])[1:] if "" in lines else None
 
-    Seconds where some joint's mean speed would exceed twice its rating, as in a plan of few points.
-    """
-    with np.errstate(over="ignore"):
-        steps, path = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
-    steps = steps[steps > 0]
-    if not steps.size or float(np.median(steps)) < 1.0:
-        return "s"
-    unit = next((u for u, n in _PER_SECOND.items() if float(np.median(steps)) < n), "ns")
-    rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
-    fast = path / (steps / _PER_SECOND[unit]).sum() > 2 * rated
-    return "s" if fast.any() else unit
+    def place(row: int, column: int) -> str:
+        return _place(row + 2 if rows is None else int(rows[row]) + 1, column, header)
+
+    return table_motion(path, columns, table, place)
 
 
 def _lines(path: PathLike) -> list[str]:
     try:
-        text = read_named(path, "a CSV file of joint motion").decode("utf-8-sig")
+        text = read_named(path, "a CSV file of joint motion (or Parquet, or a ROS bag)").decode(
+            "utf-8-sig"
+        )
     except UnicodeDecodeError:
         raise FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
     text = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -146,38 +137,6 @@ def _header(path: PathLike, line: str) -> list[str]:
             problem = f"column {name[:40]!r} stands twice"
             raise FileFormatError(path, problem, f"line 1, column {k + 1}")
     return header
-
-
-def _columns(
-    path: PathLike, header: list[str]
-) -> tuple[int, tuple[str, ...], list[int], list[int]]:
-    """Columns of the time, and of the positions and velocities of the joints base to tip."""
-
-    def column(names: Sequence[str], what: str, why: str = "") -> int:
-        there = [name for name in names if name in header]
-        if len(there) == 1:
-            return header.index(there[0])
-        problem = f"two columns for {what}: {', '.join(there)}"
-        if not there:
-            got = ", ".join(header)[:200]
-            problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
-        raise FileFormatError(path, problem, "line 1")
-
-    def of(joints: Sequence[str], suffixes: Sequence[str], what: str, why: str = "") -> list[int]:
-        return [column([j + suffix for suffix in suffixes], f"{what} of {j}", why) for j in joints]
-
-    def given(joints: Sequence[str], suffixes: Sequence[str]) -> bool:
-        return any(joint + suffix in header for joint in joints for suffix in suffixes)
-
-    plain = [name for name in TIME_COLUMNS if name in header]
-    with_unit = [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
-    time_column = column(plain or with_unit or (*TIME_COLUMNS, "time_ms"), "the time")
-    joints = JOINTS if given(JOINTS[4:], POSITION_SUFFIXES) else JOINTS[:4]
-    positions, velocities = of(joints, POSITION_SUFFIXES, "the position"), []
-    if given(joints, VELOCITY_SUFFIXES):
-        why = ", while others have one"
-        velocities = of(joints, VELOCITY_SUFFIXES, "the velocity", why)
-    return time_column, joints, positions, velocities
 
 
 def _parse(lines: list[str], used: list[int], width: int, progress: Progress | None) -> FloatArray:

@@ -1,9 +1,8 @@
-"""An analysed motion as key figures, as text, and as a table over time."""
+"""An analysed motion as key figures and as a table over time."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,19 +13,20 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.parameters import JointParameters, parameters
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
-from alpha5_model.trajectory.motion import LIMIT_SLACK
-from alpha5_model.trajectory.reading import Progress
-from alpha5_model.trajectory.smoothing import REST_SHARE
+from alpha5_model.trajectory.motion import LIMIT_SLACK, Progress
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")
+#: Torques less than this are rounding.
+ROUNDING = 1e-12
 #: Rows written between two reports of progress.
 _CHUNK = 10_000
 #: Figures of a joint that are None without a motor's constants, or without limits of its drive.
 _BY_MOTOR = ("current_peak", "current_rms", "voltage_peak", "power_peak", "energy_drawn_j")
 _BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_drive_limits")
-_TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
-_SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
+#: Units of a joint's figures.
+TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
 
 
 def summary(analysis: Analysis) -> dict[str, Any]:
@@ -34,7 +34,8 @@ def summary(analysis: Analysis) -> dict[str, Any]:
 
     Units: s, A, V, W, J, N, m; a joint's position, velocity and torque are in its ``units``: rad,
     rad/s, N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what is left to a limit, negative
-    beyond it. ``null`` where a motor cannot be computed or a limit is not given.
+    beyond it. ``null`` where a motor cannot be computed, a limit is not given or no effort is
+    recorded; an effort's differences are those of what was recorded less the torque computed.
     """
     a, s = analysis, analysis.smooth
     steps, velocity = np.diff(s.time), s.signed_velocity
@@ -129,7 +130,7 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
         margin = 0.0  # at the limit, as the warnings have it
     speed = np.abs(s.velocity[:, k])
     out: dict[str, Any] = {
-        "units": dict(_SLIDING if joint.name == "axis_a" else _TURNING),
+        "units": dict(SLIDING if joint.name == "axis_a" else TURNING),
         "position_range": [float(q.min()), float(q.max())],
         "position_margin": margin,
         "velocity_peak": _peak(s.velocity[:, k], s.time),
@@ -142,6 +143,7 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
         # Against the effort that every public model copies; no rating is published.
         "torque_margin": float(joint.effort - np.abs(a.torque[:, k]).max()),
         "causes_peak": {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()},
+        "effort": _effort(a, k),
         **dict.fromkeys(_BY_MOTOR + _BY_DRIVE),
     }
     if a.moving_water is not None:
@@ -167,120 +169,24 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     return out
 
 
-def text(record: dict[str, Any]) -> str:
-    """The record of `summary` as lines for a terminal."""
-    return "\n".join([*_lines(record), *(f"  note: {note}" for note in _notes(record))])
-
-
-def _lines(record: dict[str, Any]) -> Iterator[str]:
-    model, smoothing = record["model"], record["smoothing"]
-    width, unit = smoothing["bandwidth_hz"], record["time_unit_of_file"]
-    column = "" if unit == "s" else f" (time column in {unit})"
-    yield f"{record['source']}: {record['samples']} samples, {record['duration_s']:.2f} s{column}"
-    gravity = ", ".join(f"{g:g}" for g in model["gravity"])
-    fluid = f"fluid {model['fluid_density']:g} kg/m^3"
-    yield f"  model: {model['gripper']} gripper, {fluid}, gravity ({gravity}) m/s^2"
-    method = smoothing["method"] + ("" if width is None else f", {width:.3g} Hz (-3 dB)")
-    yield f"  smoothing: {method}; derivatives from {smoothing['derivatives_from']}"
-    groups = [
-        (kind, units, {name: j for name, j in record["joints"].items() if j["units"] == units})
-        for kind, units in (("torque", _TURNING), ("force", _SLIDING))
-    ]
-    for kind, units, joints in groups:
-        if joints:
-            yield from _peaks(joints, kind, units)
-    for kind, units, joints in groups:
-        if joints:
-            title = f"  peak {kind} by cause [{units['torque']}]"
-            heads = (
-                f"{cause.removeprefix('moving_'):>11}"
-                for cause in next(iter(joints.values()))["causes_peak"]
-            )
-            yield f"\n{title:28}" + "".join(heads)
-        for name, j in joints.items():
-            yield f"  {name:26}" + "".join(map(_cell, j["causes_peak"].values()))
-    if water := model.get("water_current"):
-        yield from _water(record, water)
-    energy, mount, tcp = record["energy"], record["mount"], record["tcp"]
-    least, most = energy["drawn_interval_j"]
-    drawn = f"drawn {energy['drawn_j']:.4g} J ({least:.4g} .. {most:.4g})"
-    other = f"fed back {energy['fed_back_j']:.3g} J, mechanical work {energy['mechanical_j']:.3g} J"
-    yield f"\n  power: peak {energy['electrical_peak_w']:.3g} W; {drawn}, {other}"
-    force, moment = (mount[key]["value"] for key in ("force_peak_n", "moment_peak_nm"))
-    yield f"  mount: force up to {force:.4g} N, moment up to {moment:.4g} N m"
-    ends = ("first_m", "last_m", "lowest_m", "highest_m")
-    first, last, least, most = (_point(tcp[end]) for end in ends)
-    length = f"path {tcp['path_length_m']:.4g} m"
-    yield f"  TCP: {length}, from {first} to {last} m, within {least} .. {most} m"
-    for name, j in record["joints"].items():
-        if fast := j["beyond_rated_velocity"]:
-            peak, unit = abs(j["velocity_peak"]["value"]), j["units"]["velocity"]
-            limit = f"its rated speed of {peak + j['velocity_margin']:.4g} {unit}"
-            yield f"  limit: {name} is beyond {limit} in {fast} samples, up to {peak:.4g}"
-        if weak := j["beyond_drive_limits"]:
-            yield f"  limit: {name} is beyond the speed-torque limit in {weak} samples"
-    for w in record["warnings"]:
-        yield f"  warning: {w['text']}: {w['count']} x, first: {w['first']}"
-
-
-def _water(record: dict[str, Any], current: list[float]) -> Iterator[str]:
-    """Peaks of what moving water adds, with the interval of its numbers."""
-    speed = ", ".join(f"{x:g}" for x in current)
-    yield f"\n  water: current ({speed}) m/s; estimated, not published; peak, and with all numbers low .. high"
-    found = {
-        name: (j["moving_water_peak"], j["units"]["torque"]) for name, j in record["joints"].items()
+def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
+    """Recorded effort of a joint against the torque computed, over the samples that have one."""
+    if a.motion.effort is None or not (there := np.isfinite(a.motion.effort[:, k])).any():
+        return None
+    effort, time = a.motion.effort[there, k], a.smooth.time[there]
+    torque, friction = a.torque[there, k], a.friction[there, k]
+    difference = effort - torque
+    varied = min(np.ptp(effort), np.ptp(torque)) > ROUNDING
+    return {
+        "samples": int(effort.size),
+        "peak": _peak(effort, time),
+        "rms": float(np.sqrt(np.mean(effort**2))),
+        "difference_mean": float(difference.mean()),
+        "difference_rms": float(np.sqrt(np.mean(difference**2))),
+        "difference_peak": _peak(difference, time),
+        "difference_rms_with_friction": _finite(np.sqrt(np.mean((difference - friction) ** 2))),
+        "correlation": float(np.corrcoef(effort, torque)[0, 1]) if varied else None,
     }
-    mount = record["mount"]
-    found["mount"] = mount["water_force_peak_n"], "N"
-    found[""] = mount["water_moment_peak_nm"], "N m"
-    for name, (peak, unit) in found.items():
-        low, high = peak["interval"]
-        yield f"  {name:7} {peak['value']:+14.4g} {low:+14.4g} .. {high:+.4g} {unit}"
-
-
-def _peaks(joints: dict[str, Any], kind: str, units: dict[str, str]) -> Iterator[str]:
-    """Peaks and margins of joints that share their units."""
-    force, speed = f"{kind} [{units['torque']}]", f"speed [{units['velocity']}]"
-    head = f"\n  joint  {force:>15}  margin   current [A], interval     margin {speed:>14}  margin "
-    yield head + f"range margin [{units['position']}]".rjust(20)
-    for name, j in joints.items():
-        current = "       (needs --screw-lead)   "
-        if peak := j["current_peak"]:
-            low, high = peak["interval"]
-            current = f"{peak['value']:+8.3f}  {low:+.3f} .. {high:+.3f}"
-        left = "      -" if j["current_margin"] is None else f"{j['current_margin']:+7.3f}"
-        yield (
-            f"  {name:7} {j['torque_peak']['value']:+14.4g} {j['torque_margin']:7.4g} "
-            f"  {current:26} {left} {j['velocity_peak']['value']:+14.4g} "
-            f"{j['velocity_margin']:+7.3g} {j['position_margin']:+20.4g}"
-        )
-
-
-def _notes(record: dict[str, Any]) -> Iterator[str]:
-    motors, left = record["motors"], record["energy"]["contradiction_j"]
-    yield (
-        f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
-        "its motor needs the least current that keeps it there"
-    )
-    yield "torque is what the joint must carry; friction, at the motor, is a cause of its own and in the current"
-    yield "torque margins are to an effort of 9 N m (jaw rod 10 N) that every public model copies; no rating is published"
-    ratios = ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items())
-    used = motors["constants"]
-    if used == "printed":
-        used += f", which leaves {left:+.3g} J of the electrical energy unexplained"
-    yield f"Table 4's K_t and K_v contradict each other (K_t/K_v: {ratios}); used here: {used}"
-    if motors["supply_voltage"] is None:
-        yield "current margins need --supply-voltage and --current-limit; neither is published"
-
-
-def _cell(value: float | None) -> str:
-    # Less than 1e-12 is rounding, no torque.
-    return f"{'-':>11}" if value is None else f"{0.0 if value < 1e-12 else value:11.4g}"
-
-
-def _point(position: list[float]) -> str:
-    # Adding zero turns the -0.0 of rounding into 0.0.
-    return "(" + ", ".join(f"{round(x, 3) + 0.0:.3f}" for x in position) + ")"
 
 
 def _peak(values: FloatArray, time: FloatArray) -> dict[str, Any]:
@@ -309,7 +215,7 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     """Every quantity over time by column name, SI units, without motors that cannot be computed.
 
     ``time_secs``; for each joint ``axis_e_pos, axis_e_vel, axis_e_acc`` (smoothed),
-    ``axis_e_torque`` and its causes, currents, voltage, powers and, with limits,
+    ``axis_e_torque`` and its causes, ``axis_e_effort`` as recorded, currents, voltage, powers and, with limits,
     ``axis_e_torque_min``, ``_max``, in a current ``axis_e_torque_moving_water_low``, ``_high``;
     ``base_force_x .. base_moment_z`` on the mount; ``tcp_x .. tcp_z``. The file can be read again
     by `read_motion`.
@@ -317,6 +223,8 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     a, s = analysis, analysis.smooth
     by_joint = {"pos": s.position, "vel": s.velocity, "acc": s.acceleration, "torque": a.torque}
     by_joint |= {f"torque_{cause}": torque for cause, torque in a.causes().items()}
+    if a.motion.effort is not None:
+        by_joint["effort"] = a.motion.effort
     if (water := a.moving_water) is not None:
         low, _, high = water.torque.swapaxes(0, 1)
         by_joint |= {"torque_moving_water_low": low, "torque_moving_water_high": high}

@@ -62,7 +62,9 @@ def figure(analysis: Analysis) -> Any:
     page.axes[1].set_title("joint torque by cause")
     page.axes[2].set_title("motor current, band: tolerance of friction")
     names = page.axes[1].get_legend_handles_labels()
-    page.legend(*names, ncols=len(names[1]), fontsize=10, loc="outside upper right")
+    # Beside the title there is room for five.
+    columns = -(-len(names[1]) // (1 + len(names[1]) // 6))
+    page.legend(*names, ncols=columns, fontsize=10, loc="outside upper right")
     page.align_ylabels()
     width = "" if a.smooth.bandwidth is None else f" {a.smooth.bandwidth:.3g} Hz"
     fluid = f"{len(a.smooth.time)} samples; fluid {a.arm.fluid_density:g} kg/m³"
@@ -94,6 +96,10 @@ def _torque(axes: Any, a: Analysis, k: int) -> None:
     if a.moving_water is not None:
         _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
     _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.5, label="torque")
+    if a.motion.effort is not None:
+        there = np.isfinite(a.motion.effort[:, k])
+        recorded = thin(a.smooth.time[there], a.motion.effort[there, k])
+        axes.plot(*recorded, color="#999999", zorder=1, label="recorded effort")
     _mark(axes, a.smooth.time, a.torque[:, k])
     axes.set_ylabel("N" if a.smooth.joints[k] == "axis_a" else "N m")
 

@@ -1,0 +1,65 @@
+"""Joint states in bags of each kind, written by rosbags."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags import rosbag1, rosbag2
+from rosbags.typesys import Stores, get_typestore
+
+KINDS = (".bag", ".db3", ".mcap", "folder")
+
+
+@dataclass
+class State:
+    """One message; times in ns, no stamp if zero, recorded a millisecond after its stamp if nothing else is said."""
+
+    stamp: int
+    names: Sequence[str]
+    position: Sequence[float]
+    velocity: Sequence[float] = ()
+    effort: Sequence[float] = ()
+    topic: str = "/joint_states"
+    received: int = 0
+    publisher: str = "/driver"
+
+
+def write_bag(folder: Path, kind: str, states: Iterable[State]) -> Path:
+    """The bag's file, or the folder of a ROS 2 bag, as `read_motion` takes it."""
+    first = kind == ".bag"
+    store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+    joint_state, header, time = (
+        store.types[name]
+        for name in (
+            "sensor_msgs/msg/JointState",
+            "std_msgs/msg/Header",
+            "builtin_interfaces/msg/Time",
+        )
+    )
+    path = folder / ("recording.bag" if first else "recording")
+    if first:
+        writer: Any = rosbag1.Writer(path)
+    else:
+        plugin = rosbag2.StoragePlugin.SQLITE3 if kind == ".db3" else rosbag2.StoragePlugin.MCAP
+        writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
+    serialize = store.serialize_ros1 if first else store.serialize_cdr
+    with writer:
+        connections: dict[tuple[str, str], Any] = {}
+        for s in states:
+            key = s.topic, s.publisher if first else ""
+            if key not in connections:
+                extra = {"callerid": s.publisher} if first else {}
+                connections[key] = writer.add_connection(
+                    s.topic, joint_state.__msgtype__, typestore=store, **extra
+                )
+            stamp = time(*divmod(s.stamp, 10**9))
+            head = header(0, stamp, "") if first else header(stamp, "")
+            arrays = (np.array(x, dtype=float) for x in (s.position, s.velocity, s.effort))
+            message = joint_state(head, list(s.names), *arrays)
+            received = s.received or s.stamp + 10**6
+            writer.write(connections[key], received, serialize(message, joint_state.__msgtype__))
+    return path if kind in (".bag", "folder") else next(path.glob(f"*{kind}"))
