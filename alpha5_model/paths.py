@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
-#: Folder with ``urdf/``, ``xacro/`` and ``meshes/``: the checkout, or the wheel's data folder.
+#: Folder with ``urdf/``, ``xacro/``, ``meshes/``, ``mjcf/``: the checkout, or the wheel's data folder.
 REPOSITORY_PATH = str(_data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent)
 #: Folder to which ``package://alpha5_description`` resolves.
 PACKAGE_PATH = REPOSITORY_PATH
@@ -13,4 +13,6 @@ PACKAGE_PATH = REPOSITORY_PATH
 URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf")
 #: The arm with jaws: 5 joints, and 2 fingers that follow the last one.
 JAWS_URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5_jaws.urdf")
+#: MuJoCo, in the form of MuJoCo Menagerie, jaws locked; ``alpha5_jaws.xml`` beside it.
+MJCF_PATH = str(Path(REPOSITORY_PATH) / "mjcf" / "alpha5.xml")
 XACRO_PATH = str(Path(REPOSITORY_PATH) / "xacro" / "alpha5.urdf.xacro")

@@ -3,6 +3,9 @@
 ros2 launch alpha5_description display.launch.py gripper:=jaws
 """
 
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
@@ -25,6 +28,7 @@ XACRO_ARGUMENTS = (
     ("ros2_control", "false", "adds hardware interfaces and the bus address of each joint"),
     ("ros2_control_plugin", "mock_components/GenericSystem", "name of the hardware plugin"),
 )
+FOLDER = Path(__file__).resolve().parent.parent
 MESHES = "package://alpha5_description/meshes/"
 
 
@@ -37,6 +41,12 @@ def generate_launch_description() -> LaunchDescription:
     for name, _, _ in XACRO_ARGUMENTS:
         command += [f" {name}:='", LaunchConfiguration(name), "'"]
     description = ParameterValue(Command(command), value_type=str)
+    # At zero the arm is out of its limits and in collision: the sliders start at the SRDF's home.
+    home = ET.parse(FOLDER / "urdf" / "alpha5.srdf").findall("group_state[@name='home']/joint")
+    start = {
+        ("zeros.", LaunchConfiguration("prefix"), joint.get("name")): float(joint.get("value"))
+        for joint in home
+    }
     return LaunchDescription(
         [
             *(
@@ -52,6 +62,7 @@ def generate_launch_description() -> LaunchDescription:
             Node(
                 package="joint_state_publisher_gui",
                 executable="joint_state_publisher_gui",
+                parameters=[start],
                 condition=IfCondition(LaunchConfiguration("gui")),
             ),
             Node(

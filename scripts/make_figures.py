@@ -5,7 +5,8 @@
 ``arm.png``: the arm with its frames and centres. ``workspace.png``: the published region against the exact
 one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the torque over a recorded
 trajectory, split into its terms; the recording is the first one found beside the checkout or in
-ALPHA5_RECORDINGS, and without one this figure is left as it is.
+ALPHA5_RECORDINGS, and without one this figure is left as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the
+committed scene (MUJOCO_GL is egl if not set).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from alpha5_model.view.picture import picture_png
 from alpha5_model.view.scene import framed
 
 ROOT = Path(__file__).resolve().parent.parent
+MUJOCO = ROOT / "mjcf"
 BESIDE = ROOT.parent / "shared" / "data"
 
 
@@ -41,6 +43,7 @@ def main(folder: Path) -> None:
             print(f"{name}: no recording found, left as it is")
         else:
             print(f"wrote {atomic_write(folder / name, content)}")
+    print(f"wrote {atomic_write(MUJOCO / 'alpha5.png', mujoco_picture())}")
 
 
 def arm_picture() -> bytes:
@@ -54,6 +57,24 @@ def arm_picture() -> bytes:
 def workspace_figure() -> bytes:
     """Half-plane through the yaw axis: what can be reached, and what is published."""
     return _png(workspace_plot.figure())
+
+
+def mujoco_picture() -> bytes:
+    """The arm with jaws in the first key frame, over the sea bed."""
+    os.environ.setdefault("MUJOCO_GL", "egl")
+    import mujoco
+    from PIL import Image
+
+    model = mujoco.MjModel.from_xml_path(str(MUJOCO / "scene_jaws.xml"))
+    data, camera, buffer = mujoco.MjData(model), mujoco.MjvCamera(), io.BytesIO()
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    camera.azimuth, camera.elevation, camera.distance = 130, -15, 0.62
+    camera.lookat[:] = 0.08, 0.0, 0.0
+    with mujoco.Renderer(model, 900, 1200) as renderer:
+        renderer.update_scene(data, camera)
+        Image.fromarray(renderer.render()).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
 
 
 @style(axes={"grid": True}, grid={"color": "#E6E6E6", "linewidth": 0.6})

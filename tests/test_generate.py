@@ -13,10 +13,12 @@ import yaml
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.variants import Variant, parameter_yaml, urdf
 from alpha5_model.description.verification import verify_generated
 from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
 from alpha5_model.files import atomic_write, atomic_write_all
+from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH, XACRO_PATH
 
 
@@ -84,6 +86,10 @@ def test_ros2_control_gives_interfaces_and_device_ids():
             "position",
             "velocity",
         ]
+    # mock hardware starts at home with its jaws closed: zero is out of the limits
+    path = "state_interface[@name='position']/param[@name='initial_value']"
+    start = [float(joint.find(path).text) for joint in control.findall("joint")]
+    assert start == [*NAMED_POSES["home"], parameters().joints[4].lower]
     assert xml(Variant()).find("ros2_control") is None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -9,17 +10,19 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from PIL import Image
 from reference import LOWER, UPPER, configurations
 from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
 from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.files import atomic_write
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import parameters
-from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
 
 mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 
@@ -406,7 +409,11 @@ def test_numbers_are_written_with_all_their_digits(text):
     root = ET.fromstring(text)
     for link in parameters().links:
         inertial = root.find(f".//body[@name='{link.name}']/inertial")
-        np.testing.assert_allclose(tensor(inertial), link.inertia, rtol=0, atol=1e-18)
+        child = root.find(f".//body[@name='{link.name}_buoyancy']/inertial")
+        x, y, z = map(float, child.get("diaginertia").split())
+        together = tensor(inertial) + np.diag([x, y, z])  # one value: it turns with the axes
+        assert x == y == z
+        np.testing.assert_allclose(together, link.inertia, rtol=0, atol=1e-18)
         assert [float(x) for x in inertial.get("pos").split()] == list(link.com)
         assert float(inertial.get("mass")) == link.mass
     compensation = float(root.find(".//body[@name='link_0_buoyancy']").get("gravcomp"))
@@ -414,6 +421,63 @@ def test_numbers_are_written_with_all_their_digits(text):
         body = root.find(f".//body[@name='{name}_buoyancy']")
         displaced = float(body.find("inertial").get("mass")) * (compensation - 1)
         assert displaced == pytest.approx(1025.0 * litres / 1000, rel=1e-15)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_without_buoyancy_it_is_the_arm_in_air(gripper):
+    """The base's mass is then a geom's: brax melts the base into the world."""
+    options = MjcfOptions(gripper, fluid_density=0.0, actuators="motor", collision="none")
+    dry, dry_data = free(mjcf(options))
+    bare_text = mjcf(dataclasses.replace(options, buoyancy="none"))
+    bare, bare_data = free(bare_text)
+    assert "gravcomp" not in bare_text
+    assert [bare.body(name).id for name in ("base_link", "link_0", "link_1")] == [1, 2, 3]
+    assert bare.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
+    moments = np.linalg.eigvalsh(parameters().links[0].inertia)
+    assert sorted(bare.body("link_0").inertia) == pytest.approx(moments, rel=1e-14)
+    for q in configurations(20, seed=8):
+        for model, data in ((dry, dry_data), (bare, bare_data)):
+            data.qpos[:4], data.qvel[:4] = q, q[::-1]
+            mujoco.mj_forward(model, data)
+        difference = mass_matrix(bare, bare_data) - mass_matrix(dry, dry_data)
+        assert np.abs(difference).max() < 1e-12
+        np.testing.assert_allclose(bare_data.qfrc_bias, dry_data.qfrc_bias, atol=1e-11)
+    for axis, unit in enumerate(np.eye(3)):  # the base's own, which no joint carries
+        body = dry.body("link_0").id, bare.body("link_0").id
+        along = [m.body_ipos[i][axis] for m, i in zip((dry, bare), body, strict=True)]
+        assert along[0] == pytest.approx(parameters().links[0].com @ unit, abs=1e-15)
+        assert along[1] == pytest.approx(along[0], abs=1e-15)
+
+
+def test_the_first_key_frame_is_home(text):
+    model, data = compiled(text)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    np.testing.assert_array_equal(data.qpos, NAMED_POSES["home"])
+
+
+def test_a_picture_fits_the_off_screen_buffer(text):
+    model, _ = compiled(text)
+    assert (model.vis.global_.offwidth, model.vis.global_.offheight) >= (1920, 1080)
+
+
+@pytest.mark.parametrize("scene", ["scene.xml", "scene_jaws.xml"])
+def test_the_committed_folder_is_a_menagerie_model(scene):
+    """LICENSE, README, change log, picture and a scene that runs from a key frame."""
+    folder = Path(MJCF_PATH).parent
+    names = {"LICENSE", "README.md", "CHANGELOG.md", "alpha5.png", "alpha5.xml", scene, "assets"}
+    assert names <= {path.name for path in folder.iterdir()}
+    readme = (folder / "README.md").read_text("utf-8")
+    assert "## MJCF derivation steps" in readme
+    assert all((folder / link).is_file() for link in re.findall(r"\]\(([^)]+)\)", readme))
+    model = mujoco.MjModel.from_xml_path(str(folder / scene))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=500)
+    assert np.abs(data.qpos[:4] - NAMED_POSES["home"]).max() < 0.02
+    assert not data.warning.number.any()
+    picture = np.asarray(Image.open(folder / "alpha5.png").convert("L"), dtype=int)
+    assert min(picture.shape) >= 600
+    assert np.unique(picture).size > 100
 
 
 def test_same_bytes_twice_and_no_path_inside(tmp_path):
@@ -431,6 +495,7 @@ def test_same_bytes_twice_and_no_path_inside(tmp_path):
         ({"fluid_density": float("nan")}, NonFiniteError),
         ({"fluid_density": "sea"}, InputError),
         ({"collision": "mesh"}, UnknownNameError),
+        ({"buoyancy": "net"}, UnknownNameError),
         ({"corrections": ("no_such",)}, UnknownNameError),
     ],
 )

@@ -176,10 +176,19 @@ def test_a_wrong_argument_stops_the_launch(share, tmp_path):
     assert "gripper must be" in done.stderr
 
 
-def test_committed_urdf_finds_its_meshes_in_the_installed_tree(share):
+def test_the_installed_urdf_finds_its_meshes_as_a_package(share):
+    """RViz resolves package URIs only; in the repository the paths are relative."""
     for name in ("alpha5.urdf", "alpha5_jaws.urdf"):
-        for mesh in ET.parse(share / "urdf" / name).getroot().iter("mesh"):
-            assert (share / "urdf" / mesh.get("filename")).resolve().is_file()
+        text = (share / "urdf" / name).read_text("utf-8")
+        uris = [mesh.get("filename") for mesh in ET.fromstring(text).iter("mesh")]
+        assert len(uris) == 7
+        for uri in uris:
+            package, _, path = uri.removeprefix("package://").partition("/")
+            assert uri.startswith("package://")
+            assert package == NAME
+            assert (share / path).is_file()
+        committed = (REPOSITORY / "urdf" / name).read_text("utf-8")
+        assert text.replace(f"package://{NAME}/meshes/", "../meshes/") == committed
     assert not list(share.rglob("__pycache__"))
 
 

@@ -246,11 +246,30 @@ def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
     assert "Valid." not in (done := libsdformat(broken)).stdout + done.stderr
 
 
+def test_the_fingers_follow_the_rod_in_sdf_1_11():
+    texts = {version: sdf(SdfOptions("jaws", sdf_version=version)) for version in ("1.9", "1.11")}
+    assert "<mimic" not in texts["1.9"]
+    root = ET.fromstring(texts["1.11"])
+    assert root.get("version") == "1.11"
+    lower = parameters().joints[4].lower
+    followers = {e.get("name"): e.find("axis/mimic") for e in root.iter("joint")}
+    followed = {name: mimic for name, mimic in followers.items() if mimic is not None}
+    assert set(followed) == {"finger_1_joint", "finger_2_joint"}
+    for mimic in followed.values():
+        assert mimic.get("joint") == "axis_a"
+        numbers = {child.tag: float(child.text) for child in mimic}
+        assert numbers == pytest.approx({"multiplier": 51, "offset": -51 * lower, "reference": 0})
+    assert "mimic" not in sdf(SdfOptions(sdf_version="1.11"))  # no fingers
+
+
 def test_command_line_refuses_what_the_format_does_not_have(tmp_path, capsys):
     folder = str(tmp_path / "out")
     for arguments, option in (
         (["--format", "sdf", "--prefix", "l_"], "--prefix"),
         (["--format", "sdf", "--drag"], "--drag"),
+        (["--format", "sdf", "--buoyancy", "none"], "--buoyancy"),
+        (["--format", "mjcf", "--sdf-version", "1.11"], "--sdf-version"),
+        (["--format", "sdf", "--sdf-version", "1.10"], "SDF version"),
         (["--format", "mjcf", "--ros2-control"], "--ros2-control"),
         (["--fluid", "fresh"], "--fluid"),
         (["--format", "usd"], "format"),
@@ -280,6 +299,7 @@ def test_command_line_wants_a_folder_and_prints_without_one(tmp_path, capsys):
         ({"gripper": "none"}, UnknownNameError),
         ({"fluid_density": -1.0}, InputError),
         ({"corrections": ("no_such",)}, UnknownNameError),
+        ({"sdf_version": 1.11}, UnknownNameError),
     ],
 )
 def test_bad_options_are_one_clear_line(wrong, error):

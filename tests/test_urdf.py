@@ -96,10 +96,18 @@ def test_yourdfpy_agrees(text, tmp_path):
 
 def test_massless_frames_say_so(text):
     root = ET.fromstring(text)
-    for name in ("base_link", "tcp"):
-        inertial = root.find(f"link[@name='{name}']/inertial")
-        assert float(inertial.find("mass").get("value")) == 0
-        assert {float(v) for v in inertial.find("inertia").attrib.values()} == {0.0}
+    inertial = root.find("link[@name='tcp']/inertial")
+    assert float(inertial.find("mass").get("value")) == 0
+    assert {float(v) for v in inertial.find("inertia").attrib.values()} == {0.0}
+
+
+def test_the_root_has_no_inertial_whatever_it_is(text):
+    """KDL warns about one, even of zeros; on any other link PyBullet wants it."""
+    mounted = urdf(Variant(parent="vehicle"))
+    for root_name, document in (("base_link", text), ("vehicle", mounted)):
+        root = ET.fromstring(document)
+        bare = [link.get("name") for link in root.iter("link") if link.find("inertial") is None]
+        assert bare == [root_name]
 
 
 def test_closed_jaws_are_link_4_of_table_2():

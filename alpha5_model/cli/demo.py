@@ -11,8 +11,7 @@ from typer import Option, echo
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency import audit
-from alpha5_model.description import variants
-from alpha5_model.description.committed import mesh_assets
+from alpha5_model.description import mesh_assets, variants
 from alpha5_model.description.srdf import named_pose
 from alpha5_model.description.verification import verify_urdf
 from alpha5_model.dynamics import load

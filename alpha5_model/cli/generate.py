@@ -17,8 +17,7 @@ from alpha5_model.cli.options import (
     print_written,
     triple,
 )
-from alpha5_model.description import committed
-from alpha5_model.description.committed import mesh_assets
+from alpha5_model.description import committed, mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf_files
 from alpha5_model.description.variants import Variant, urdf
@@ -77,6 +76,12 @@ def generate(
     ] = None,
     fluid: Annotated[str, Option(help=f"mjcf, sdf: {FLUID_HELP}")] = "sea",
     actuators: Annotated[str, Option(help="mjcf: position, velocity or motor.")] = "position",
+    buoyancy: Annotated[
+        str, Option(help="mjcf: bodies, or none for tools without gravcomp (brax).")
+    ] = "bodies",
+    sdf_version: Annotated[
+        str, Option(help="sdf: 1.9, or 1.11, in which the fingers follow the rod (mimic).")
+    ] = "1.9",
     drag: Annotated[
         bool, Option("--drag", help="mjcf: MuJoCo's own drag, not from the document.")
     ] = False,

@@ -57,7 +57,9 @@ def body_findings(
         for link in (other.links[name] for name in body.links):
             pose = transforms[i] @ theirs.link_poses[link.name]
             written.append(Inertial(link.name, link.mass or 0.0, link.com, link.inertia, pose))
-        bare = [name for name in body.links if other.links[name].mass is None]
+        # on a root, nothing is what KDL wants
+        links = [name for name in body.links if name != other.root or not body.mass]
+        bare = [name for name in links if other.links[name].mass is None]
         yield from _findings(i, body, written, bare, cost)
 
 

@@ -7,7 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from alpha5_model.description.bodies import provenance
+from alpha5_model.errors import MissingFileError
 from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model.paths import REPOSITORY_PATH
 
 #: What an attribute may be: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
@@ -43,3 +45,16 @@ def serialized(root: ET.Element) -> str:
     """The indented text of a document."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def mesh_assets(*suffixes: str) -> dict[str, bytes]:
+    """Name -> content of the files in ``meshes/`` that end in one of the suffixes.
+
+    Raises:
+        MissingFileError: There are none.
+    """
+    folder = Path(REPOSITORY_PATH) / "meshes"
+    files = {p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes}
+    if not files:
+        raise MissingFileError(folder, f"mesh files ({', '.join(suffixes)})")
+    return files

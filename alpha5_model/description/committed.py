@@ -11,9 +11,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
 from alpha5_model.description.variants import Variant, parameter_yaml, urdf
-from alpha5_model.errors import MissingFileError
 from alpha5_model.files import atomic_write_all
 from alpha5_model.meshing import bodies
 from alpha5_model.meshing.formats import MTL_NAME, Node, glb, mtl, obj
@@ -27,6 +27,8 @@ _NEEDED = {
     "manifold3d": "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)",
     "casadi": "casadi is not installed: the formulas are not generated anew (pip install casadi)",
 }
+#: Drawn by ``scripts/make_figures.py``, not compared: pixels depend on the renderer.
+_PICTURE = b"![The arm in its home pose](alpha5.png)"
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,21 @@ def generated_files() -> dict[str, bytes]:
         texts |= generated_sources()
     drawn = {} if "manifold3d" in lacking else mesh_files()
     meshes = {f"meshes/{name}": content for name, content in drawn.items()}
-    return {path: text.encode("utf-8") for path, text in texts.items()} | meshes
+    return {path: text.encode("utf-8") for path, text in texts.items()} | meshes | _menagerie(drawn)
+
+
+def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
+    """``mjcf/``: the arm with its jaws locked, and open, in the form of MuJoCo Menagerie."""
+    files, jaws = mjcf_files(), mjcf_files(MjcfOptions(gripper="jaws"))
+    title, said = files["README.md"].split(b"\n\n", 1)
+    files |= {
+        "README.md": b"\n\n".join((title, _PICTURE, said)),
+        "alpha5_jaws.xml": jaws["alpha5.xml"],
+        "scene_jaws.xml": files["scene.xml"].replace(b"alpha5", b"alpha5_jaws"),
+    }
+    texts = {path: content for path, content in files.items() if not path.startswith("assets/")}
+    assets = {f"assets/{name}": drawn[name] for name in drawn if name.endswith(".obj")}
+    return {f"mjcf/{path}": content for path, content in (texts | assets).items()}
 
 
 def not_generated() -> tuple[str, ...]:
@@ -85,7 +101,7 @@ def stale_files(
     """Compare the committed files with a fresh generation; empty if all agree.
 
     Args:
-        repository: Folder that holds ``urdf/``, ``xacro/`` and ``meshes/``.
+        repository: Folder that holds ``urdf/``, ``xacro/``, ``meshes/`` and ``mjcf/``.
         fresh: Result of `generated_files`; computed if not given.
     """
     stale = []
@@ -103,19 +119,6 @@ def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     changed = {Path(repository, s.path): fresh[s.path] for s in stale_files(repository, fresh)}
     atomic_write_all(changed)
     return list(changed)
-
-
-def mesh_assets(*suffixes: str) -> dict[str, bytes]:
-    """Name -> content of the files in ``meshes/`` that end in one of the suffixes.
-
-    Raises:
-        MissingFileError: There are none.
-    """
-    folder = Path(REPOSITORY_PATH) / "meshes"
-    files = {p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes}
-    if not files:
-        raise MissingFileError(folder, f"mesh files ({', '.join(suffixes)})")
-    return files
 
 
 @cache

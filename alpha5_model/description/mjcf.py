@@ -2,9 +2,10 @@
 
 MuJoCo has no hydrostatics, but it can compensate a body's weight: a body of mass m with
 ``gravcomp = k`` feels ``-k m g`` at its centre of mass. Each link therefore carries, at its centre of
-buoyancy, a child body without inertia whose mass is the displaced volume over `DILUTION`; with
+buoyancy, a child body whose mass is the displaced volume over `DILUTION`; with
 ``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the weight of the displaced
-fluid added, upwards. The mass matrix changes by less than 1e-13 kg m^2.
+fluid added, upwards. The mass matrix changes by less than 1e-13 kg m^2: the child's `INERTIA`, which
+Newton wants, is taken off the link.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Value, add, document, serialized, template
+from alpha5_model.description import Value, add, document, mesh_assets, serialized, template
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
-from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.drag import ellipsoids
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
@@ -31,8 +32,10 @@ from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS, material_of
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
+from alpha5_model.paths import REPOSITORY_PATH
 
 ACTUATORS = ("position", "velocity", "motor")
+BUOYANCIES = ("bodies", "none")
 #: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
 _STIFFNESS = {"axis_e": 200.0, "axis_d": 200.0, "axis_c": 200.0, "axis_b": 5.0, "axis_a": 500.0}
 #: MuJoCo would take the critical damping of the rod from the rod alone; the fingers weigh more [N s/m].
@@ -40,10 +43,13 @@ _ROD_DAMPING = 8.0
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
 #: keep every mass above the least that MuJoCo knows, 1e-15 kg.
 DILUTION = 1e9
+#: Moment of inertia of a buoyancy body [kg m^2]: Newton replaces any below 1e-10 by 1e-6.
+INERTIA = 2e-10
 #: Dynamic viscosity of sea water at 20 C for MuJoCo's drag [Pa s] [ITTC 7.5-02-01-03].
 VISCOSITY = 1.08e-3
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
+_UNTOUCHED = {"contype": "0", "conaffinity": "0"}
 #: What the README says of the gripper.
 _JAWS = {
     "locked": "The jaws are closed and part of link_4, as in Table 2.",
@@ -64,6 +70,7 @@ class MjcfOptions:
         actuators: ``position``, ``velocity`` or ``motor``.
         drag: Turns MuJoCo's own fluid model on. Its forces are not from the document.
         collision: ``primitives`` or ``none``.
+        buoyancy: ``bodies``, or ``none`` for tools without ``gravcomp``, such as brax.
         corrections: Recorded corrections to apply.
         hydrodynamics: Adds drag by strips, which is estimated, not published; instead of ``drag``.
     """
@@ -73,6 +80,7 @@ class MjcfOptions:
     actuators: str = "position"
     drag: bool = False
     collision: str = "primitives"
+    buoyancy: str = "bodies"
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
 
@@ -83,6 +91,7 @@ class MjcfOptions:
         choice("gripper", self.gripper, GRIPPERS)
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
+        choice("buoyancy", self.buoyancy, BUOYANCIES)
         real("fluid_density", self.fluid_density, minimum=0.0)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
@@ -90,7 +99,8 @@ class MjcfOptions:
 def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
     """The folder: path in it -> content.
 
-    ``alpha5.xml`` (the model), ``scene.xml`` (with light and sea bed), ``assets/`` (meshes), ``README.md``.
+    ``alpha5.xml`` (the model), ``scene.xml`` (with light and sea bed), ``assets/`` (meshes), ``README.md``,
+    ``CHANGELOG.md``, ``LICENSE``.
 
     Raises:
         Alpha5Error: See `MjcfOptions`.
@@ -101,6 +111,8 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
         "alpha5.xml": mjcf(chosen, assets).encode(),
         "scene.xml": template("scene.xml").encode(),
         "README.md": _readme(chosen).encode(),
+        "CHANGELOG.md": template("mjcf_changelog.md").encode(),
+        "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
 
@@ -109,8 +121,9 @@ def _readme(options: MjcfOptions) -> str:
     source = provenance(parameters(options.corrections))
     drag = "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
     water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
-    said = {**vars(options), **source, "drag": drag, "moving_water": water}
-    return template("mjcf_readme.md").format(**said, dilution=DILUTION, jaws=_JAWS[options.gripper])
+    said = {**vars(options), **source, "drag": drag, "moving_water": water, "inertia": INERTIA}
+    said |= {"dilution": f"{DILUTION:.0e}".replace("+0", ""), "jaws": _JAWS[options.gripper]}
+    return template("mjcf_readme.md").format(**said)
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -134,7 +147,10 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     if chosen.hydrodynamics:
         root.append(ET.Comment(" Density: drag of the strips, estimated, not published. "))
         fluid = {"density": chosen.fluid_density}
-    add(root, "option", integrator="implicitfast", gravity=GRAVITY, **fluid)
+    # Alike without forces that depend on speed, and brax knows no other.
+    integrator = "Euler" if chosen.actuators == "motor" and not fluid else "implicitfast"
+    add(root, "option", integrator=integrator, gravity=GRAVITY, **fluid)
+    add(add(root, "visual"), "global", offwidth="1920", offheight="1080")
     _defaults(root)
     _assets(root, bodies)
     _worldbody(root, values, bodies, chosen)
@@ -149,16 +165,15 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
 
 def _defaults(root: ET.Element) -> None:
     top = add(add(root, "default"), "default", "alpha5")
-    untouched = {"contype": "0", "conaffinity": "0"}
     visual = add(top, "default", "visual")
-    add(visual, "geom", type="mesh", **untouched, group="2", mass="0", density="0")
+    add(visual, "geom", type="mesh", **_UNTOUCHED, group="2", mass="0", density="0")
     add(add(top, "default", "collision"), "geom", group="3", mass="0")
-    # Without a geom of its own, MuJoCo's drag would take a buoyancy body for a box of decimetres.
+    # Without a geom of its own, MuJoCo's drag would take a buoyancy body for a box of many metres.
     shape = {"type": "sphere", "size": "1e-6"}
     fluid = {"fluidshape": "ellipsoid", "fluidcoef": "0 0 0 0 0"}
     no_drag = add(top, "default", "no_drag")
-    add(no_drag, "geom", **shape, **fluid, **untouched, group="4", mass="0")
-    strip = {"type": "ellipsoid", "fluidshape": "ellipsoid", **untouched}
+    add(no_drag, "geom", **shape, **fluid, **_UNTOUCHED, group="4", mass="0")
+    strip = {"type": "ellipsoid", "fluidshape": "ellipsoid", **_UNTOUCHED}
     add(add(top, "default", "strip"), "geom", **strip, group="4", mass="0")
 
 
@@ -184,8 +199,16 @@ def _worldbody(
             limits = None if isinstance(joint, FingerJoint) else (joint.lower, joint.upper)
             kind = "hinge" if joint.kind == "revolute" else "slide"
             add(element, "joint", name=joint.name, axis="0 0 1", type=kind, range=limits)
+        buoyant = body.volume > 0 and options.buoyancy == "bodies"
         moments, quat = _principal(body.inertia)
-        add(element, "inertial", pos=body.com, quat=quat, mass=body.mass, diaginertia=moments)
+        inertial: dict[str, Value] = {"pos": body.com, "quat": quat, "mass": body.mass}
+        if joint is None and options.buoyancy == "none":
+            # brax melts a body without joint into the world, which must not have an inertial
+            size = np.sqrt(1.5 / body.mass * (moments.sum() - 2.0 * moments))
+            add(element, "geom", **_UNTOUCHED, type="box", size=size, group="4", **inertial)
+        else:
+            own = moments - INERTIA if buoyant else moments
+            add(element, "inertial", **inertial, diaginertia=own)
         for mesh, at in body.meshes.items():
             look = {"mesh": mesh, "material": material_of(mesh).name}
             add(element, "geom", "visual", **look, **_pose(at))
@@ -196,7 +219,7 @@ def _worldbody(
             add(element, "geom", "strip", **piece)
         if water and body.name not in water:
             add(element, "geom", "no_drag")
-        if body.volume > 0:
+        if buoyant:
             _buoyancy(element, body, options)
     tip = tcp_placement(values)
     add(elements[tip.parent], "site", name="tcp", size="0.005", group="4", **_pose(tip))
@@ -206,9 +229,8 @@ def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
     compensation = options.fluid_density * DILUTION + 1.0
     name = f"{body.name}_buoyancy"
     child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
-    add(child, "inertial", pos="0 0 0", mass=body.volume / DILUTION, diaginertia="0 0 0")
-    if options.drag or options.hydrodynamics:
-        add(child, "geom", "no_drag")
+    add(child, "inertial", pos="0 0 0", mass=body.volume / DILUTION, diaginertia=[INERTIA] * 3)
+    add(child, "geom", "no_drag")
 
 
 def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
@@ -253,7 +275,7 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
 def _keyframes(root: ET.Element, joints: list[JointRange], kind: str) -> None:
     """The named poses, jaws closed, servos at rest."""
     keyframe = add(root, "keyframe")
-    for name, pose in NAMED_POSES.items():
+    for name, pose in sorted(NAMED_POSES.items()):  # home first: tools take the first
         # The jaws are closed at their lower limits.
         at = [*pose, *(joint.lower for joint in joints[len(pose) :])]
         own = [x for x, j in zip(at, joints, strict=True) if not isinstance(j, FingerJoint)]
@@ -262,7 +284,7 @@ def _keyframes(root: ET.Element, joints: list[JointRange], kind: str) -> None:
         add(keyframe, "key", name=name, qpos=at, **targets)
 
 
-def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
+def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
     """Principal moments [kg m^2] and the quaternion (w, x, y, z) of their axes in the body.
 
     MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
@@ -272,7 +294,7 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     moments, axes = np.linalg.eigh(inertia)
     right_handed = axes if np.linalg.det(axes) > 0 else -axes
     x, y, z, w = Rotation.from_matrix(right_handed).as_quat(canonical=True).tolist()
-    return moments.tolist(), [c + 0.0 for c in (w, x, y, z)]  # no negative zeros
+    return moments, [c + 0.0 for c in (w, x, y, z)]  # no negative zeros
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, tuple[float, ...] | None]:

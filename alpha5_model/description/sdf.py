@@ -1,4 +1,4 @@
-"""Gazebo: a model and a world in SDF 1.9, with the buoyancy of Table 3.
+"""Gazebo: a model and a world in SDF 1.9 or 1.11, with the buoyancy of Table 3.
 
 Gazebo's buoyancy system takes the sum of a link's collision volumes as its displaced volume and the
 volume-weighted mean of the collisions' pose origins as its centre of buoyancy (gz-sim,
@@ -26,19 +26,17 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import add, document, serialized, template, text_of
+from alpha5_model.description import add, document, mesh_assets, serialized, template, text_of
 from alpha5_model.description.bodies import Body, Placement, arm_bodies, tcp_placement
-from alpha5_model.description.committed import mesh_assets
 from alpha5_model.description.drag import damping
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, hydrodynamics
-from alpha5_model.jaws import GRIPPERS
+from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.formats import material_of
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
 
-SDF_VERSION = "1.9"
-#: The least that Gazebo's stable releases have with ``fluid_added_mass``.
-MOVING_WATER_SDF_VERSION = "1.11"
+#: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and ``fluid_added_mass``.
+SDF_VERSIONS = ("1.9", "1.11")
 #: Names of the components of a velocity in a matrix of added mass, of a force and of a velocity in damping.
 _ADDED, _FORCE, _VELOCITY = "xyzpqr", "xyzkmn", "UVWPQR"
 _HEAD = '<?xml version="1.0"?>\n'
@@ -49,27 +47,30 @@ class SdfOptions:
     """What can be chosen about the Gazebo model.
 
     Attributes:
-        gripper: ``locked`` or ``jaws``. SDF 1.9 has no mimic joints: the fingers then move freely.
+        gripper: ``locked`` or ``jaws``. The fingers move freely in SDF 1.9, which has no mimic joints.
         fluid_density: Of the world [kg/m^3]; 0 is air.
         corrections: Recorded corrections to apply.
-        hydrodynamics: Adds drag and added mass, which are estimated, not published.
+        hydrodynamics: Adds drag and added mass, which are estimated, not published; in SDF 1.11.
+        sdf_version: ``1.9`` or ``1.11``, in which the fingers follow the rod.
     """
 
     gripper: str = "locked"
     fluid_density: float = SEA_WATER
     corrections: Iterable[str] = DEFAULT_CORRECTIONS
     hydrodynamics: bool = False
+    sdf_version: str = SDF_VERSIONS[0]
 
     def __post_init__(self) -> None:
         flag("hydrodynamics", self.hydrodynamics)
         choice("gripper", self.gripper, GRIPPERS)
+        choice("SDF version", self.sdf_version, SDF_VERSIONS)
         real("fluid_density", self.fluid_density, minimum=0.0)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
     @property
     def version(self) -> str:
         """SDF version that it takes."""
-        return MOVING_WATER_SDF_VERSION if self.hydrodynamics else SDF_VERSION
+        return SDF_VERSIONS[1] if self.hydrodynamics else self.sdf_version
 
 
 def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
@@ -126,6 +127,10 @@ def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, E
         water = hydrodynamics(options.gripper)
         said = "estimated, not published: published/estimated_hydrodynamics.toml of the package"
         root.append(ET.Comment(f" Added mass and drag: {said}. "))
+    start = "start elsewhere, such as at home of the SRDF"
+    root.append(
+        ET.Comment(f" At zero, where Gazebo starts, joints are beyond their limits: {start}. ")
+    )
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)
@@ -134,7 +139,7 @@ def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, E
         moved = water.get(body.name)
         _link(model, body, values, {} if moved is None else _added_mass(moved, options))
         if body.joint is not None:
-            _joint(model, body.joint, body)
+            _joint(model, body.joint, body, options.version)
         if moved is not None:
             _drag(model, body.name, damping(moved.strips, options.fluid_density))
     _frame(model, "tcp", tcp_placement(values))
@@ -193,11 +198,16 @@ def _link(model: ET.Element, body: Body, values: Alpha5Parameters, water: dict[s
         )
 
 
-def _joint(model: ET.Element, joint: JointRange, body: Body) -> None:
+def _joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:
     element = add(model, "joint", name=joint.name, type=joint.kind)
     limit = {name: getattr(joint, name) for name in ("lower", "upper", "effort", "velocity")}
     axis = {"xyz": "0 0 1", "limit": limit}
     _fill(element, parent=body.placement.parent, child=body.name, axis=axis)
+    if isinstance(joint, FingerJoint) and version != SDF_VERSIONS[0]:
+        follower = element.find("axis")
+        assert follower is not None
+        line = {"multiplier": joint.multiplier, "offset": joint.offset, "reference": 0.0}
+        _fill(add(follower, "mimic", joint=joint.leader), **line)
 
 
 def _pose(placement: Placement) -> tuple[float, ...]:

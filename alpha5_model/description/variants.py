@@ -20,6 +20,7 @@ from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description import text_of
 from alpha5_model.description.bodies import Body, arm_bodies, fixed_frames, provenance
+from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
 from alpha5_model.files import read_named
 from alpha5_model.jaws import GRIPPERS
@@ -132,6 +133,13 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         **_tree(locked),
         "frames": {name: asdict(frame) for name, frame in fixed_frames(parameters).items()},
         "jaws": _tree(jaws),
+        # where mock hardware starts; at zero the arm is out of its limits and in collision
+        "home": {
+            joint.name: position
+            for joint, position in zip(
+                parameters.joints, (*NAMED_POSES["home"], parameters.joints[4].lower), strict=True
+            )
+        },
     }
     text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
     return _HEAD.format(**source) + text

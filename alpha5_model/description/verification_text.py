@@ -146,12 +146,13 @@ def _stray_masses(text: Subject) -> list[str]:
         if joint.parent in mine:
             mine.add(joint.child)
     heavy = {text.prefix + name for name in (*BODY_NAMES, *(JAW_LINKS if text.jaws else ()))}
+    children = {joint.child for joint in text.joints.values()}
     found = []
     for name in mine - heavy:
         given = text.links.get(name)
         if given is None or given.mass is None:
-            # PyBullet gives a link without an inertial element a mass of 1 kg.
-            found.append(f"{name}: no inertial element")
+            # PyBullet gives such a link a mass of 1 kg; on a root KDL warns about any inertial element.
+            found += [f"{name}: no inertial element"] if name in children else []
         elif given.mass or given.inertia.any():
             found.append(f"{name}: mass {given.mass:g} kg where there is no body")
     return sorted(found)

@@ -106,7 +106,7 @@ def urdf_text(
             limits are not finite: URDF needs both.
     """
     robot = ET.Element("robot", name=name)
-    _massless_link(robot, "base_link")
+    ET.SubElement(robot, "link", name="base_link")  # KDL warns about any inertial on a root
     _joint(robot, "base", "fixed", ("base_link", "frame_0"), *_placement(base))
     last = "frame_0"
     for j, (joint, row) in enumerate(rows, start=1):

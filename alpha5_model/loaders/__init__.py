@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from alpha5_model.description.committed import mesh_assets
+from alpha5_model.description import mesh_assets
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import MissingDependencyError
