@@ -6,6 +6,9 @@ BIN := $(VENV)/bin
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
+# What the compiled kernels are made of: after a change they are compiled again.
+KERNELS := hatch_build.py $(wildcard alpha5_model/kernels/*.[ch] alpha5_model/kernels/generated/*.h)
+
 .PHONY: demo test docs lint format benchmark conformance fuzz mutation clean
 
 demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
@@ -45,11 +48,11 @@ clean:
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
+$(VENV)/.demo: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[plot,mesh]'
 	touch $@
 
-$(VENV)/.test: pyproject.toml constraints.txt | $(BIN)/python
+$(VENV)/.test: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[test,lint]'
 	touch $@ $(VENV)/.demo
 
@@ -57,14 +60,14 @@ $(VENV)/.docs: pyproject.toml constraints.txt | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[docs]'
 	touch $@
 
-$(VENV)/.bench: pyproject.toml constraints.txt | $(BIN)/python
+$(VENV)/.bench: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'
 	touch $@
 
-$(VENV)/.mutation: pyproject.toml constraints.txt | $(BIN)/python
+$(VENV)/.mutation: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[mutation]'
 	touch $@
 
-$(VENV)/.conformance: pyproject.toml constraints.txt | $(BIN)/python
+$(VENV)/.conformance: pyproject.toml constraints.txt $(KERNELS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[conformance]'
 	touch $@

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.symbolic import functions
+from alpha5_model.symbolic import c_source, functions
 from alpha5_model.symbolic.numpy_source import python_source
 from alpha5_model.symbolic.program import program
 
@@ -13,4 +13,5 @@ from alpha5_model.symbolic.program import program
 def generated_sources() -> dict[str, str]:
     """Path in the repository -> text; the same every time."""
     programs = [program(function) for function in functions().values()]
-    return {"alpha5_model/kernels/generated/formulas.py": python_source(programs)}
+    files = {"formulas.py": python_source(programs), **c_source.kernels(programs)}
+    return {f"alpha5_model/kernels/generated/{name}": text for name, text in files.items()}

@@ -1,0 +1,392 @@
+/* The generated kernels for Python: `bind` makes a function of one state, `batch` runs over rows.
+
+   Nothing here raises for a caller's numbers: what is not plainly a float64 array of the right shape
+   with finite entries of at most LARGEST gets None or False, and Python says why. There is no state
+   but the width, which is chosen once, when the module is loaded. */
+
+#define Py_LIMITED_API 0x030B0000
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#define NPY_NO_DEPRECATED_API NPY_1_7_API_VERSION
+#include <numpy/arrayobject.h>
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if FLT_EVAL_METHOD != 0
+#error "this processor keeps doubles in longer registers and would round twice"
+#endif
+
+/* ---- the kernels at every width that this compiler can make ---- */
+
+#define PANEL 32 /* rows of a batch that are turned to columns at once; they fit the first cache */
+#define PASTE(name, width) name##_##width
+#define EXPANDED(name, width) PASTE(name, width)
+#define SIZED(name) EXPANDED(name, WIDTH)
+#define KERNEL(name) static int SIZED(name)(const double *k, const double *in, double *out)
+#if defined(__clang__) || __GNUC__ >= 12
+#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (M){__VA_ARGS__})
+#endif
+#ifdef __clang__
+#define BEGIN(set) DO(clang attribute push(__attribute__((target(set))), apply_to = function))
+#define END DO(clang attribute pop)
+#else
+#define BEGIN(set) DO(GCC push_options) DO(GCC target(set))
+#define END DO(GCC pop_options)
+#endif
+#define DO(x) _Pragma(#x)
+
+#include "generated/table.h" /* how long the arrays below get */
+#define BODIES "generated/bodies.h"
+
+#define WIDTH 0
+#include "vector.h"
+#define WIDTH 1
+#include "vector.h"
+#ifdef __GNUC__
+#define WIDTH 2
+#include "vector.h"
+#endif
+#if defined(__GNUC__) && defined(__x86_64__)
+BEGIN("avx2")
+#define WIDTH 4
+#include "vector.h"
+END
+BEGIN("avx512f,avx512dq,avx512vl")
+#define WIDTH 8
+#include "vector.h"
+END
+#endif
+
+typedef int (*Function)(const double *k, const double *in, double *out);
+typedef struct {
+    int size, axes;
+    npy_intp shape[2];
+} Slot;
+typedef struct {
+    const char *name;
+    void (*prepare)(const double *parameters, double *k);
+    Function rare, at[4]; /* index: that of the level */
+    int parameters, inputs, outputs;
+    Slot slots[MOST_SLOTS]; /* inputs before outputs */
+} Kernel;
+typedef struct {
+    int width;
+    const char *name;
+    int (*to_columns)(const double *rows, int size, double *columns);
+    void (*to_rows)(const double *columns, int size, double *rows);
+} Level;
+
+#if !defined(__GNUC__)
+#define WIDTHS(name) name##_0, {name##_1}
+static const Level levels[] = {{1, "scalar", NULL, NULL}};
+#elif defined(__x86_64__)
+#define WIDTHS(name) name##_0, {name##_1, name##_2, name##_4, name##_8}
+static const Level levels[] = {{1, "scalar", NULL, NULL},
+                               {2, "sse2", to_columns_2, to_rows_2},
+                               {4, "avx2", to_columns_4, to_rows_4},
+                               {8, "avx512", to_columns_4, to_rows_4}};
+#else
+#define WIDTHS(name) name##_0, {name##_1, name##_2}
+#ifdef __aarch64__
+#define PAIRS "neon"
+#else
+#define PAIRS "pairs"
+#endif
+static const Level levels[] = {{1, "scalar", NULL, NULL}, {2, PAIRS, to_columns_2, to_rows_2}};
+#endif
+#define PREPARE(name) static void name##_k(const double *p, double *k)
+#define ENTRY(name, parameters, inputs, outputs, ...) \
+    {#name, name##_k, WIDTHS(name), parameters, inputs, outputs, {__VA_ARGS__}}
+#include "generated/table.h"
+
+static int level;
+
+/* The widest level that this processor has and that is at most so wide. */
+static void choose(long width)
+{
+    int best = 0;
+    for (int i = 1; i < (int)(sizeof levels / sizeof *levels) && levels[i].width <= width; i++) {
+#if defined(__GNUC__) && defined(__x86_64__)
+        if (levels[i].width == 4 && !__builtin_cpu_supports("avx2"))
+            break;
+        if (levels[i].width == 8 && !(__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")))
+            break;
+#endif
+        best = i;
+    }
+    level = best;
+}
+
+/* ---- one state, and rows of states ---- */
+
+/* Whether all numbers can be computed with; NaN cannot. */
+static int clean(const double *x, int size)
+{
+    int good = 1;
+    for (int i = 0; i < size; i++)
+        good &= fabs(x[i]) <= LARGEST;
+    return good;
+}
+
+static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
+{
+    double x[MOST_INPUTS], *end = x;
+    int good = 1;
+    for (int i = 0; i < kernel->inputs; end += kernel->slots[i++].size) {
+        good &= clean(in[i], kernel->slots[i].size);
+        memcpy(end, in[i], kernel->slots[i].size * sizeof(double));
+    }
+    if (good && !kernel->at[0](k, x, out))
+        kernel->rare(k, x, out);
+    return good;
+}
+
+#ifdef __GNUC__
+typedef double Columns[PANEL] __attribute__((aligned(64)));
+
+/* PANEL rows. */
+static int panel(const Kernel *kernel, const double *k, const double *const *in, double *const *out)
+{
+    Columns x[MOST_INPUTS], y[MOST_OUTPUTS];
+    const Level *by = &levels[level];
+    const Slot *slot = kernel->slots;
+    int good = 1, inputs = 0, outputs = 0;
+    for (int i = 0; i < kernel->inputs; inputs += slot++->size)
+        good &= by->to_columns(in[i++], slot->size, x[inputs]);
+    if (!good)
+        return 0;
+    for (int i = 0; i < kernel->outputs; i++)
+        outputs += slot[i].size;
+    for (int first = 0; first < PANEL; first += by->width) {
+        if (kernel->at[level](k, &x[0][first], &y[0][first]))
+            continue;
+        for (int lane = first; lane < first + by->width; lane++) {
+            double one[MOST_INPUTS], result[MOST_OUTPUTS];
+            for (int i = 0; i < inputs; i++)
+                one[i] = x[i][lane];
+            kernel->rare(k, one, result);
+            for (int i = 0; i < outputs; i++)
+                y[i][lane] = result[i];
+        }
+    }
+    outputs = 0;
+    for (int i = 0; i < kernel->outputs; outputs += slot++->size)
+        by->to_rows(y[outputs], slot->size, out[i++]);
+    return 1;
+}
+#endif
+
+static int rows(const Kernel *kernel, const double *k, const double **in, double **out, npy_intp n)
+{
+    const Slot *slots = kernel->slots, *results = slots + kernel->inputs;
+    while (n > 0) {
+        npy_intp done = 1;
+#ifdef __GNUC__
+        if (level > 0 && n >= PANEL) {
+            if (!panel(kernel, k, in, out))
+                return 0;
+            done = PANEL;
+        } else
+#endif
+        {
+            double y[MOST_OUTPUTS], *end = y;
+            if (!row(kernel, k, in, y))
+                return 0;
+            for (int i = 0; i < kernel->outputs; end += results[i++].size)
+                memcpy(out[i], end, results[i].size * sizeof(double));
+        }
+        for (int i = 0; i < kernel->inputs; i++)
+            in[i] += done * slots[i].size;
+        for (int i = 0; i < kernel->outputs; i++)
+            out[i] += done * results[i].size;
+        n -= done;
+    }
+    return 1;
+}
+
+/* ---- Python ---- */
+
+static int plain(PyObject *object, int flags)
+{
+    return Py_TYPE(object) == &PyArray_Type && PyArray_TYPE((PyArrayObject *)object) == NPY_DOUBLE
+           && PyArray_CHKFLAGS((PyArrayObject *)object, flags)
+           && PyArray_ISNOTSWAPPED((PyArrayObject *)object);
+}
+
+/* The kernel of a name and the constants that its parameters make, in k. */
+static const Kernel *prepared(PyObject *name, PyObject *parameters, double *k)
+{
+    const char *text = PyUnicode_AsUTF8AndSize(name, NULL);
+    if (text == NULL)
+        return NULL;
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+        const Kernel *kernel = &kernels[i];
+        if (strcmp(kernel->name, text) != 0)
+            continue;
+        if (kernel->parameters == 0)
+            return kernel;
+        if (parameters == NULL || !plain(parameters, NPY_ARRAY_CARRAY_RO)
+            || PyArray_SIZE((PyArrayObject *)parameters) != kernel->parameters) {
+            PyErr_Format(PyExc_ValueError, "%s takes %d parameters in a float64 array", text,
+                         kernel->parameters);
+            return NULL;
+        }
+        kernel->prepare(PyArray_DATA((PyArrayObject *)parameters), k);
+        return kernel;
+    }
+    PyErr_Format(PyExc_ValueError, "no kernel %R", name);
+    return NULL;
+}
+
+typedef struct {
+    const Kernel *kernel;
+    double k[MOST_CONSTANTS];
+} Bound;
+
+static PyObject *call(PyObject *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    const Bound *bound = PyCapsule_GetPointer(self, NULL);
+    const Kernel *kernel = bound->kernel;
+    const double *in[MOST_SLOTS];
+    double y[MOST_OUTPUTS], number[MOST_SLOTS], *end = y;
+    if (count != kernel->inputs)
+        Py_RETURN_NONE;
+    for (int i = 0; i < kernel->inputs; i++) {
+        const Slot *slot = &kernel->slots[i];
+        PyArrayObject *array = (PyArrayObject *)arguments[i];
+        if (slot->size == 1 && PyFloat_CheckExact(arguments[i])) {
+            number[i] = PyFloat_AsDouble(arguments[i]);
+            in[i] = &number[i];
+            continue;
+        }
+        if (!plain(arguments[i], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(array) != slot->axes
+            || memcmp(PyArray_DIMS(array), slot->shape, slot->axes * sizeof(npy_intp)) != 0)
+            Py_RETURN_NONE;
+        in[i] = PyArray_DATA(array);
+    }
+    if (!row(kernel, bound->k, in, y))
+        Py_RETURN_NONE;
+    PyObject *result = kernel->outputs == 1 ? NULL : PyTuple_New(kernel->outputs);
+    for (int i = 0; i < kernel->outputs; i++) {
+        const Slot *slot = &kernel->slots[kernel->inputs + i];
+        PyObject *array = PyArray_SimpleNew(slot->axes, (npy_intp *)slot->shape, NPY_DOUBLE);
+        if (array == NULL || (kernel->outputs > 1 && result == NULL)) {
+            Py_XDECREF(array);
+            Py_XDECREF(result);
+            return NULL;
+        }
+        memcpy(PyArray_DATA((PyArrayObject *)array), end, slot->size * sizeof(double));
+        end += slot->size;
+        if (kernel->outputs == 1)
+            return array;
+        PyTuple_SetItem(result, i, array);
+    }
+    return result;
+}
+
+static PyMethodDef call_method = {"kernel", (PyCFunction)(void (*)(void))call, METH_FASTCALL,
+                                  "New arrays of the outputs, or None: see `bind`."};
+
+static void release(PyObject *capsule) { PyMem_Free(PyCapsule_GetPointer(capsule, NULL)); }
+
+static PyObject *bind(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
+{
+    (void)module;
+    if (count < 1 || count > 2)
+        return PyErr_Format(PyExc_TypeError, "bind takes a name and parameters");
+    Bound *bound = PyMem_Malloc(sizeof *bound);
+    if (bound == NULL)
+        return PyErr_NoMemory();
+    bound->kernel = prepared(arguments[0], count > 1 ? arguments[1] : NULL, bound->k);
+    PyObject *capsule = bound->kernel ? PyCapsule_New(bound, NULL, release) : NULL;
+    if (capsule == NULL) {
+        PyMem_Free(bound);
+        return NULL;
+    }
+    PyObject *function = PyCFunction_NewEx(&call_method, capsule, NULL);
+    Py_DECREF(capsule);
+    return function;
+}
+
+static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
+{
+    (void)module;
+    double k[MOST_CONSTANTS];
+    const double *in[MOST_SLOTS];
+    double *out[MOST_SLOTS];
+    npy_intp n = 0;
+    int good;
+    if (count < 3)
+        return PyErr_Format(PyExc_TypeError, "batch takes a name, parameters and arrays");
+    const Kernel *kernel = prepared(arguments[0], arguments[1], k);
+    if (kernel == NULL)
+        return NULL;
+    if (count - 2 != kernel->inputs + kernel->outputs)
+        Py_RETURN_FALSE;
+    for (int i = 0; i < count - 2; i++) {
+        PyArrayObject *array = (PyArrayObject *)arguments[i + 2];
+        int given = i < kernel->inputs;
+        if (!plain(arguments[i + 2], given ? NPY_ARRAY_CARRAY_RO : NPY_ARRAY_CARRAY)
+            || PyArray_NDIM(array) < 1)
+            Py_RETURN_FALSE;
+        if (i == 0)
+            n = PyArray_DIM(array, 0);
+        if (PyArray_DIM(array, 0) != n || PyArray_SIZE(array) != n * kernel->slots[i].size)
+            Py_RETURN_FALSE;
+        if (given)
+            in[i] = PyArray_DATA(array);
+        else
+            out[i - kernel->inputs] = PyArray_DATA(array);
+    }
+    Py_BEGIN_ALLOW_THREADS
+    good = rows(kernel, k, in, out, n);
+    Py_END_ALLOW_THREADS
+    return PyBool_FromLong(good);
+}
+
+static PyObject *width(PyObject *module, PyObject *most)
+{
+    (void)module;
+    long asked = PyLong_AsLong(most);
+    if (asked == -1 && PyErr_Occurred())
+        return NULL;
+    if (asked > 0)
+        choose(asked);
+    return PyUnicode_FromString(levels[level].name);
+}
+
+static PyMethodDef methods[] = {
+    {"bind", (PyCFunction)(void (*)(void))bind, METH_FASTCALL,
+     "bind(name, parameters=None) -> function of one state that keeps the constants of the parameters.\n\n"
+     "It takes the kernel's inputs and returns a new array, or a tuple of them where the kernel has\n"
+     "several outputs; None if an input is not a C-contiguous float64 array of the right shape with\n"
+     "finite entries of a size that can be computed with."},
+    {"batch", (PyCFunction)(void (*)(void))batch, METH_FASTCALL,
+     "batch(name, parameters, *inputs, *outputs) -> bool\n\n"
+     "Each array holds one state in each row, outputs are written. False, and nothing in the outputs\n"
+     "to rely on, if an array is not C-contiguous float64 with n rows of the right size, or an entry\n"
+     "is not finite or too large. Other threads run meanwhile."},
+    {"width", width, METH_O,
+     "width(most) -> name of the instructions in use. For tests: a positive number chooses the\n"
+     "widest that this processor has of at most so many doubles, for all threads; 0 leaves it."},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef definition = {PyModuleDef_HEAD_INIT, "_compiled",
+                                        "The generated kernels, compiled.", -1, methods,
+                                        NULL, NULL, NULL, NULL};
+
+PyMODINIT_FUNC PyInit__compiled(void)
+{
+    import_array();
+    choose(8);
+    PyObject *module = PyModule_Create(&definition);
+    if (module != NULL && PyModule_AddStringConstant(module, "SOURCES", SOURCES) < 0)
+        Py_CLEAR(module);
+    return module;
+}

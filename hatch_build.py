@@ -1,0 +1,86 @@
+"""Compiles ``alpha5_model/kernels/_compiled``: when a wheel is built, or in place.
+
+    python hatch_build.py        # in place, for a checkout that is run without being installed
+
+Needs NumPy, setuptools and a C compiler. A wheel is built without the kernels, and computes in
+NumPy, where there is no compiler; with ``ALPHA5_REQUIRE_KERNELS=1`` that is an error.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import sysconfig
+import tempfile
+from pathlib import Path
+from typing import Any
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ModuleNotFoundError:  # in place, beside an installed package
+    BuildHookInterface = object  # type: ignore[misc, assignment]
+
+ROOT = Path(__file__).resolve().parent
+FOLDER = Path("alpha5_model", "kernels")
+#: `-ffp-contract=off`: the same bits at every width. Nothing reads errno.
+FLAGS = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-Wno-psabi", "-g0"]
+MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]
+
+
+def digest() -> str:
+    """Of the sources that the module is compiled of, and says that it was."""
+    files = sorted((ROOT / FOLDER).rglob("*.[ch]"))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def compiled(output: Path) -> Path:
+    """Compile the module into a folder; returns the file."""
+    import numpy
+    from setuptools import Distribution, Extension
+
+    extension = Extension(
+        "_compiled",
+        [str(ROOT / FOLDER / "_compiled.c")],
+        include_dirs=[numpy.get_include()],
+        define_macros=[("SOURCES", f'"{digest()}"')],
+        extra_compile_args=MSVC_FLAGS if sys.platform == "win32" else FLAGS,
+        py_limited_api=True,
+    )
+    with tempfile.TemporaryDirectory() as objects:
+        command = Distribution({"ext_modules": [extension]}).get_command_obj("build_ext")
+        command.build_lib, command.build_temp, command.force = str(output), objects, True
+        command.ensure_finalized()
+        command.run()
+    return Path(command.get_outputs()[0])
+
+
+class KernelHook(BuildHookInterface):
+    """Adds the compiled kernels to a wheel; an editable install gets them in place."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Called by hatchling before it collects the files of the wheel."""
+        editable = version == "editable"
+        self.folder = None if editable else Path(tempfile.mkdtemp())
+        try:
+            module = compiled(self.folder or ROOT / FOLDER)
+        except (Exception, SystemExit) as error:
+            if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
+                raise RuntimeError(f"the kernels cannot be compiled here: {error}") from None
+            self.app.display_warning(f"kernels not compiled, NumPy will compute: {error}")
+            return
+        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["pure_python"] = False
+        build_data["tag"] = f"cp311-abi3-{platform}"
+        if not editable:
+            build_data["force_include"][str(module)] = str(FOLDER / module.name)
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Called when the wheel is written."""
+        if self.folder:
+            shutil.rmtree(self.folder)
+
+
+if __name__ == "__main__":
+    print(compiled(ROOT / FOLDER))

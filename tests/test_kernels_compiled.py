@@ -1,0 +1,257 @@
+"""The compiled module by itself: widths equal to the bit, unfit arrays refused, threads and processes."""
+
+from __future__ import annotations
+
+import importlib.util
+import multiprocessing
+import os
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from alpha5_model.checks import LARGEST
+from alpha5_model.symbolic import functions
+from alpha5_model.symbolic.c_source import PARAMETERS
+from alpha5_model.symbolic.program import Program, program
+
+if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
+    compiled = importlib.import_module("alpha5_model.kernels._compiled")
+else:
+    compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+PROGRAMS = {name: program(function) for name, function in functions().items()}
+ROOT = Path(__file__).resolve().parent.parent
+ROWS = 103  # three panels and a rest
+WIDTHS = {1: "scalar", 2: "sse2", 4: "avx2", 8: "avx512"}
+
+
+@pytest.fixture
+def any_width():
+    """Chooses a width; the widest again afterwards."""
+    yield lambda width: compiled.width(width)
+    compiled.width(8)
+
+
+def case(of: Program, rows: int = ROWS, scale: float = 3.0) -> tuple:
+    """Parameters, inputs and empty outputs of random states."""
+    rng = np.random.default_rng(7)
+    sizes = {slot.name: slot.size for slot in of.inputs}
+    parameters = rng.uniform(0.1, 1.0, sizes.pop(PARAMETERS, 0))
+    inputs = [rng.uniform(-scale, scale, (rows, size)) for size in sizes.values()]
+    return parameters, inputs, [np.full((rows, *slot.shape), np.nan) for slot in of.outputs]
+
+
+def by_batch(name: str, parameters: np.ndarray, inputs: list, outputs: list) -> list:
+    outputs = [np.full_like(x, np.nan) for x in outputs]
+    assert compiled.batch(name, parameters, *inputs, *outputs)
+    return outputs
+
+
+def by_bind(name: str, parameters: np.ndarray, inputs: list) -> list:
+    function = compiled.bind(name, parameters)
+    rows = [function(*(x.copy() for x in row)) for row in zip(*inputs, strict=True)]
+    rows = [row if isinstance(row, tuple) else (row,) for row in rows]
+    return [np.array(column) for column in zip(*rows, strict=True)]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("scale", [3.0, 1e6])
+def test_every_width_gives_the_same_bits_as_single_calls(name, scale, any_width):
+    parameters, inputs, outputs = case(PROGRAMS[name], scale=scale)
+    single = by_bind(name, parameters, inputs)
+    for width in WIDTHS:
+        any_width(width)
+        for got, want in zip(by_batch(name, parameters, inputs, outputs), single, strict=True):
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_few_rare_rows_do_not_change_the_others(name, any_width):
+    parameters, inputs, outputs = case(PROGRAMS[name])
+    plain = by_batch(name, parameters, inputs, outputs)
+    rare = np.arange(5, ROWS, 17)
+    inputs[0][rare] *= 1e40
+    once = by_batch(name, parameters, inputs, outputs)
+    others = np.setdiff1d(np.arange(ROWS), rare)
+    for got, want in zip(once, plain, strict=True):
+        assert np.array_equal(got[others], want[others])
+    any_width(1)
+    for got, want in zip(by_batch(name, parameters, inputs, outputs), once, strict=True):
+        assert np.array_equal(got[rare], want[rare], equal_nan=True)
+
+
+def test_a_width_that_was_chosen_is_in_use(any_width):
+    assert [any_width(width) for width in (1, 2)] == ["scalar", any_width(3)]
+    assert compiled.width(0) == any_width(2) != "scalar"
+
+
+Q = np.array([0.5, 0.7, 0.9, 1.1])
+
+
+class Tagged(np.ndarray):
+    """A subclass of which the meaning is unknown."""
+
+
+UNFIT = {
+    "list": Q.tolist(),
+    "tuple": tuple(Q),
+    "None": None,
+    "number": 1.0,
+    "float32": Q.astype(np.float32),
+    "integers": np.arange(4),
+    "complex": Q + 0j,
+    "objects": Q.astype(object),
+    "text": np.array(["a"] * 4),
+    "swapped bytes": Q.astype(">f8"),
+    "long doubles": Q.astype(np.longdouble),
+    "every second": np.tile(Q, 2)[::2],
+    "backwards": Q[::-1],
+    "broadcast": np.broadcast_to(1.0, 4),
+    "unaligned": np.frombuffer(b"\0" * 33, np.uint8)[1:].view(np.float64),
+    "short": Q[:3],
+    "long": np.arange(5.0),
+    "row": Q[None],
+    "empty": np.empty(0),
+    "scalar": np.array(1.0),
+    "masked": np.ma.array(Q),
+    "matrix": np.asarray(Q).view(Tagged),
+    "NaN": np.array([0.0, np.nan, 0.0, 0.0]),
+    "infinity": np.array([0.0, 0.0, 0.0, -np.inf]),
+    "large": np.array([0.0, 0.0, np.nextafter(LARGEST, np.inf), 0.0]),
+}
+
+
+@pytest.mark.parametrize("unfit", UNFIT)
+@pytest.mark.parametrize("place", range(3))
+def test_what_is_not_plainly_a_state_gets_none(unfit, place):
+    function = compiled.bind("inverse_dynamics", case(PROGRAMS["inverse_dynamics"])[0])
+    given = [Q, Q, Q]
+    assert function(*given).shape == (4,)
+    given[place] = UNFIT[unfit]
+    assert function(*given) is None
+
+
+def test_what_is_plainly_a_state_is_taken():
+    function = compiled.bind("inverse_dynamics", case(PROGRAMS["inverse_dynamics"])[0])
+    frozen = Q.copy()
+    frozen.flags.writeable = False
+    edge = np.full(4, -LARGEST)
+    expected = function(Q, Q, Q)
+    assert np.array_equal(function(frozen, frozen, frozen), expected)
+    assert np.array_equal(function(np.tile(Q, 2)[4:], Q, Q), expected)
+    assert np.isfinite(function(edge, edge, edge)).all()
+    assert function() is None
+    assert function(Q, Q) is None
+    assert function(Q, Q, Q, Q) is None
+    first = function(Q, Q, Q)
+    first[:] = 0.0  # the caller's own
+    assert np.array_equal(function(Q, Q, Q), expected)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 2 * LARGEST])
+@pytest.mark.parametrize("row", [0, 33, ROWS - 1])
+def test_a_batch_with_an_unfit_number_is_refused(width, value, row, any_width):
+    any_width(width)
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    for array in inputs:
+        for column in range(4):
+            kept, array[row, column] = array[row, column], value
+            assert not compiled.batch("inverse_dynamics", parameters, *inputs, *outputs)
+            array[row, column] = kept
+    assert compiled.batch("inverse_dynamics", parameters, *inputs, *outputs)
+
+
+def test_a_batch_of_unfit_arrays_is_refused():
+    parameters, (q, v, a), (tau,) = case(PROGRAMS["inverse_dynamics"])
+
+    def taken(*arrays):
+        return compiled.batch("inverse_dynamics", parameters, *arrays)
+
+    assert taken(q, v, a, tau)
+    assert taken(q[:0], v[:0], a[:0], tau[:0])
+    assert taken(q[1:], v[1:], a[1:], tau[1:])
+    frozen = tau.copy()
+    frozen.flags.writeable = False
+    unfit = (
+        q.tolist(),
+        np.asfortranarray(q),
+        q.astype(np.float32),
+        q[:-1],
+        q[:, :3],
+        q[::2],
+        np.tile(q, 2)[:, :4],
+        None,
+    )
+    for array in unfit:
+        assert not taken(array, v, a, tau)
+        assert not taken(q, v, a, array)
+    assert not taken(q, v, a, frozen)
+    assert not taken(q, v, a)
+    assert not taken(q, v, a, tau, tau)
+    with pytest.raises(ValueError, match="parameters"):
+        compiled.bind("inverse_dynamics")
+    for parameter in (parameters[:-1], parameters.tolist(), parameters.astype(np.float32), None):
+        with pytest.raises(ValueError, match="parameters"):
+            compiled.bind("inverse_dynamics", parameter)
+        with pytest.raises(ValueError, match="parameters"):
+            compiled.batch("inverse_dynamics", parameter, q, v, a, tau)
+    with pytest.raises(ValueError, match="no kernel 'none'"):
+        compiled.bind("none", parameters)
+    for name in (None, 3, b"inverse_dynamics"):
+        with pytest.raises(TypeError):
+            compiled.bind(name, parameters)
+    for arguments in ((), ("inverse_dynamics", parameters, 1)):
+        with pytest.raises(TypeError):
+            compiled.bind(*arguments)
+
+
+def test_what_goes_out_may_take_the_place_of_what_came_in():
+    parameters, (q, v, a), (tau,) = case(PROGRAMS["inverse_dynamics"])
+    assert compiled.batch("inverse_dynamics", parameters, q, v, a, tau)
+    assert compiled.batch("inverse_dynamics", parameters, q, v, a, a)
+    assert np.array_equal(a, tau)
+
+
+def test_threads_compute_the_same():
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"], rows=5000)
+    (expected,) = by_batch("inverse_dynamics", parameters, inputs, outputs)
+    function = compiled.bind("inverse_dynamics", parameters)
+    wrong: list[int] = []
+
+    def compute(number: int) -> None:
+        for _ in range(5):
+            (got,) = by_batch("inverse_dynamics", parameters, inputs, outputs)
+            rows = zip(*(x[number::100] for x in inputs), strict=True)
+            single = np.array([function(*row) for row in rows])
+            if not (np.array_equal(got, expected) and np.array_equal(single, got[number::100])):
+                wrong.append(number)
+
+    threads = [threading.Thread(target=compute, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def _torque(method: str) -> np.ndarray:
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    return by_batch("inverse_dynamics", parameters, inputs, outputs)[0]
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_processes_compute_the_same(method):
+    if method not in multiprocessing.get_all_start_methods():
+        pytest.skip("not on this system")
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        got = pool.apply(_torque, (method,))
+    assert np.array_equal(got, _torque(method))
+
+
+def test_the_module_was_compiled_of_these_sources():
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    build = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(build)
+    assert build.digest() == compiled.SOURCES, "compile again: python hatch_build.py"
