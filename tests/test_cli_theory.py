@@ -173,6 +173,13 @@ def test_planar_writes_a_picture(capsys, tmp_path: Path, suffix: str) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_planar_names_the_picture_it_wrote(capsys, tmp_path: Path) -> None:
+    path = tmp_path / "arm.svg"
+    assert run(capsys, "planar", "5", "4", "1", "--plot", str(path))[1].endswith(f"wrote {path}\n")
+    out = run(capsys, "planar", "5", "4", "1", "--plot", str(path), "--json")[1]
+    assert json.loads(out)["joints"] == "RRR"
+
+
 def test_a_picture_that_cannot_be_written(tmp_path: Path) -> None:
     axes = plot_planar(PlanarArm((1, 1)))
     with pytest.raises(OutputError):

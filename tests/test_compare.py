@@ -335,6 +335,14 @@ def test_a_lighter_body_has_a_negative_mass_error():
     assert comparison.bodies[2].mass_error == pytest.approx(-0.08)
 
 
+def test_rounding_shows_no_minus_at_zero(capsys):
+    """The same model: what is left of a difference is rounding, of either sign."""
+    assert main(["compare", a5.URDF_PATH]) == 0
+    out = capsys.readouterr().out
+    assert out.count("+0.00") >= 35  # seven figures of five bodies
+    assert "-0.00" not in out
+
+
 def test_command_line(tmp_path, capsys):
     assert main(["compare", a5.URDF_PATH, "--samples", "5"]) == 0
     assert "agrees" in capsys.readouterr().out

@@ -113,4 +113,7 @@ def _row(side: dict[str, Any]) -> list[float]:
 
 
 def _cell(x: float, sign: str = "") -> str:
-    return "-" if math.isnan(x) else f"{x:{sign}.{2 if abs(x) < 1e4 else 0}f}"
+    if math.isnan(x):
+        return "-"
+    digits = 2 if abs(x) < 1e4 else 0
+    return f"{round(x, digits) + 0.0:{sign}.{digits}f}"  # adding zero turns -0.0 into 0.0

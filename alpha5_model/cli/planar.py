@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from alpha5_model import planar as library
-from alpha5_model.cli.options import Lines, messages_beside, numbers, show
+from alpha5_model.cli.options import Lines, numbers, show
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.view.figures import FORMATS
@@ -40,8 +40,7 @@ def planar(
     result = _result(arm, radius)
     if plot is not None:
         save(plot_planar(arm), plot)
-    with messages_beside(plot):
-        show(as_json, result, _text(result))
+    show(as_json, result, _text(result), plot)
 
 
 def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
