@@ -25,6 +25,7 @@ XACRO_ARGUMENTS = (
     ("prefix", "", "stands before every link and joint name"),
     ("collision", "primitives", "primitives or none"),
     ("dh_frames", "false", "adds the massless frames dh_1 to dh_5"),
+    ("limits_file", "", "YAML of joint limits of your own, as xacro/limits_example.yaml"),
     ("ros2_control", "false", "adds hardware interfaces and the bus address of each joint"),
     ("ros2_control_plugin", "mock_components/GenericSystem", "name of the hardware plugin"),
 )
