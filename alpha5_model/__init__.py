@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from alpha5_model.fluids import SEA_WATER as SEA_WATER
     from alpha5_model.fluids import gravity_in_base as gravity_in_base
     from alpha5_model.hydrodynamics import DragStrip as DragStrip
+    from alpha5_model.kernels import backend as backend
     from alpha5_model.kinematics import workspace as workspace
     from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
     from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
@@ -65,6 +66,7 @@ _DEFINED = {
     "dynamics.vehicle": ("Vehicle",),
     "hydrodynamics": ("DragStrip",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
+    "kernels": ("backend",),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
     "kinematics.ik.path": ("inverse_kinematics_path",),
     "kinematics.ik.pose": ("inverse_kinematics_pose",),

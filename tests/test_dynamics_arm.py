@@ -56,7 +56,7 @@ OF_QVX = (
     "base_wrench_batch",
 )
 METHODS = {**dict.fromkeys(OF_Q, 1), **dict.fromkeys(OF_QV, 2), **dict.fromkeys(OF_QVX, 3)}
-KINDS = ("locked", "floating", "jaws")
+KINDS = ("locked", "kernels", "floating", "jaws")
 
 
 def numbers(result):

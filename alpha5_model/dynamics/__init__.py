@@ -17,12 +17,16 @@ from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
+from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.dynamics.states import vector
 from alpha5_model.files import read_named
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+
+#: What can compute single calls.
+BACKENDS = ("pinocchio", "kernels")
 
 
 def load(
@@ -31,6 +35,7 @@ def load(
     floating_base: bool = False,
     gravity: ArrayLike = GRAVITY,
     corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+    backend: str = "pinocchio",
 ) -> Arm:
     """The arm in a fluid, from the shipped URDF.
 
@@ -43,23 +48,29 @@ def load(
             tilted mount pass ``gravity_in_base(rotation)``.
         corrections: Recorded corrections to the document. Other than the default ones, the URDF is
             generated in memory.
+        backend: What computes single calls: ``pinocchio``, or ``kernels`` that are generated from the
+            same equations, see `alpha5_model.backend`. Batches run on kernels in any case; a floating
+            base, jaws and external forces are Pinocchio's in any case.
 
     Returns:
         An arm, independent of every other one.
 
     Raises:
         InputError: A density below 0, or gravity that is not three finite numbers.
-        UnknownNameError: No such gripper or correction.
+        UnknownNameError: No such gripper, correction or backend.
     """
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
+    kind = (
+        Arm if choice("backend", backend, BACKENDS) == "pinocchio" or floating_base else KernelArm
+    )
     g = vector("gravity", gravity, 3)
     parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
         return JawArm(tree, displaced, fluid_density, mimics)
-    return Arm(tree, displaced, fluid_density)
+    return kind(tree, displaced, fluid_density)
 
 
 def robot_wrapper(

@@ -23,6 +23,7 @@ from alpha5_model.checks import FloatArray, instance, listed, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import Displacement, displaced_fluid_model, net_weight_model
+from alpha5_model.dynamics.kernels import kernel_parameters, kernel_rows
 from alpha5_model.dynamics.models import on_free_flyer, with_body
 from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
 from alpha5_model.dynamics.vehicle import Vehicle
@@ -449,12 +450,16 @@ class Arm:
             q: (N, nq), one state in each row; a single row is used for all states, here and below.
             v: (N, nv).
             a: (N, nv).
-            threads: How many to use at most; None for all that this process may use. One for each
-                full 5000 states is used, and only one in a forked process.
+            threads: How many Pinocchio uses at most, where the kernels (`alpha5_model.backend`) do not
+                know the arm: on a floating base, with jaws. None for all that this process may use;
+                one for each full 5000 states is used, and only one in a forked process.
 
         Returns:
             (N, nv).
         """
+        out = kernel_rows(self, "inverse_dynamics", 4, threads, q=q, v=v, a=a)
+        if out is not None:
+            return out
         states = rows(self._model, q=q, v=v, a=a)
         return batch.inverse_dynamics(self._model, self._fluid, self._own, threads, *states)
 
@@ -462,6 +467,9 @@ class Arm:
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
         """`forward_dynamics` of many states, in parallel; arguments as `inverse_dynamics_batch`."""
+        out = kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
+        if out is not None:
+            return out
         states = rows(self._model, q=q, v=v, tau=tau)
         return batch.forward_dynamics(self._model, self._fluid, self._own, threads, *states)
 
@@ -476,6 +484,9 @@ class Arm:
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.
         """
+        out = kernel_rows(self, "base_wrench", 6, threads, q=q, v=v, a=a)
+        if out is not None:
+            return out
         states = self._on_free_flyer(*rows(self._model, q=q, v=v, a=a))
         return -batch.inverse_dynamics(*self._free, self._own, threads, *states)[:, :6]
 
@@ -568,6 +579,15 @@ class Arm:
         start = np.broadcast_to(_HOME, (*q.shape[:-1], 7))
         still = (np.concatenate([start[..., :6], x], axis=-1) for x in rates)
         return [np.concatenate([start, q], axis=-1), *still]
+
+    @cached_property
+    def _kernel_parameters(self) -> dict[str, FloatArray]:
+        return kernel_parameters(self._model, self.displacements, self.fluid_density)
+
+    @property
+    def _afloat(self) -> type[Arm]:
+        """What this arm is on a floating base."""
+        return type(self)
 
     @property
     def _arguments(self) -> tuple[Any, ...]:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.kernels import kernel_rows
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import LEVELS
@@ -59,12 +60,16 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    n, own, still = batch.thread_count(threads, len(q)), arm._own, np.zeros_like(v)
-    total = batch.rnea(arm._model, own, n, q, v, a)
-    bias = batch.rnea(arm._model, own, n, q, v, still)
-    weight = batch.rnea(arm._model, own, n, q, still, still)
-    buoyancy = -batch.rnea(arm._fluid, own, n, q, still, still)
-    return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
+    n, still = batch.thread_count(threads, len(q)), np.zeros_like(v)
+
+    def torques(bodies: str, v: FloatArray, a: FloatArray) -> FloatArray:
+        out = kernel_rows(arm, "inverse_dynamics", 4, threads, bodies, q=q, v=v, a=a)
+        model = arm._model if bodies == "weight" else arm._fluid
+        return batch.rnea(model, arm._own, n, q, v, a) if out is None else out
+
+    total, bias = torques("weight", v, a), torques("weight", v, still)
+    weight, buoyancy = torques("weight", still, still), torques("fluid", still, still)
+    return TorqueTerms(total - bias, bias - weight, weight, -buoyancy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +123,9 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         UnknownNameError: No such frame.
     """
     model, index = arm._model, arm._frame(frame)
+    poses = kernel_rows(arm, "forward_kinematics", 16, 1, "none", q=q) if frame == "tcp" else None
+    if poses is not None:
+        return poses[:, 3:12:4].copy()
     (configurations,) = rows(model, q=q)
     data = model.createData()
     placement = data.oMf[index]  # refers to the data, no copy in the loop

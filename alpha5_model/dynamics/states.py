@@ -45,7 +45,7 @@ def position_check(model: Any) -> Callable[[Any], FloatArray]:
                 return q
         except TypeError:
             pass
-        return _state(model, q)[0]
+        return state_vectors(model, q)[0]
 
     return check
 
@@ -67,7 +67,7 @@ def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray
                 return q, v
         except TypeError:
             pass
-        return _state(model, q, v=v)
+        return state_vectors(model, q, v=v)
 
     return check
 
@@ -91,12 +91,13 @@ def motion_check(
                 return q, v, x
         except TypeError:
             pass
-        return _state(model, q, v=v, **{name: x})
+        return state_vectors(model, q, v=v, **{name: x})
 
     return check
 
 
-def _state(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
+def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
+    """Check and convert one state: q, then rates of the length of v by their names."""
     position = vector("q", q, model.nq)
     if model.nq > model.nv:
         _check_quaternions(position)
