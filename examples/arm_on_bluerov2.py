@@ -20,14 +20,8 @@ import numpy as np
 import alpha5_model as a5
 
 #: Pose of base_link in the vehicle's frame: half a turn about x.
-MOUNT = np.array(
-    [
-        [1.0, 0.0, 0.0, 0.15],
-        [0.0, -1.0, 0.0, 0.0],
-        [0.0, 0.0, -1.0, -0.14],
-        [0.0, 0.0, 0.0, 1.0],
-    ]
-)
+MOUNT = np.diag([1.0, -1.0, -1.0, 1.0])
+MOUNT[:3, 3] = 0.15, 0.0, -0.14
 BLUEROV2_HEAVY = a5.Vehicle(
     mass=13.5,
     com=[0.0, 0.0, 0.0],

@@ -199,8 +199,8 @@ def table(rows: Sequence[Row], count: int) -> str:
     return f"{text}\n\n{note}\n"
 
 
-def insert(readme: Path, text: str) -> None:
-    """Put the table between the markers of a README.
+def insert(readme: Path, text: str, marks: tuple[str, str] = (BEGIN, END)) -> None:
+    """Put a table between the markers of a page.
 
     Raises:
         MissingFileError: No such file.
@@ -209,11 +209,12 @@ def insert(readme: Path, text: str) -> None:
     if not readme.is_file():
         raise MissingFileError(readme, "a file with the markers of the table")
     content = readme.read_text(encoding="utf-8")
-    before, begin, rest = content.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end or BEGIN in after or END in after:
-        raise FileFormatError(readme, f"expected {BEGIN} and {END}, once each and in this order")
-    atomic_write(readme, f"{before}{BEGIN}\n{text}{END}{after}")
+    first, last = marks
+    before, begin, rest = content.partition(first)
+    _, end, after = rest.partition(last)
+    if not begin or not end or first in after or last in after:
+        raise FileFormatError(readme, f"expected {first} and {last}, once each and in this order")
+    atomic_write(readme, f"{before}{first}\n{text}{last}{after}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

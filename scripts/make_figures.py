@@ -6,7 +6,7 @@
 one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the torque over a recorded
 trajectory, split into its terms; the recording is the first one found beside the checkout or in
 ALPHA5_RECORDINGS, and without one this figure is left as it is. ``mjcf/alpha5.png``: MuJoCo's own picture of the
-committed scene (MUJOCO_GL is egl if not set).
+committed scene (MUJOCO_GL is egl if not set). Those that explain the concepts are in ``concept_figures.py``.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import os
 import sys
 from pathlib import Path
 from typing import Any
+
+from concept_figures import FIGURES
 
 import alpha5_model as a5
 from alpha5_model.files import atomic_write
@@ -38,6 +40,7 @@ def main(folder: Path) -> None:
         ("workspace.png", workspace_figure()),
         ("self_collision.png", _png(workspace_plot.self_collision_figure(samples=100_000))),
         ("torque.png", torque_figure()),
+        *((name, _png(draw())) for name, draw in FIGURES.items()),
     ):
         if content is None:
             print(f"{name}: no recording found, left as it is")

@@ -36,6 +36,7 @@ USED_WITHOUT_IMPORT = {
     "ruff": "make lint",
     "mypy": "make lint",
     "types-pyyaml": "make lint",
+    "ipykernel": "runs the notebooks",
     "myst-nb": "docs/conf.py, by name",
     "furo": "docs/conf.py, by name",
 }

@@ -8,15 +8,20 @@ from __future__ import annotations
 import ast
 import re
 import shlex
+import sys
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+import recordings
 from pages import DOCS, PAGES, REPOSITORY, generated_text
 
 import alpha5_model as a5
 from alpha5_model.cli import main
+
+sys.path.insert(0, str(REPOSITORY / "scripts"))
+import public_models
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml", "c"}
@@ -117,6 +122,17 @@ def test_a_block_that_does_not_run_is_seen(
         run_page(page)
 
 
+def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> None:
+    models = recordings.RECORDINGS / "models"
+    if not models.is_dir():
+        pytest.skip("no public models beside the checkout")
+    page, copy = DOCS / "public-models.md", tmp_path / "page.md"
+    copy.write_text(page.read_text("utf-8").replace("0.", "9."), "utf-8")
+    assert public_models.main([str(models), "--page", str(copy)]) == 0
+    between = re.compile(r"(?s)(?<=models: begin -->).*(?=<!-- public models: end)")
+    assert between.search(copy.read_text("utf-8"))[0] == between.search(page.read_text("utf-8"))[0]
+
+
 # --- nothing is left out ------------------------------------------------------------------------
 
 
@@ -145,5 +161,5 @@ def test_every_page_is_in_the_table_of_contents() -> None:
             if block.language == "toctree":
                 names = [line for line in block.text.split() if not line.startswith(":")]
                 listed |= {(page.parent / name) for name in names}
-    pages = {page.with_suffix("") for page in DOCS.rglob("*.md")}
+    pages = {page.with_suffix("") for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))}
     assert pages - listed == {DOCS / "index"}

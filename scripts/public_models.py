@@ -1,0 +1,77 @@
+"""Measure public models of this arm by `compare`: two tables, into a page of the documentation.
+
+    python scripts/public_models.py FOLDER [--page docs/public-models.md]
+
+FOLDER holds the models, expanded to URDF, under the names of `MODELS`; they are other people's and not
+part of this repository. What is not there is left out of the tables, which the last line says.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from conformance import insert
+
+import alpha5_model as a5
+from alpha5_model.comparison.records import Comparison
+
+#: File in the folder -> repository, file there, as people look for it.
+MODELS = {
+    "evan_palmer_alpha": "`evan-palmer/alpha`, `alpha_description`",
+    "hkolano_blue_rov": "`hkolano/UVMS-SysID-with-EAs`, `blue_rov_hardware_fixedjaw.urdf`",
+    "diff_uvms": "`edxmorgan/diff_uvms`, `alpha_5_robot.urdf`",
+}
+BEGIN, END = "<!-- public models: begin -->", "<!-- public models: end -->"
+HEAD = ["model", "axis_d [N m]", "axis_c [N m]", "M [kg m²]", "tip [mm]", "findings"]
+BODIES = ["model", "body", "mass [kg]", "COM off by [mm]", "inertia off by [kg mm²]"]
+#: Findings of a model that are told in words, the costliest first.
+TOLD = 4
+
+
+def tables(compared: dict[str, Comparison]) -> str:
+    """Errors of each model, of its bodies, and its costliest findings in words."""
+    errors, bodies, words = [HEAD, ["---"] * len(HEAD)], [BODIES, ["---"] * len(BODIES)], []
+    for name, found in compared.items():
+        serious = [finding for finding in found.findings if finding.serious]
+        errors.append(
+            [
+                MODELS[name],
+                *(f"{error:.2g}" for error in found.gravity_error[1:3]),
+                f"{found.mass_matrix_error:.1g}",
+                f"{found.tip_error * 1e3:.2g}",
+                str(len(serious)),
+            ]
+        )
+        for body in found.bodies:
+            mass = f"{body.mass:.3g} for {body.ours.mass:g}"
+            inertia = f"{body.inertia_error * 1e6:.0f}"
+            bodies.append([f"`{name}`", body.name, mass, f"{body.com_error * 1e3:.1f}", inertia])
+        words += [f"\n`{name}`, the costliest of {len(serious)}:\n"]
+        words += [f"- {f.where}: {f.text} ({f.cost:.2g} N m)" for f in serious[:TOLD]]
+    lines = ["| " + " | ".join(row) + " |" for row in errors]
+    lines += ["", *("| " + " | ".join(row) + " |" for row in bodies), *words, ""]
+    if left_out := sorted(set(MODELS) - set(compared)):
+        lines += ["", f"Not there: {', '.join(left_out)}.", ""]
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Compare, print, write; returns the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("folder", type=Path, help="where the models are")
+    parser.add_argument("--page", type=Path, help="insert the tables between its marks")
+    chosen = parser.parse_args(arguments)
+    paths = {name: chosen.folder / f"{name}.urdf" for name in MODELS}
+    compared = {name: a5.compare(path) for name, path in paths.items() if path.is_file()}
+    text = tables(compared)
+    print(text)
+    if chosen.page:
+        insert(chosen.page, text, (BEGIN, END))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
