@@ -12,9 +12,10 @@ from fk import tip
 from ik_targets import EDGES, at_edge, ordinary
 
 import alpha5_model as a5
+from alpha5_model.kinematics.edges import DOUBLE, SINGLE
+from alpha5_model.symbolic.numpy_source import python_source
 from alpha5_model.symbolic.program import DECISIONS, folded, program
-from alpha5_model.symbolic.scalar_source import JAX, statements
-from alpha5_model.symbolic.solutions import DOUBLE, SINGLE, solutions
+from alpha5_model.symbolic.solutions import solutions
 
 
 def solve(position: np.ndarray, wrist: np.ndarray, **tolerances: Any) -> list[np.ndarray]:
@@ -66,11 +67,10 @@ def test_decisions_as_statements() -> None:
     out = [less, same, casadi.logic_or(less, y < 0), casadi.if_else(less, -x, casadi.inf * 0)]
     decide = program(casadi.Function("f", [x, y], out, ["x", "y"], list("abcd")))
     assert {s.op for s in decide.steps} >= {*DECISIONS}
-    lines, results = statements(decide, JAX, lambda slot, element: slot.name)
+    names: dict[str, Any] = {}
+    exec(python_source([decide]), names)
     for given in ((1.0, 2.0), (2.0, 2.0), (3.0, 2.0), (3.0, -2.0)):
-        names = {"jnp": np, "x": np.float64(given[0]), "y": np.float64(given[1])}
-        exec("\n".join(lines), names)
-        found = [float(eval(names_, names)) for (names_,) in results]
+        found = [float(x) for (x,) in names["f"](*([np.float64(x)] for x in given), np)]
         smaller = given[0] < given[1]
         expected = [smaller, given[0] == given[1], smaller or given[1] < 0]
         assert found[:3] == expected

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
@@ -22,6 +24,41 @@ AXIS_TOLERANCE = 1e-9
 NEAR_AXIS = 1e-8
 NEAR_EDGE = 2e-9
 NEAR_LIMIT = 1e-6
+
+
+class Tolerances(NamedTuple):
+    """What rounding is forgiven, for one scalar type.
+
+    Attributes:
+        edge: Beyond the edge of reach [m].
+        limit: Beyond a joint limit [rad].
+        singular: ``singular`` within this distance of the edge of reach [m].
+        axis: On the yaw axis within this distance of it [m].
+        azimuth: Of the azimuth at 1 m from the yaw axis [rad].
+        elbow: Of the two angles of a nearly stretched arm [rad], over the sine of the elbow's angle.
+        least_sine: Of that angle.
+    """
+
+    edge: float
+    limit: float
+    singular: float
+    axis: float
+    azimuth: float
+    elbow: float
+    least_sine: float
+
+
+DOUBLE = Tolerances(
+    EDGE_TOLERANCE,
+    LIMIT_TOLERANCE,
+    SINGULAR_TOLERANCE,
+    AXIS_TOLERANCE,
+    1e-15,
+    1e-14,
+    1e-7,
+)
+#: Joint angles of up to 6.2 rad are known to 5e-7 in single precision.
+SINGLE = Tolerances(2e-6, 2e-6, 1e-5, 1e-6, 5e-7, 5e-6, 2e-3)
 
 
 def on_axis(position: FloatArray) -> BoolArray:

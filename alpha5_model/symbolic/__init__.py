@@ -5,6 +5,8 @@ CasADi is needed to generate, not to run.
 
 from __future__ import annotations
 
+from functools import cache
+
 from alpha5_model.errors import MissingDependencyError
 
 try:
@@ -17,6 +19,7 @@ from alpha5_model.symbolic.dynamics import dynamics
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
 
 
+@cache
 def functions() -> dict[str, casadi.Function]:
     """Every function by its name, inputs and outputs named as in `alpha5_model.symbolic.program.TEXTS`."""
     return {f.name(): f for f in (*dynamics(), inverse_kinematics())}

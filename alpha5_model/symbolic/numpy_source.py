@@ -20,6 +20,8 @@ Each input is a sequence of its elements, row by row; ``m`` holds the elementary
 '''
 _OPERATORS = {"add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}"}
 _OPERATORS |= {"neg": "-{}", "twice": "{0} + {0}", "sq": "{0} * {0}", "inv": "1.0 / {}"}
+_OPERATORS |= {"lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "~{}"}
+_OPERATORS |= {"if_else_zero": "m.where({}, {}, 0.0)"}
 #: CasADi's name -> NumPy's, where they differ.
 _FUNCTIONS = {"atan": "arctan", "atan2": "arctan2"}
 
@@ -74,7 +76,7 @@ def _expression(program: Program, step: Step, names: dict[int, str]) -> str:
     if step.op == "input":
         return f"{program.inputs[step.arguments[0]].name}[{step.arguments[1]}]"
     if step.value is not None:
-        return f"({step.value!r})"
+        return f"({step.value!r})" if step.value == step.value else "m.nan"
     read = [names[register] for register in step.arguments]
     if step.op in _OPERATORS:
         return _OPERATORS[step.op].format(*read)

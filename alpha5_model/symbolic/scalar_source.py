@@ -1,4 +1,4 @@
-"""A program as statements that compute one number at a time: C99, JavaScript, Python for JAX.
+"""A program as statements that compute one number at a time: C99, its vectors, JavaScript.
 
 A language says how it writes what it does not write as C does; the rest is the same in all.
 """
@@ -58,23 +58,10 @@ class Language:
 
 
 _SHORT = {"fmin": "min", "fmax": "max", "fabs": "abs"}
-_LONG = {"fmin": "minimum", "fmax": "maximum", "fabs": "abs", "atan": "arctan", "atan2": "arctan2"}
 DOUBLE = Language("const double {} = {};", "const int {} = {};")
 FLOAT = Language("const float {} = {};", "const int {} = {};", "{}f".format, suffix="f")
 JAVASCRIPT = Language(
     "const {} = {};", "const {} = {};", lambda f: f"Math.{_SHORT.get(f, f)}", nan="NaN"
-)
-JAX = Language(
-    "{} = {}",
-    "{} = {}",
-    lambda f: f"jnp.{_LONG.get(f, f)}",
-    {
-        "and": "{0} & {1}",
-        "or": "{0} | {1}",
-        "not": "~{0}",
-        "if_else_zero": "jnp.where({0}, {1}, 0)",
-    },
-    nan="jnp.nan",
 )
 
 

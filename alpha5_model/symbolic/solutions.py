@@ -8,47 +8,11 @@ from __future__ import annotations
 
 import math
 from functools import reduce
-from typing import Any, NamedTuple
 
 import casadi
 
-from alpha5_model.kinematics import edges
+from alpha5_model.kinematics.edges import Tolerances
 from alpha5_model.kinematics.plane import arm_plane
-
-
-class Tolerances(NamedTuple):
-    """What rounding is forgiven, for one scalar type.
-
-    Attributes:
-        edge: Beyond the edge of reach [m].
-        limit: Beyond a joint limit [rad].
-        singular: ``singular`` within this distance of the edge of reach [m].
-        axis: On the yaw axis within this distance of it [m].
-        azimuth: Of the azimuth at 1 m from the yaw axis [rad].
-        elbow: Of the two angles of a nearly stretched arm [rad], over the sine of the elbow's angle.
-        least_sine: Of that angle.
-    """
-
-    edge: Any
-    limit: Any
-    singular: Any
-    axis: Any
-    azimuth: Any
-    elbow: Any
-    least_sine: Any
-
-
-DOUBLE = Tolerances(
-    edges.EDGE_TOLERANCE,
-    edges.LIMIT_TOLERANCE,
-    edges.SINGULAR_TOLERANCE,
-    edges.AXIS_TOLERANCE,
-    1e-15,
-    1e-14,
-    1e-7,
-)
-#: Joint angles of up to 6.2 rad are known to 5e-7 in single precision.
-SINGLE = Tolerances(2e-6, 2e-6, 1e-5, 1e-6, 5e-7, 5e-6, 2e-3)
 
 
 def solutions() -> casadi.Function:
@@ -62,7 +26,7 @@ def solutions() -> casadi.Function:
     g, select = arm_plane(), casadi.if_else
     position, wrist = casadi.SX.sym("position", 3), casadi.SX.sym("wrist")
     allowed = casadi.SX.sym("tolerances", len(Tolerances._fields))
-    t = Tolerances(*casadi.vertsplit(allowed))
+    t = Tolerances._make(casadi.vertsplit(allowed))
     x, y, z = casadi.vertsplit(position)
 
     def near(angle: casadi.SX, joint: int) -> casadi.SX:
@@ -98,7 +62,9 @@ def solutions() -> casadi.Function:
         slack = t.limit + t.azimuth / casadi.fmax(distance, t.axis)
         theta_0, fits_0 = into_range(near(azimuth, 0), 0, slack)
         theta_0, fits_0 = select(free, g.middle[0], theta_0), casadi.logic_or(free, fits_0)
-        root_above, root_below = (casadi.sqrt(casadi.fmax(m, 0.0)) for m in (above, below))
+        # 1 where no root is taken, so that derivatives of the other branches stay finite.
+        squares = (select(reached, casadi.fmax(m, 0.0), 1.0) for m in (above, below))
+        root_above, root_below = map(casadi.sqrt, squares)
         half_gamma = casadi.atan2(root_below, root_above)
         alpha = casadi.atan2(root_above, root_below) + casadi.atan2(g.k * root_above, root_below)
         phi = casadi.atan2(h, r) - g.phi_offset

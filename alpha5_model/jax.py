@@ -1,0 +1,217 @@
+"""The arm's equations in JAX: to compile, to map over batches, to differentiate by anything.
+
+    from alpha5_model.jax import load
+
+    arm = load(fluid_density=1000.0)
+    tau = jax.jit(arm.inverse_dynamics)(q, v, a)
+    batch = jax.jit(jax.vmap(arm.forward_dynamics))(q, v, tau)       # rows of states
+    slope = jax.grad(lambda mass: arm.with_payload(mass).inverse_dynamics(q, v, a)[1])(0.5)
+
+Results have the precision of the input. Without ``jax_enable_x64`` JAX computes in float32, torques then to some 1e-6.
+Compile what is called more than once: without ``jax.jit`` each of some hundred operations is a call of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from alpha5_model.checks import instance
+from alpha5_model.dynamics import load as load_arm
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.regrouping import arm_parameters
+from alpha5_model.errors import MissingDependencyError, ShapeError
+from alpha5_model.kernels.generated import formulas, products
+from alpha5_model.kinematics.edges import DOUBLE, SINGLE
+
+try:
+    import jax.numpy as jnp
+    from jax import Array
+    from jax.tree_util import register_dataclass
+    from jax.tree_util import tree_leaves as leaves
+except ImportError:
+    remedy = "pip install 'alpha5-model[jax]'"
+    raise MissingDependencyError("jax", "alpha5_model.jax", remedy) from None
+
+#: Anything that JAX or NumPy reads as real numbers.
+Numbers: TypeAlias = Any
+_KERNELS: dict[str, Any] = {**formulas.KERNELS, **products.KERNELS}
+
+
+class Solutions(NamedTuple):
+    """All solutions of one target, as `alpha5_model.inverse_kinematics` has them.
+
+    Attributes:
+        q: (4, 4): branch (`alpha5_model.BRANCHES`) and joint [rad]; NaN where it does not reach the target.
+        exists, within_limits: (4,).
+        singular: ().
+    """
+
+    q: Array
+    exists: Array
+    within_limits: Array
+    singular: Array
+
+
+@partial(register_dataclass, data_fields=("parameters", "fluid_density"), meta_fields=())
+@dataclass(frozen=True, eq=False)
+class JaxArm:
+    """The arm on a fixed base with its jaws locked; a pytree, so that it can go through JAX's transformations.
+
+    Methods are those of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
+
+    Attributes:
+        parameters: Base parameters, (41,), see `alpha5_model.base_parameters`. A NumPy array is folded into what is
+            compiled; a JAX array is an input like any other.
+        fluid_density: Around a payload [kg/m^3].
+    """
+
+    parameters: Any
+    fluid_density: Any
+
+    def forward_kinematics(self, q: Numbers) -> Array:
+        """Pose of the tcp in base_link, (4, 4)."""
+        return _only("forward_kinematics", q)
+
+    def link_poses(self, q: Numbers) -> tuple[Array, ...]:
+        """Poses of link_1 to link_4 in base_link, (4, 4) each."""
+        return _computed("link_poses", q)
+
+    def jacobian(self, q: Numbers) -> Array:
+        """Of the tcp in the axes of base_link, (6, 4): linear above angular."""
+        return _only("jacobian", q)
+
+    def gravity_torque(self, q: Numbers) -> Array:
+        """Torque that holds the weight, (4,) [N m]."""
+        return _only("gravity_torque", q, self.parameters)
+
+    def buoyancy_torque(self, q: Numbers) -> Array:
+        """Torque that the water applies, (4,) [N m]."""
+        return _only("buoyancy_torque", q, self.parameters)
+
+    def hydrostatic_torque(self, q: Numbers) -> Array:
+        """Torque that holds the arm still in the water, (4,) [N m]."""
+        return _only("hydrostatic_torque", q, self.parameters)
+
+    def hydrostatic_torque_derivative(self, q: Numbers) -> Array:
+        """With respect to q, (4, 4)."""
+        return _only("hydrostatic_torque_derivative", q, self.parameters)
+
+    def mass_matrix(self, q: Numbers) -> Array:
+        """M(q), (4, 4) [kg m^2]."""
+        return _only("mass_matrix", q, self.parameters)
+
+    def coriolis_matrix(self, q: Numbers, v: Numbers) -> Array:
+        """C(q, v), (4, 4)."""
+        return _only("coriolis_matrix", q, v, self.parameters)
+
+    def nonlinear_effects(self, q: Numbers, v: Numbers) -> Array:
+        """``C(q, v) v + hydrostatic_torque(q)``, (4,) [N m]."""
+        return _only("nonlinear_effects", q, v, self.parameters)
+
+    def inverse_dynamics(self, q: Numbers, v: Numbers, a: Numbers) -> Array:
+        """Joint torque for a motion, water included, (4,) [N m]."""
+        return _only("inverse_dynamics", q, v, a, self.parameters)
+
+    def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> tuple[Array, ...]:
+        """dtau/dq, dtau/dv, dtau/da = M, (4, 4) each."""
+        return _computed("inverse_dynamics_derivatives", q, v, a, self.parameters)
+
+    def forward_dynamics(self, q: Numbers, v: Numbers, tau: Numbers) -> Array:
+        """Joint acceleration under a torque, water included, (4,) [rad/s^2]."""
+        return _only("forward_dynamics", q, v, tau, self.parameters)
+
+    def forward_dynamics_derivatives(
+        self, q: Numbers, v: Numbers, tau: Numbers
+    ) -> tuple[Array, ...]:
+        """da/dq, da/dv, da/dtau = M^-1, (4, 4) each."""
+        return _computed("forward_dynamics_derivatives", q, v, tau, self.parameters)
+
+    def base_wrench(self, q: Numbers, v: Numbers, a: Numbers) -> Array:
+        """Force above moment that the arm exerts on its mount, at and in base_link, (6,) [N, N m]."""
+        return _only("base_wrench", q, v, a, self.parameters)
+
+    def base_wrench_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> tuple[Array, ...]:
+        """dw/dq, dw/dv, dw/da, (6, 4) each."""
+        return _computed("base_wrench_derivatives", q, v, a, self.parameters)
+
+    def with_payload(
+        self,
+        mass: Numbers,
+        com: Numbers = (0.0, 0.0, 0.0),
+        inertia: Numbers | None = None,
+        volume: Numbers = 0.0,
+        cob: Numbers | None = None,
+    ) -> JaxArm:
+        """A new arm that holds a rigid body fixed to its tcp.
+
+        Args:
+            mass: [kg]; not checked, as are the others, since they may be what is sought.
+            com: Centre of mass in tcp, (3,) [m].
+            inertia: At the COM in the axes of tcp, (3, 3) [kg m^2]; None for a point mass.
+            volume: Displaced volume [m^3].
+            cob: Centre of buoyancy in tcp, (3,) [m]; None for the COM.
+        """
+        inertia = np.zeros((3, 3)) if inertia is None else inertia
+        body = (mass, com, inertia, volume, com if cob is None else cob, self.fluid_density)
+        return replace(self, parameters=_only("with_payload", self.parameters, *body))
+
+
+def load(arm: Arm | None = None, **options: Any) -> JaxArm:
+    """The equations of an arm.
+
+    Args:
+        arm: On a fixed base with its jaws locked; ``a5.load(**options)`` if None.
+        options: Of `alpha5_model.load`.
+
+    Raises:
+        InputError: The arm's base floats, or its jaws move.
+    """
+    arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
+    return JaxArm(arm_parameters(arm), arm.fluid_density)
+
+
+def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
+    """Every joint position that puts the tcp at a point.
+
+    Args:
+        position: tcp in base_link, (3,) [m].
+        wrist: theta_3 [rad].
+    """
+    single = jnp.result_type(jnp.asarray(position), float) == np.float32
+    tolerances = SINGLE if single else DOUBLE
+    q, exists, within, singular = _computed("inverse_kinematics", position, wrist, tolerances)
+    return Solutions(q, exists, within, singular[0])
+
+
+def _only(name: str, *given: Any) -> Array:
+    (result,) = _computed(name, *given)
+    return result
+
+
+def _computed(name: str, *given: Any) -> tuple[Array, ...]:
+    """Outputs of a formula."""
+    formula, inputs, outputs = _KERNELS[name]
+    elements = [_elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)]
+    results = formula(*elements, jnp)
+    return tuple(_array(r, shape) for r, shape in zip(results, outputs, strict=True))
+
+
+def _elements(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    """Entries, row by row: JAX's own as they are, others as numbers, which leave the precision to JAX's."""
+    own = any(isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32 for x in leaves(value))
+    array = jnp.asarray(value) if own else np.asarray(value, np.float64)
+    if array.shape != shape and (array.shape or shape != (1,)):
+        raise ShapeError(f"an input of {name}", array.shape, f"shape {shape}")
+    flat = array.reshape(-1)
+    return flat if own else flat.tolist()
+
+
+def _array(elements: Sequence[Any], shape: tuple[int, ...]) -> Any:
+    """Numbers alone stay folded."""
+    folded = all(isinstance(x, float) for x in elements)
+    return (np.array(elements) if folded else jnp.stack(elements)).reshape(shape)

@@ -1,0 +1,162 @@
+"""The JAX functions against Pinocchio: values, JAX's own derivatives, batches, both precisions."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from inspect import signature
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from dynamics_cases import PAYLOAD
+from ik_targets import EDGES, at_edge, ordinary
+from product_cases import ARMS, DYNAMICS, states
+
+import alpha5_model as a5
+from alpha5_model.c_library.vectors import answer
+from alpha5_model.errors import MissingDependencyError, ShapeError
+from alpha5_model.jax import JaxArm, inverse_kinematics, load
+
+
+@pytest.fixture(autouse=True)
+def double() -> Iterator[None]:
+    with jax.enable_x64(True):
+        yield
+
+
+def largest(found: object, expected: object) -> float:
+    """Difference, as a share of the largest entry or of 1."""
+    want = np.asarray(expected)
+    return float(np.abs(np.asarray(found) - want).max() / max(1.0, np.abs(want).max()))
+
+
+@pytest.mark.parametrize("name", ["sea", "payload, tilted"])
+def test_every_method_gives_what_pinocchio_gives(name: str) -> None:
+    arm = ARMS[name]()
+    ours = load(arm)
+    for state in states(2, seed=6):
+        for method in DYNAMICS:
+            given = {n: state[n] for n in signature(getattr(ours, method)).parameters}
+            found = getattr(ours, method)(*given.values())
+            found = found if isinstance(found, tuple) else (found,)
+            bound = 1e-9 if "forward_d" in method else 1e-12
+            for got, want in zip(found, answer(arm, method, given), strict=True):
+                assert got.shape == want.shape
+                assert largest(got, want) < bound, method
+
+
+def test_compiled_over_a_batch() -> None:
+    arm, ours = a5.load(), load()
+    q, v, a = (np.array([s[n] for s in states(50, seed=7)]) for n in "qva")
+    tau = jax.jit(jax.vmap(ours.inverse_dynamics))(q, v, a)
+    assert largest(tau, arm.inverse_dynamics_batch(q, v, a)) < 1e-12
+    back = jax.vmap(ours.forward_dynamics)(q, v, tau)
+    assert largest(back, a) < 1e-9
+
+
+def test_jaxs_own_derivatives_are_pinocchios() -> None:
+    arm, ours = a5.load(), load()
+    q, v, a, _ = states(2, seed=8)[1].values()
+    way = np.random.default_rng(8).normal(size=(3, 4))
+    _, found = jax.jvp(ours.inverse_dynamics, (q, v, a), tuple(way))
+    expected = arm.inverse_dynamics_derivatives(q, v, a)
+    assert largest(found, sum(d @ x for d, x in zip(expected, way, strict=True))) < 1e-9
+    found = jax.vjp(ours.forward_dynamics, q, v, a)[1](jnp.asarray(way[0]))
+    for got, want in zip(found, arm.forward_dynamics_derivatives(q, v, a), strict=True):
+        assert largest(got, way[0] @ want) < 1e-9
+
+
+def test_a_payload_and_its_gradient() -> None:
+    arm, ours = a5.load(), load()
+    q, v, a, _ = states(2, seed=9)[1].values()
+    mass, rest = PAYLOAD["mass"], {n: PAYLOAD[n] for n in PAYLOAD if n != "mass"}
+
+    def torque(mass: float) -> jax.Array:
+        return ours.with_payload(mass, **rest).inverse_dynamics(q, v, a)
+
+    expected = arm.with_payload(**PAYLOAD).inverse_dynamics(q, v, a)
+    assert largest(torque(mass), expected) < 1e-12
+    # linear in the mass: any two of them give the slope
+    slope = (
+        expected - arm.with_payload(**{**PAYLOAD, "mass": 1.6}).inverse_dynamics(q, v, a)
+    ) / -1.0
+    assert largest(jax.jvp(torque, (mass,), (1.0,))[1], slope) < 1e-9
+    point = arm.with_payload(0.4, (0.0, 0.0, 0.1)).hydrostatic_torque(q)
+    assert (
+        largest(ours.with_payload(0.4, (0.0, 0.0, jnp.array(0.1))).hydrostatic_torque(q), point)
+        < 1e-12
+    )
+
+
+def test_an_arm_goes_through_transformations() -> None:
+    """Compiled once for any parameters."""
+    q = states(2, seed=10)[1]["q"]
+    holding = jax.jit(lambda arm, q: arm.hydrostatic_torque(q))
+    for density in (a5.SEA_WATER, a5.AIR):
+        ours = load(fluid_density=density)
+        assert largest(holding(ours, q), a5.load(density).hydrostatic_torque(q)) < 1e-12
+    assert holding._cache_size() == 1
+    stacked = jax.tree.map(lambda *x: jnp.stack(x), *(load(fluid_density=d) for d in (0.0, 1e3)))
+    both = jax.vmap(JaxArm.hydrostatic_torque, (0, None))(stacked, q)
+    assert largest(both[1], a5.load(1e3).hydrostatic_torque(q)) < 1e-12
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_the_precision_is_that_of_what_is_given(enabled: bool) -> None:
+    arm = a5.load()
+    q = states(2, seed=11)[1]["q"]
+    with jax.enable_x64(enabled):
+        ours = load().with_payload(0.0)
+        for kind in (np.float32, np.float64):
+            tau = ours.hydrostatic_torque(q.astype(kind))
+            wide = kind is np.float64 and enabled
+            assert tau.dtype == (np.float64 if wide else np.float32)
+            assert largest(tau, arm.hydrostatic_torque(q)) < (1e-12 if wide else 1e-5)
+            found = inverse_kinematics(np.array([0.25, 0.1, 0.1], kind))
+            assert found.q.dtype == tau.dtype
+            assert found.exists.all()
+        stretched = inverse_kinematics(np.array([0.02 + 0.33181301122930, 0.0, 0.0462], np.float32))
+        assert stretched.singular
+        assert stretched.exists[0]
+
+
+def test_inverse_kinematics_with_its_flags() -> None:
+    gap = np.random.default_rng(1).choice([0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 40)
+    targets = [ordinary(200, 1), *(at_edge(edge, 40, i, gap) for i, edge in enumerate(EDGES))]
+    position, wrist = (np.concatenate(parts) for parts in zip(*targets, strict=True))
+    found, expected = (
+        jax.vmap(inverse_kinematics)(position, wrist),
+        a5.inverse_kinematics(position, wrist),
+    )
+    clear = ~expected.singular
+    np.testing.assert_allclose(
+        found.q[clear], expected.q[clear], atol=1e-6
+    )  # sqrt of rounding near an edge
+    np.testing.assert_array_equal(found.exists, expected.exists)
+    np.testing.assert_array_equal(found.within_limits, expected.within_limits)
+    np.testing.assert_array_equal(found.singular, expected.singular)
+
+
+def test_the_gradient_of_a_branch_is_finite_where_another_does_not_reach() -> None:
+    target = np.array([0.33, 0.05, 0.06])
+    assert inverse_kinematics(target).exists.tolist() == [True, False, True, False]
+    slope = jax.grad(lambda p: inverse_kinematics(p).q[0, 1])(target)
+    arm, q = a5.load(), a5.inverse_kinematics(target).q[0]
+    np.testing.assert_allclose(slope, np.linalg.inv(arm.jacobian(q)[:3, :3])[1], atol=1e-9)
+
+
+def test_wrong_input_is_told() -> None:
+    with pytest.raises(ShapeError, match=r"shape \(4,\)"):
+        load().inverse_dynamics(np.zeros(5), np.zeros(4), np.zeros(4))
+    with pytest.raises(a5.Alpha5Error, match="fixed base with its jaws locked"):
+        load(gripper="jaws")
+
+
+def test_without_jax_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "alpha5_model.jax")
+    monkeypatch.setitem(sys.modules, "jax", None)
+    with pytest.raises(MissingDependencyError, match="pip install"):
+        import_module("alpha5_model.jax")
