@@ -137,8 +137,9 @@ def products_figure() -> Any:
 @style()
 def buoyancy_figure() -> Any:
     """Weights at the COMs, buoyancy at the COBs, and the torque of each at rest."""
-    page = new_figure(11.0, 3.5)
-    left, middle, right = page.subplots(1, 3, width_ratios=(1.3, 1.3, 0.8))
+    page = new_figure(9.0, 5.4)
+    panels = page.subplot_mosaic([["weight", "lift"], ["torque", "torque"]], height_ratios=(1.5, 1))
+    left, middle, right = panels["weight"], panels["lift"], panels["torque"]
     q, arm, links = SIDE, a5.load(), a5.parameters().links
     down, per_newton = float(GRAVITY[2]), 20.0
     for axes, title, color in (

@@ -53,8 +53,9 @@ def errata() -> dict[str, list[tuple[str, str]]]:
     """Kind -> (text, name of claim) of each row of the two tables that the build writes."""
     found = {}
     for kind, name in (("claim", "errata"), ("observation", "observations")):
-        rows = [line.rpartition(" | ") for line in generated_text.TEXTS[name]().splitlines()[2:]]
-        found[kind] = [(row, claim) for row, _, names in rows for claim in claims(names)]
+        rows = [line.partition("<br>")[2] for line in generated_text.TEXTS[name]().splitlines()[2:]]
+        cells = [row.partition(" | ") for row in rows]
+        found[kind] = [(text, claim) for names, _, text in cells for claim in claims(names)]
     return found
 
 

@@ -40,17 +40,10 @@ def audit_table(kind: str) -> str:
         row = group[0]
         claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
         places = list(dict.fromkeys(r.place for r in group))
-        lines.append(
-            [
-                places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:]),
-                plain(row.says),
-                plain(row.finding),
-                measured(row),
-                "" if row.effect is None else f"{figure(row.effect)} {unit(row.effect_unit)}",
-                ", ".join(f"`{claim}`" for claim in claims),
-            ]
-        )
-    return table(["where", "printed", "what we find", "measured", "effect", "row"], lines)
+        where = places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:])
+        names = ", ".join(f"`{claim}`" for claim in claims)
+        lines.append([f"{where}<br>{names}", plain(row.says), plain(row.finding), measured(row)])
+    return table(["where, and row", "printed", "what we find", "measured"], lines)
 
 
 def shorter(first: str, place: str) -> str:
@@ -62,11 +55,14 @@ def shorter(first: str, place: str) -> str:
 
 
 def measured(row: AuditRow) -> str:
-    """Figure, what it may be off by, and what it would have to be."""
+    """Figure, what it may be off by, what it would have to be, and what the difference is worth."""
     spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
     width = f" ± {figure(spread, 2)}" if spread else ""
     must = f"{RELATION[row.relation]}{figure(row.expected)}"
-    return f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
+    found = f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
+    if row.effect is None:
+        return found
+    return f"{found}; worth {figure(row.effect)} {unit(row.effect_unit)}"
 
 
 def figure(value: float, digits: int = 4) -> str:
@@ -122,7 +118,7 @@ def command_section(name: str) -> str:
             *(f"{plain(block)}\n" for block in blocks if not block.startswith("Example")),
             f"```text\n{' '.join(['alpha5', name, *words, '[OPTIONS]'])}\n```",
             "",
-            *(f"```sh\n{example}\n```\n" for example in examples),
+            *(["```sh", *examples, "```", ""] if examples else []),
             table(["argument or option", "default", "meaning"], map(parameter_row, named)),
         ]
     )
