@@ -1,49 +1,60 @@
-"""The arm as a robot of example-robot-data: its folder under ``robots/``, and its loader class.
+"""The arm in the forms that collections of robots have.
 
-Beside it `alpha5_description`, a module of the kind that robot_descriptions collects.
+For example-robot-data: `robot_files`, its folder under ``robots/``, and ``alpha5_loader``, its
+loaders. For robot_descriptions: the modules ``alpha5_description`` and ``alpha5_mj_description``.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from alpha5_model.description import mesh_assets
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.paths import REPOSITORY_PATH
 
 FOLDER = "alpha5_description"
 _MESHES = f"package://example-robot-data/robots/{FOLDER}/meshes/"
+_README = """\
+# Reach Alpha 5
+
+upstream: alpha5-model, which generates this folder from the manufacturer's printed tables
+license: BSD-3-Clause
+
+### Modifications
+
+- The meshes' paths. Meshes are parametric bodies of the printed volumes, no manufacturer's CAD.
+
+URDF cannot hold the arm's buoyancy: what it weighs here, it weighs in air.
+"""
 
 
 def robot_files() -> dict[str, bytes]:
     """The folder: path under ``robots/`` -> content, mesh URIs as that collection has them."""
     files = {
-        "urdf/alpha5.urdf": urdf(Variant(mesh_prefix=_MESHES)).encode(),
-        "srdf/alpha5.srdf": srdf().encode(),
+        "README.md": _README.encode(),
+        "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"meshes/{name}": data for name, data in mesh_assets(".obj", ".mtl").items()},
     }
+    for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
+        variant = Variant(gripper=gripper, mesh_prefix=_MESHES)
+        files[f"urdf/{name}.urdf"] = urdf(variant).encode()
+        files[f"srdf/{name}.srdf"] = srdf(gripper).encode()
     return {f"{FOLDER}/{path}": content for path, content in files.items()}
 
 
 def loader_class() -> Any:
-    """A subclass of example-robot-data's ``RobotLoader``, reference posture ``home``.
+    """example-robot-data's loader of the arm, reference posture ``home``.
 
     Raises:
         MissingDependencyError: example-robot-data-loaders is not installed.
     """
     try:
-        from example_robot_data.utils import RobotLoader
+        from alpha5_model.loaders.alpha5_loader import Alpha5Loader
     except ImportError:
         package = "example-robot-data-loaders"
         remedy = f"python -m pip install {package}"
         raise MissingDependencyError(package, "the loader class", remedy) from None
-
-    class Alpha5Loader(RobotLoader):  # type: ignore[misc]
-        path = FOLDER
-        urdf_filename = "alpha5.urdf"
-        urdf_subpath = "urdf"
-        srdf_filename = "alpha5.srdf"
-        ref_posture = "home"
-
     return Alpha5Loader

@@ -11,15 +11,17 @@ from pathlib import Path
 from alpha5_model import paths
 from alpha5_model.description.srdf import NAMED_POSES
 
-REPOSITORY_PATH, PACKAGE_PATH = paths.REPOSITORY_PATH, paths.PACKAGE_PATH
+REPOSITORY_PATH = paths.REPOSITORY_PATH
 URDF_PATH, JAWS_URDF_PATH, XACRO_PATH = paths.URDF_PATH, paths.JAWS_URDF_PATH, paths.XACRO_PATH
+#: The collection's loaders find relative mesh paths from here, yourdfpy's from nowhere else.
+PACKAGE_PATH = str(Path(URDF_PATH).parent)
 #: Collision pairs and the postures below, for ``URDF_PATH``.
 SRDF_PATH = str(Path(URDF_PATH).with_suffix(".srdf"))
 #: Name -> positions of axis_e, axis_d, axis_c, axis_b [rad].
 REFERENCE_POSTURES = NAMED_POSES
-#: Metadata with the keys of robot_descriptions' index (version 2), formats by name.
+#: Metadata with the keys of robot_descriptions' index (since version 3), formats by name.
 DESCRIPTION: dict[str, object] = {
-    "formats": ("URDF",),
+    "formats": ("URDF", "SRDF"),
     "tags": ("arm",),
     "robot": "Reach Alpha 5",
     "maker": "Reach Robotics",

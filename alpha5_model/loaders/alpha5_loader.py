@@ -1,0 +1,23 @@
+"""The Reach Alpha 5's loaders, a module as example-robot-data has them for each robot.
+
+``scripts/add_to_example_robot_data.py`` puts it there as ``alpha5.py``, with its folder and its names.
+"""
+
+from example_robot_data.utils import RobotLoader
+
+
+class Alpha5Loader(RobotLoader):  # type: ignore[misc]
+    """Four joints, jaws locked; reference posture ``home``."""
+
+    path = "alpha5_description"
+    urdf_filename = "alpha5.urdf"
+    urdf_subpath = "urdf"
+    srdf_filename = "alpha5.srdf"
+    ref_posture = "home"
+
+
+class Alpha5JawsLoader(Alpha5Loader):
+    """With the jaw rod, and the fingers that follow it."""
+
+    urdf_filename = "alpha5_jaws.urdf"
+    srdf_filename = "alpha5_jaws.srdf"

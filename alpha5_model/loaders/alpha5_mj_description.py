@@ -1,0 +1,17 @@
+"""The arm for MuJoCo as a module of robot_descriptions, from the folder in Menagerie's form."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from alpha5_model import paths
+from alpha5_model.loaders import alpha5_description
+
+REPOSITORY_PATH, MJCF_PATH = paths.REPOSITORY_PATH, paths.MJCF_PATH
+PACKAGE_PATH = str(Path(MJCF_PATH).parent)
+#: As `alpha5_description.DESCRIPTION`; variants ``alpha5_jaws``, ``scene`` and ``scene_jaws`` beside it.
+DESCRIPTION: dict[str, object] = {
+    **alpha5_description.DESCRIPTION,
+    "formats": ("MJCF",),
+    "license_file": "mjcf/LICENSE",
+}

@@ -1,0 +1,69 @@
+"""Add the arm to a checkout of example-robot-data: its folder, its loaders, their names and their tests.
+
+python scripts/add_to_example_robot_data.py ../example-robot-data
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from alpha5_model import loaders
+from alpha5_model.files import atomic_write_all
+
+MODULE = Path(loaders.__file__).with_name("alpha5_loader.py")
+PACKAGE = Path("python", "example_robot_data")
+#: File -> text before which a line goes, and that line.
+LINES = {
+    PACKAGE / "robots_loader.py": (
+        ("from .human import", "from .alpha5 import Alpha5JawsLoader, Alpha5Loader\n"),
+        ('    "b1": ', '    "alpha5": Alpha5Loader,\n    "alpha5_jaws": Alpha5JawsLoader,\n'),
+    ),
+    Path("unittest", "test_load.py"): (
+        (
+            "    def test_anymal",
+            '    def test_alpha5(self):\n        self.check("alpha5", 4, 4)\n\n'
+            '    def test_alpha5_jaws(self):\n        self.check("alpha5_jaws", 7, 7)\n\n',
+        ),
+    ),
+}
+
+
+def patch(checkout: Path) -> dict[Path, bytes]:
+    """What to write: path -> content. A checkout that has the arm gets its files anew, its lines once.
+
+    Raises:
+        SystemExit: No checkout, or one in which a line has no place.
+    """
+    module = MODULE.read_text("utf-8").replace("from example_robot_data.utils", "from .utils")
+    module = module.replace("  # type: ignore[misc]", "")
+    files = {checkout / PACKAGE / "alpha5.py": module.encode()}
+    for name, lines in LINES.items():
+        path = checkout / name
+        if not path.is_file():
+            raise SystemExit(f"{path}: no such file; expected a checkout of example-robot-data")
+        text = path.read_text("utf-8")
+        for before, line in lines:
+            if before not in text:
+                raise SystemExit(
+                    f"{path}: no {before.strip()!r}, before which to write {line.strip()!r}"
+                )
+            if line not in text:
+                text = text.replace(before, line + before, 1)
+        files[path] = text.encode()
+    robots = checkout / "robots"
+    return files | {robots / name: data for name, data in loaders.robot_files().items()}
+
+
+def main() -> None:
+    """Write the files and say which."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("checkout", type=Path, help="Folder of the checkout.")
+    files = patch(parser.parse_args().checkout)
+    atomic_write_all(files)
+    for path in files:
+        print(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    main()
