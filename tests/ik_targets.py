@@ -25,21 +25,23 @@ def at_edge(edge: str, count: int, seed: int, gap: np.ndarray) -> tuple[np.ndarr
     if edge.startswith("limit"):
         joint = int(edge[-1])
         q[:, joint] = np.where(rng.random(count) < 0.5, LOWER[joint], UPPER[joint]) + gap
-        return tip(q), q[:, 3].copy()
-    position = tip(q)
+        return elbow_and_tip(q)[1], q[:, 3].copy()
+    _, position = elbow_and_tip(q)
     if edge == "axis":
         turn = rng.uniform(-math.pi, math.pi, count)
         position[:, 0], position[:, 1] = gap * np.cos(turn), gap * np.sin(turn)
         return position, q[:, 3].copy()
     q[:, 2], sign = (STRETCHED, 1.0) if edge == "stretched" else (FOLDED, -1.0)
-    elbow = fk_elbow(q)
-    position = tip(q)
-    along = sign * (position - elbow)
-    return position + gap[:, None] * along / L_2, q[:, 3].copy()
+    elbow, position = elbow_and_tip(q)
+    return position + sign * gap[:, None] * (position - elbow) / L_2, q[:, 3].copy()
 
 
-def fk_elbow(q: np.ndarray) -> np.ndarray:
-    """Elbow, (N, 3) [m]."""
-    phi = q[:, 1] + math.atan(40 / 145.3) - math.pi / 2
-    r, azimuth = 0.020 + L_1 * np.cos(phi), q[:, 0] + math.pi
-    return np.stack([r * np.cos(azimuth), r * np.sin(azimuth), 0.0462 + L_1 * np.sin(phi)], axis=-1)
+def elbow_and_tip(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both in the plane of the arm that turns, (..., 3) each [m]: faster than the product of matrices."""
+    azimuth, phi = q[..., 0] + math.pi, q[..., 1] + math.atan(40 / 145.3) - math.pi / 2
+    turned = phi - q[..., 2] + STRETCHED
+    r, z = 0.020 + L_1 * np.cos(phi), 0.0462 + L_1 * np.sin(phi)
+    cos, sin, points = np.cos(azimuth), np.sin(azimuth), []
+    for out, up in ((r, z), (r + L_2 * np.cos(turned), z + L_2 * np.sin(turned))):
+        points.append(np.stack([out * cos, out * sin, up], axis=-1))
+    return points[0], points[1]

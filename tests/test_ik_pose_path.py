@@ -295,16 +295,19 @@ def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None =
         limit = LinearConstraint(difference[:, loose], -max_step - fixed, max_step - fixed)
         index = np.arange(len(q))
         guess = np.interp(index[loose], index[~loose], q[~loose, 0])
-        found = minimize(
-            cost,
-            guess,
-            method="SLSQP",
-            bounds=[(LOWER[0], UPPER[0])] * int(loose.sum()),
-            constraints=limit,
-            options={"ftol": 1e-14, "maxiter": 500},
-        )
-        if found.success and np.abs(difference[:, loose] @ found.x + fixed).max() < max_step + 1e-7:
-            best = min(best, found.fun)
+        # Where the other joints stand still the cost has a kink, on which one start may stay.
+        for shift in (0.0, 0.05):
+            found = minimize(
+                cost,
+                guess + shift,
+                method="SLSQP",
+                bounds=[(LOWER[0], UPPER[0])] * int(loose.sum()),
+                constraints=limit,
+                options={"ftol": 1e-14, "maxiter": 500},
+            )
+            off = np.abs(difference[:, loose] @ found.x + fixed).max()
+            if found.success and off < max_step + 1e-7:
+                best = min(best, found.fun)
     return best
 
 

@@ -360,6 +360,8 @@ static PyObject *width(PyObject *module, PyObject *most)
     return PyUnicode_FromString(levels[level].name);
 }
 
+#include "inverse_kinematics.h"
+
 static PyMethodDef methods[] = {
     {"bind", (PyCFunction)(void (*)(void))bind, METH_FASTCALL,
      "bind(name, parameters=None) -> function of one state that keeps the constants of the parameters.\n\n"
@@ -371,6 +373,14 @@ static PyMethodDef methods[] = {
      "Each array holds one state in each row, outputs are written. False, and nothing in the outputs\n"
      "to rely on, if an array is not C-contiguous float64 with n rows of the right size, or an entry\n"
      "is not finite or too large. Other threads run meanwhile."},
+    {"inverse_kinematics", (PyCFunction)(void (*)(void))inverse_kinematics, METH_FASTCALL,
+     "inverse_kinematics(kind, position, wrist) -> kind, a named tuple of the five arrays of Solutions.\n\n"
+     "None near an edge, and where position is not a float64 array (3,) or a list or tuple of three\n"
+     "floats, wrist not a float, or a number too large or not finite."},
+    {"inverse_kinematics_rows", (PyCFunction)(void (*)(void))inverse_kinematics_rows, METH_FASTCALL,
+     "inverse_kinematics_rows(position, wrist, q, exists, within, near): n targets into arrays.\n\n"
+     "wrist is (n,), or (1,) for all; q is (n, 4, 4), or (0, 4, 4) where no angle is wanted. What is near\n"
+     "an edge, or too large, is not to be relied on. Other threads run meanwhile."},
     {"width", width, METH_O,
      "width(most) -> name of the instructions in use. For tests: a positive number chooses the\n"
      "widest that this processor has of at most so many doubles, for all threads; 0 leaves it."},
@@ -385,6 +395,8 @@ PyMODINIT_FUNC PyInit__compiled(void)
 {
     import_array();
     choose(8);
+    if (!share())
+        return NULL;
     PyObject *module = PyModule_Create(&definition);
     if (module != NULL && PyModule_AddStringConstant(module, "SOURCES", SOURCES) < 0)
         Py_CLEAR(module);

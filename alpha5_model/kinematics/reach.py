@@ -203,20 +203,18 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
     target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
     if accept is not None and not callable(accept):
         raise InputError("accept", accept, "a function of joint positions")
+    if accept is None:
+        four = _solved(target, limits)[1].view(np.uint32)  # truth values as one number
+        return np.asarray(four[..., 0] != 0)
     rows = target.reshape(-1, 3)
-    out = np.empty(len(rows), np.bool_)
-    for start in range(0, len(rows), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        if accept is None:
-            _solved(rows[part], limits)[1].any(axis=-1, out=out[part])
-        else:
-            out[part] = _accepted(rows[part], limits, accept)
-    return out.reshape(target.shape[:-1])
+    parts = [rows[start : start + _BLOCK] for start in range(0, len(rows), _BLOCK)]
+    out = [np.zeros(0, np.bool_), *(_accepted(part, limits, accept) for part in parts)]
+    return np.concatenate(out).reshape(target.shape[:-1])
 
 
 def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
     """Which points (N, 3) a branch reaches in an accepted joint position."""
-    g, (q, flags) = arm_plane(), _solved(rows, limits)
+    g, (q, flags) = arm_plane(), _solved(rows, limits, angles=True)
     yaws = np.linspace(g.lower[0], g.upper[0], _YAWS)
     free = on_axis(rows)
     found = np.zeros(len(rows), np.bool_)
@@ -233,9 +231,11 @@ def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
     return found
 
 
-def _solved(position: FloatArray, limits: bool) -> tuple[FloatArray, BoolArray]:
-    """q (..., 4, 4) with theta_3 in the middle of its range, and which branches reach, (..., 4)."""
-    q, exists, within, _ = solve_batch(position, np.asarray(arm_plane().middle[3]))
+def _solved(
+    position: FloatArray, limits: bool, angles: bool = False
+) -> tuple[FloatArray, BoolArray]:
+    """q (..., 4, 4) if asked for, theta_3 in mid-range, and which branches reach, (..., 4)."""
+    q, exists, within, _ = solve_batch(position, np.asarray(arm_plane().middle[3]), angles)
     return q, within if limits else exists
 
 

@@ -10,9 +10,9 @@ written here with half angles, which lose no digits at the edge of reach:
     phi = atan2(z - d_0, +-R - a_0) -+ alpha
     alpha = pi/2 - atan(t) + atan(k / t),     k = (l_2 - l_1) / (l_2 + l_1)     (law of tangents)
 
-One target is solved with `math`, in a few microseconds. A batch is solved in blocks that stay in
-the processor's cache; rows close to a singularity are handed to the one-target route, which treats
-the edges.
+The kernel, made from `alpha5_model.symbolic.inverse_kinematics`, solves targets away from every
+edge: of the yaw axis, of reach, of a joint's range. Those near one go to
+`alpha5_model.kinematics.ik.one`, which has the edges.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -29,16 +29,15 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
+from alpha5_model.kernels import module
 from alpha5_model.kinematics.edges import LIMIT_TOLERANCE, on_axis
-from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.ik.one import careful_answer, fast_solver
+from alpha5_model.kinematics.ik.batch import solve_batch, truth
+from alpha5_model.kinematics.ik.one import solve_one
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 
 #: The plane faces the target (underarm) or faces away (overarm); flipped is the other elbow.
 BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
-
-_NEW, _FLOAT = tuple.__new__, np.dtype(np.float64)
 
 
 class Solutions(NamedTuple):
@@ -100,29 +99,16 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a bad row.
     """
-    # Fast path: one target in the types that callers use most.
-    given: Any = position
-    kind = type(given)
-    if kind is np.ndarray and given.shape == (3,) and given.dtype is _FLOAT:
-        x, y, z = given.tolist()
-    elif (kind is list or kind is tuple) and len(given) == 3:
-        x, y, z = given
-        if not type(x) is type(y) is type(z) is float:
-            return _general(position, wrist)
-    else:
-        return _general(position, wrist)
-    if type(wrist) is float and (x + y + z + wrist) * 0.0 == 0.0:  # all finite
-        return _one(x, y, z, wrist)
-    return _general(position, wrist)
+    return module().inverse_kinematics(Solutions, position, wrist) or _general(position, wrist)
 
 
 def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
-    """Checked input of any shape."""
+    """What the kernel does not take as it is: other types and shapes, edges, errors."""
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
     if target.ndim == 1 and angle.ndim == 0:
-        x, y, z = target.tolist()
-        return _one(x, y, z, float(angle))
+        numbers = [*target.tolist(), float(angle)]
+        return module().inverse_kinematics(Solutions, numbers[:3], numbers[3]) or _careful(*numbers)
     try:
         lead = np.broadcast_shapes(target.shape[:-1], angle.shape)
     except ValueError:
@@ -130,17 +116,20 @@ def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
             "wrist", angle.shape, f"a shape that broadcasts with {target.shape[:-1]}"
         ) from None
     target = np.broadcast_to(target, (*lead, 3))
-    q, exists, within, singular = solve_batch(target, angle)
-    for array in (q, exists, within, singular, target):
-        if array is not position:  # never lock the caller's own array
-            array.flags.writeable = False
-    return Solutions(q, exists, within, singular, target)
+    return _read_only(*solve_batch(target, angle), target if target is not position else target[:])
 
 
-def _one(x: float, y: float, z: float, wrist: float) -> Solutions:
-    """One finite target."""
-    # Built as the tuple it is: the keyword constructor would cost as much as the trigonometry.
-    return _NEW(Solutions, fast_solver()(x, y, z, wrist) or careful_answer(x, y, z, wrist))
+def _careful(x: float, y: float, z: float, wrist: float) -> Solutions:
+    """One finite target by `solve_one`."""
+    q, exists, within, singular = solve_one(x, y, z, wrist)
+    angles, target = np.reshape(q, (4, 4)), np.array([x, y, z])
+    return _read_only(angles, truth(exists), truth(within), np.array(singular), target)
+
+
+def _read_only(*arrays: Any) -> Solutions:
+    for array in arrays:
+        array.flags.writeable = False
+    return Solutions(*arrays)
 
 
 def nearest(
