@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import os
 import runpy
 import shutil
@@ -106,7 +106,8 @@ def loader(monkeypatch):
         monkeypatch.setitem(sys.modules, f"robot_descriptions.{name}", module)
 
     def of(tool: str) -> Callable[..., Any]:
-        pytest.importorskip(tool)
+        if importlib.util.find_spec(tool) is None:
+            pytest.skip(f"{tool} is not installed")
         module = importlib.import_module(f"robot_descriptions.loaders.{tool}")
         return module.load_robot_description
 
