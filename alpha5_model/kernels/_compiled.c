@@ -11,56 +11,15 @@
 #include <numpy/arrayobject.h>
 
 #include <float.h>
-#include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 #if FLT_EVAL_METHOD != 0
 #error "this processor keeps doubles in longer registers and would round twice"
 #endif
 
-/* ---- the kernels at every width that this compiler can make ---- */
-
-#define PANEL 32 /* rows of a batch that are turned to columns at once; they fit the first cache */
-#define PASTE(name, width) name##_##width
-#define EXPANDED(name, width) PASTE(name, width)
-#define SIZED(name) EXPANDED(name, WIDTH)
-#define KERNEL(name) static int SIZED(name)(const double *k, const double *in, double *out)
-#if defined(__clang__) || __GNUC__ >= 12
-#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
-#else
-#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (M){__VA_ARGS__})
-#endif
-#ifdef __clang__
-#define BEGIN(set) DO(clang attribute push(__attribute__((target(set))), apply_to = function))
-#define END DO(clang attribute pop)
-#else
-#define BEGIN(set) DO(GCC push_options) DO(GCC target(set))
-#define END DO(GCC pop_options)
-#endif
-#define DO(x) _Pragma(#x)
-
 #include "generated/table.h" /* how long the arrays below get */
 #define BODIES "generated/bodies.h"
-
-#define WIDTH 0
-#include "vector.h"
-#define WIDTH 1
-#include "vector.h"
-#ifdef __GNUC__
-#define WIDTH 2
-#include "vector.h"
-#endif
-#if defined(__GNUC__) && defined(__x86_64__)
-BEGIN("avx2")
-#define WIDTH 4
-#include "vector.h"
-END
-BEGIN("avx512f,avx512dq,avx512vl")
-#define WIDTH 8
-#include "vector.h"
-END
-#endif
+#include "widths.h"
 
 typedef int (*Function)(const double *k, const double *in, double *out);
 typedef struct {

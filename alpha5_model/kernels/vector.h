@@ -4,7 +4,7 @@
    A vector is a compiler's vector extension, at width 1 a plain double. All widths run the same
    operations in the same order, without contraction, so that they give the same bits. Sine, cosine
    and the angle of a vector hold for ordinary arguments only. For others (large, not finite, 0 / 0)
-   they clear `good`, and the state is computed again at "width 0": one state at a time, by libm where
+   they set the sign of `rare`, and the state is computed again at "width 0": one state at a time, by libm where
    it must be. */
 
 #if WIDTH <= 1
@@ -13,6 +13,7 @@ typedef int SIZED(mask);
 #else
 typedef double SIZED(vector) __attribute__((vector_size(8 * WIDTH), may_alias));
 typedef int64_t SIZED(mask) __attribute__((vector_size(8 * WIDTH), may_alias));
+typedef double SIZED(anywhere) __attribute__((vector_size(8 * WIDTH), may_alias, aligned(8)));
 #endif
 #define V SIZED(vector)
 #define M SIZED(mask)
@@ -28,24 +29,35 @@ static inline double real_of(int64_t b) { return (reinterpreted){.bits = b}.real
 #define REAL(b) real_of(b)
 #define SPLAT(x) (x)
 #define ODD(b) ((int)((b) & 1))
+#define SECOND_BIT(b) ((int64_t)((uint64_t)(b) << 62)) /* as the sign */
 #define SELECT(m, a, b) ((m) ? (a) : (b))
-#define ALL(m) (m)
+#define LESS(a, b) ((a) < (b))
+#define ORDINARY(rare) ((rare) >= 0)
 #else
 #define INTEGER M
 #define BITS(x) ((M)(x))
 #define REAL(b) ((V)(b))
 #define SPLAT(x) ((x) - (V){0}) /* of -0.0, too */
 #define ODD(b) (-((b) & 1))
+#define SECOND_BIT(b) ((b) << 62)
 #define SELECT(m, a, b) REAL((BITS(a) & (m)) | (BITS(b) & ~(m)))
-static inline int SIZED(all)(M m)
-{
-    int64_t both = m[0];
-    for (int lane = 1; lane < WIDTH; lane++)
-        both &= m[lane];
-    return both != 0;
-}
-#define ALL(m) SIZED(all)(m)
+#if WIDTH == 2 && defined(__SSE2__)
+#define LESS(a, b) ((M)_mm_cmplt_pd(a, b)) /* of which gcc else makes two */
+#else
+#define LESS(a, b) ((a) < (b))
 #endif
+static inline int SIZED(ordinary)(M rare)
+{
+    int64_t any = rare[0];
+    for (int lane = 1; lane < WIDTH; lane++)
+        any |= rare[lane];
+    return any >= 0;
+}
+#define ORDINARY(rare) SIZED(ordinary)(rare)
+#endif
+/* Negative where a number that is not negative is above a limit, infinite or NaN: as integers, the
+   bits of numbers have the order of the numbers. */
+#define ABOVE(size, limit) (BITS(SPLAT(limit)) - BITS(size))
 #define SIGN INT64_MIN
 #define ABS(x) REAL(BITS(x) & INT64_MAX)
 #define COPYSIGN(x, y) REAL((BITS(x) & INT64_MAX) | (BITS(y) & SIGN))
@@ -62,23 +74,23 @@ static inline V SIZED(sqrt)(V x)
 #endif
 }
 
-static inline V SIZED(fmin)(V a, V b) { return SELECT((a < b) | (b != b), a, b); }
-static inline V SIZED(fmax)(V a, V b) { return SELECT((a > b) | (b != b), a, b); }
+static inline V SIZED(fmin)(V a, V b) { return SELECT(LESS(a, b), a, b); }
+static inline V SIZED(fmax)(V a, V b) { return SELECT(LESS(a, b), b, a); }
 
 static inline V SIZED(floor)(V x)
 {
     const V whole = COPYSIGN(SPLAT(0x1p52), x);
     const V nearest = (x + whole) - whole;
-    const V below = nearest - SELECT(nearest > x, SPLAT(1.0), SPLAT(0.0));
-    return SELECT(ABS(x) < 0x1p52, COPYSIGN(below, x), x);
+    const V below = nearest - SELECT(LESS(x, nearest), SPLAT(1.0), SPLAT(0.0));
+    return SELECT(LESS(ABS(x), SPLAT(0x1p52)), COPYSIGN(below, x), x);
 }
 
 /* Sine and cosine up to 1e5 rad: pi/2 in two parts, of which the first times a whole number of
    quarter turns below 2^17 is exact; minimax polynomials on [-pi/4, pi/4] (errors below 2e-17). */
-static inline void SIZED(sincos)(V x, V *sine, V *cosine, M *good)
+static inline void SIZED(sincos)(V x, V *sine, V *cosine, INTEGER *rare)
 {
     const V size = ABS(x);
-    *good &= size <= 1e5;
+    *rare |= ABOVE(size, 1e5);
     const V shifted = size * 0.6366197723675814 + 0x1.8p52; /* its last bits: the nearest quarter */
     const INTEGER quarter = BITS(shifted);
     const V turns = shifted - 0x1.8p52;
@@ -93,19 +105,19 @@ static inline void SIZED(sincos)(V x, V *sine, V *cosine, M *good)
         + z * (-2.755731727117512e-07 + z * (2.0876146138597195e-09
         - z * 1.1382622253261863e-11))))));
     const M swap = ODD(quarter);
-    *sine = REAL(BITS(SELECT(swap, c, s)) ^ (((quarter << 62) ^ BITS(x)) & SIGN));
-    *cosine = REAL(BITS(SELECT(swap, s, c)) ^ (((quarter + 1) << 62) & SIGN));
+    *sine = REAL(BITS(SELECT(swap, c, s)) ^ ((SECOND_BIT(quarter) ^ BITS(x)) & SIGN));
+    *cosine = REAL(BITS(SELECT(swap, s, c)) ^ (SECOND_BIT(quarter + 1) & SIGN));
 }
 
 /* Angle of (x, y): the quotient is brought to at most tan(pi/8), where a minimax polynomial has an
    error below 6e-18. */
-static inline V SIZED(atan2)(V y, V x, M *good)
+static inline V SIZED(atan2)(V y, V x, INTEGER *rare)
 {
     const V across = ABS(x), up = ABS(y);
-    const M swap = across < up;
+    const M swap = LESS(across, up);
     const V big = SELECT(swap, up, across), small = SELECT(swap, across, up);
-    *good &= (big <= 1e300) & (big > 0.0);
-    const M steep = small > 0.41421356237309503 * big;
+    *rare |= ABOVE(big, 1e300) | (BITS(big) - 1); /* or 0 */
+    const M steep = LESS(0.41421356237309503 * big, small);
     const V t = SELECT(steep, small - big, small) / SELECT(steep, small + big, big);
     const V u = t * t;
     const V turned = t + t * u * (-0.3333333333333333 + u * (0.19999999999995777
@@ -115,53 +127,52 @@ static inline V SIZED(atan2)(V y, V x, M *good)
         - u * 0.019227926341944368))))))))));
     V angle = SELECT(steep, 0.7853981633974483 + (turned + 3.061616997868383e-17), turned);
     angle = SELECT(swap, 1.5707963267948966 - (angle - 6.123233995736766e-17), angle);
-    angle = SELECT(x < 0.0, 3.141592653589793 - (angle - 1.2246467991473532e-16), angle);
+    angle = SELECT(LESS(x, SPLAT(0.0)), 3.141592653589793 - (angle - 1.2246467991473532e-16), angle);
     return COPYSIGN(angle, y);
 }
 
-static inline V SIZED(sin)(V x, M *good)
+static inline V SIZED(sin)(V x, INTEGER *rare)
 {
     V sine, cosine;
-    SIZED(sincos)(x, &sine, &cosine, good);
+    SIZED(sincos)(x, &sine, &cosine, rare);
     return sine;
 }
 
-static inline V SIZED(cos)(V x, M *good)
+static inline V SIZED(cos)(V x, INTEGER *rare)
 {
     V sine, cosine;
-    SIZED(sincos)(x, &sine, &cosine, good);
+    SIZED(sincos)(x, &sine, &cosine, rare);
     return cosine;
 }
 
 /* ---- the bodies at this width ---- */
 
-#define GOOD (SPLAT(0.0) == 0.0)
 #if WIDTH == 0
 static double sin_or_libm(double x)
 {
-    int good = 1;
-    const double own = sin_0(x, &good);
-    return good ? own : sin(x);
+    int64_t rare = 0;
+    const double own = sin_0(x, &rare);
+    return ORDINARY(rare) ? own : sin(x);
 }
 static double cos_or_libm(double x)
 {
-    int good = 1;
-    const double own = cos_0(x, &good);
-    return good ? own : cos(x);
+    int64_t rare = 0;
+    const double own = cos_0(x, &rare);
+    return ORDINARY(rare) ? own : cos(x);
 }
 static double atan2_or_libm(double y, double x)
 {
-    int good = 1;
-    const double own = atan2_0(y, x, &good);
-    return good ? own : atan2(y, x);
+    int64_t rare = 0;
+    const double own = atan2_0(y, x, &rare);
+    return ORDINARY(rare) ? own : atan2(y, x);
 }
 #define SIN(x) sin_or_libm(x)
 #define COS(x) cos_or_libm(x)
 #define ATAN2(y, x) atan2_or_libm(y, x)
 #else
-#define SIN(x) SIZED(sin)(SPLAT(x), &good)
-#define COS(x) SIZED(cos)(SPLAT(x), &good)
-#define ATAN2(y, x) SIZED(atan2)(SPLAT(y), SPLAT(x), &good)
+#define SIN(x) SIZED(sin)(SPLAT(x), &rare)
+#define COS(x) SIZED(cos)(SPLAT(x), &rare)
+#define ATAN2(y, x) SIZED(atan2)(SPLAT(y), SPLAT(x), &rare)
 #endif
 #define ATAN(x) ATAN2(x, 1.0)
 #define SQRT(x) SIZED(sqrt)(SPLAT(x))
@@ -195,40 +206,41 @@ static double atan2_or_libm(double y, double x)
 /* PANEL rows of `size` numbers to `size` columns; whether all can be computed with. */
 static int SIZED(to_columns)(const double *rows, int size, double *columns)
 {
-    M good = GOOD;
-    V x[WIDTH] = {{0.0}};
+    INTEGER rare = BITS(SPLAT(0.0));
     for (int row = 0; row < PANEL; row += WIDTH, rows += WIDTH * size) {
         int i = 0;
         for (; i + WIDTH <= size; i += WIDTH) {
+            V x[WIDTH];
             for (int j = 0; j < WIDTH; j++) {
-                memcpy(&x[j], rows + j * size + i, sizeof(V));
-                good &= ABS(x[j]) <= LARGEST;
+                x[j] = *(const SIZED(anywhere) *)(rows + j * size + i);
+                rare |= ABOVE(ABS(x[j]), LARGEST);
             }
             TRANSPOSE(x)
             for (int j = 0; j < WIDTH; j++)
                 *(V *)(columns + (i + j) * PANEL + row) = x[j];
         }
         for (; i < size; i++) {
+            V x = SPLAT(0.0);
             for (int j = 0; j < WIDTH; j++)
-                x[0][j] = rows[j * size + i];
-            good &= ABS(x[0]) <= LARGEST;
-            *(V *)(columns + i * PANEL + row) = x[0];
+                x[j] = rows[j * size + i];
+            rare |= ABOVE(ABS(x), LARGEST);
+            *(V *)(columns + i * PANEL + row) = x;
         }
     }
-    return ALL(good);
+    return ORDINARY(rare);
 }
 
 static void SIZED(to_rows)(const double *columns, int size, double *rows)
 {
-    V x[WIDTH];
     for (int row = 0; row < PANEL; row += WIDTH, rows += WIDTH * size) {
         int i = 0;
         for (; i + WIDTH <= size; i += WIDTH) {
+            V x[WIDTH];
             for (int j = 0; j < WIDTH; j++)
                 x[j] = *(const V *)(columns + (i + j) * PANEL + row);
             TRANSPOSE(x)
             for (int j = 0; j < WIDTH; j++)
-                memcpy(rows + j * size + i, &x[j], sizeof(V));
+                *(SIZED(anywhere) *)(rows + j * size + i) = x[j];
         }
         for (; i < size; i++)
             for (int j = 0; j < WIDTH; j++)
@@ -245,12 +257,14 @@ static void SIZED(to_rows)(const double *columns, int size, double *rows)
 #undef REAL
 #undef SPLAT
 #undef ODD
+#undef SECOND_BIT
 #undef SELECT
-#undef ALL
+#undef LESS
+#undef ORDINARY
+#undef ABOVE
 #undef SIGN
 #undef ABS
 #undef COPYSIGN
-#undef GOOD
 #undef SIN
 #undef COS
 #undef ATAN2

@@ -86,7 +86,7 @@ def _body(body: Program) -> str:
     lines, results = statements(body, _VECTOR, element)
     lines += [f"STORE({i}, {value})" for i, value in enumerate(chain(*results))]
     text = "".join(f"    {line}\n" for line in lines)
-    return f"KERNEL({body.name})\n{{\n    M good = GOOD;\n    (void)k;\n{text}    return ALL(good);\n}}\n"
+    return f"KERNEL({body.name})\n{{\n    INTEGER rare = BITS(SPLAT(0.0));\n    (void)k;\n{text}    return ORDINARY(rare);\n}}\n"
 
 
 def _table(split: Sequence[tuple[Program, Program]]) -> str:

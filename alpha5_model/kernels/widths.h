@@ -1,0 +1,46 @@
+/* BODIES at every width that this compiler can make: see vector.h. On x86-64 the wider ones are compiled
+   for processors that have them, whatever the compiler's flags; which one runs is chosen at load. */
+
+#include <math.h>
+#include <stdint.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+#define PANEL 32 /* rows of a batch that are turned to columns at once; they fit the first cache */
+#define PASTE(name, width) name##_##width
+#define EXPANDED(name, width) PASTE(name, width)
+#define SIZED(name) EXPANDED(name, WIDTH)
+#define KERNEL(name) static int SIZED(name)(const double *k, const double *in, double *out)
+#if defined(__clang__) || __GNUC__ >= 12
+#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (M){__VA_ARGS__})
+#endif
+#ifdef __clang__
+#define BEGIN(set) DO(clang attribute push(__attribute__((target(set))), apply_to = function))
+#define END DO(clang attribute pop)
+#else
+#define BEGIN(set) DO(GCC push_options) DO(GCC target(set))
+#define END DO(GCC pop_options)
+#endif
+#define DO(x) _Pragma(#x)
+
+#define WIDTH 0
+#include "vector.h"
+#define WIDTH 1
+#include "vector.h"
+#ifdef __GNUC__
+#define WIDTH 2
+#include "vector.h"
+#endif
+#if defined(__GNUC__) && defined(__x86_64__)
+BEGIN("avx2")
+#define WIDTH 4
+#include "vector.h"
+END
+BEGIN("avx512f,avx512dq,avx512vl")
+#define WIDTH 8
+#include "vector.h"
+END
+#endif
