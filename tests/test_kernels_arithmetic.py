@@ -17,6 +17,9 @@ from alpha5_model.symbolic.program import program
 ROOT = Path(__file__).resolve().parent.parent
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 NAMES = ("sin", "cos", "atan2", "floor", "fmin", "fmax", "sqrt", "atan")
+LONG_DOUBLES = pytest.mark.skipif(
+    np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here"
+)
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 
@@ -87,7 +90,7 @@ def test_all_widths_give_the_same_bits(computed):
         assert same[numbers].all()
 
 
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here")
+@LONG_DOUBLES
 @pytest.mark.parametrize("name", ["sin", "cos"])
 def test_sine_and_cosine(computed, name):
     x = PAIRS[:, 0]
@@ -103,7 +106,7 @@ def test_sine_and_cosine(computed, name):
     assert np.array_equal(np.signbit(got[x == 0.0]), np.signbit(exact[x == 0.0]))
 
 
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here")
+@LONG_DOUBLES
 def test_angle_of_a_vector(computed):
     x, y = PAIRS.T
     exact = np.arctan2(y.astype(np.longdouble), x.astype(np.longdouble))
