@@ -15,6 +15,8 @@ from typing import Any
 from docutils import nodes
 from sphinx.ext.napoleon import GoogleDocstring
 
+#: Packages whose names docstrings mention; their documentation is elsewhere.
+OTHERS = ("jax", "casadi", "numpy", "pinocchio", "pin", "matplotlib", "meshcat")
 PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
 
 
@@ -46,7 +48,7 @@ def resolve(app: Any, env: Any, node: Any, content: Any) -> Any:
     )
     if matches:
         return reference(app, node, content, domain.objects[matches[0]])
-    if target.rpartition(".")[2] in names():
+    if target.rpartition(".")[2] in names() or target.partition(".")[0] in OTHERS:
         return content
     return None
 
@@ -84,16 +86,22 @@ def property_text(section: Any) -> tuple[str, list[str]]:
     return "", lines
 
 
-def list_references(
-    _app: Any, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]
+def reshape(
+    _app: Any, what: str, _name: str, _object: Any, _options: Any, lines: list[str]
 ) -> None:
-    """The entries under References as a list; a run of lines would become one paragraph."""
-    if "References:" not in lines:
-        return
-    start = lines.index("References:") + 1
+    """Indented blocks of a module as code, the entries under References as a list."""
+    if what == "module":
+        before = [""]
+        for line in tuple(lines):
+            if line.startswith("    ") and not before[-1] and not before[-2].startswith("    "):
+                before += ["::", ""]
+            before.append(line)
+        lines[:] = before[1:]
+    start = lines.index("References:") + 1 if "References:" in lines else len(lines)
     for i, line in enumerate(lines[start:], start):
         if line.startswith(" "):
-            lines[i] = line.replace("[", "- [", 1) if line.lstrip().startswith("[") else f"  {line}"
+            entry = line.lstrip()
+            lines[i] = f"    - {entry}" if entry.startswith("[") else f"      {entry}"
 
 
 def setup(app: Any) -> dict[str, Any]:
@@ -102,5 +110,5 @@ def setup(app: Any) -> dict[str, Any]:
     GoogleDocstring._consume_inline_attribute = property_text  # type: ignore[method-assign]
     app.connect("missing-reference", resolve)
     app.connect("autodoc-skip-member", skip_fields)
-    app.connect("autodoc-process-docstring", list_references, priority=100)
+    app.connect("autodoc-process-docstring", reshape, priority=100)
     return {"parallel_read_safe": True}
