@@ -9,11 +9,13 @@ from typing import Annotated, Any
 
 from typer import Context, Option, echo
 
+from alpha5_model.c_library import COptions, c_files
 from alpha5_model.checks import choice
 from alpha5_model.cli.options import (
     FLUID_HELP,
     correction_names,
     fluid_density,
+    gravity_vector,
     print_written,
     triple,
 )
@@ -36,6 +38,7 @@ _FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
     "urdf": (Variant, lambda variant: {"alpha5.urdf": urdf(variant).encode()}, "alpha5.urdf"),
     "mjcf": (MjcfOptions, mjcf_files, "alpha5.xml"),
     "sdf": (SdfOptions, sdf_files, "model.sdf"),
+    "c": (COptions, c_files, "alpha5.c"),
 }
 #: Why an option is not for the format that was asked for, where that needs a word.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
@@ -47,12 +50,12 @@ def generate(
     output: Annotated[
         Path | None,
         Option(
-            help="File to write, meshes go beside it; for mjcf and sdf a folder. "
+            help="File to write, meshes go beside it; for mjcf, sdf and c a folder. "
             "Standard output if not given."
         ),
     ] = None,
     description_format: Annotated[
-        str, Option("--format", help="urdf, mjcf (MuJoCo) or sdf (Gazebo).")
+        str, Option("--format", help="urdf, mjcf (MuJoCo), sdf (Gazebo) or c (C99 library).")
     ] = "urdf",
     gripper: Annotated[str, Option(help="locked or jaws.")] = "locked",
     prefix: Annotated[str, Option(help="Before every link and joint name.")] = "",
@@ -74,7 +77,14 @@ def generate(
         str | None,
         Option(help="Recorded corrections, with commas; '' is the document to the letter."),
     ] = None,
-    fluid: Annotated[str, Option(help=f"mjcf, sdf: {FLUID_HELP}")] = "sea",
+    fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {FLUID_HELP}")] = "sea",
+    gravity: Annotated[
+        str, Option(help="c: in base_link, three numbers (m/s^2); tilts the mount.")
+    ] = "0 0 -9.81",
+    real: Annotated[str, Option(help="c: double or float.")] = "double",
+    parameters: Annotated[
+        str, Option(help="c: masses and water folded into the code, or in a struct.")
+    ] = "folded",
     actuators: Annotated[str, Option(help="mjcf: position, velocity or motor.")] = "position",
     buoyancy: Annotated[
         str, Option(help="mjcf: bodies, or none for tools without gravcomp (brax).")
@@ -105,6 +115,7 @@ def generate(
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
+    alpha5 generate --format c --real float --output out/controller
     """
     given = {
         name: value
@@ -131,6 +142,7 @@ def generate(
         "rpy": triple("rpy", rpy),
         "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
         "fluid_density": fluid_density(fluid),
+        "gravity": gravity_vector(gravity),
         "corrections": correction_names(corrections),
     }
     record, made, main = _FORMATS[description_format]

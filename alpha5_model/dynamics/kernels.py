@@ -19,6 +19,7 @@ from alpha5_model.description.bodies import joint_placements, tcp_placement
 from alpha5_model.dynamics.batch import thread_count
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import rows
+from alpha5_model.errors import InputError
 from alpha5_model.parameters import RigidBody, parameters
 from alpha5_model.spatial import pose
 
@@ -95,3 +96,14 @@ def kernel_rows(
         run(name, parameters, *states, out)
     thread_count(threads, len(out))
     return out
+
+
+def arm_parameters(arm: Any) -> FloatArray:
+    """Base parameters of an arm, its fluid, gravity and payloads, (41,).
+
+    Raises:
+        InputError: The kernels do not know its joints: a floating base, or jaws that move.
+    """
+    if "net" not in arm._kernel_parameters:
+        raise InputError("arm", arm, "one on a fixed base with its jaws locked")
+    return np.array(arm._kernel_parameters["net"])

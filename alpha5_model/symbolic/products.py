@@ -73,7 +73,7 @@ def _with_payload() -> casadi.Function:
                 unit = nothing.copy()
                 unit[which, row, column] = unit[which, column, row] = 1.0
                 share = regrouped([nothing] * 4 + [tip @ unit @ tip.T], np.zeros(3))
-                added = added + casadi.DM(share) * matrix[row, column]
+                added = added + casadi.DM(share.round(15)) * matrix[row, column]
     return casadi.Function(
         "with_payload", [p, *given], [added], ["parameters", *names], ["parameters_with_payload"]
     )

@@ -1,0 +1,134 @@
+"""The C library compiles without a warning, passes its own program, and that program sees a wrong number."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from dynamics_cases import TILTED
+
+import alpha5_model as a5
+from alpha5_model.c_library import COptions, c_files
+from alpha5_model.cli import main
+from alpha5_model.symbolic.products import SUMMARIES
+
+STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
+SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+#: Each compiler with each type, place of the parameters and check; in air, too, where much is zero.
+BUILDS = {
+    "gcc, float, struct, sanitizers": (
+        "gcc",
+        COptions(real="float", parameters="struct"),
+        SANITIZERS,
+    ),
+    "clang, double, struct, sanitizers": (
+        "clang",
+        COptions(parameters="struct", gravity=TILTED),
+        SANITIZERS,
+    ),
+    "clang, float, folded": (
+        "clang",
+        COptions(fluid_density=a5.AIR, corrections=(), real="float"),
+        [],
+    ),
+}
+
+
+def written(folder: Path, options: COptions) -> None:
+    for name, content in c_files(options).items():
+        (folder / name).write_bytes(content)
+
+
+def built(folder: Path, compiler: str, *flags: str) -> subprocess.CompletedProcess[str]:
+    """Compile in a folder and run the test program."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"there is no {compiler}")
+    command = [compiler, *STRICT, *flags, "alpha5.c", "test_alpha5.c", "-lm", "-o", "test_alpha5"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.stderr == ""
+    assert done.returncode == 0
+    return subprocess.run(["./test_alpha5"], cwd=folder, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("build", BUILDS)
+def test_it_compiles_and_passes(build: str, tmp_path: Path) -> None:
+    compiler, options, flags = BUILDS[build]
+    written(tmp_path, options)
+    done = built(tmp_path, compiler, *flags)
+    assert done.stderr == ""
+    assert done.returncode == 0, done.stdout
+    passed, checks = map(int, re.findall(r"\d+", done.stdout))
+    assert passed == checks > 1000
+
+
+def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
+    """Another fluid's torques, and a joint limit that is off."""
+    written(tmp_path, COptions())
+    wrong = c_files(COptions(fluid_density=a5.FRESH_WATER))["alpha5.c"].decode()
+    wrong = wrong.replace(str(a5.parameters().joints[1].upper), "3.3")
+    (tmp_path / "alpha5.c").write_text(wrong)
+    done = built(tmp_path, "gcc")
+    assert done.returncode == 1
+    for name in ("hydrostatic_torque", "base_wrench", "within_limits"):
+        assert f"{name}, row" in done.stdout
+    assert "mass_matrix" not in done.stdout
+
+
+def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
+    if not (shutil.which("cmake") and shutil.which("ctest")):
+        pytest.skip("there is no cmake")
+    assert main(["generate", "--format", "c", "--output", str(tmp_path / "library")]) == 0
+    build, strict = tmp_path / "build", " ".join(STRICT)
+    for command in (
+        ["cmake", "-S", str(tmp_path / "library"), "-B", str(build), f"-DCMAKE_C_FLAGS={strict}"],
+        ["cmake", "--build", str(build)],
+        ["ctest", "--test-dir", str(build)],
+    ):
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert "100% tests passed" in done.stdout
+
+
+def test_the_header_says_names_shapes_and_units() -> None:
+    header = c_files(COptions(parameters="struct", fluid_density=1000.0))["alpha5.h"].decode()
+    for name, summary in SUMMARIES.items():
+        assert f"void alpha5_{name}(" in header
+        assert summary in header
+    assert " *     tau (4): joint torques [N m]" in header
+    assert "Fluid: 1000 kg/m^3" in header
+    assert "alpha5_real link_4_xx; /* kg m^2 */" in header
+    assert ": \n" not in header
+    public = re.findall(r"^(?:void|extern const \w+|typedef \w+) (\w+)", header, re.MULTILINE)
+    assert all(name.startswith("alpha5_") for name in public)
+
+
+def test_the_source_needs_nothing_but_libm() -> None:
+    source = c_files()["alpha5.c"].decode()
+    assert re.findall(r"#include (\S+)", source) == ['"alpha5.h"', "<math.h>"]
+    called = set(re.findall(r"\b([a-z]\w*)\(", source)) - {f"alpha5_{name}" for name in SUMMARIES}
+    assert called == {"sin", "cos", "sqrt", "atan2", "floor", "fabs", "fmin", "fmax"}
+    single = c_files(COptions(real="float"))["alpha5.c"].decode()
+    assert not re.search(r"\bdouble\b|\d\.\d+(e-?\d+)?[^\de.f]", single), "no double crept in"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--real", "half"], "unknown real 'half'; choose from double, float"),
+        (["--parameters", "global"], "choose from folded, struct"),
+        (["--gravity", "1 2"], "three numbers"),
+        (["--fluid", "-1"], "at least 0"),
+        (["--gripper", "jaws"], "--format urdf"),
+        (["--format", "sdf", "--real", "float"], "--format c with it"),
+    ],
+)
+def test_wrong_options_end_in_one_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["generate", "--format", "c", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
