@@ -133,3 +133,25 @@ def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(kernels: 
     others = np.setdiff1d(np.arange(100), [7, 40, 70])
     assert np.array_equal(s.q[others], wanted.q[others], equal_nan=True)
     assert np.array_equal(s.exists[70], wanted.exists[70])
+
+
+def test_the_compiled_functions_refuse_what_they_cannot_hold() -> None:
+    compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+    for given in ((), (list, [0.1] * 3, 0.0), (5, [0.1] * 3, 0.0), (tuple, [0.1] * 3)):
+        with pytest.raises(TypeError, match="kind of tuple, position and wrist"):
+            compiled.inverse_kinematics(*given)
+    good = [np.zeros((2, 3)), np.zeros(2), np.zeros((2, 4, 4)), *np.zeros((2, 2, 4), bool)]
+    good.append(np.zeros(2, bool))
+    compiled.inverse_kinematics_rows(*good)
+    frozen = good[2].copy()
+    frozen.flags.writeable = False
+    for place, bad in (
+        *((i, None) for i in range(6)),
+        *((i, good[i][:1]) for i in (0, 2, 3, 4, 5)),
+        *((i, good[i].astype(np.float32)) for i in range(6)),
+        (0, np.zeros((3, 2)).T),
+        (1, np.zeros(0)),
+        (2, frozen),
+    ):
+        with pytest.raises(TypeError, match=r"near \(n,\)"):
+            compiled.inverse_kinematics_rows(*good[:place], bad, *good[place + 1 :])

@@ -65,8 +65,9 @@ static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py
     double x[4], y[RESULTS];
     const double *const in[] = {x, x + 3};
     npy_bool exists[BRANCHES], within[BRANCHES];
-    if (count != 3)
-        return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a class, position and wrist");
+    if (count != 3 || !PyType_Check(given[0])
+        || !PyType_IsSubtype((PyTypeObject *)given[0], &PyTuple_Type))
+        return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a kind of tuple, position and wrist");
     if (!PyFloat_CheckExact(given[2]) || !three(given[1], x))
         Py_RETURN_NONE;
     x[3] = PyFloat_AsDouble(given[2]);
