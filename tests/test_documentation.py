@@ -1,6 +1,7 @@
 """Every code block of README and of the documentation runs, and every public name has its place there.
 
-The blocks of a page run one after the other, in one folder and one set of names, as a reader would type them.
+The blocks of a page run one after the other, in one folder and one set of names, as a reader would type them. A block in C
+is written to the file that its first line names.
 """
 
 from __future__ import annotations
@@ -8,6 +9,8 @@ from __future__ import annotations
 import ast
 import re
 import shlex
+import shutil
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -24,7 +27,7 @@ sys.path.insert(0, str(REPOSITORY / "scripts"))
 import public_models
 
 #: Languages of blocks that hold nothing to run.
-SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml", "c"}
+SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
 #: Commands of other programs, which are not here.
 ELSEWHERE = {"git", "cd", "source", "colcon", "ros2", "gz"}
 #: Packages of the conformance run: blocks that import them run where they are.
@@ -52,7 +55,10 @@ def run_shell(text: str) -> None:
         if not words:
             continue
         expected = re.search(r"# exit status (\d)$", line)
-        if words[0] == "alpha5":
+        if words[0] == "cc" or words[0].startswith("./"):
+            if shutil.which("cc"):
+                subprocess.run(words, check=True)
+        elif words[0] == "alpha5":
             if words[1] != "demo":  # tests/test_demo.py runs it
                 assert main(words[1:]) == int(expected[1] if expected else 0), line
         else:
@@ -78,6 +84,8 @@ def run_page(page: Path) -> int:
     for block in blocks(page.read_text("utf-8")):
         if block.language == "sh":
             run_shell(block.text)
+        elif block.language == "c":
+            Path(block.text.split()[1].rstrip(":")).write_text(block.text, "utf-8")
         elif block.language == "python":
             tree = ast.parse(block.text)
             ast.increment_lineno(tree, block.line)
@@ -109,16 +117,20 @@ def test_the_code_of_a_page_runs(
         "```sh\nmake tea\n```\n",
         "```sh\npython -m pip install '.[tea]'\n```\n",
         "```sh\nrm -rf x\n```\n",
+        "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
         "```pyhton\n1\n```\n",
         "```python\nimport no_such_tool\n```\n",
     ],
 )
 def test_a_block_that_does_not_run_is_seen(
-    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = tmp_path / "page.md"
     page.write_text(text, "utf-8")
-    with pytest.raises((AssertionError, ModuleNotFoundError)):
+    monkeypatch.chdir(tmp_path)
+    if "cc " in text and not shutil.which("cc"):
+        pytest.skip("no C compiler")
+    with pytest.raises((AssertionError, ModuleNotFoundError, subprocess.CalledProcessError)):
         run_page(page)
 
 
