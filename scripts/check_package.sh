@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Build the wheel, install it into an empty environment, use it from an unrelated folder.
+# Build the source archive and of it the wheel, install that into an empty environment, use it from an
+# unrelated folder; then install the sources where there is no C compiler.
 set -euo pipefail
 repository=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
@@ -7,7 +8,11 @@ trap 'rm -rf "$work"' EXIT
 export PIP_CONSTRAINT="$repository/constraints.txt" PIP_DISABLE_PIP_VERSION_CHECK=1
 
 "${PYTHON:-python3}" -m venv "$work/venv"
-"$work/venv/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$work/dist" "$repository"
+"$work/venv/bin/python" -m pip install --quiet hatchling setuptools editables
+(cd "$repository" && "$work/venv/bin/python" -m hatchling build -t sdist -d "$work/dist" >"$work/sdist.txt")
+export ALPHA5_REQUIRE_KERNELS=1
+"$work/venv/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$work/dist" "$work"/dist/*.tar.gz
+ls "$work"/dist/alpha5_model-*-cp311-abi3-*.whl # one for every Python from 3.11
 "$work/venv/bin/python" -m pip install --quiet "$work"/dist/*.whl
 mkdir "$work/elsewhere" && cd "$work/elsewhere"
 
@@ -21,6 +26,7 @@ arm = a5.load()
 q = np.array([3.0, 1.0, 1.0, 0.5])
 v = np.zeros(4)
 assert arm.model.nv == 4
+assert a5.backend().startswith("compiled ("), a5.backend()
 np.testing.assert_allclose(arm.inverse_dynamics(q, v, v), arm.hydrostatic_torque(q), atol=1e-12)
 PYTHON
 "$work/venv/bin/alpha5" --version
@@ -35,4 +41,26 @@ test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
 if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
 "$work/venv/bin/alpha5" generate --check
+
+# Without a compiler: an error where the kernels are required, else one line, and NumPy computes.
+without_compiler() { env -u CC PATH="$work/venv/bin" "$work/venv/bin/python" "$@"; }
+mkdir "$work/source" && tar -xzf "$work"/dist/*.tar.gz -C "$work/source" --strip-components 1
+install=(-m pip install -v --no-deps --no-build-isolation --editable "$work/source")
+if without_compiler "${install[@]}" >"$work/required.txt" 2>&1; then exit 1; fi
+grep 'RuntimeError: the kernels cannot be compiled here' "$work/required.txt"
+unset ALPHA5_REQUIRE_KERNELS
+without_compiler "${install[@]}" >"$work/without.txt" 2>&1 || { cat "$work/without.txt"; exit 1; }
+grep --max-count 1 "kernels not compiled, NumPy will compute" "$work/without.txt"
+without_compiler - <<'PYTHON'
+import alpha5_model as a5
+import numpy as np
+
+assert a5.backend() == "numpy", a5.backend()
+arm = a5.load()
+q, v, a = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 100, 4))
+single = [arm.inverse_dynamics(*state) for state in zip(q, v, a)]
+np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), single, atol=1e-12)
+PYTHON
+if ALPHA5_KERNELS=compiled without_compiler -c 'import alpha5_model as a5; a5.backend()' 2>error.txt; then exit 1; fi
+tail -1 error.txt | grep 'ALPHA5_KERNELS=compiled needs alpha5_model.kernels._compiled'
 echo "package check passed"
