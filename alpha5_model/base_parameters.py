@@ -62,7 +62,7 @@ def base_parameters(
     return regrouped([_moments(link, fluid_density) for link in links], gravity)
 
 
-def regrouped(moments: Sequence[FloatArray], gravity: ArrayLike) -> FloatArray:
+def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) -> FloatArray:
     """Values of `BASE_PARAMETERS`, linear in what each link has of mass and net mass, (2, 4, 4) each."""
     values = dict(zip((f"gravity.{axis}" for axis in "xyz"), np.asarray(gravity), strict=True))
     rows, handed = parameters().dh, np.zeros((2, 4, 4))

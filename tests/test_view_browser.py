@@ -181,6 +181,56 @@ def test_random_sliders_agree_with_pinocchio(page: Tab, arm: a5.Arm) -> None:
         np.testing.assert_allclose(marker, arm.center_of_mass(q), atol=1e-9)
 
 
+def test_generated_formulas_agree_with_python(page: Tab, arm: a5.Arm) -> None:
+    """Frames, torque and every solution at 20 random poses, jaws anywhere."""
+    rng = np.random.default_rng(12)
+    for joints in rng.uniform(LOWER, UPPER, (20, 4)):
+        q = np.append(joints, rng.uniform(0.0013, 0.0133))
+        frames, torque = page.run(
+            "(q) => { alpha5.setPose(q); return [{ ...formulas.link_poses(q), "
+            "tcp: formulas.forward_kinematics(q) }, alpha5.holding()]; }",
+            q.tolist(),
+        )
+        assert set(frames) == {"link_1", "link_2", "link_3", "link_4", "tcp"}
+        for link, pose in frames.items():
+            expected = arm.forward_kinematics(q, frame=link).homogeneous
+            np.testing.assert_allclose(pose, expected, atol=1e-9)
+        np.testing.assert_allclose(torque, arm.hydrostatic_torque(q)[:4], atol=1e-9)
+        target, wrist = np.array(frames["tcp"])[:3, 3], float(rng.uniform(-3, 9))
+        found = page.run(
+            "([p, w]) => { const s = formulas.inverse_kinematics(p, w); s.q = s.q.map((row) => "
+            "row.map((x) => Number.isNaN(x) ? null : x)); return s; }",
+            [target.tolist(), wrist],
+        )
+        expected = a5.inverse_kinematics(target, wrist)
+        np.testing.assert_allclose(np.array(found["q"], float), expected.q, atol=1e-9)
+        assert found["exists"] == expected.exists.tolist()
+        assert found["within_limits"] == expected.within_limits.tolist()
+        assert found["singular"] == bool(expected.singular)
+
+
+def test_a_target_is_reached_by_the_branch_that_is_asked_for(page: Tab, arm: a5.Arm) -> None:
+    target = np.array([-0.18, 0.06, 0.16])
+    for name, value in zip("xyz", target, strict=True):
+        page.page.fill(f"#target input[name={name}]", f"{1e3 * value:g}")
+    q = np.array(list(page.run("() => alpha5.q").values()))
+    expected = a5.inverse_kinematics(target, q[3])
+    buttons = page.page.locator("#ways button")
+    assert [buttons.nth(i).is_enabled() for i in range(4)] == expected.within_limits.tolist()
+    assert buttons.all_inner_texts() == [name.replace("_", " ") for name in a5.BRANCHES]
+    for i in np.flatnonzero(expected.within_limits):
+        buttons.nth(int(i)).click()
+        moved = page.run("() => alpha5.q")
+        np.testing.assert_allclose([moved[j] for j in JOINTS[:4]], expected.q[i], atol=1e-9)
+        q = np.array([moved[j] for j in JOINTS])
+        np.testing.assert_allclose(arm.forward_kinematics(q).translation, target, atol=1e-9)
+    page.page.fill("#target input[name=x]", "900")
+    assert not any(buttons.nth(i).is_enabled() for i in range(4))
+    page.page.fill("#target input[name=x]", "")
+    assert not any(buttons.nth(i).is_enabled() for i in range(4))
+    assert page.complaints == []
+
+
 def coloured(pixels: np.ndarray, strong: int, weak: int) -> int:
     return int((pixels[..., strong] - pixels[..., weak] > 90).sum())
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from alpha5_model.base_parameters import regrouped
 from alpha5_model.checks import FloatArray, bounded, choice, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
@@ -20,7 +21,7 @@ from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
 from alpha5_model.view import scene
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
-from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Stream
+from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Statics, Stream
 from alpha5_model.view.shapes import arrow, ball, drawn, triad
 from alpha5_model.view.workspace_plot import workspace_shapes
 
@@ -116,7 +117,7 @@ def build_scene(
         shapes=shapes,
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,
-        gravity=gravity,
+        statics=_statics(arm, loads, tree[0].parent),
         current=flow,
         streams=_streams(arm),
         camera=scene.framing(shapes, poses, shown),
@@ -159,6 +160,22 @@ def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
         weight, buoyancy = inertia.mass * strength, arm.fluid_density * volume * strength
         loads.append(Load(link, inertia.mass, com, volume, cob, weight, buoyancy))
     return tuple(loads)
+
+
+def _statics(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
+    moments, beyond = np.zeros((5, 2, 4, 4)), []
+    links = [base, *(f"link_{i}" for i in range(1, 5))]
+    for load in loads:
+        net = load.mass * np.append(load.com, 1.0)
+        net -= arm.fluid_density * load.volume * np.append(load.cob, 1.0)
+        if load.link in links:
+            moments[links.index(load.link), 1, :, 3] += net
+        else:
+            beyond.append((load.link, net))
+    units = np.zeros((4, 5, 2, 4, 4))
+    units[range(4), 4, 1, range(4), 3] = 1.0
+    share = np.stack([regrouped(unit, np.zeros(3)) for unit in units], axis=-1)
+    return Statics(regrouped(moments, arm.model.gravity.linear), share, tuple(beyond))
 
 
 def _frames(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> Iterator[Shape | Label]:

@@ -18,11 +18,12 @@ const alpha5 = (() => {
   const shown = {};
   let poses = {};
 
-  // ---- kinematics: T_child = T_parent placement motion(q)
+  // ---- kinematics: the arm by the generated formulas, what is fixed to it or beyond it joint by joint
   for (const joint of data.tree) {
     joint.matrix = matrix(joint.transform);
     joint.direction = vector(joint.axis).normalize();
   }
+  const angles = () => data.sliders.slice(0, 4).map((name) => q[name]);
   const position = (joint) => joint.multiplier * (q[joint.source] || 0) + joint.offset;
   function motion(joint) {
     if (joint.kind === "revolute") return new THREE.Matrix4().makeRotationAxis(joint.direction, position(joint));
@@ -32,7 +33,11 @@ const alpha5 = (() => {
   function forwardKinematics() {
     const found = {};
     for (const link in data.root) found[link] = matrix(data.root[link]);
-    for (const joint of data.tree) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint));
+    const placed = { ...formulas.link_poses(angles()), tcp: formulas.forward_kinematics(angles()) };
+    for (const link in placed) found[link] = found.base_link.clone().multiply(matrix(placed[link]));
+    for (const joint of data.tree) {
+      if (!(joint.child in placed)) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint));
+    }
     return found;
   }
   function anchor(item) {
@@ -64,27 +69,26 @@ const alpha5 = (() => {
     }
   }
 
-  // ---- statics: the torque that holds the arm still, moments of weight and buoyancy beyond a joint
-  const down = vector(data.gravity).normalize();
+  // ---- statics: the torque that holds the arm still; bodies beyond link_4 move in it and count where they are
   const carried = {};
   for (const joint of data.tree.slice().reverse()) {
     carried[joint.child] = [joint.child, ...(carried[joint.child] || [])];
     carried[joint.parent] = [...(carried[joint.parent] || []), ...carried[joint.child]];
   }
-  function holding(joint) {
-    const origin = new THREE.Vector3().setFromMatrixPosition(poses[joint.child]);
-    const axis = joint.direction.clone().transformDirection(poses[joint.child]);
-    let torque = 0;
-    for (const load of data.loads) {
-      if (!carried[joint.child].includes(load.link)) continue;
-      const com = vector(load.com).applyMatrix4(poses[load.link]).sub(origin);
-      const cob = vector(load.cob).applyMatrix4(poses[load.link]).sub(origin);
-      torque -= com.cross(down).dot(axis) * load.weight - cob.cross(down).dot(axis) * load.buoyancy;
+  function holding() {
+    const toLink = poses.link_4.clone().invert();
+    const net = new THREE.Vector4(0, 0, 0, 0);
+    for (const [link, moment] of data.statics.beyond) {
+      net.add(new THREE.Vector4(...moment).applyMatrix4(toLink.clone().multiply(poses[link])));
     }
-    return shown.current ? torque - drag(joint, origin, axis) : torque;
+    const share = data.statics.share.map((row) => net.dot(new THREE.Vector4(...row)));
+    const parameters = data.statics.parameters.map((still, i) => still + share[i]);
+    return formulas.hydrostatic_torque(angles(), parameters);
   }
   // A steady current on links at rest: drag of their strips, and the Munk moment of their added mass.
-  function drag(joint, origin, axis) {
+  function drag(joint) {
+    const origin = new THREE.Vector3().setFromMatrixPosition(poses[joint.child]);
+    const axis = joint.direction.clone().transformDirection(poses[joint.child]);
     const flow = vector(data.current);
     const total = new THREE.Vector3();
     for (const stream of data.streams) {
@@ -113,7 +117,8 @@ const alpha5 = (() => {
   }
   function refresh() {
     poses = forwardKinematics();
-    for (const name in rows) rows[name].show();
+    const torques = holding();
+    Object.values(rows).forEach((row, i) => row.show(torques[i]));
     const tcp = poses.tcp && new THREE.Vector3().setFromMatrixPosition(poses.tcp);
     if (tcp) byId("readout").textContent = `tcp  x ${mm(tcp.x)}  y ${mm(tcp.y)}  z ${mm(tcp.z)} mm`;
     viewer.set_dirty();
@@ -196,12 +201,13 @@ const alpha5 = (() => {
     value.className = "value";
     torque.className = "torque";
     slider.oninput = () => { pause(); setJoint(joint.name, Number(slider.value)); };
-    rows[joint.name] = { show: () => {
+    rows[joint.name] = { show: (still) => {
       slider.value = q[joint.name];
       value.textContent = joint.kind === "prismatic" ? `${mm(q[joint.name])} mm` : `${(q[joint.name] * 180 / Math.PI).toFixed(1)}\u00b0`;
-      const torqueNow = holding(joint);
+      if (still === undefined) return; // the jaws
+      const torqueNow = shown.current ? still - drag(joint) : still;
       torque.dataset.value = torqueNow;
-      torque.textContent = joint.kind === "prismatic" ? "" : `holds ${fixed(torqueNow, 3)} N\u00b7m`;
+      torque.textContent = `holds ${fixed(torqueNow, 3)} N\u00b7m`;
     } };
   }
   for (const name in data.poses) {
@@ -209,6 +215,29 @@ const alpha5 = (() => {
     button.textContent = name;
     button.onclick = () => { pause(); setPose(data.poses[name]); };
   }
+  // ---- where the tcp should be: a button for each way to get there within the limits
+  const target = ["x", "y", "z"].map((axis) => {
+    const label = byId("target").appendChild(document.createElement("label"));
+    const input = document.createElement("input");
+    Object.assign(input, { type: "number", step: "5", name: axis });
+    label.append(`${axis} `, input);
+    input.oninput = () => solve();
+    return input;
+  });
+  byId("target").append("mm");
+  const ways = data.branches.map((name, i) => {
+    const button = byId("ways").appendChild(document.createElement("button"));
+    button.textContent = name.replace("_", " ");
+    button.onclick = () => { pause(); setPose([...solve().q[i], ...data.sliders.slice(4).map((joint) => q[joint])]); };
+    return button;
+  });
+  function solve() {
+    const found = formulas.inverse_kinematics(target.map((input) => Number(input.value) / 1e3), angles()[3]);
+    const empty = target.some((input) => input.value === "");
+    ways.forEach((button, i) => { button.disabled = empty || !found.within_limits[i]; });
+    return found;
+  }
+  solve();
   const dots = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c" };
   for (const group of data.groups) {
     const label = byId("groups").appendChild(document.createElement("label"));
@@ -304,5 +333,5 @@ const alpha5 = (() => {
   if (data.live) refresh();
   if (shown["see-through"]) setGroup("see-through", true);
   document.documentElement.dataset.ready = "true";
-  return { viewer, data, q, setJoint, setPose, setGroup, seek, play, pause, poses: () => poses };
+  return { viewer, data, q, holding, setJoint, setPose, setGroup, seek, play, pause, poses: () => poses };
 })();

@@ -19,6 +19,7 @@ import umsgpack  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Mean, Rigid, Scene, Shape
 
 #: meshcat's viewer in its package.
@@ -29,8 +30,7 @@ _AS_IT_STANDS = (
     "notes",
     "sliders",
     "labels",
-    "loads",
-    "gravity",
+    "statics",
     "current",
     "streams",
     "camera",
@@ -196,6 +196,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
             if name in drawn or name not in DRAWN
         ],
         "seeThrough": SEE_THROUGH,
+        "branches": BRANCHES,
         "poses": scene.named_poses,
         "motion": track and replace(track, time=track.time.round(4), q=track.q.round(5)),
     }
@@ -223,6 +224,7 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
         "meshcat": meshcat_script(),
         # "<" cannot close the script element that holds the data.
         "data": text.replace("<", "\\u003c"),
+        "formulas": _read("formulas.js"),
         "script": _read("page.js"),
     }
     page = _read("page.html")

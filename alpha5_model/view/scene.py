@@ -158,6 +158,21 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False)
+class Statics:
+    """What the torque that holds the arm still is computed from.
+
+    Attributes:
+        parameters: `alpha5_model.base_parameters` without what moves beyond link_4, (41,).
+        share: Of them by the net first moment and net mass of what does, in link_4, (41, 4).
+        beyond: Link, and net first moment [kg m] and net mass [kg] in its frame, (4,), of each such body.
+    """
+
+    parameters: FloatArray
+    share: FloatArray
+    beyond: tuple[tuple[str, FloatArray], ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Stream:
     """What a steady current does to one link at rest; estimated.
 
@@ -220,7 +235,7 @@ class Scene:
         q: Their positions.
         poses: Pose of every link in the world at ``q``, (4, 4).
         shapes, labels, loads: What to draw.
-        gravity: (3,) [m/s^2].
+        statics: The same for what holds them.
         camera: From where the scene is seen.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
@@ -237,7 +252,7 @@ class Scene:
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
-    gravity: FloatArray
+    statics: Statics
     camera: Camera
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
