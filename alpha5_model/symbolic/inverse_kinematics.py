@@ -9,8 +9,7 @@ a triangle. With
 four times its area, the angle gamma between the links has the tangent ``s / (l_1^2 + l_2^2 -
 rho^2)``, and the first link is turned from the direction of ``(r, h)`` by the angle with the tangent
 ``s / (rho^2 + l_1^2 - l_2^2)``, to either side. The factors keep their digits at the edge of reach,
-and each angle is one arctangent, measured from the middle of its joint's range so that it needs no
-full turn.
+and theta_1 is one arctangent, measured from the middle of its range so that it needs no full turn.
 
 No margin is a truth value, so that every kind of code can be made of this: what holds is the sign.
 Where rounding could turn a sign, the clearance is not positive, and the target is one for
@@ -44,13 +43,11 @@ def inverse_kinematics() -> casadi.Function:
     position, wrist = casadi.SX.sym("position", 3), casadi.SX.sym("wrist")
     x, y, z = casadi.vertsplit(position)
     radius, h = casadi.sqrt(x * x + y * y), z - g.d_0
-    half = [(upper - lower) / 2 for lower, upper, _ in g.limits]
+    ranges = [((upper - lower) / 2, middle) for lower, upper, middle in g.limits[:3]]
     theta_3, wrist_margin = _wrist(wrist)
 
-    # Angles from here on: less the middle of the joint's range.
-    faced = casadi.atan2(*_turned(x, y, g.azimuth_offset + g.middle[0]))
-    azimuth = faced, _wrapped(faced + math.pi)
-    gamma_middle = g.gamma_offset + g.middle[2]
+    azimuth = casadi.atan2(y, x) - g.azimuth_offset
+    theta_0 = [_wrapped(azimuth + half_turn, g.middle[0]) for half_turn in (0.0, math.pi)]
     reach, nearest, q, limits = [], [], {}, {}
     for pair, r in enumerate((radius - g.a_0, -radius - g.a_0)):
         rho_2 = r * r + h * h
@@ -60,15 +57,17 @@ def inverse_kinematics() -> casadi.Function:
         c = rho_2 + (g.l_1**2 - g.l_2**2)
         gamma = casadi.atan2(s, g.l_1**2 + g.l_2**2 - rho_2)
         ahead_h, ahead_r = _turned(r, h, g.phi_offset + g.middle[1])
-        bends = gamma - gamma_middle, _wrapped(-gamma - gamma_middle)
-        for branch, side, bend in ((pair, s, bends[0]), (pair + 2, -s, bends[1])):
-            shoulder = casadi.atan2(ahead_h * c - ahead_r * side, ahead_r * c + ahead_h * side)
-            off = azimuth[pair], shoulder, bend
-            margins = [most - casadi.fabs(angle) for most, angle in zip(half, off, strict=False)]
-            margin = reduce(casadi.fmin, margins)
+        theta_2 = gamma - g.gamma_offset, _wrapped(-gamma - g.gamma_offset, g.middle[2])
+        for branch, side, bend in ((pair, s, theta_2[0]), (pair + 2, -s, theta_2[1])):
+            off = casadi.atan2(ahead_h * c - ahead_r * side, ahead_r * c + ahead_h * side)
+            theta = theta_0[pair], g.middle[1] + off, bend
+            margin = reduce(
+                casadi.fmin,
+                (half - casadi.fabs(t - m) for t, (half, m) in zip(theta, ranges, strict=True)),
+            )
             nearest.append(casadi.fabs(margin))
             limits[branch] = casadi.fmin(margin, wrist_margin)
-            q[branch] = [m + angle for m, angle in zip(g.middle, off, strict=False)] + [theta_3]
+            q[branch] = [*theta, theta_3]
     edge = casadi.fmin(*map(casadi.fabs, reach)) * (1 / NEAR_EDGE)
     limit = reduce(casadi.fmin, nearest) * (1 / NEAR_LIMIT)
     clearance = reduce(casadi.fmin, (radius * (1 / NEAR_AXIS), edge, limit)) - 1
@@ -92,15 +91,15 @@ def _turned(x: casadi.SX, y: casadi.SX, angle: float) -> tuple[casadi.SX, casadi
     return cos * y - sin * x, cos * x + sin * y
 
 
-def _wrapped(angle: casadi.SX) -> casadi.SX:
-    """Full turns away, in [-pi, pi)."""
-    return angle - math.tau * casadi.floor(angle * (1 / math.tau) + 0.5)
+def _wrapped(angle: casadi.SX, middle: float) -> casadi.SX:
+    """The angle less full turns, within half a turn of a middle."""
+    return angle - math.tau * casadi.floor((angle - middle) * (1 / math.tau) + 0.5)
 
 
 def _wrist(wrist: casadi.SX) -> tuple[casadi.SX, casadi.SX]:
     """theta_3 in its range, put on a limit that it passes by rounding, and its margin."""
     lower, upper, middle = arm_plane().limits[3]
-    angle = wrist - math.tau * casadi.floor((wrist - middle) * (1 / math.tau) + 0.5)
+    angle = _wrapped(wrist, middle)
     beyond = angle - casadi.fmin(casadi.fmax(angle, lower), upper)
     # 1 up to the tolerance, 0 beyond it.
     rounding = casadi.fmin(

@@ -10526,195 +10526,200 @@ KERNEL(inverse_kinematics)
 {
     INTEGER rare = BITS(SPLAT(0.0));
     (void)k;
-    const V r2 = LOAD(1);
-    const V r5 = LOAD(0);
-    const V r30 = LOAD(2);
-    const V r128 = LOAD(3);
-    const V r3 = 0.9981175964169489 * r2;
-    const V r6 = (-0.06132914252500787) * r5;
-    const V r7 = r3 - r6;
-    const V r8 = 0.9981175964169489 * r5;
-    const V r9 = (-0.06132914252500787) * r2;
-    const V r10 = r8 + r9;
-    const V r11 = ATAN2(r7, r10);
-    const V r12 = 3.080225 + r11;
-    const V r15 = r11 + 3.141592653589793;
-    const V r18 = 0.15915494309189535 * r15;
-    const V r20 = r18 + 0.5;
-    const V r21 = FLOOR(r20);
-    const V r22 = 6.283185307179586 * r21;
-    const V r23 = r15 - r22;
-    const V r24 = 3.080225 + r23;
-    const V r32 = r30 - 0.0462;
-    const V r33 = 0.9178123008898539 * r32;
-    const V r35 = r5 * r5;
-    const V r36 = r2 * r2;
-    const V r37 = r35 + r36;
-    const V r38 = SQRT(r37);
-    const V r40 = r38 - 0.02;
-    const V r41 = 0.39701458453723387 * r40;
-    const V r42 = r33 - r41;
-    const V r43 = r40 * r40;
-    const V r44 = r32 * r32;
-    const V r45 = r43 + r44;
-    const V r47 = r45 + (-0.010087909999999992);
-    const V r48 = r42 * r47;
-    const V r49 = 0.9178123008898539 * r40;
-    const V r50 = 0.39701458453723387 * r32;
-    const V r51 = r49 + r50;
-    const V r53 = 0.1100998744210589 - r45;
-    const V r55 = r45 - 0.0009243055789411051;
-    const V r56 = r53 * r55;
-    const V r58 = FMAX(r56, 0.0);
-    const V r59 = SQRT(r58);
-    const V r60 = r51 * r59;
-    const V r61 = r48 - r60;
-    const V r62 = r51 * r47;
-    const V r63 = r42 * r59;
-    const V r64 = r62 + r63;
-    const V r65 = ATAN2(r61, r64);
-    const V r66 = 1.71042 + r65;
-    const V r68 = r38 + 0.02;
-    const V r69 = 0.39701458453723387 * r68;
-    const V r70 = r33 + r69;
-    const V r71 = r68 * r68;
-    const V r72 = r71 + r44;
-    const V r73 = r72 + (-0.010087909999999992);
-    const V r74 = r70 * r73;
-    const V r75 = 0.9178123008898539 * r68;
-    const V r76 = r50 - r75;
-    const V r77 = 0.1100998744210589 - r72;
-    const V r78 = r72 - 0.0009243055789411051;
-    const V r79 = r77 * r78;
-    const V r80 = FMAX(r79, 0.0);
-    const V r81 = SQRT(r80);
-    const V r82 = r76 * r81;
-    const V r83 = r74 - r82;
-    const V r84 = r76 * r73;
-    const V r85 = r70 * r81;
-    const V r86 = r84 + r85;
-    const V r87 = ATAN2(r83, r86);
-    const V r88 = 1.71042 + r87;
-    const V r90 = r48 + r60;
-    const V r91 = r62 - r63;
-    const V r92 = ATAN2(r90, r91);
-    const V r93 = 1.71042 + r92;
-    const V r95 = r74 + r82;
-    const V r96 = r84 - r85;
-    const V r97 = ATAN2(r95, r96);
-    const V r98 = 1.71042 + r97;
-    const V r101 = 0.05551209 - r45;
-    const V r102 = ATAN2(r59, r101);
-    const V r104 = r102 - 2.089715345060945;
-    const V r105 = 1.71042 + r104;
-    const V r107 = 0.05551209 - r72;
-    const V r108 = ATAN2(r81, r107);
-    const V r109 = r108 - 2.089715345060945;
-    const V r110 = 1.71042 + r109;
-    const V r112 = r102 + 2.089715345060945;
-    const V r113 = 0.15915494309189535 * r112;
-    const V r114 = 0.5 - r113;
-    const V r115 = FLOOR(r114);
-    const V r116 = 6.283185307179586 * r115;
-    const V r117 = r112 + r116;
-    const V r118 = 1.71042 - r117;
-    const V r120 = r108 + 2.089715345060945;
-    const V r121 = 0.15915494309189535 * r120;
-    const V r122 = 0.5 - r121;
-    const V r123 = FLOOR(r122);
-    const V r124 = 6.283185307179586 * r123;
-    const V r125 = r120 + r124;
-    const V r126 = 1.71042 - r125;
-    const V r130 = r128 - 3.1;
-    const V r131 = 0.15915494309189535 * r130;
-    const V r132 = r131 + 0.5;
-    const V r133 = FLOOR(r132);
-    const V r134 = 6.283185307179586 * r133;
-    const V r135 = r128 - r134;
-    const V r137 = FMAX(r135, 0.0);
-    const V r139 = FMIN(r137, 6.2);
-    const V r140 = r135 - r139;
-    const V r141 = FABS(r140);
-    const V r143 = FMAX(r141, 5e-13);
-    const V r144 = 1e-12 / r143;
-    const V r145 = FLOOR(r144);
-    const V r147 = FMIN(r145, 1.0);
-    const V r148 = r147 * r140;
-    const V r149 = r135 - r148;
-    const V r154 = FMIN(r53, r55);
-    const V r156 = FMIN(r77, r78);
-    const V r159 = FABS(r11);
-    const V r160 = 3.062775 - r159;
-    const V r162 = FABS(r65);
-    const V r163 = 1.6929699999999999 - r162;
-    const V r164 = FMIN(r160, r163);
-    const V r165 = FABS(r104);
-    const V r166 = 1.6929699999999999 - r165;
-    const V r167 = FMIN(r164, r166);
-    const V r168 = 6.2 - r149;
-    const V r169 = FMIN(r149, r168);
-    const V r170 = FMIN(r167, r169);
-    const V r172 = FABS(r23);
+    const V r0 = LOAD(1);
+    const V r1 = LOAD(0);
+    const V r27 = LOAD(2);
+    const V r125 = LOAD(3);
+    const V r2 = ATAN2(r0, r1);
+    const V r4 = r2 - 3.141592653589793;
+    const V r8 = r4 - 3.080225;
+    const V r9 = 0.15915494309189535 * r8;
+    const V r11 = r9 + 0.5;
+    const V r12 = FLOOR(r11);
+    const V r13 = 6.283185307179586 * r12;
+    const V r14 = r4 - r13;
+    const V r16 = r2 - 3.080225;
+    const V r17 = 0.15915494309189535 * r16;
+    const V r18 = r17 + 0.5;
+    const V r19 = FLOOR(r18);
+    const V r20 = 6.283185307179586 * r19;
+    const V r21 = r2 - r20;
+    const V r29 = r27 - 0.0462;
+    const V r30 = 0.9178123008898539 * r29;
+    const V r32 = r1 * r1;
+    const V r33 = r0 * r0;
+    const V r34 = r32 + r33;
+    const V r35 = SQRT(r34);
+    const V r37 = r35 - 0.02;
+    const V r38 = 0.39701458453723387 * r37;
+    const V r39 = r30 - r38;
+    const V r40 = r37 * r37;
+    const V r41 = r29 * r29;
+    const V r42 = r40 + r41;
+    const V r44 = r42 + (-0.010087909999999992);
+    const V r45 = r39 * r44;
+    const V r46 = 0.9178123008898539 * r37;
+    const V r47 = 0.39701458453723387 * r29;
+    const V r48 = r46 + r47;
+    const V r50 = 0.1100998744210589 - r42;
+    const V r52 = r42 - 0.0009243055789411051;
+    const V r53 = r50 * r52;
+    const V r55 = FMAX(r53, 0.0);
+    const V r56 = SQRT(r55);
+    const V r57 = r48 * r56;
+    const V r58 = r45 - r57;
+    const V r59 = r48 * r44;
+    const V r60 = r39 * r56;
+    const V r61 = r59 + r60;
+    const V r62 = ATAN2(r58, r61);
+    const V r63 = 1.71042 + r62;
+    const V r65 = r35 + 0.02;
+    const V r66 = 0.39701458453723387 * r65;
+    const V r67 = r30 + r66;
+    const V r68 = r65 * r65;
+    const V r69 = r68 + r41;
+    const V r70 = r69 + (-0.010087909999999992);
+    const V r71 = r67 * r70;
+    const V r72 = 0.9178123008898539 * r65;
+    const V r73 = r47 - r72;
+    const V r74 = 0.1100998744210589 - r69;
+    const V r75 = r69 - 0.0009243055789411051;
+    const V r76 = r74 * r75;
+    const V r77 = FMAX(r76, 0.0);
+    const V r78 = SQRT(r77);
+    const V r79 = r73 * r78;
+    const V r80 = r71 - r79;
+    const V r81 = r73 * r70;
+    const V r82 = r67 * r78;
+    const V r83 = r81 + r82;
+    const V r84 = ATAN2(r80, r83);
+    const V r85 = 1.71042 + r84;
+    const V r87 = r45 + r57;
+    const V r88 = r59 - r60;
+    const V r89 = ATAN2(r87, r88);
+    const V r90 = 1.71042 + r89;
+    const V r92 = r71 + r79;
+    const V r93 = r81 - r82;
+    const V r94 = ATAN2(r92, r93);
+    const V r95 = 1.71042 + r94;
+    const V r98 = 0.05551209 - r42;
+    const V r99 = ATAN2(r56, r98);
+    const V r101 = r99 - 0.37929534506094487;
+    const V r103 = 0.05551209 - r69;
+    const V r104 = ATAN2(r78, r103);
+    const V r105 = r104 - 0.37929534506094487;
+    const V r107 = r99 + 0.37929534506094487;
+    const V r108 = r107 + 1.71042;
+    const V r109 = 0.15915494309189535 * r108;
+    const V r110 = 0.5 - r109;
+    const V r111 = FLOOR(r110);
+    const V r112 = 6.283185307179586 * r111;
+    const V r113 = r107 + r112;
+    const V r114 = -r113;
+    const V r116 = r104 + 0.37929534506094487;
+    const V r117 = r116 + 1.71042;
+    const V r118 = 0.15915494309189535 * r117;
+    const V r119 = 0.5 - r118;
+    const V r120 = FLOOR(r119);
+    const V r121 = 6.283185307179586 * r120;
+    const V r122 = r116 + r121;
+    const V r123 = -r122;
+    const V r127 = r125 - 3.1;
+    const V r128 = 0.15915494309189535 * r127;
+    const V r129 = r128 + 0.5;
+    const V r130 = FLOOR(r129);
+    const V r131 = 6.283185307179586 * r130;
+    const V r132 = r125 - r131;
+    const V r134 = FMAX(r132, 0.0);
+    const V r136 = FMIN(r134, 6.2);
+    const V r137 = r132 - r136;
+    const V r138 = FABS(r137);
+    const V r140 = FMAX(r138, 5e-13);
+    const V r141 = 1e-12 / r140;
+    const V r142 = FLOOR(r141);
+    const V r144 = FMIN(r142, 1.0);
+    const V r145 = r144 * r137;
+    const V r146 = r132 - r145;
+    const V r151 = FMIN(r50, r52);
+    const V r153 = FMIN(r74, r75);
+    const V r156 = r14 - 3.080225;
+    const V r157 = FABS(r156);
+    const V r158 = 3.062775 - r157;
+    const V r160 = FABS(r62);
+    const V r161 = 1.6929699999999999 - r160;
+    const V r162 = FMIN(r158, r161);
+    const V r163 = r101 - 1.71042;
+    const V r164 = FABS(r163);
+    const V r165 = 1.6929699999999999 - r164;
+    const V r166 = FMIN(r162, r165);
+    const V r167 = 6.2 - r146;
+    const V r168 = FMIN(r146, r167);
+    const V r169 = FMIN(r166, r168);
+    const V r171 = r21 - 3.080225;
+    const V r172 = FABS(r171);
     const V r173 = 3.062775 - r172;
-    const V r174 = FABS(r87);
+    const V r174 = FABS(r84);
     const V r175 = 1.6929699999999999 - r174;
     const V r176 = FMIN(r173, r175);
-    const V r177 = FABS(r109);
-    const V r178 = 1.6929699999999999 - r177;
-    const V r179 = FMIN(r176, r178);
-    const V r180 = FMIN(r179, r169);
-    const V r182 = FABS(r92);
-    const V r183 = 1.6929699999999999 - r182;
-    const V r184 = FMIN(r160, r183);
-    const V r185 = FABS(r117);
-    const V r186 = 1.6929699999999999 - r185;
-    const V r187 = FMIN(r184, r186);
-    const V r188 = FMIN(r187, r169);
-    const V r190 = FABS(r97);
-    const V r191 = 1.6929699999999999 - r190;
-    const V r192 = FMIN(r173, r191);
-    const V r193 = FABS(r125);
-    const V r194 = 1.6929699999999999 - r193;
-    const V r195 = FMIN(r192, r194);
-    const V r196 = FMIN(r195, r169);
-    const V r199 = 100000000.0 * r38;
-    const V r201 = FABS(r154);
-    const V r202 = FABS(r156);
-    const V r203 = FMIN(r201, r202);
-    const V r204 = 499999999.99999994 * r203;
-    const V r205 = FMIN(r199, r204);
-    const V r207 = FABS(r167);
-    const V r208 = FABS(r187);
-    const V r209 = FMIN(r207, r208);
-    const V r210 = FABS(r179);
-    const V r211 = FMIN(r209, r210);
-    const V r212 = FABS(r195);
-    const V r213 = FMIN(r211, r212);
-    const V r214 = 1000000.0 * r213;
-    const V r215 = FMIN(r205, r214);
-    const V r216 = r215 - 1.0;
-    STORE(0, r12)
-    STORE(1, r66)
-    STORE(2, r105)
-    STORE(3, r149)
-    STORE(4, r24)
-    STORE(5, r88)
-    STORE(6, r110)
-    STORE(7, r149)
-    STORE(8, r12)
-    STORE(9, r93)
-    STORE(10, r118)
-    STORE(11, r149)
-    STORE(12, r24)
-    STORE(13, r98)
-    STORE(14, r126)
-    STORE(15, r149)
-    STORE(16, r154)
-    STORE(17, r156)
-    STORE(18, r170)
-    STORE(19, r180)
-    STORE(20, r188)
-    STORE(21, r196)
-    STORE(22, r216)
+    const V r177 = r105 - 1.71042;
+    const V r178 = FABS(r177);
+    const V r179 = 1.6929699999999999 - r178;
+    const V r180 = FMIN(r176, r179);
+    const V r181 = FMIN(r180, r168);
+    const V r183 = FABS(r89);
+    const V r184 = 1.6929699999999999 - r183;
+    const V r185 = FMIN(r158, r184);
+    const V r186 = r113 + 1.71042;
+    const V r187 = FABS(r186);
+    const V r188 = 1.6929699999999999 - r187;
+    const V r189 = FMIN(r185, r188);
+    const V r190 = FMIN(r189, r168);
+    const V r192 = FABS(r94);
+    const V r193 = 1.6929699999999999 - r192;
+    const V r194 = FMIN(r173, r193);
+    const V r195 = r122 + 1.71042;
+    const V r196 = FABS(r195);
+    const V r197 = 1.6929699999999999 - r196;
+    const V r198 = FMIN(r194, r197);
+    const V r199 = FMIN(r198, r168);
+    const V r202 = 100000000.0 * r35;
+    const V r204 = FABS(r151);
+    const V r205 = FABS(r153);
+    const V r206 = FMIN(r204, r205);
+    const V r207 = 499999999.99999994 * r206;
+    const V r208 = FMIN(r202, r207);
+    const V r210 = FABS(r166);
+    const V r211 = FABS(r189);
+    const V r212 = FMIN(r210, r211);
+    const V r213 = FABS(r180);
+    const V r214 = FMIN(r212, r213);
+    const V r215 = FABS(r198);
+    const V r216 = FMIN(r214, r215);
+    const V r217 = 1000000.0 * r216;
+    const V r218 = FMIN(r208, r217);
+    const V r219 = r218 - 1.0;
+    STORE(0, r14)
+    STORE(1, r63)
+    STORE(2, r101)
+    STORE(3, r146)
+    STORE(4, r21)
+    STORE(5, r85)
+    STORE(6, r105)
+    STORE(7, r146)
+    STORE(8, r14)
+    STORE(9, r90)
+    STORE(10, r114)
+    STORE(11, r146)
+    STORE(12, r21)
+    STORE(13, r95)
+    STORE(14, r123)
+    STORE(15, r146)
+    STORE(16, r151)
+    STORE(17, r153)
+    STORE(18, r169)
+    STORE(19, r181)
+    STORE(20, r190)
+    STORE(21, r199)
+    STORE(22, r219)
     return ORDINARY(rare);
 }
