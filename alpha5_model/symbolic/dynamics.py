@@ -167,29 +167,6 @@ def weightless(base_parameters: SX) -> SX:
     return vertcat(base_parameters[:-3], SX.zeros(3))
 
 
-def factored(matrix: SX) -> tuple[SX, SX]:
-    """L with ones on its diagonal, and D, of a positive definite matrix ``L diag(D) L^T``."""
-    n = matrix.shape[0]
-    lower, diagonal = SX.eye(n), SX.zeros(n)
-    for j in range(n):
-        scaled = lower[j, :j].T * diagonal[:j]
-        diagonal[j] = matrix[j, j] - lower[j, :j] @ scaled
-        for i in range(j + 1, n):
-            lower[i, j] = (matrix[i, j] - lower[i, :j] @ scaled) / diagonal[j]
-    return lower, diagonal
-
-
-def solved(factors: tuple[SX, SX], right: SX) -> SX:
-    """X of ``L diag(D) L^T X = right``."""
-    lower, diagonal = factors
-    x, n = SX(right), right.shape[0]
-    for i in range(n):
-        x[i, :] -= lower[i, :i] @ x[:i, :]
-    for i in reversed(range(n)):
-        x[i, :] = x[i, :] / diagonal[i] - lower[i + 1 :, i].T @ x[i + 1 :, :]
-    return x
-
-
 def dynamics() -> tuple[casadi.Function, ...]:
     """Every function; inputs are of q, v, a, tau and the base parameters.
 
@@ -208,9 +185,9 @@ def dynamics() -> tuple[casadi.Function, ...]:
         for name in "qva"
     }
     mass = mass_matrix(q, p)
-    factors = factored(mass)
-    acceleration = solved(factors, tau - bias)
-    mobility = casadi.tril2symm(casadi.tril(solved(factors, SX.eye(JOINTS))))
+    factors = casadi.ldl(mass, False)
+    acceleration = casadi.ldl_solve(tau - bias, *factors)
+    mobility = casadi.tril2symm(casadi.tril(casadi.ldl_solve(SX.eye(JOINTS), *factors)))
     pushed = casadi.substitute(by["q"][0], a, acceleration)
     every: dict[str, tuple[str, dict[str, SX]]] = {
         "forward_kinematics": ("q", {"tcp": tip}),

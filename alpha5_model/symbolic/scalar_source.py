@@ -6,7 +6,7 @@ A language says how it writes what it does not write as C does; the rest is the 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from alpha5_model.symbolic.program import Program, Slot
@@ -56,6 +56,13 @@ class Language:
         text = repr(value) + self.suffix
         return f"({text})" if value < 0.0 else text
 
+    def expression(self, op: str, given: Sequence[str]) -> str:
+        """An operation on what is given."""
+        operators = {**_OPERATORS, **self.operators}
+        if op in operators:
+            return operators[op].format(*given)
+        return f"{self.function(op)}({', '.join(given)})"
+
 
 _SHORT = {"fmin": "min", "fmax": "max", "fabs": "abs"}
 DOUBLE = Language("const double {} = {};", "const int {} = {};")
@@ -81,7 +88,6 @@ def statements(
     read: list[str] = []
     computed: list[str] = []
     results = [[""] * slot.size for slot in program.outputs]
-    operators = {**_OPERATORS, **language.operators}
     for op, register, arguments, value in program.steps:
         name = f"r{register}"
         if op == "output":
@@ -96,11 +102,7 @@ def statements(
             slot, index = arguments
             read.append(language.number.format(name, element(program.inputs[slot], index)))
             continue
-        given = [names[argument] for argument in arguments]
-        if op in operators:
-            text = operators[op].format(*given)
-        else:
-            text = f"{language.function(op)}({', '.join(given)})"
+        text = language.expression(op, [names[argument] for argument in arguments])
         statement = language.truth if op in _TRUTHS else language.number
         computed.append(statement.format(name, text))
     return read + computed, results

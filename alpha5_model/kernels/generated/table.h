@@ -788,11 +788,11 @@ PREPARE(forward_dynamics)
     const double r316 = p[4];
     const double r320 = 0.02 * r303;
     const double r387 = 0.02 * r301;
-    const double r459 = r208 + r82;
-    const double r496 = r281 + r22;
-    const double r546 = 0.02 * r146;
-    const double r549 = 0.02 * r193;
-    const double r587 = r188 + r119;
+    const double r451 = r281 + r22;
+    const double r456 = r208 + r82;
+    const double r564 = 0.02 * r146;
+    const double r567 = 0.02 * r193;
+    const double r586 = r188 + r119;
     k[0] = r14;
     k[1] = r22;
     k[2] = r31;
@@ -828,11 +828,11 @@ PREPARE(forward_dynamics)
     k[32] = r320;
     k[33] = r387;
     k[34] = r316;
-    k[35] = r459;
-    k[36] = r496;
-    k[37] = r546;
-    k[38] = r549;
-    k[39] = r587;
+    k[35] = r456;
+    k[36] = r451;
+    k[37] = r564;
+    k[38] = r567;
+    k[39] = r586;
 }
 PREPARE(forward_dynamics_derivatives)
 {
@@ -869,13 +869,13 @@ PREPARE(forward_dynamics_derivatives)
     const double r288 = p[36];
     const double r334 = p[10];
     const double r336 = p[9];
-    const double r512 = p[40];
+    const double r522 = p[40];
     const double r87 = 0.02 * r86;
     const double r141 = 0.02 * r140;
     const double r163 = r136 + r81;
     const double r169 = r124 + r91;
-    const double r224 = 0.02 * r37;
-    const double r227 = 0.02 * r42;
+    const double r223 = 0.02 * r37;
+    const double r226 = 0.02 * r42;
     const double r244 = r59 + r48;
     k[0] = r0;
     k[1] = r10;
@@ -903,8 +903,8 @@ PREPARE(forward_dynamics_derivatives)
     k[23] = r80;
     k[24] = r169;
     k[25] = r163;
-    k[26] = r224;
-    k[27] = r227;
+    k[26] = r223;
+    k[27] = r226;
     k[28] = r244;
     k[29] = r260;
     k[30] = r264;
@@ -916,7 +916,7 @@ PREPARE(forward_dynamics_derivatives)
     k[36] = r288;
     k[37] = r334;
     k[38] = r336;
-    k[39] = r512;
+    k[39] = r522;
 }
 PREPARE(inverse_kinematics)
 {
