@@ -17,8 +17,9 @@ demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture pag
 test: $(VENV)/.test ## every test
 	$(BIN)/python -m pytest
 
-docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning is an error
+docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
+	$(BIN)/python scripts/check_links.py build/docs
 
 lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
 	$(BIN)/ruff format --check .

@@ -24,6 +24,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 
 sys.path.insert(0, str(REPOSITORY / "scripts"))
+import check_links
 import public_models
 
 #: Languages of blocks that hold nothing to run.
@@ -143,6 +144,16 @@ def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> Non
     assert public_models.main([str(models), "--page", str(copy)]) == 0
     between = re.compile(r"(?s)(?<=models: begin -->).*(?=<!-- public models: end)")
     assert between.search(copy.read_text("utf-8"))[0] == between.search(page.read_text("utf-8"))[0]
+
+
+def test_a_dead_link_is_found(tmp_path: Path) -> None:
+    (tmp_path / "b.html").write_text('<p id="here"></p>', "utf-8")
+    good = '<a href="b.html#here">1</a> <a href="b.html">2</a> <a href="https://x.org/y">3</a>'
+    bad = ["b.html#there", "c.html"]
+    text = good + "".join(f'<a href="{link}">4</a>' for link in bad)
+    (tmp_path / "a.html").write_text(text, "utf-8")
+    assert check_links.dead_links(tmp_path) == (4, [f"a.html: {link}" for link in bad])
+    assert check_links.main(tmp_path) == 1
 
 
 # --- nothing is left out ------------------------------------------------------------------------

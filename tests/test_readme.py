@@ -6,6 +6,7 @@ A blank line or a missing cell turns the rest of a table into plain text.
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from pages import PAGES, REPOSITORY, generated_text
@@ -44,6 +45,20 @@ def test_every_row_stands_in_a_table() -> None:
 )
 def test_a_broken_table_is_seen(text: str, fault: str) -> None:
     assert fault in faults(text)[0]
+
+
+def broken(page: Path, text: str) -> list[str]:
+    """Links of a page to files that are not there."""
+    links = re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M))
+    files = [link.partition("#")[0] for link in links if ":" not in link]
+    return [name for name in files if name and not (page.parent / name).exists()]
+
+
+def test_every_link_leads_to_a_file() -> None:
+    assert {page.name: broken(page, page.read_text("utf-8")) for page in PAGES} == {
+        page.name: [] for page in PAGES
+    }
+    assert broken(PAGES[0], "[a](README.md#x) [b](docs/none.md)") == ["docs/none.md"]
 
 
 # --- the errata are the audit's ----------------------------------------------------------------

@@ -8,6 +8,7 @@ the package; it is shown as code. Any other name is left to Sphinx, which warns.
 from __future__ import annotations
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -104,11 +105,31 @@ def reshape(
             lines[i] = f"    - {entry}" if entry.startswith("[") else f"      {entry}"
 
 
+def mend_ways_back(app: Any, page: str, _template: str, context: Any, _doctree: Any) -> None:
+    """Links from the page of a source to what is documented, whose names need not be the module's."""
+    if not page.startswith("_modules/") or "body" not in context:
+        return
+    documented = app.env.domains["py"].objects
+
+    def mended(link: re.Match[str]) -> str:
+        target = f"{link[2]}.html"
+        name = link[3].removeprefix("alpha5_model.")
+        for known, entry in documented.items():
+            if target.endswith(f"/{entry.docname}.html") and known.endswith(f".{name}"):
+                return f"{link[1]}{target}#{entry.node_id}"
+        return link[0]
+
+    context["body"] = re.sub(
+        r'(class="viewcode-back" href=")([^"#]+)\.html#([^"]+)', mended, context["body"]
+    )
+
+
 def setup(app: Any) -> dict[str, Any]:
     """Sphinx's entry point."""
     GoogleDocstring._consume_returns_section = returned  # type: ignore[method-assign]
     GoogleDocstring._consume_inline_attribute = property_text  # type: ignore[method-assign]
     app.connect("missing-reference", resolve)
     app.connect("autodoc-skip-member", skip_fields)
+    app.connect("html-page-context", mend_ways_back)
     app.connect("autodoc-process-docstring", reshape, priority=100)
     return {"parallel_read_safe": True}
