@@ -42,6 +42,37 @@ if "$work/venv/bin/alpha5" generate --gripper none 2>error.txt; then exit 1; fi
 test "$(wc -l <error.txt)" = 1
 "$work/venv/bin/alpha5" generate --check
 
+# A command for a version such as 3.12, if there is one here: on the path, of uv or of pyenv.
+python_of() {
+  local found
+  for found in "python$1" "$(uv python find "$1" 2>/dev/null)" "$(pyenv prefix "$1" 2>/dev/null)/bin/python"; do
+    if "$found" -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$1')" 2>/dev/null; then
+      echo "$found" && return
+    fi
+  done
+}
+
+# The same wheel, and the first lines of README, on each Python that is here.
+awk '/^```python$/ {inside = 1; next} /^```$/ {if (inside) exit} inside' "$repository/README.md" >first.py
+echo 'print(a5.backend(), tau); assert tau.shape == (4,) and np.isfinite(tau).all()' >>first.py
+echo 'assert a5.backend().startswith("compiled")' >>first.py
+main=$("$work/venv/bin/python" -c "import sys; print('%d.%d' % sys.version_info[:2])")
+ln -s "$work/venv" "$work/$main"
+for version in 3.11 3.12 3.13; do
+  python=$(python_of "$version")
+  if [ ! -e "$work/$version" ]; then
+    if [ -z "$python" ]; then
+      echo "Python $version is not here: not run"
+      continue
+    fi
+    "$python" -m venv "$work/$version"
+    "$work/$version/bin/python" -m pip install --quiet "$work"/dist/*.whl
+  fi
+  echo "Python $version"
+  "$work/$version/bin/python" first.py
+  "$work/$version/bin/alpha5" ik 0.25 0.10 0.10
+done
+
 # Without a compiler: an error where the kernels are required, else one line, and NumPy computes.
 without_compiler() { env -u CC PATH="$work/venv/bin" "$work/venv/bin/python" "$@"; }
 mkdir "$work/source" && tar -xzf "$work"/dist/*.tar.gz -C "$work/source" --strip-components 1

@@ -237,8 +237,9 @@ def test_messages_of_other_joints_and_without_numbers_are_left_out(tmp_path: Pat
     for few, left in ((samples(4), 4), (nothing, 0)):
         (tmp_path / f"{left}").mkdir()
         path = write_bag(tmp_path / f"{left}", ".bag", few)
-        with pytest.raises(InputError, match=f"at least 5 samples, got {left}"):
+        with pytest.raises(InputError, match=f"at least 5 samples, got {left}") as caught:
             a5.trajectory.read_motion(path)
+        assert ("not finite, message left out: 40 x" in str(caught.value)) == (left == 0)
 
 
 def test_simulated_time_may_start_at_zero(tmp_path: Path) -> None:

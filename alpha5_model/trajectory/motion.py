@@ -143,7 +143,8 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted."""
     time, position, velocity, effort = raw.time, raw.position, raw.velocity, raw.effort
     if time.size < MINIMUM_SAMPLES:
-        name = raw.source if raw.source != "arrays" else "time"
+        why = "; ".join(map(str, raw.warnings))
+        name = raw.source + (f" ({why})" if why else "") if raw.source != "arrays" else "time"
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
     for what, table, most in (
         ("time", time[:, None], _MOST_TIME),

@@ -105,22 +105,17 @@ def _efforts(joints: dict[str, Any], kind: str, units: dict[str, str]) -> Iterat
     found = {name: j["effort"] for name, j in joints.items() if j.get("effort")}
     if found:
         title = f"  recorded effort, less {kind} [{units['torque']}]"
-        heads = ("effort rms", "mean", "peak", "rms", "+friction", "correlation")
-        yield f"\n{title:36}" + "".join(f"{head:>12}" for head in heads)
+        heads = ("effort rms", "mean", "peak", "rms", "less friction", "correlation")
+        yield f"\n{title:36}" + "".join(f"{head:>14}" for head in heads)
     for name, e in found.items():
         mean, peak = e["difference_mean"], e["difference_peak"]["value"]
         rest = (e["difference_rms"], e["difference_rms_with_friction"], e["correlation"])
-        cells = "".join(f"{'-' if x is None else format(x, '.4g'):>12}" for x in rest)
-        yield f"  {name:34}{e['rms']:12.4g}{mean:+12.4g}{peak:+12.4g}{cells}"
+        cells = "".join(f"{'-' if x is None else format(x, '.4g'):>14}" for x in rest)
+        yield f"  {name:34}{e['rms']:14.4g}{mean:+14.4g}{peak:+14.4g}{cells}"
 
 
 def _notes(record: dict[str, Any]) -> Iterator[str]:
     motors, left = record["motors"], record["energy"]["contradiction_j"]
-    if any(j.get("effort") for j in record["joints"].values()):
-        yield (
-            "effort is as recorded, over the samples that have it; +friction: rms of what is left after torque "
-            "and friction, which a motor gives"
-        )
     yield (
         f"a joint slower than {REST_SHARE:.1%} of its rated speed counts as at rest: friction holds it and "
         "its motor needs the least current that keeps it there"
