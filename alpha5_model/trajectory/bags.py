@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from alpha5_model.errors import (
     MissingFileError,
 )
 from alpha5_model.files import PathLike
-from alpha5_model.trajectory.columns import find_columns, only, prefixes, table_motion
+from alpha5_model.trajectory.columns import only, prefixes
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Place, Progress
 
 SUFFIXES = (".bag", ".db3", ".mcap")
@@ -49,15 +48,14 @@ def read_bag(
     Messages of the topic count from 1, in the order of the bag.
     """
     streams = _streams(path, topic, progress)
-    topic, before, names = _chosen(path, streams, prefix)
-    rows, partial = [], []
+    topic, before, wanted = _chosen(path, streams, prefix)
+    n, nothing, rows, partial = len(wanted), np.full(len(wanted), np.nan), [], []
     for number, (publisher, received, stamp, m) in enumerate(streams[topic], start=1):
         count = len(m.name)
-        if len(m.position) != count or not {*names} <= {*m.name}:
+        if len(m.position) != count or not {*wanted} <= {*m.name}:
             partial.append(number)
             continue
-        at = [m.name.index(name) for name in names]
-        nothing = np.full(len(at), np.nan)
+        at = [m.name.index(name) for name in wanted]
         fields = (x[at] if len(x) == count else nothing for x in (m.position, m.velocity, m.effort))
         rows.append((number, publisher, received, stamp, np.concatenate([*fields])))
     unstamped = [row[0] for row in rows if not row[3]]
@@ -67,37 +65,45 @@ def read_bag(
     back = [rows[k][0] for k in range(1, len(rows)) if ns[k] < ns[k - 1]]
     order = sorted(range(len(rows)), key=ns.__getitem__)  # keeps the order of equal times
     # Python divides whole numbers to the last digit; nanoseconds since 1970 do not fit a float.
-    table = np.array([[ns[k] / 10**9, *rows[k][4]] for k in order])
-    header = ["time_secs", *(name + end for end in ("_pos", "_vel", "_effort") for name in names)]
-    columns = find_columns(path, header, before)
-    positions = columns.needed[: 1 + len(columns.joints)]
-    table = table.reshape(-1, len(header))
-    whole = np.isfinite(table[:, positions]).all(axis=1)
+    time = np.array([ns[k] / 10**9 for k in order])
+    table = np.array([rows[k][4] for k in order]).reshape(-1, 3 * n)
     numbers = np.array([rows[k][0] for k in order], dtype=int)
-    holes, numbers, table = numbers[~whole], numbers[whole], table[whole]
-    slow = numbers[~np.isfinite(table[:, columns.needed]).all(axis=1)]
-    if slow.size:
-        columns = columns._replace(needed=positions)
-
-    def place(row: int, column: int) -> str:
-        return f"message {numbers[row]} of {topic} ({header[column]})"
-
-    raw, where = table_motion(path, columns, table[:, columns.used], place, "s")
+    whole = np.isfinite(table[:, :n]).all(axis=1)
+    holes, numbers = numbers[~whole], numbers[whole]
+    position, velocity, effort = np.split(table[whole], 3, axis=1)
+    slow = numbers[~np.isfinite(velocity).all(axis=1)]
     publishers = {row[1]: row[0] for row in reversed(rows)}
     found: tuple[tuple[str, Sequence[int], str], ...] = (
-        ("missing_joints", partial, f"no position of each of {', '.join(names)}, message left out"),
+        (
+            "missing_joints",
+            partial,
+            f"no position of each of {', '.join(wanted)}, message left out",
+        ),
         ("not_finite", holes, "positions that are not finite, message left out"),
         ("no_stamp", unstamped, "no stamp; all times are those of recording"),
         ("out_of_order", back, "time runs back, messages sorted"),
         ("publishers", [*publishers.values()][1:], f"publishers: {', '.join(sorted(publishers))}"),
         ("velocity", slow if slow.size < numbers.size else [], "no velocities, so none is used"),
     )
-    warnings = tuple(
-        MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
-        for kind, at, text in found
-        if len(at)
+    raw = Motion(
+        time[whole],
+        JOINTS[:n],
+        position,
+        None if slow.size else velocity,
+        tuple(
+            MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
+            for kind, at, text in found
+            if len(at)
+        ),
+        str(path),
+        tuple(sorted({name for *_, m in streams[topic] for name in m.name} - {*wanted})),
+        effort=effort,
     )
-    return replace(raw, warnings=warnings), where
+
+    def place(sample: int, joint: str | None) -> str:
+        return f"message {numbers[sample]} of {topic}" + (f" ({before}{joint})" if joint else "")
+
+    return raw, place
 
 
 def _streams(
@@ -146,8 +152,8 @@ def _streams(
 
 def _chosen(
     path: PathLike, streams: dict[str, list[_Received]], asked: str | None
-) -> tuple[str, str, tuple[str, ...]]:
-    """The only topic that names the arm's joints, their only prefix, and all names of most messages."""
+) -> tuple[str, str, list[str]]:
+    """The only topic that names the arm's joints, their only prefix, and the joints in most messages."""
     named = Counter((topic, tuple(m.name)) for topic, got in streams.items() for *_, m in got)
     found = {
         (*key, before): count
@@ -161,4 +167,4 @@ def _chosen(
     topic = only("topic", sorted({topic for topic, *_ in found}))
     before = only("prefix", sorted({before for t, _, before in found if t == topic}))
     most = max((key for key in found if key[::2] == (topic, before)), key=found.__getitem__)
-    return topic, before, most[1]
+    return topic, before, [before + joint for joint in JOINTS if before + joint in most[1]]

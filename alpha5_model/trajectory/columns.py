@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,44 +19,35 @@ _TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNOREC
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 POSITION_SUFFIXES = ("_pos", "_position", "")
 VELOCITY_SUFFIXES = ("_vel", "_velocity")
-EFFORT_SUFFIXES = ("_effort",)
+_EFFORT = "_effort"
+
+#: Columns that must be finite, columns of efforts -> numbers (N, k), and the unit of the time.
+Read = Callable[[list[int], list[int]], tuple[FloatArray, str | None]]
 
 
-class Columns(NamedTuple):
-    """Places of the columns that are used.
-
-    Attributes:
-        header: Names of all columns.
-        joints: Four, or five with the jaw rod, base to tip.
-        needed: Time, positions and, if recorded, velocities; all their numbers must be finite.
-        efforts: Joint number -> place, for the joints that have one.
-    """
-
-    header: Sequence[str]
-    joints: tuple[str, ...]
-    needed: list[int]
-    efforts: dict[int, int]
-
-    @property
-    def used(self) -> list[int]:
-        """The needed ones, then the efforts."""
-        return [*self.needed, *self.efforts.values()]
-
-
-def find_columns(
-    path: Any, header: Sequence[str], prefix: str | None = None, place: str = ""
-) -> Columns:
-    """Columns by name; see `read_motion`.
+def table_motion(
+    path: Any,
+    header: Sequence[str],
+    read: Read,
+    place: Callable[[int, int], str],
+    prefix: str | None = None,
+    head: str = "",
+) -> tuple[Motion, Place]:
+    """The motion of a table, still to be checked, and what says where a number of it stands.
 
     Args:
-        path: For messages.
-        header: Names of all columns.
+        path: The file.
+        header: Names of all columns; see `read_motion`.
+        read: (columns that must be finite, the time first; columns of efforts) -> their numbers,
+            (N, k), without efforts if these are no numbers; and the unit of the time if the file's
+            format says it, else None, which judges by name, steps and speeds.
+        place: (row, column) -> words.
         prefix: What stands before each joint's name; None finds it.
-        place: Where the names stand in the file, for messages.
+        head: Where the names stand in the file, for messages.
 
     Raises:
         FileFormatError: A column that is missing, or there twice.
-        InputError: Several prefixes, or another one than those.
+        InputError: Several prefixes.
     """
     # Without any that names all joints, the message below says what is missing.
     before = only("prefix", prefixes(header, POSITION_SUFFIXES, prefix) or [prefix or ""])
@@ -72,7 +63,7 @@ def find_columns(
         if not there:
             got = ", ".join(header)[:200]
             problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
-        raise FileFormatError(path, problem, place)
+        raise FileFormatError(path, problem, head)
 
     def of(joints: Sequence[str], suffixes: Sequence[str], what: str, why: str = "") -> list[int]:
         return [column(named(j, suffixes), f"{what} of {j}", why) for j in joints]
@@ -87,13 +78,41 @@ def find_columns(
     needed += of(joints, POSITION_SUFFIXES, "the position")
     if given(joints, VELOCITY_SUFFIXES):
         needed += of(joints, VELOCITY_SUFFIXES, "the velocity", ", while others have one")
-    efforts = {
-        k: header.index(name)
-        for k, joint in enumerate(joints)
-        for name in named(joint, EFFORT_SUFFIXES)
-        if name in header
-    }
-    return Columns(header, joints, needed, efforts)
+    recorded = {k: f"{before}{joint}{_EFFORT}" for k, joint in enumerate(joints)}
+    efforts = {k: header.index(name) for k, name in recorded.items() if name in header}
+    table, unit = read(needed, list(efforts.values()))
+    n, known, name = len(joints), len(needed), header[needed[0]]
+    time, position = table[:, 0], table[:, 1 : 1 + n]
+
+    def at(sample: int, joint: str | None) -> str:
+        return place(sample, needed[joints.index(joint) + 1 if joint else 0])
+
+    warnings: tuple[MotionWarning, ...] = ()
+    if unit is None:
+        guess, stated = _likely_unit(time, position), _TIME_WITH_UNIT.fullmatch(name)
+        unit = guess if stated is None else stated[1].lower()
+        if guess != "s" and (unit == "s" or stated is None):
+            text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
+            if stated is not None:
+                text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
+            warnings = (MotionWarning("time_unit", 1, at(0, None), text),)
+    effort = None
+    if table.shape[1] > known:
+        effort = np.full_like(position, np.nan)
+        effort[:, list(efforts)] = table[:, known:]
+        needed += efforts.values()
+    raw = Motion(
+        time / PER_SECOND[unit],
+        joints,
+        position,
+        table[:, 1 + n : known] if known > 1 + n else None,
+        warnings=warnings,
+        source=str(path),
+        ignored=tuple(name for k, name in enumerate(header) if k not in needed),
+        time_unit=unit,
+        effort=effort,
+    )
+    return raw, at
 
 
 def prefixes(
@@ -123,58 +142,6 @@ def only(what: str, found: Sequence[str]) -> str:
     if len(found) > 1:
         raise InputError(what, None, f"one of {', '.join(found)}: each has the joints of an arm")
     return found[0]
-
-
-def table_motion(
-    path: Any,
-    columns: Columns,
-    table: FloatArray,
-    place: Callable[[int, int], str],
-    unit: str | None = None,
-) -> tuple[Motion, Place]:
-    """The motion, still to be checked, and what says where a number of it stands.
-
-    Args:
-        path: The file.
-        columns: What the table holds.
-        table: Numbers of the used columns, (N, len(columns.used)).
-        place: (row, place in the header) -> words.
-        unit: Of the time, if the file's format says it; None judges by name, steps and speeds.
-    """
-    n, known, name = len(columns.joints), len(columns.needed), columns.header[columns.needed[0]]
-    time, position = table[:, 0], table[:, 1 : 1 + n]
-
-    def at(sample: int, joint: str | None) -> str:
-        return place(sample, columns.needed[columns.joints.index(joint) + 1 if joint else 0])
-
-    warnings: tuple[MotionWarning, ...] = ()
-    if unit is None:
-        guess, stated = _likely_unit(time, position), _TIME_WITH_UNIT.fullmatch(name)
-        unit = guess if stated is None else stated[1].lower()
-        if guess != "s" and (unit == "s" or stated is None):
-            text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
-            if stated is not None:
-                text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
-            warnings = (MotionWarning("time_unit", 1, at(0, None), text),)
-    effort = None
-    if columns.efforts:
-        effort = np.full_like(position, np.nan)
-        effort[:, list(columns.efforts)] = table[:, known:]
-        effort[~np.isfinite(effort)] = np.nan
-        effort = None if np.isnan(effort).all() else effort
-    others = {*columns.header} - {columns.header[k] for k in columns.used}
-    raw = Motion(
-        time / PER_SECOND[unit],
-        columns.joints,
-        position,
-        table[:, 1 + n : known] if known > 1 + n else None,
-        warnings=warnings,
-        source=str(path),
-        ignored=tuple(name for name in columns.header if name in others),
-        time_unit=unit,
-        effort=effort,
-    )
-    return raw, at
 
 
 def _likely_unit(time: FloatArray, position: FloatArray) -> str:

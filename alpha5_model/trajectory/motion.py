@@ -142,6 +142,9 @@ def motion(
 def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted."""
     time, position, velocity, effort = raw.time, raw.position, raw.velocity, raw.effort
+    if effort is not None:
+        effort = np.where(np.isfinite(effort), effort, np.nan)
+        effort = None if np.isnan(effort).all() else effort
     if time.size < MINIMUM_SAMPLES:
         why = "; ".join(map(str, raw.warnings))
         name = raw.source + (f" ({why})" if why else "") if raw.source != "arrays" else "time"

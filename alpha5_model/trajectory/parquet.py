@@ -9,7 +9,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import Alpha5Error, FileFormatError, MissingDependencyError
 from alpha5_model.files import PathLike, read_named
-from alpha5_model.trajectory.columns import PER_SECOND, find_columns, table_motion
+from alpha5_model.trajectory.columns import PER_SECOND, table_motion
 from alpha5_model.trajectory.motion import Motion, Place
 
 SUFFIXES = (".parquet", ".pq")
@@ -23,24 +23,27 @@ def read_parquet(path: PathLike, prefix: str | None) -> tuple[Motion, Place]:
         remedy = "python -m pip install 'alpha5-model[parquet]'"
         raise MissingDependencyError("pyarrow", f"reading {path}", remedy) from None
     content = read_named(path, "a Parquet file of joint motion")
+
+    def place(row: int, column: int) -> str:
+        return f"row {row + 1} ({header[column]})"
+
+    def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, str | None]:
+        names = [header[k] for k in (*needed, *efforts)]
+        data = file.read(names)
+        table = np.stack([_numbers(data[name]) for name in names], axis=1)
+        for row, k in np.argwhere(~np.isfinite(table[:, : len(needed)])):
+            problem = f"expected a finite number, got {table[row, k]:g}"
+            raise FileFormatError(path, problem, place(int(row), needed[k]))
+        return table, "s" if types.is_temporal(data[names[0]].type) else None
+
     try:
         file = parquet.ParquetFile(BufferReader(content))
-        columns = find_columns(path, file.schema_arrow.names, prefix)
-        data = file.read([columns.header[k] for k in columns.used])
-        table = np.stack([_numbers(data[columns.header[k]]) for k in columns.used], axis=1)
-        typed = types.is_temporal(data[columns.header[columns.needed[0]]].type)
+        header = file.schema_arrow.names
+        return table_motion(path, header, read, place, prefix)
     except Alpha5Error:
         raise
     except Exception as error:  # of the file, or of a column
         raise FileFormatError(path, f"cannot be read as a table of numbers: {error}") from None
-
-    def place(row: int, column: int) -> str:
-        return f"row {row + 1} ({columns.header[column]})"
-
-    for row, k in np.argwhere(~np.isfinite(table[:, : len(columns.needed)])):
-        problem = f"expected a finite number, got {table[row, k]:g}"
-        raise FileFormatError(path, problem, place(int(row), columns.needed[k]))
-    return table_motion(path, columns, table, place, "s" if typed else None)
 
 
 def _numbers(column: Any) -> FloatArray:

@@ -15,7 +15,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.files import PathLike, read_named
 from alpha5_model.trajectory.bags import is_bag, read_bag
-from alpha5_model.trajectory.columns import find_columns, table_motion
+from alpha5_model.trajectory.columns import table_motion
 from alpha5_model.trajectory.motion import Motion, Place, Progress, checked
 from alpha5_model.trajectory.parquet import SUFFIXES, read_parquet
 
@@ -83,21 +83,23 @@ def _read_csv(
 ) -> tuple[Motion, Place]:
     lines = _lines(path)
     header = _header(path, lines[0])
-    columns, table = find_columns(path, header, prefix, "line 1"), None
-    # With text among the efforts these are ignored, as other columns are.
-    for use in (columns, columns._replace(efforts={})):
-        with suppress(ValueError, csv.Error):
-            columns, table = use, _parse(lines, use.used, len(header), progress)
-            break
-    needed = columns.needed
-    if table is None or not np.isfinite(table[:, : len(needed)]).all():
-        _complain(path, lines, header, needed)
     rows = np.flatnonzero([bool(line) for line in lines])[1:] if "" in lines else None
+
+    def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, None]:
+        table = None
+        # With text among the efforts these are ignored, as other columns are.
+        for used in ([*needed, *efforts], needed):
+            with suppress(ValueError, csv.Error):
+                table = _parse(lines, used, len(header), progress)
+                break
+        if table is None or not np.isfinite(table[:, : len(needed)]).all():
+            _complain(path, lines, header, needed)
+        return table, None
 
     def place(row: int, column: int) -> str:
         return _place(row + 2 if rows is None else int(rows[row]) + 1, column, header)
 
-    return table_motion(path, columns, table, place)
+    return table_motion(path, header, read, place, prefix, "line 1")
 
 
 def _lines(path: PathLike) -> list[str]:
