@@ -12,6 +12,8 @@ import pytest
 from pages import DOCS, REPOSITORY
 from reference import dh_frames
 
+import alpha5_model as a5
+
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 from count_lines import code_lines
 
@@ -99,3 +101,37 @@ def test_mujoco_in_water(capsys: pytest.CaptureFixture[str]) -> None:
     np.testing.assert_allclose(theirs, ours, rtol=1e-6)
     before, after = numbers(text.splitlines()[-1].partition("from")[2])
     assert after < before
+
+
+def test_predictive_control(capsys: pytest.CaptureFixture[str]) -> None:
+    *misses, limits = said("predictive_control", capsys).splitlines()
+    off = [numbers(line)[1] for line in misses]
+    assert off == sorted(off, reverse=True)
+    assert off[0] > 100
+    assert off[-1] < 0.5
+    torque, speed = numbers(limits).reshape(2, 4)
+    assert torque.max() == 100, "the limit is what holds it back"
+    assert 100 <= speed.max() < 103, "kept at each step that is planned"
+
+
+def test_payload_from_motion(capsys: pytest.CaptureFixture[str]) -> None:
+    *steps, answer = said("payload_from_motion", capsys).splitlines()
+    off = [numbers(line)[1] for line in steps]
+    assert off[0] > 5
+    assert off[-1] < 0.5
+    assert numbers(answer)[0] == pytest.approx(0.35, abs=0.004)
+
+
+def test_torque_margins(capsys: pytest.CaptureFixture[str]) -> None:
+    count, _, best, worst, *margins = said("torque_margins", capsys).splitlines()
+    assert numbers(count)[0] == 100_000
+    best, worst = numbers(best), numbers(worst)
+    assert (np.diff(best) > 0).all()
+    assert (worst <= best).all()
+    # the worst pose of the shoulder, by the tests' own statics
+    place = next(line for line in margins if line.startswith("axis_d"))
+    margin, *q = numbers(place)
+    arm = a5.load().with_payload(0.5, com=[0, 0, 0.03], volume=6.4e-5)
+    assert margin == pytest.approx(
+        2.0 - abs(arm.gravity_torque(q) - arm.buoyancy_torque(q))[1], abs=2e-3
+    )
