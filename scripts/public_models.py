@@ -39,7 +39,7 @@ def tables(compared: dict[str, Comparison]) -> str:
         errors.append(
             [
                 MODELS[name],
-                *(f"{error:.2g}" for error in found.gravity_error[1:3]),
+                *(f"{error:.3g}" for error in found.gravity_error[1:3]),
                 f"{found.mass_matrix_error:.1g}",
                 f"{found.tip_error * 1e3:.2g}",
                 str(len(serious)),
