@@ -36,6 +36,7 @@ def answers(kind):
         arm.inverse_dynamics_batch(q, v, a, threads=2),
         arm.forward_dynamics_batch(q, v, a),
         arm.base_wrench_batch(q, v, a, threads=2),
+        arm.inverse_dynamics(q[0], v[0], a[0]),
         *terms,
     ]
 
@@ -56,7 +57,7 @@ def same(ours, theirs):
     return all(np.array_equal(x, y) for x, y in zip(ours, theirs, strict=True))
 
 
-@pytest.mark.parametrize("kind", ["locked", "floating", "jaws"])
+@pytest.mark.parametrize("kind", ["locked", "kernels", "floating", "jaws"])
 def test_threads_change_no_digit(kind):
     arm = make(kind)
     q, v, a = states(arm)
@@ -68,7 +69,7 @@ def test_threads_change_no_digit(kind):
 
 
 def test_batches_and_errors_in_a_pool_s_workers(context):
-    kinds = ["locked", "floating", "jaws"]
+    kinds = ["locked", "kernels", "floating", "jaws"]
     with context.Pool(1) as pool:
         there = pool.map_async(answers, kinds).get(LIMIT)
         with pytest.raises(a5.errors.NonFiniteError, match=r"^v\[1\]: expected finite") as caught:
