@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 #: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() -> list[str]``.
-SECTIONS = ("kinematics", "dynamics", "trajectory")
+SECTIONS = ("kernels", "kinematics", "dynamics", "trajectory")
 
 
 def ratio(row: Row, rows: Sequence[Row]) -> float:

@@ -19,9 +19,8 @@ from benchmarks.timing import Row, measure
 OWN = "alpha5_model"
 PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}
 #: Bounds of the wrapping, as this package's time over the raw one's.
-WRAPPED, WITH_WATER, BATCH = 2.5, 3.5, 2.2
+WRAPPED, WITH_WATER = 2.5, 3.5
 MOVING, MOVING_BATCH = 80.0, 6.0
-_N = 100_000
 
 
 def rows() -> list[Row]:
@@ -31,7 +30,6 @@ def rows() -> list[Row]:
     return [
         *_single(q, v, a),
         *_against_peers(q, v, a),
-        *_batches(rng),
         *_moving_water(q, v, a),
         _loading(),
     ]
@@ -198,32 +196,6 @@ def _roboticstoolbox(q: Any, v: Any, a: Any) -> Callable[[], Any]:
         )
     robot = DHRobot(links, gravity=[0.0, 0.0, -9.81])
     return lambda: robot.rne(q, v, a)
-
-
-def _batches(rng: np.random.Generator) -> list[Row]:
-    arm = a5.load()
-    q, v, a = rng.uniform(-3.0, 3.0, (3, _N, 4))
-    out = []
-    for threads in (1, 2):
-        pool = pin.ModelPool(arm.model, threads)
-        cases: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
-            "rnea": (
-                lambda t=threads: arm.inverse_dynamics_batch(q, v, a, threads=t),
-                lambda t=threads, p=pool: pin.rneaInParallel(t, p, q.T, v.T, a.T),
-            ),
-            "aba": (
-                lambda t=threads: arm.forward_dynamics_batch(q, v, a, threads=t),
-                lambda t=threads, p=pool: pin.abaInParallel(t, p, q.T, v.T, a.T),
-            ),
-        }
-        for name, (ours, raw) in cases.items():
-            method = "inverse" if name == "rnea" else "forward"
-            work = f"{method}_dynamics_batch, {_N} states, {threads} thread{'s'[: threads - 1]}"
-            times = measure({OWN: ours, "raw": raw}, per_call=_N)
-            out += _rows(
-                work, times, {"raw": f"Pinocchio: {name}InParallel, no water"}, {"raw": 1 / BATCH}
-            )
-    return out
 
 
 def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
