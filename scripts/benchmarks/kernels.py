@@ -145,7 +145,7 @@ def _jax(*states: Any) -> list[Row]:
     from alpha5_model.jax import load
 
     arm = a5.load()
-    model, pool = arm.model, pin.ModelPool(arm.model, 1)
+    pool = pin.ModelPool(arm.model, 1)
     with jax.enable_x64(True), jax.default_device(jax.devices("cpu")[0]):
         given = [jax.numpy.asarray(x) for x in states]
         ours = jax.jit(jax.vmap(load(arm).inverse_dynamics))
