@@ -37,7 +37,19 @@ static PyObject *read_only(int axes, npy_intp first, npy_intp second, int type, 
     return array;
 }
 
-/* x, y, z of an array, or of a list or tuple of floats. */
+/* A float or an integer, not of a subclass. */
+static int real(PyObject *given, double *x)
+{
+    if (!PyFloat_CheckExact(given) && !PyLong_CheckExact(given))
+        return 0;
+    *x = PyFloat_AsDouble(given);
+    if (*x != -1.0 || PyErr_Occurred() == NULL)
+        return 1;
+    PyErr_Clear(); /* an integer that is too large */
+    return 0;
+}
+
+/* x, y, z of an array, list or tuple. */
 static int three(PyObject *given, double *x)
 {
     if (plain(given, NPY_ARRAY_CARRAY_RO)) {
@@ -47,16 +59,13 @@ static int three(PyObject *given, double *x)
         memcpy(x, PyArray_DATA(array), 3 * sizeof *x);
         return 1;
     }
-    const int list = PyList_CheckExact(given);
-    if ((!list && !PyTuple_CheckExact(given)) || PyObject_Size(given) != 3)
-        return 0;
-    for (int i = 0; i < 3; i++) {
-        PyObject *item = list ? PyList_GetItem(given, i) : PyTuple_GetItem(given, i);
-        if (item == NULL || !PyFloat_CheckExact(item))
-            return 0;
-        x[i] = PyFloat_AsDouble(item);
+    int good = (PyList_CheckExact(given) || PyTuple_CheckExact(given)) && PyObject_Size(given) == 3;
+    for (int i = 0; i < 3 && good; i++) {
+        PyObject *item = PySequence_GetItem(given, i);
+        good = item != NULL && real(item, &x[i]);
+        Py_XDECREF(item);
     }
-    return 1;
+    return good;
 }
 
 static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py_ssize_t count)
@@ -68,23 +77,12 @@ static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py
     if (count != 3 || !PyType_Check(given[0])
         || !PyType_IsSubtype((PyTypeObject *)given[0], &PyTuple_Type))
         return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a kind of tuple, position and wrist");
-    if (!PyFloat_CheckExact(given[2]) || !three(given[1], x))
-        Py_RETURN_NONE;
-    x[3] = PyFloat_AsDouble(given[2]);
-    if (!row(solver, NULL, in, y) || !(y[CLEARANCE] > 0.0))
+    if (!three(given[1], x) || !real(given[2], x + 3) || !row(solver, NULL, in, y) || !(y[CLEARANCE] > 0.0))
         Py_RETURN_NONE;
     signs(y + REACH, y + LIMITS, y, exists, within);
-    PyObject *q = read_only(2, 4, 4, NPY_DOUBLE, y), *position = read_only(1, 3, 0, NPY_DOUBLE, x);
-    PyObject *values = NULL, *arguments = NULL, *answer = NULL;
-    if (q != NULL && position != NULL)
-        values = PyTuple_Pack(5, q, flag(exists), flag(within), regular, position);
-    if (values != NULL)
-        arguments = PyTuple_Pack(1, values);
-    if (arguments != NULL)
-        answer = new_tuple((PyTypeObject *)given[0], arguments, NULL);
-    Py_XDECREF(q);
-    Py_XDECREF(position);
-    Py_XDECREF(values);
+    PyObject *arguments = Py_BuildValue("((NOOON))", read_only(2, 4, 4, NPY_DOUBLE, y), flag(exists), flag(within),
+                                        regular, read_only(1, 3, 0, NPY_DOUBLE, x));
+    PyObject *answer = arguments ? new_tuple((PyTypeObject *)given[0], arguments, NULL) : NULL;
     Py_XDECREF(arguments);
     return answer;
 }

@@ -17,6 +17,8 @@ from alpha5_model.kernels.generated import formulas
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 2048
+#: Fewer targets of the inverse kinematics take less time one by one.
+FEW = 25
 _KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
 _NUMBERS = SimpleNamespace(
     sin=math.sin,
@@ -91,7 +93,7 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
 
 
 def inverse_kinematics(*_: Any) -> None:
-    """None, for every target: in Python's numbers `solve_one` takes fewer steps than the formula."""
+    """None, for every target: `inverse_kinematics_rows` has what there is."""
 
 
 def inverse_kinematics_rows(
@@ -109,8 +111,12 @@ def inverse_kinematics_rows(
         wrist: (n,), or (1,) for all rows [rad].
         q: (n, 4, 4), or (0, 4, 4) where no angle is wanted; NaN where a branch does not reach.
         exists, within: (n, 4): the branch reaches the target; and within the joint limits.
-        near: (n,): too close to an edge for the other three to be relied on.
+        near: (n,): the other three are not to be relied on: too close to an edge, or so few that
+            `solve_one` costs less than NumPy's calls.
     """
+    if len(position) < FEW:
+        near[:] = True
+        return
     formula = _KERNELS["inverse_kinematics"][0]
     with np.errstate(all="ignore"):
         for start in range(0, len(position), BLOCK):

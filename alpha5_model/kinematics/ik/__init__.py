@@ -31,8 +31,7 @@ from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kernels import module
 from alpha5_model.kinematics.edges import LIMIT_TOLERANCE, on_axis
-from alpha5_model.kinematics.ik.batch import solve_batch, truth
-from alpha5_model.kinematics.ik.one import solve_one
+from alpha5_model.kinematics.ik.batch import solve_batch
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 
@@ -103,33 +102,20 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
 
 
 def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
-    """What the kernel does not take as it is: other types and shapes, edges, errors."""
+    """What the kernel of one target does not take: other types and shapes, edges, errors."""
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
-    if target.ndim == 1 and angle.ndim == 0:
-        numbers = [*target.tolist(), float(angle)]
-        return module().inverse_kinematics(Solutions, numbers[:3], numbers[3]) or _careful(*numbers)
     try:
         lead = np.broadcast_shapes(target.shape[:-1], angle.shape)
     except ValueError:
         raise InputError(
             "wrist", angle.shape, f"a shape that broadcasts with {target.shape[:-1]}"
         ) from None
-    target = np.broadcast_to(target, (*lead, 3))
-    return _read_only(*solve_batch(target, angle), target if target is not position else target[:])
-
-
-def _careful(x: float, y: float, z: float, wrist: float) -> Solutions:
-    """One finite target by `solve_one`."""
-    q, exists, within, singular = solve_one(x, y, z, wrist)
-    angles, target = np.reshape(q, (4, 4)), np.array([x, y, z])
-    return _read_only(angles, truth(exists), truth(within), np.array(singular), target)
-
-
-def _read_only(*arrays: Any) -> Solutions:
-    for array in arrays:
+    target = np.broadcast_to(target, (*lead, 3)) if lead else target.copy()
+    solutions = Solutions(*solve_batch(target, angle), target)
+    for array in solutions:
         array.flags.writeable = False
-    return Solutions(*arrays)
+    return solutions
 
 
 def nearest(

@@ -34,17 +34,13 @@ def solve_batch(
     for row in np.flatnonzero(singular).tolist():
         (x, y, z), wanted = target[row].tolist(), float(theta_3[row if wrist.ndim else 0])
         numbers, reached, fits, singular[row] = solve_one(x, y, z, wanted)
-        exists[row], within[row] = truth(reached), truth(fits)
+        exists[row] = [reached >> branch & 1 for branch in range(4)]
+        within[row] = [fits >> branch & 1 for branch in range(4)]
         if angles:
-            q[row] = np.reshape(numbers, (4, 4))
+            q[row].flat = numbers
     return (
         q.reshape(*lead, 4, 4) if angles else q,
         exists.reshape(*lead, 4),
         within.reshape(*lead, 4),
         singular.reshape(lead),
     )
-
-
-def truth(code: int) -> BoolArray:
-    """One truth value for each branch, of a code that has branch i as bit i."""
-    return np.array([code >> branch & 1 for branch in range(4)], np.bool_)
