@@ -37,7 +37,9 @@ def view(
     target: Annotated[
         str | None, Option(help="x,y,z (m): show every solution of its inverse kinematics.")
     ] = None,
-    motion: Annotated[Path | None, Option(help="Recording (CSV) to play in real time.")] = None,
+    motion: Annotated[
+        Path | None, Option(help="Recording (CSV, Parquet, ROS bag) to play.")
+    ] = None,
     show: Annotated[
         str | None,
         Option(
