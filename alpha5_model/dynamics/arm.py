@@ -1,7 +1,8 @@
 """The arm in motion under water: ``M(q) a + C(q, v) v + g(q) = tau + tau_buoyancy(q)``.
 
 A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the
-fluid that the arm displaces. The fluid acts by its pressure at rest (buoyancy) only. Drag and added
+fluid that the arm displaces; batches run on generated kernels where those know the arm
+(`alpha5_model.dynamics.kernels`). The fluid acts by its pressure at rest (buoyancy) only. Drag and added
 mass, for which nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has
 them.
 

@@ -1,4 +1,4 @@
-"""Many states at once, through Pinocchio's parallel algorithms.
+"""Many states at once, through Pinocchio's parallel algorithms: of arms that the kernels do not know.
 
 Pinocchio reads one state from each column; a C-ordered (N, n) array transposed is exactly that, so
 no state is copied.

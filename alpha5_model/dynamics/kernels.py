@@ -24,7 +24,7 @@ from alpha5_model.parameters import RigidBody, parameters
 from alpha5_model.spatial import pose
 
 #: How far a frame may be from where the kernels have it: what rounding does to the numbers of a URDF.
-_ROUNDING = 1e-15
+_ROUNDING = 1e-14
 
 
 def kernel_parameters(

@@ -1,7 +1,7 @@
 """Many states at once, term by term: the torques of a recorded or planned motion.
 
-Rows are states. Each term is one call of Pinocchio's parallel recursive Newton-Euler algorithm, or
-the difference of two.
+Rows are states. Each term is one pass of the recursive Newton-Euler algorithm, on the kernels or in
+Pinocchio, or the difference of two.
 """
 
 from __future__ import annotations
