@@ -310,12 +310,14 @@ def test_parameters_of_the_arm_are_those_of_its_tables_and_payload() -> None:
     assert np.abs(loaded["weight"][:-3] - loaded["net"][:-3] - loaded["fluid"][:-3]).max() < 1e-15
 
 
-@pytest.mark.parametrize("change", ["placement", "armature", "tcp", "joint", "jaws", "floating"])
+@pytest.mark.parametrize(
+    "change", ["placement", "armature", "tcp", "tcp's joint", "joint", "jaws", "floating"]
+)
 def test_arms_that_the_kernels_do_not_know_stay_on_pinocchio(change: str) -> None:
     arm = a5.load(
         floating_base=change == "floating", gripper="jaws" if change == "jaws" else "locked"
     )
-    if change in ("placement", "armature", "tcp", "joint"):
+    if change not in ("jaws", "floating"):
         model = arm.model
         if change == "placement":
             model.jointPlacements[3].translation[0] += 1e-6
@@ -323,6 +325,8 @@ def test_arms_that_the_kernels_do_not_know_stay_on_pinocchio(change: str) -> Non
             model.armature[2] = 0.1
         elif change == "tcp":
             model.frames[model.getFrameId("tcp")].placement.translation[0] += 1e-6
+        elif change == "tcp's joint":
+            model.frames[model.getFrameId("tcp")].parentJoint = 3
         else:
             model = pin.buildSampleModelManipulator()
         arm = a5.Arm(model, arm.displacements if change != "joint" else [])
