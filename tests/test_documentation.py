@@ -16,12 +16,13 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 import recordings
 from pages import DOCS, PAGES, REPOSITORY, generated_text
 
 import alpha5_model as a5
-from alpha5_model.cli import main
+from alpha5_model.cli import COMMANDS, main
 
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 import check_links
@@ -29,6 +30,8 @@ import public_models
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
+#: Words of our own commands that take long, and the tests that run them.
+LONG = {"demo": "test_demo.py", "--self-collision": "test_self_collision.py"}
 #: Commands of other programs, which are not here.
 ELSEWHERE = {"git", "cd", "source", "colcon", "ros2", "gz"}
 #: Packages of the conformance run: blocks that import them run where they are.
@@ -60,7 +63,7 @@ def run_shell(text: str) -> None:
             if shutil.which("cc"):
                 subprocess.run(words, check=True)
         elif words[0] == "alpha5":
-            if words[1] != "demo":  # tests/test_demo.py runs it
+            if not LONG.keys() & set(words):
                 assert main(words[1:]) == int(expected[1] if expected else 0), line
         else:
             assert known(words), line
@@ -135,6 +138,30 @@ def test_a_block_that_does_not_run_is_seen(
         run_page(page)
 
 
+def files_of_a_reader() -> None:
+    """What the examples of the help ask for, into the current folder."""
+    time = np.linspace(0, 2, 101)
+    q = a5.named_pose("home") + 0.1 * np.sin(time)[:, None]
+    head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
+    np.savetxt("recording.csv", np.column_stack([time, q]), delimiter=",", header=head, comments="")
+    ours = Path(a5.URDF_PATH).read_text("utf-8")
+    Path("my_arm.urdf").write_text(ours, "utf-8")
+    for number, axis in enumerate("edcb", 1):
+        ours = ours.replace(f'"axis_{axis}"', f'"joint{number}"')
+    Path("other.urdf").write_text(ours, "utf-8")
+
+
+def test_the_examples_of_the_help_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    files_of_a_reader()
+    examples = [b for b in blocks(generated_text.TEXTS["commands"]()) if b.language == "sh"]
+    assert len(examples) == len(COMMANDS)
+    for block in examples:
+        run_shell(block.text)
+
+
 def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> None:
     models = recordings.RECORDINGS / "models"
     if not models.is_dir():
@@ -154,6 +181,11 @@ def test_a_dead_link_is_found(tmp_path: Path) -> None:
     (tmp_path / "a.html").write_text(text, "utf-8")
     assert check_links.dead_links(tmp_path) == (4, [f"a.html: {link}" for link in bad])
     assert check_links.main(tmp_path) == 1
+
+
+@pytest.mark.parametrize(("word", "name"), LONG.items())
+def test_what_is_left_out_here_runs_elsewhere(word: str, name: str) -> None:
+    assert f'"{word}"' in (Path(__file__).parent / name).read_text("utf-8")
 
 
 # --- nothing is left out ------------------------------------------------------------------------
