@@ -1,5 +1,5 @@
-/* BODIES at every width that this compiler can make: see vector.h. On x86-64 the wider ones are compiled
-   for processors that have them, whatever the compiler's flags; which one runs is chosen at load. */
+/* BODIES at every width up to WIDEST: see vector.h. On x86-64 the wider ones are compiled for
+   processors that have them, whatever the compiler's flags; which one runs is chosen at load. */
 
 #include <math.h>
 #include <stdint.h>
@@ -7,6 +7,15 @@
 #include <emmintrin.h>
 #endif
 
+#ifndef WIDEST /* that this compiler can make */
+#if defined(__GNUC__) && defined(__x86_64__)
+#define WIDEST 8
+#elif defined(__GNUC__)
+#define WIDEST 2
+#else
+#define WIDEST 1
+#endif
+#endif
 #define PANEL 32 /* rows of a batch that are turned to columns at once; they fit the first cache */
 #define PASTE(name, width) name##_##width
 #define EXPANDED(name, width) PASTE(name, width)
@@ -30,11 +39,11 @@
 #include "vector.h"
 #define WIDTH 1
 #include "vector.h"
-#ifdef __GNUC__
+#if WIDEST >= 2
 #define WIDTH 2
 #include "vector.h"
 #endif
-#if defined(__GNUC__) && defined(__x86_64__)
+#if WIDEST == 8
 BEGIN("avx2")
 #define WIDTH 4
 #include "vector.h"

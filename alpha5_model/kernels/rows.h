@@ -1,0 +1,168 @@
+/* The table of kernels, and how one runs on a state or on rows of states. Knows nothing of Python. */
+
+#include <float.h>
+#include <stddef.h>
+#include <string.h>
+
+#if FLT_EVAL_METHOD != 0
+#error "this processor keeps doubles in longer registers and would round twice"
+#endif
+
+#include "generated/table.h" /* how long the arrays below get */
+#define BODIES "generated/bodies.h"
+#include "widths.h"
+
+typedef int (*Function)(const double *k, const double *in, double *out);
+typedef struct {
+    int size, axes;
+    ptrdiff_t shape[2];
+} Slot;
+typedef struct {
+    const char *name;
+    void (*prepare)(const double *parameters, double *k);
+    Function rare, at[4]; /* index: that of the level */
+    int parameters, inputs, outputs;
+    Slot slots[MOST_SLOTS]; /* inputs before outputs */
+} Kernel;
+typedef struct {
+    int width;
+    const char *name;
+    int (*to_columns)(const double *rows, int size, double *columns);
+    void (*to_rows)(const double *columns, int size, double *rows);
+} Level;
+
+#if WIDEST == 1
+#define WIDTHS(name) name##_0, {name##_1}
+#elif WIDEST == 2
+#define WIDTHS(name) name##_0, {name##_1, name##_2}
+#else
+#define WIDTHS(name) name##_0, {name##_1, name##_2, name##_4, name##_8}
+#endif
+#if defined(__x86_64__)
+#define PAIRS "sse2"
+#elif defined(__aarch64__)
+#define PAIRS "neon"
+#else
+#define PAIRS "pairs"
+#endif
+static const Level levels[] = {
+    {1, "scalar", NULL, NULL},
+#if WIDEST >= 2
+    {2, PAIRS, to_columns_2, to_rows_2},
+#endif
+#if WIDEST == 8
+    {4, "avx2", to_columns_4, to_rows_4},
+    {8, "avx512", to_columns_4, to_rows_4},
+#endif
+};
+#define PREPARE(name) static void name##_k(const double *p, double *k)
+#define ENTRY(name, parameters, inputs, outputs, ...) \
+    {#name, name##_k, WIDTHS(name), parameters, inputs, outputs, {__VA_ARGS__}}
+#include "generated/table.h"
+
+static int level;
+
+/* The widest level that this processor has and that is at most so wide. */
+static void choose(long width)
+{
+    int best = 0;
+    for (int i = 1; i < (int)(sizeof levels / sizeof *levels) && levels[i].width <= width; i++) {
+#if WIDEST == 8
+        if (levels[i].width == 4 && !__builtin_cpu_supports("avx2"))
+            break;
+        if (levels[i].width == 8 && !(__builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")))
+            break;
+#endif
+        best = i;
+    }
+    level = best;
+}
+
+/* ---- one state, and rows of states ---- */
+
+/* Whether all numbers can be computed with; NaN cannot. */
+static int clean(const double *x, int size)
+{
+    int good = 1;
+    for (int i = 0; i < size; i++)
+        good &= fabs(x[i]) <= LARGEST;
+    return good;
+}
+
+/* One state, of which each input lies elsewhere; whether it can be computed. */
+static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
+{
+    double x[MOST_INPUTS], *end = x;
+    int good = 1;
+    for (int i = 0; i < kernel->inputs; end += kernel->slots[i++].size) {
+        memcpy(end, in[i], kernel->slots[i].size * sizeof(double));
+        good &= clean(end, kernel->slots[i].size);
+    }
+    if (good && !kernel->at[0](k, x, out))
+        kernel->rare(k, x, out);
+    return good;
+}
+
+#if WIDEST >= 2
+typedef double Columns[PANEL] __attribute__((aligned(64)));
+
+/* PANEL rows by a level. */
+static int panel(const Kernel *kernel, int at, const double *k, const double *const *in, double *const *out)
+{
+    Columns x[MOST_INPUTS], y[MOST_OUTPUTS];
+    const Level *by = &levels[at];
+    const Slot *slot = kernel->slots;
+    int good = 1, inputs = 0, outputs = 0;
+    for (int i = 0; i < kernel->inputs; inputs += slot++->size)
+        good &= by->to_columns(in[i++], slot->size, x[inputs]);
+    if (!good)
+        return 0;
+    for (int i = 0; i < kernel->outputs; i++)
+        outputs += slot[i].size;
+    for (int first = 0; first < PANEL; first += by->width) {
+        if (kernel->at[at](k, &x[0][first], &y[0][first]))
+            continue;
+        for (int lane = first; lane < first + by->width; lane++) {
+            double one[MOST_INPUTS], result[MOST_OUTPUTS];
+            for (int i = 0; i < inputs; i++)
+                one[i] = x[i][lane];
+            kernel->rare(k, one, result);
+            for (int i = 0; i < outputs; i++)
+                y[i][lane] = result[i];
+        }
+    }
+    outputs = 0;
+    for (int i = 0; i < kernel->outputs; outputs += slot++->size)
+        by->to_rows(y[outputs], slot->size, out[i++]);
+    return 1;
+}
+#endif
+
+/* n rows of each input and output. */
+static int rows(const Kernel *kernel, const double *k, const double **in, double **out, ptrdiff_t n)
+{
+    const Slot *slots = kernel->slots, *results = slots + kernel->inputs;
+    while (n > 0) {
+        ptrdiff_t done = 1;
+#if WIDEST >= 2
+        if (level > 0 && n >= PANEL) {
+            if (!panel(kernel, level, k, in, out))
+                return 0;
+            done = PANEL;
+        } else
+#endif
+        {
+            double y[MOST_OUTPUTS], *end = y;
+            if (!row(kernel, k, in, y))
+                return 0;
+            for (int i = 0; i < kernel->outputs; end += results[i++].size)
+                memcpy(out[i], end, results[i].size * sizeof(double));
+        }
+        for (int i = 0; i < kernel->inputs; i++)
+            in[i] += done * slots[i].size;
+        for (int i = 0; i < kernel->outputs; i++)
+            out[i] += done * results[i].size;
+        n -= done;
+    }
+    return 1;
+}
