@@ -74,7 +74,7 @@ def known(words: list[str]) -> bool:
     if words[0] == "make":
         return f"\n{words[1]}:" in (REPOSITORY / "Makefile").read_text("utf-8")
     if words[:3] == ["python", "-m", "pip"]:
-        extras = re.findall(r"\[(.+?)\]", " ".join(words))
+        extras = re.findall(r"\w+", "".join(re.findall(r"\[(.+?)\]", " ".join(words))))
         project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
         return set(extras) <= set(project["optional-dependencies"])
     if words[0] == "python":

@@ -103,6 +103,18 @@ def test_the_errata_are_what_the_audit_measures(kind: str) -> None:
     assert covered == set(rows)
 
 
+def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
+    holding = [page for page in PAGES if "<!-- end -->" in page.read_text("utf-8")]
+    assert [page.name for page in holding] == ["errata.md"]
+    text = holding[0].read_text("utf-8")
+    assert generated_text.written(text) == text, "run python docs/_extensions/generated_text.py"
+    copy = tmp_path / "errata.md"
+    copy.write_text(text.replace("| 40 ± 1 mm", "| 41 ± 1 mm"), "utf-8")
+    assert generated_text.update(copy)
+    assert copy.read_text("utf-8") == text
+    assert not generated_text.update(copy)
+
+
 def test_a_wrong_figure_would_be_seen() -> None:
     assert says("9.7 ± 0.6 % and −1", 9.675)
     assert says("9.7 ± 0.6 % and −1", -1)

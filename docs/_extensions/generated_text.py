@@ -1,6 +1,10 @@
 """Text that the build writes into the pages: the errata from the audit, the commands from their help.
 
-A page says where by a line of its own, ``<!-- generated: NAME -->`` with a NAME of `TEXTS`.
+    python docs/_extensions/generated_text.py
+
+A page says where by a line of its own, ``<!-- generated: NAME -->`` with a NAME of `TEXTS`. Where a line ``<!-- end -->``
+follows, what is between is written anew: such pages hold their text for those who read them unbuilt, and running
+this file brings them up to date.
 """
 
 from __future__ import annotations
@@ -8,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 from typer.main import get_command
@@ -17,7 +22,8 @@ from alpha5_model.cli import COMMANDS, application
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.corrections import CORRECTIONS
 
-MARK = re.compile(r"^<!-- generated: (.+?) -->$", re.MULTILINE)
+PAGES = Path(__file__).resolve().parents[1]
+MARK = re.compile(r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE)
 RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
 
@@ -157,8 +163,23 @@ TEXTS: dict[str, Callable[[], str]] = {
 
 
 def written(text: str) -> str:
-    """A page's source with its generated parts in place of the marks."""
-    return MARK.sub(lambda found: TEXTS[found[1]](), text)
+    """A page's source with its generated parts; marks stay where an end is marked."""
+
+    def part(found: re.Match[str]) -> str:
+        made = TEXTS[found[1]]()
+        kept = f"<!-- generated: {found[1]} -->\n\n{made}\n<!-- end -->\n"
+        return made if found[2] is None else kept
+
+    return MARK.sub(part, text)
+
+
+def update(page: Path) -> bool:
+    """Write a page that holds its generated text anew; whether that changed it."""
+    text = page.read_text("utf-8")
+    if "<!-- end -->" not in text or written(text) == text:
+        return False
+    page.write_text(written(text), "utf-8")
+    return True
 
 
 def setup(app: Any) -> dict[str, Any]:
@@ -169,3 +190,8 @@ def setup(app: Any) -> dict[str, Any]:
 
     app.connect("source-read", read)
     return {"parallel_read_safe": True, "version": a5.__version__}
+
+
+if __name__ == "__main__":
+    for changed in filter(update, sorted(PAGES.rglob("*.md"))):
+        print(f"wrote {changed}")
