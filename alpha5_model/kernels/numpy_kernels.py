@@ -7,30 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import LARGEST, BoolArray, FloatArray
 from alpha5_model.kernels.generated import formulas
+from alpha5_model.kernels.numbers import NUMBERS
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 2048
 #: Fewer targets of the inverse kinematics take less time one by one.
 FEW = 25
 _KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
-_NUMBERS = SimpleNamespace(
-    sin=math.sin,
-    cos=math.cos,
-    sqrt=math.sqrt,
-    arctan=math.atan,
-    arctan2=math.atan2,
-    fabs=abs,
-    floor=math.floor,
-    fmin=min,
-    fmax=max,
-)
 
 
 def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[..., Any]:
@@ -51,7 +40,7 @@ def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[.
     def kernel(*given: Any) -> Any:
         if len(given) != len(shapes) or not all(map(_clean, given, shapes)):
             return None
-        results = formula(*(x.ravel().tolist() for x in given), *last, _NUMBERS)
+        results = formula(*(x.ravel().tolist() for x in given), *last, NUMBERS)
         arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
         return arrays[0] if len(arrays) == 1 else tuple(arrays)
 

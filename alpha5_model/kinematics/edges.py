@@ -8,12 +8,8 @@ import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
 
-#: A target this far beyond the edge of reach [m] is on it: rounding must not lose a solution.
-EDGE_TOLERANCE = 1e-10
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
 LIMIT_TOLERANCE = 1e-12
-#: ``singular`` within this distance of the stretched or the folded arm [m].
-SINGULAR_TOLERANCE = 1e-9
 #: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0 is free
 #: and the tcp is put on the axis itself.
 AXIS_TOLERANCE = 1e-9
@@ -30,8 +26,8 @@ class Tolerances(NamedTuple):
     """What rounding is forgiven, for one scalar type.
 
     Attributes:
-        edge: Beyond the edge of reach [m].
-        limit: Beyond a joint limit [rad].
+        edge: Beyond the edge of reach [m]: rounding must not lose a solution.
+        limit: Beyond a joint limit, which is then returned itself [rad].
         singular: ``singular`` within this distance of the edge of reach [m].
         axis: On the yaw axis within this distance of it [m].
         azimuth: Of the azimuth at 1 m from the yaw axis [rad].
@@ -48,15 +44,7 @@ class Tolerances(NamedTuple):
     least_sine: float
 
 
-DOUBLE = Tolerances(
-    EDGE_TOLERANCE,
-    LIMIT_TOLERANCE,
-    SINGULAR_TOLERANCE,
-    AXIS_TOLERANCE,
-    1e-15,
-    1e-14,
-    1e-7,
-)
+DOUBLE = Tolerances(1e-10, LIMIT_TOLERANCE, 1e-9, AXIS_TOLERANCE, 1e-15, 1e-14, 1e-7)
 #: Joint angles of up to 6.2 rad are known to 5e-7 in single precision.
 SINGLE = Tolerances(2e-6, 2e-6, 1e-5, 1e-6, 5e-7, 5e-6, 2e-3)
 

@@ -20,7 +20,12 @@ Each input is a sequence of its elements, row by row; ``m`` holds the elementary
 # mypy: ignore-errors
 '''
 _NUMPY = {"atan": "arctan", "atan2": "arctan2"}
-_LOGIC = {"and": "{} & {}", "or": "{} | {}", "not": "~{}", "if_else_zero": "m.where({}, {}, 0.0)"}
+_LOGIC = {
+    "and": "{} & {}",
+    "or": "{} | {}",
+    "not": "m.logical_not({})",
+    "if_else_zero": "m.where({}, {}, 0.0)",
+}
 _PYTHON = Language("", "", lambda f: f"m.{_NUMPY.get(f, f)}", _LOGIC, "m.nan")
 
 

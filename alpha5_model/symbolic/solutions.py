@@ -1,7 +1,8 @@
 """Inverse kinematics of one target, every branch with its edges, as one function.
 
-The route of `alpha5_model.kinematics.ik.one.solve_one`, its decisions written as selections, so that it can be
-emitted in any language.
+In the plane of the arm (`alpha5_model.kinematics.plane`) two links reach a point with the elbow on either side. What
+is at the edge of reach, at a joint limit or on the yaw axis to rounding is put there, see `Tolerances`. Decisions
+are selections, so that every language can have them.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ def solutions() -> casadi.Function:
         fits = casadi.fabs(angle - limit) <= slack
         return select(fits, limit, angle), fits
 
+    # Angles: each the 2 pi shift nearest to the middle of its range.
     turns = casadi.floor((wrist - g.middle[3]) / math.tau + 0.5)
     theta_3, wrist_fits = into_range(wrist - turns * math.tau, 3, t.limit)
     distance = casadi.sqrt(x * x + y * y)
@@ -59,6 +61,7 @@ def solutions() -> casadi.Function:
         reached = margin >= -t.edge
         singular = casadi.logic_or(singular, casadi.logic_and(reached, margin <= t.singular))
         azimuth = casadi.atan2(y, x) - g.azimuth_offset + half_turn
+        # The azimuth of a point at distance R is known to rounding / R.
         slack = t.limit + t.azimuth / casadi.fmax(distance, t.axis)
         theta_0, fits_0 = into_range(near(azimuth, 0), 0, slack)
         theta_0, fits_0 = select(free, g.middle[0], theta_0), casadi.logic_or(free, fits_0)
@@ -68,6 +71,8 @@ def solutions() -> casadi.Function:
         half_gamma = casadi.atan2(root_below, root_above)
         alpha = casadi.atan2(root_above, root_below) + casadi.atan2(g.k * root_above, root_below)
         phi = casadi.atan2(h, r) - g.phi_offset
+        # Close to the stretched arm rounding of rho^2 moves the two angles against each other by
+        # rounding / sin(gamma).
         sine = casadi.sqrt(casadi.fabs(above) / (g.l_1 * g.l_2))
         slack = t.limit + t.elbow / casadi.fmax(sine, t.least_sine)
         for branch, side in ((pair, 1.0), (pair + 2, -1.0)):

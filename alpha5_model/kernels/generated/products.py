@@ -277,7 +277,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r5 = m.sqrt(r5)
     r3 = tolerances[3]
     r6 = r5 <= r3
-    r7 = ~r6
+    r7 = m.logical_not(r6)
     r8 = m.where(r7, r5, 0.0)
     r8 = r8 - 0.02
     r9 = r8 * r8
@@ -298,11 +298,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r17 = 3.141592653589793 < r16
     r18 = r2 - 6.283185307179586
     r18 = m.where(r17, r18, 0.0)
-    r17 = ~r17
+    r17 = m.logical_not(r17)
     r16 = r16 < (-3.141592653589793)
     r19 = r2 + 6.283185307179586
     r19 = m.where(r16, r19, 0.0)
-    r16 = ~r16
+    r16 = m.logical_not(r16)
     r16 = m.where(r16, r2, 0.0)
     r16 = r19 + r16
     r16 = m.where(r17, r16, 0.0)
@@ -318,13 +318,13 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r3 = r19 + r3
     r17 = r17 <= r3
     r16 = m.where(r17, r16, 0.0)
-    r2 = ~r17
+    r2 = m.logical_not(r17)
     r2 = m.where(r2, r18, 0.0)
     r16 = r16 + r2
     r16 = m.where(r7, r16, 0.0)
     r16 = r15 + r16
     r16 = m.where(r14, r16, 0.0)
-    r2 = ~r14
+    r2 = m.logical_not(r14)
     r18 = m.where(r2, m.nan, 0.0)
     r16 = r16 + r18
     r5 = -r5
@@ -342,11 +342,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r23 = 3.141592653589793 < r21
     r24 = r4 - 6.283185307179586
     r24 = m.where(r23, r24, 0.0)
-    r23 = ~r23
+    r23 = m.logical_not(r23)
     r21 = r21 < (-3.141592653589793)
     r25 = r4 + 6.283185307179586
     r25 = m.where(r21, r25, 0.0)
-    r21 = ~r21
+    r21 = m.logical_not(r21)
     r21 = m.where(r21, r4, 0.0)
     r21 = r25 + r21
     r21 = m.where(r23, r21, 0.0)
@@ -357,13 +357,13 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r23 = m.fabs(r23)
     r23 = r23 <= r3
     r24 = m.where(r23, r24, 0.0)
-    r3 = ~r23
+    r3 = m.logical_not(r23)
     r21 = m.where(r3, r21, 0.0)
     r24 = r24 + r21
     r7 = m.where(r7, r24, 0.0)
     r15 = r15 + r7
     r15 = m.where(r1, r15, 0.0)
-    r7 = ~r1
+    r7 = m.logical_not(r1)
     r24 = m.where(r7, m.nan, 0.0)
     r15 = r15 + r24
     r8 = m.arctan2(r10, r8)
@@ -386,11 +386,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r4 = 3.141592653589793 < r25
     r26 = r2 - 6.283185307179586
     r26 = m.where(r4, r26, 0.0)
-    r4 = ~r4
+    r4 = m.logical_not(r4)
     r25 = r25 < (-3.141592653589793)
     r27 = r2 + 6.283185307179586
     r27 = m.where(r25, r27, 0.0)
-    r25 = ~r25
+    r25 = m.logical_not(r25)
     r2 = m.where(r25, r2, 0.0)
     r2 = r27 + r2
     r4 = m.where(r4, r2, 0.0)
@@ -409,7 +409,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r12 = r19 + r12
     r2 = r2 <= r12
     r4 = m.where(r2, r4, 0.0)
-    r28 = ~r2
+    r28 = m.logical_not(r2)
     r28 = m.where(r28, r26, 0.0)
     r28 = r4 + r28
     r4 = m.where(r14, r28, 0.0)
@@ -434,11 +434,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r31 = 3.141592653589793 < r30
     r32 = r29 - 6.283185307179586
     r32 = m.where(r31, r32, 0.0)
-    r31 = ~r31
+    r31 = m.logical_not(r31)
     r30 = r30 < (-3.141592653589793)
     r33 = r29 + 6.283185307179586
     r33 = m.where(r30, r33, 0.0)
-    r30 = ~r30
+    r30 = m.logical_not(r30)
     r30 = m.where(r30, r29, 0.0)
     r30 = r33 + r30
     r30 = m.where(r31, r30, 0.0)
@@ -455,7 +455,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r27 = r19 + r27
     r31 = r31 <= r27
     r30 = m.where(r31, r30, 0.0)
-    r11 = ~r31
+    r11 = m.logical_not(r31)
     r11 = m.where(r11, r32, 0.0)
     r11 = r30 + r11
     r30 = m.where(r1, r11, 0.0)
@@ -465,11 +465,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r25 = 3.141592653589793 < r3
     r33 = r8 - 6.283185307179586
     r33 = m.where(r25, r33, 0.0)
-    r25 = ~r25
+    r25 = m.logical_not(r25)
     r3 = r3 < (-3.141592653589793)
     r29 = r8 + 6.283185307179586
     r29 = m.where(r3, r29, 0.0)
-    r3 = ~r3
+    r3 = m.logical_not(r3)
     r3 = m.where(r3, r8, 0.0)
     r3 = r29 + r3
     r3 = m.where(r25, r3, 0.0)
@@ -480,7 +480,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r25 = m.fabs(r25)
     r25 = r25 <= r12
     r3 = m.where(r25, r3, 0.0)
-    r12 = ~r25
+    r12 = m.logical_not(r25)
     r12 = m.where(r12, r33, 0.0)
     r3 = r3 + r12
     r12 = m.where(r14, r3, 0.0)
@@ -490,11 +490,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r29 = 3.141592653589793 < r7
     r8 = r5 - 6.283185307179586
     r8 = m.where(r29, r8, 0.0)
-    r29 = ~r29
+    r29 = m.logical_not(r29)
     r7 = r7 < (-3.141592653589793)
     r34 = r5 + 6.283185307179586
     r34 = m.where(r7, r34, 0.0)
-    r7 = ~r7
+    r7 = m.logical_not(r7)
     r7 = m.where(r7, r5, 0.0)
     r7 = r34 + r7
     r29 = m.where(r29, r7, 0.0)
@@ -505,7 +505,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r7 = m.fabs(r7)
     r7 = r7 <= r27
     r8 = m.where(r7, r8, 0.0)
-    r27 = ~r7
+    r27 = m.logical_not(r7)
     r27 = m.where(r27, r29, 0.0)
     r27 = r8 + r27
     r8 = m.where(r1, r27, 0.0)
@@ -517,11 +517,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r5 = 3.141592653589793 < r34
     r35 = r9 - 6.283185307179586
     r35 = m.where(r5, r35, 0.0)
-    r5 = ~r5
+    r5 = m.logical_not(r5)
     r34 = r34 < (-3.141592653589793)
     r36 = r9 + 6.283185307179586
     r36 = m.where(r34, r36, 0.0)
-    r34 = ~r34
+    r34 = m.logical_not(r34)
     r34 = m.where(r34, r9, 0.0)
     r34 = r36 + r34
     r5 = m.where(r5, r34, 0.0)
@@ -535,7 +535,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r28 = m.fabs(r28)
     r28 = r28 <= r19
     r26 = m.where(r28, r26, 0.0)
-    r35 = ~r28
+    r35 = m.logical_not(r28)
     r5 = m.where(r35, r5, 0.0)
     r5 = r26 + r5
     r5 = m.where(r14, r5, 0.0)
@@ -547,11 +547,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r35 = 3.141592653589793 < r26
     r34 = r10 - 6.283185307179586
     r34 = m.where(r35, r34, 0.0)
-    r35 = ~r35
+    r35 = m.logical_not(r35)
     r26 = r26 < (-3.141592653589793)
     r36 = r10 + 6.283185307179586
     r36 = m.where(r26, r36, 0.0)
-    r26 = ~r26
+    r26 = m.logical_not(r26)
     r26 = m.where(r26, r10, 0.0)
     r26 = r36 + r26
     r35 = m.where(r35, r26, 0.0)
@@ -565,7 +565,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r32 = m.fabs(r32)
     r32 = r32 <= r19
     r11 = m.where(r32, r11, 0.0)
-    r35 = ~r32
+    r35 = m.logical_not(r32)
     r34 = m.where(r35, r34, 0.0)
     r34 = r11 + r34
     r34 = m.where(r1, r34, 0.0)
@@ -576,11 +576,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r35 = 3.141592653589793 < r11
     r26 = r21 - 6.283185307179586
     r26 = m.where(r35, r26, 0.0)
-    r35 = ~r35
+    r35 = m.logical_not(r35)
     r11 = r11 < (-3.141592653589793)
     r36 = r21 + 6.283185307179586
     r36 = m.where(r11, r36, 0.0)
-    r11 = ~r11
+    r11 = m.logical_not(r11)
     r11 = m.where(r11, r21, 0.0)
     r11 = r36 + r11
     r35 = m.where(r35, r11, 0.0)
@@ -594,7 +594,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r33 = m.fabs(r33)
     r33 = r33 <= r19
     r3 = m.where(r33, r3, 0.0)
-    r35 = ~r33
+    r35 = m.logical_not(r33)
     r26 = m.where(r35, r26, 0.0)
     r3 = r3 + r26
     r3 = m.where(r14, r3, 0.0)
@@ -605,11 +605,11 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r35 = 3.141592653589793 < r26
     r11 = r20 - 6.283185307179586
     r11 = m.where(r35, r11, 0.0)
-    r35 = ~r35
+    r35 = m.logical_not(r35)
     r26 = r26 < (-3.141592653589793)
     r36 = r20 + 6.283185307179586
     r36 = m.where(r26, r36, 0.0)
-    r26 = ~r26
+    r26 = m.logical_not(r26)
     r20 = m.where(r26, r20, 0.0)
     r36 = r36 + r20
     r35 = m.where(r35, r36, 0.0)
@@ -623,7 +623,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r29 = m.fabs(r29)
     r29 = r29 <= r19
     r11 = m.where(r29, r11, 0.0)
-    r35 = ~r29
+    r35 = m.logical_not(r29)
     r27 = m.where(r35, r27, 0.0)
     r27 = r11 + r27
     r27 = m.where(r1, r27, 0.0)
@@ -641,7 +641,7 @@ def inverse_kinematics(position, wrist, tolerances, m):
     r36 = m.fabs(r36)
     r36 = r36 <= r19
     r35 = m.where(r36, r35, 0.0)
-    r19 = ~r36
+    r19 = m.logical_not(r36)
     r19 = m.where(r19, r11, 0.0)
     r19 = r35 + r19
     r35 = m.where(r14, r19, 0.0)
