@@ -39,6 +39,7 @@ except ImportError:
 
 #: Anything that JAX or NumPy reads as real numbers.
 Numbers: TypeAlias = Any
+Arrays: TypeAlias = tuple[Array, ...]
 _KERNELS: dict[str, Any] = {**formulas.KERNELS, **products.KERNELS}
 
 
@@ -77,7 +78,7 @@ class JaxArm:
         """Pose of the tcp in base_link, (4, 4)."""
         return _only("forward_kinematics", q)
 
-    def link_poses(self, q: Numbers) -> tuple[Array, ...]:
+    def link_poses(self, q: Numbers) -> Arrays:
         """Poses of link_1 to link_4 in base_link, (4, 4) each."""
         return _computed("link_poses", q)
 
@@ -117,7 +118,7 @@ class JaxArm:
         """Joint torque for a motion, water included, (4,) [N m]."""
         return _only("inverse_dynamics", q, v, a, self.parameters)
 
-    def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> tuple[Array, ...]:
+    def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> Arrays:
         """dtau/dq, dtau/dv, dtau/da = M, (4, 4) each."""
         return _computed("inverse_dynamics_derivatives", q, v, a, self.parameters)
 
@@ -125,9 +126,7 @@ class JaxArm:
         """Joint acceleration under a torque, water included, (4,) [rad/s^2]."""
         return _only("forward_dynamics", q, v, tau, self.parameters)
 
-    def forward_dynamics_derivatives(
-        self, q: Numbers, v: Numbers, tau: Numbers
-    ) -> tuple[Array, ...]:
+    def forward_dynamics_derivatives(self, q: Numbers, v: Numbers, tau: Numbers) -> Arrays:
         """da/dq, da/dv, da/dtau = M^-1, (4, 4) each."""
         return _computed("forward_dynamics_derivatives", q, v, tau, self.parameters)
 
@@ -135,7 +134,7 @@ class JaxArm:
         """Force above moment that the arm exerts on its mount, at and in base_link, (6,) [N, N m]."""
         return _only("base_wrench", q, v, a, self.parameters)
 
-    def base_wrench_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> tuple[Array, ...]:
+    def base_wrench_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> Arrays:
         """dw/dq, dw/dv, dw/da, (6, 4) each."""
         return _computed("base_wrench_derivatives", q, v, a, self.parameters)
 
@@ -193,7 +192,7 @@ def _only(name: str, *given: Any) -> Array:
     return result
 
 
-def _computed(name: str, *given: Any) -> tuple[Array, ...]:
+def _computed(name: str, *given: Any) -> Arrays:
     """Outputs of a formula."""
     formula, inputs, outputs = _KERNELS[name]
     elements = [_elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)]
