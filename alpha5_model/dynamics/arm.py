@@ -582,7 +582,7 @@ class Arm:
         return [np.concatenate([start, q], axis=-1), *still]
 
     @cached_property
-    def _kernel_parameters(self) -> dict[str, FloatArray]:
+    def _kernel_parameters(self) -> FloatArray | None:
         return kernel_parameters(self._model, self.displacements, self.fluid_density)
 
     @property

@@ -32,14 +32,14 @@ class KernelArm(Arm):
         self, model: Any, displacements: Iterable[Displacement], fluid_density: float
     ) -> None:
         super().__init__(model, displacements, fluid_density)
-        if not self._kernel_parameters:
+        if self._kernel_parameters is None:
             raise InputError("model", model, "the joints of a Reach Alpha 5 on a fixed base")
 
-        def bound(name: str, bodies: str = "net") -> Any:
-            return kernels.module().bind(name, self._kernel_parameters[bodies])
+        def bound(name: str) -> Any:
+            return kernels.module().bind(name, self._kernel_parameters)
 
-        self._gravity_torque: _Kernel = bound("hydrostatic_torque", "weight")
-        self._buoyancy_torque: _Kernel = bound("hydrostatic_torque", "fluid")
+        self._gravity_torque: _Kernel = bound("gravity_torque")
+        self._buoyancy_torque: _Kernel = bound("buoyancy_torque")
         self._hydrostatic_torque: _Kernel = bound("hydrostatic_torque")
         self._hydrostatic_derivative: _Kernel = bound("hydrostatic_torque_derivative")
         self._mass_matrix: _Kernel = bound("mass_matrix")
@@ -51,7 +51,7 @@ class KernelArm(Arm):
         self._forward_derivatives: _Kernels = bound("forward_dynamics_derivatives")
         self._base_wrench: _Kernel = bound("base_wrench")
         self._wrench_derivatives: _Kernels = bound("base_wrench_derivatives")
-        self._jacobian: _Kernel = bound("jacobian", "none")
+        self._jacobian: _Kernel = kernels.module().bind("jacobian", np.empty(0))
 
     def jacobian(
         self, q: ArrayLike, frame: str = "tcp", reference_frame: Any = _ALIGNED

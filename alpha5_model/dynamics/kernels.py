@@ -29,21 +29,16 @@ _ROUNDING = 1e-14
 
 def kernel_parameters(
     model: Any, displaced: Iterable[Displacement], density: float
-) -> dict[str, FloatArray]:
-    """Base parameters of an arm: ``net`` of weight less buoyancy, ``weight`` and ``fluid`` of one alone.
-
-    ``none`` are the parameters of kernels that take none.
+) -> FloatArray | None:
+    """Base parameters of an arm, (41,); None if the kernels do not know its joints.
 
     Args:
         model: pin.Model.
         displaced: The volumes on its joints.
         density: Of the fluid [kg/m^3].
-
-    Returns:
-        Empty if the kernels do not know this arm's joints.
     """
     if not _known(model):
-        return {}
+        return None
     volumes: list[list[Displacement]] = [[] for _ in model.names]
     for body in displaced:
         volumes[model.getJointId(body.joint)].append(body)
@@ -53,11 +48,7 @@ def kernel_parameters(
         moment = sum((body.volume * body.cob for body in there), np.zeros(3))
         cob = moment / (volume or 1.0)
         links.append(RigidBody(name, inertia.mass, inertia.lever, inertia.inertia, volume, cob))
-    gravity = model.gravity.linear
-    net, weight = (base_parameters(links, rho, gravity) for rho in (density, 0.0))
-    fluid = weight - net
-    fluid[-3:] = gravity
-    return {"net": net, "weight": weight, "fluid": fluid, "none": np.empty(0)}
+    return base_parameters(links, density, model.gravity.linear)
 
 
 def _known(model: Any) -> bool:
@@ -77,15 +68,17 @@ def _known(model: Any) -> bool:
 
 
 def kernel_rows(
-    arm: Any, name: str, columns: int, threads: int | None, bodies: str = "net", **given: ArrayLike
+    arm: Any, name: str, columns: int, threads: int | None, **given: ArrayLike
 ) -> FloatArray | None:
     """A kernel's output for each row of q and its rates, (N, columns).
 
     None where the kernels do not know the arm. Errors are those of `rows` and `thread_count`.
     """
-    parameters = arm._kernel_parameters.get(bodies)
+    parameters = arm._kernel_parameters
     if parameters is None:
         return None
+    if name == "forward_kinematics":
+        parameters = np.empty(0)
     states: list[Any] = [*given.values()]
     run = kernels.module().batch
     plain = type(states[0]) is np.ndarray and states[0].ndim == 2
@@ -104,6 +97,6 @@ def arm_parameters(arm: Any) -> FloatArray:
     Raises:
         InputError: The kernels do not know its joints: a floating base, or jaws that move.
     """
-    if "net" not in arm._kernel_parameters:
+    if arm._kernel_parameters is None:
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
-    return np.array(arm._kernel_parameters["net"])
+    return np.array(arm._kernel_parameters)

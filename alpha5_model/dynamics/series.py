@@ -60,16 +60,20 @@ def torque_terms(
     if arm.floating_base:
         raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    n, still = batch.thread_count(threads, len(q)), np.zeros_like(v)
+    n, own, still = batch.thread_count(threads, len(q)), arm._own, np.zeros_like(v)
+    if arm._kernel_parameters is None:
+        total = batch.rnea(arm._model, own, n, q, v, a)
+        bias = batch.rnea(arm._model, own, n, q, v, still)
+        weight = batch.rnea(arm._model, own, n, q, still, still)
+        buoyancy = -batch.rnea(arm._fluid, own, n, q, still, still)
+        return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
 
-    def torques(bodies: str, v: FloatArray, a: FloatArray) -> FloatArray:
-        out = kernel_rows(arm, "inverse_dynamics", 4, threads, bodies, q=q, v=v, a=a)
-        model = arm._model if bodies == "weight" else arm._fluid
-        return batch.rnea(model, arm._own, n, q, v, a) if out is None else out
+    def term(name: str, **rates: FloatArray) -> FloatArray:
+        return np.asarray(kernel_rows(arm, name, 4, threads, q=q, **rates))
 
-    total, bias = torques("weight", v, a), torques("weight", v, still)
-    weight, buoyancy = torques("weight", still, still), torques("fluid", still, still)
-    return TorqueTerms(total - bias, bias - weight, weight, -buoyancy)
+    inertia = term("inverse_dynamics", v=v, a=a) - term("nonlinear_effects", v=v)
+    coriolis = term("coriolis_torque", v=v)
+    return TorqueTerms(inertia, coriolis, term("gravity_torque"), -term("buoyancy_torque"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +127,7 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         UnknownNameError: No such frame.
     """
     model, index = arm._model, arm._frame(frame)
-    poses = kernel_rows(arm, "forward_kinematics", 16, 1, "none", q=q) if frame == "tcp" else None
+    poses = kernel_rows(arm, "forward_kinematics", 16, 1, q=q) if frame == "tcp" else None
     if poses is not None:
         return poses[:, 3:12:4].copy()
     (configurations,) = rows(model, q=q)

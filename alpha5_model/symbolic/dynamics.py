@@ -167,17 +167,21 @@ def weightless(base_parameters: SX) -> SX:
     return vertcat(base_parameters[:-3], SX.zeros(3))
 
 
-def dynamics() -> tuple[casadi.Function, ...]:
-    """Every function; inputs are of q, v, a, tau and the base parameters.
+def in_air(base_parameters: SX) -> SX:
+    """The same without fluid around the moving links: their net first moments are those of the mass."""
+    index = {name: i for i, name in enumerate(BASE_PARAMETERS)}
+    return base_parameters[[index.get(name.replace(".n", ".h"), i) for name, i in index.items()]]
 
-    One function serves several quantities by its parameters: in air, hydrostatic torque is gravity torque.
-    """
+
+def dynamics() -> tuple[casadi.Function, ...]:
+    """Every function; inputs are of q, v, a, tau and the base parameters."""
     q, v, a, tau = (SX.sym(name, JOINTS) for name in ("q", "v", "a", "tau"))
     p, still = SX.sym("parameters", len(BASE_PARAMETERS)), SX.zeros(JOINTS)
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "parameters": p}
     *links, tip = link_poses(q)
     torque, wrench = newton_euler(q, v, a, p)
     holding, _ = newton_euler(q, still, still, p)
+    weight, _ = newton_euler(q, still, still, in_air(p))
     bias, _ = newton_euler(q, v, still, p)
     coriolis, _ = newton_euler(q, v, still, weightless(p))
     by = {
@@ -193,6 +197,8 @@ def dynamics() -> tuple[casadi.Function, ...]:
         "forward_kinematics": ("q", {"tcp": tip}),
         "link_poses": ("q", {f"link_{i}": pose for i, pose in enumerate(links, 1)}),
         "jacobian": ("q", {"jacobian": jacobian(q)}),
+        "gravity_torque": ("q parameters", {"tau": weight}),
+        "buoyancy_torque": ("q parameters", {"tau": weight - holding}),
         "hydrostatic_torque": ("q parameters", {"tau": holding}),
         "hydrostatic_torque_derivative": ("q parameters", {"tau_q": casadi.jacobian(holding, q)}),
         "mass_matrix": ("q parameters", {"tau_a": mass}),

@@ -36,17 +36,6 @@ SUMMARIES = {
 def products() -> dict[str, casadi.Function]:
     """Name -> function, in the order of `SUMMARIES`; constants of kinematics folded, parameters not."""
     known = {**functions(), "inverse_kinematics": solutions(), "with_payload": _with_payload()}
-    q, p = SX.sym("q", 4), SX.sym("parameters", len(BASE_PARAMETERS))
-    holding = known["hydrostatic_torque"]
-    # In air the net first moments are those of the mass.
-    index = {name: i for i, name in enumerate(BASE_PARAMETERS)}
-    dry = vertcat(*(p[index.get(name.replace(".n", ".h"), i)] for name, i in index.items()))
-    weight = holding(q, dry)
-    for name, torque in (
-        ("gravity_torque", weight),
-        ("buoyancy_torque", weight - holding(q, p)),
-    ):
-        known[name] = casadi.Function(name, [q, p], [torque], ["q", "parameters"], ["tau"])
     return {name: known[name] for name in SUMMARIES}
 
 

@@ -18,6 +18,74 @@ PREPARE(jacobian)
 {
     (void)p, (void)k;
 }
+PREPARE(gravity_torque)
+{
+    (void)p, (void)k;
+    const double r10 = p[38];
+    const double r13 = p[39];
+    const double r16 = p[17];
+    const double r29 = p[40];
+    const double r45 = p[34];
+    const double r49 = p[35];
+    const double r53 = p[26];
+    const double r57 = p[25];
+    const double r76 = p[16];
+    const double r84 = p[8];
+    const double r86 = p[7];
+    k[0] = r10;
+    k[1] = r13;
+    k[2] = r16;
+    k[3] = r29;
+    k[4] = r45;
+    k[5] = r49;
+    k[6] = r53;
+    k[7] = r57;
+    k[8] = r76;
+    k[9] = r84;
+    k[10] = r86;
+}
+PREPARE(buoyancy_torque)
+{
+    (void)p, (void)k;
+    const double r10 = p[38];
+    const double r13 = p[39];
+    const double r16 = p[17];
+    const double r29 = p[40];
+    const double r45 = p[34];
+    const double r49 = p[35];
+    const double r53 = p[26];
+    const double r57 = p[25];
+    const double r76 = p[16];
+    const double r84 = p[8];
+    const double r86 = p[7];
+    const double r90 = p[19];
+    const double r92 = p[36];
+    const double r95 = p[37];
+    const double r99 = p[28];
+    const double r103 = p[27];
+    const double r113 = p[18];
+    const double r121 = p[10];
+    const double r123 = p[9];
+    k[0] = r10;
+    k[1] = r13;
+    k[2] = r16;
+    k[3] = r29;
+    k[4] = r45;
+    k[5] = r49;
+    k[6] = r53;
+    k[7] = r57;
+    k[8] = r76;
+    k[9] = r84;
+    k[10] = r86;
+    k[11] = r90;
+    k[12] = r92;
+    k[13] = r95;
+    k[14] = r99;
+    k[15] = r103;
+    k[16] = r113;
+    k[17] = r121;
+    k[18] = r123;
+}
 PREPARE(hydrostatic_torque)
 {
     (void)p, (void)k;
@@ -926,6 +994,8 @@ static const Kernel kernels[] = {
     ENTRY(forward_kinematics, 0, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
     ENTRY(link_poses, 0, 1, 4, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
     ENTRY(jacobian, 0, 1, 1, {4, 1, {4}}, {24, 2, {6, 4}}),
+    ENTRY(gravity_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(buoyancy_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(hydrostatic_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
     ENTRY(hydrostatic_torque_derivative, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
     ENTRY(mass_matrix, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
