@@ -23,6 +23,8 @@ from alpha5_model.kinematics.edges import DOUBLE
 from alpha5_model.symbolic.products import SUMMARIES, products
 from alpha5_model.symbolic.program import folded, program
 
+__all__ = ["load"]
+
 
 def load(arm: Arm | None = None, *, fold: bool = True, **options: Any) -> SimpleNamespace:
     """The equations of an arm.

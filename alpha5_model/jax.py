@@ -34,8 +34,7 @@ try:
     from jax.tree_util import register_dataclass
     from jax.tree_util import tree_leaves as leaves
 except ImportError:
-    remedy = "pip install 'alpha5-model[jax]'"
-    raise MissingDependencyError("jax", "alpha5_model.jax", remedy) from None
+    raise MissingDependencyError("jax", "alpha5_model.jax", "pip install jax") from None
 
 #: Anything that JAX or NumPy reads as real numbers.
 Numbers: TypeAlias = Any

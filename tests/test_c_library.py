@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from dynamics_cases import TILTED
 
 import alpha5_model as a5
+from alpha5_model import c_library
 from alpha5_model.c_library import COptions, c_files
 from alpha5_model.cli import main
 from alpha5_model.symbolic.products import SUMMARIES
@@ -132,3 +134,19 @@ def test_wrong_options_end_in_one_line(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_without_casadi_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for name in [
+        n for n in sys.modules if n.startswith(("alpha5_model.symbolic", "alpha5_model.c_library."))
+    ]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    monkeypatch.delattr(c_library, "source", raising=False)
+    assert main(["generate", "--format", "c", "--output", str(tmp_path / "c")]) == 2
+    assert capsys.readouterr().err.endswith(
+        "needs casadi, which is not installed: pip install casadi\n"
+    )
+    assert not (tmp_path / "c").exists()

@@ -25,7 +25,7 @@ import alpha5_model as a5
 
 SNAPSHOT = Path(__file__).with_name("public_api.txt")
 #: Modules that people import by their own name, beside what `alpha5_model` itself exports.
-MODULES = ("errors", "inertia", "corrections", "fluids", "paths")
+MODULES = ("errors", "inertia", "corrections", "fluids", "paths", "casadi", "jax")
 
 
 def own_classes() -> dict[str, Any]:

@@ -12,8 +12,8 @@ from alpha5_model.errors import MissingDependencyError
 try:
     import casadi
 except ImportError:
-    remedy = "pip install 'alpha5-model[symbolic]'"
-    raise MissingDependencyError("casadi", "making code of the equations", remedy) from None
+    what = "making code of the equations"
+    raise MissingDependencyError("casadi", what, "pip install casadi") from None
 
 from alpha5_model.symbolic.dynamics import dynamics
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
