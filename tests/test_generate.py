@@ -180,6 +180,25 @@ def test_without_manifold3d_the_meshes_are_said_not_to_be_checked(monkeypatch, c
     assert "manifold3d is not installed" in fresh.finding
 
 
+def test_without_casadi_the_formulas_are_said_not_to_be_checked(monkeypatch, capsys):
+    everything = {path for path in generated_files() if not path.startswith("alpha5_model/")}
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    assert set(generated_files()) == everything
+    assert main(["generate", "--check"]) == 0
+    assert "casadi is not installed" in capsys.readouterr().out
+    (fresh,) = (row for row in verify_generated() if row.check == "fresh")
+    assert (fresh.verdict, "casadi is not installed" in fresh.finding) == ("not run", True)
+
+
+def test_an_installed_package_has_its_formulas_as_they_are(monkeypatch, tmp_path):
+    from alpha5_model.description import committed
+
+    monkeypatch.setattr(committed, "REPOSITORY_PATH", str(tmp_path))
+    assert not any(path.startswith("alpha5_model/") for path in generated_files())
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    assert committed.not_generated() == ()
+
+
 def test_two_generations_are_the_same_bytes():
     assert generated_files() == generated_files()
 
