@@ -36,6 +36,7 @@ benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
 
 conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the documentation
 	$(BIN)/python scripts/conformance.py --readme docs/conformance.md
+	bash scripts/real_tools.sh $(BIN)/python --page docs/conformance.md
 
 fuzz: $(VENV)/.test ## 100 000 inputs to the package, its readers and its command line
 	$(BIN)/python scripts/fuzz.py

@@ -2,7 +2,8 @@
 
     python scripts/conformance.py [--readme docs/conformance.md] [--json FILE] [--states N] [--tools NAME,...]
 
-A tool that is not installed is reported as not run. Exit status 1 if one that ran is off.
+A tool that is not installed is reported as not run; what one warns of is listed below the table. Exit status 1 if one
+that ran is off.
 """
 
 from __future__ import annotations
@@ -11,20 +12,25 @@ import argparse
 import importlib.util
 import json
 import multiprocessing
+import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
+import conformance_libraries as libraries
+import conformance_simulators as simulators
 import conformance_tools as tools
 import numpy as np
 import pinocchio as pin
 from conformance_tools import Arrays, States
 
-from alpha5_model.description.mjcf import mjcf_files
+from alpha5_model.description import mesh_assets
+from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import sdf_files
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import FileFormatError, MissingFileError
@@ -43,7 +49,11 @@ QUANTITIES = {
 _DOUBLE = {"fk": 1e-12, "mass": 1e-12, "bias": 1e-12, "buoyancy": 1e-12, "trajectory": 1e-7}
 #: PyBullet reports link poses in single precision.
 _PYBULLET = {**_DOUBLE, "fk": 1e-6, "mass": 1e-9, "bias": 1e-9}
-_SINGLE = dict.fromkeys(_DOUBLE, 1e-5)
+_SINGLE = {**dict.fromkeys(_DOUBLE, 1e-5), "mass": 2e-7}
+#: SAPIEN gives a link without mass, here the tcp, 1e-6 kg and 1e-6 kg m^2.
+_SAPIEN = {**_SINGLE, "mass": 2e-6}
+#: A line that is of the machine, not of the file.
+_MACHINE = re.compile("CUDA|GPU|performance settings")
 
 
 @dataclass(frozen=True)
@@ -70,7 +80,11 @@ class Tool:
 TOOLS = (
     Tool("MuJoCo", "MJCF", "mujoco", "mujoco", tools.mujoco_mjcf),
     Tool("MuJoCo", "URDF", "mujoco", "mujoco", tools.mujoco_urdf),
-    Tool("MJX (single precision)", "MJCF", "mujoco.mjx", "mujoco-mjx", tools.mjx, _SINGLE),
+    Tool("MJX", "MJCF, no collision", "mujoco.mjx", "mujoco-mjx", tools.mjx, _SINGLE),
+    Tool("mujoco_warp", "MJCF", "mujoco_warp", "mujoco-warp", simulators.mujoco_warp, _SINGLE),
+    Tool("Newton", "MJCF", "newton", "newton", simulators.newton_mjcf, _SINGLE),
+    Tool("brax", "MJCF, no buoyancy", "brax", "brax", simulators.brax, _SINGLE),
+    Tool("mink", "MJCF", "mink", "mink", libraries.mink),
     Tool("Drake", "URDF", "pydrake", "drake", tools.drake_urdf),
     Tool("Drake", "SDF", "pydrake", "drake", tools.drake_sdf),
     Tool("PyBullet", "URDF", "pybullet", "pybullet", tools.pybullet_urdf, _PYBULLET),
@@ -80,6 +94,19 @@ TOOLS = (
         "roboticstoolbox",
         "roboticstoolbox-python",
         tools.roboticstoolbox_urdf,
+    ),
+    Tool("DART", "URDF", "dartpy", "dartpy", simulators.dart),
+    Tool("SAPIEN", "URDF, no visuals", "sapien", "sapien", simulators.sapien, _SAPIEN),
+    Tool("adam", "URDF", "adam", "adam-robotics", libraries.adam),
+    Tool("urdf2casadi", "URDF", "urdf2casadi", "urdf2casadi", libraries.urdf2casadi),
+    Tool("frax", "URDF", "frax", "frax", libraries.frax),
+    Tool(
+        "pytorch_kinematics",
+        "URDF",
+        "pytorch_kinematics",
+        "pytorch-kinematics",
+        libraries.pytorch_kinematics,
+        _SINGLE,
     ),
     Tool("yourdfpy", "URDF", "yourdfpy", "yourdfpy", tools.yourdfpy_urdf),
     Tool("urchin", "URDF", "urchin", "urchin", tools.urchin_urdf),
@@ -94,6 +121,7 @@ class Row:
         tool, file, version: Version is empty if the tool is not installed.
         errors: Largest error of each quantity that the tool computes.
         status: ``agrees``, ``differs``, ``not run`` or ``failed: ...``.
+        warnings: Lines that it printed.
     """
 
     tool: str
@@ -101,12 +129,21 @@ class Row:
     version: str
     errors: dict[str, float]
     status: str
+    warnings: tuple[str, ...] = ()
 
 
 def write_files(folder: Path) -> None:
-    """The generated files that the tools read."""
-    atomic_write(folder / "alpha5.urdf", urdf(Variant(mesh_prefix="mjcf/assets/")))
-    for name, files in (("mjcf", mjcf_files()), ("sdf", sdf_files())):
+    """The generated files that the tools read; MJX and brax want theirs simpler."""
+    atomic_write(folder / "alpha5.urdf", urdf(Variant(mesh_prefix="meshes/")))
+    mjx = MjcfOptions(collision="none")
+    plain = MjcfOptions(collision="none", buoyancy="none", actuators="motor")
+    for name, files in (
+        ("meshes", mesh_assets(".obj", ".mtl")),
+        ("mjcf", mjcf_files()),
+        ("mjcf_mjx", mjcf_files(mjx)),
+        ("mjcf_brax", mjcf_files(plain)),
+        ("sdf", sdf_files()),
+    ):
         for path, content in files.items():
             atomic_write(folder / name / path, content)
 
@@ -171,7 +208,7 @@ def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
     found = version(tool.package)
     try:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-            arrays = pool.submit(tool.compute, files, states).result()
+            arrays, printed = pool.submit(observed, tool.compute, files, states).result()
     except Exception as error:
         reason = f"failed: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
         return Row(tool.name, tool.file, found, {}, reason)
@@ -181,7 +218,36 @@ def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
         errors[name] = float(np.abs(array - expected[name]).max()) if same else float("inf")
     # Written so that NaN differs.
     agrees = bool(errors) and all(error <= tool.bounds[name] for name, error in errors.items())
-    return Row(tool.name, tool.file, found, errors, "agrees" if agrees else "differs")
+    verdict = "agrees" if agrees else "differs"
+    return Row(tool.name, tool.file, found, errors, verdict, warned(printed))
+
+
+def observed(
+    compute: Callable[[Path, States], Arrays], files: Path, states: States
+) -> tuple[Arrays, str]:
+    """What a tool computes and what it prints, C and C++ included; for a process of its own."""
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)
+        arrays = compute(files, states)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        file.seek(0)
+        return arrays, file.read()
+
+
+def warned(printed: str) -> tuple[str, ...]:
+    """The warnings among printed lines, each once, without colours and folders."""
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", printed).replace("`", "'")
+    lines = plain.replace("b3Warning", "\nb3Warning").splitlines()  # PyBullet ends no line
+    found = {}
+    for line, following in zip(lines, [*lines[1:], ""], strict=False):
+        if re.search("warning|deprecat", line, re.IGNORECASE) and not _MACHINE.search(line):
+            text = f"{line} {following}" if line.endswith(":") else line
+            text = re.sub(r"(?<![\w.:/])(?:\.*/[\w.+-]+)+/", "", " ".join(text.split()))
+            if not text.startswith("warnings.warn("):
+                found[text[:300]] = None
+    return tuple(found)
 
 
 def table(rows: Sequence[Row], count: int) -> str:
@@ -192,11 +258,13 @@ def table(rows: Sequence[Row], count: int) -> str:
         cells = [f"{row.errors[name]:.0e}" if name in row.errors else "–" for name in QUANTITIES]
         lines.append([row.tool, row.file, row.version or "–", *cells, row.status])
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    said = [f"- {row.tool}, {row.file}: `{line}`" for row in rows for line in row.warnings]
+    warnings = "\n".join(["\n\nWhat they warned of:\n", *said]) if said else ""
     note = (
         f"Largest difference from Pinocchio {version('pin')} over {count} random states; – is what a tool "
         "does not compute by itself. Written by `make conformance`."
     )
-    return f"{text}\n\n{note}\n"
+    return f"{text}\n\n{note}{warnings}\n"
 
 
 def insert(readme: Path, text: str, marks: tuple[str, str] = (BEGIN, END)) -> None:
@@ -234,10 +302,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         files = Path(folder)
         write_files(files)
         expected = reference(files, states)
-        for tool in TOOLS:
-            if tool.package in asked:
-                print(f"{tool.name} on {tool.file} ...", file=sys.stderr, flush=True)
-                rows.append(measure(tool, files, states, expected))
+        chosen_tools = [tool for tool in TOOLS if tool.package in asked]
+        with ThreadPoolExecutor(2) as pool:  # each in a process of its own
+            for row in pool.map(lambda tool: measure(tool, files, states, expected), chosen_tools):
+                print(f"{row.tool} on {row.file}: {row.status}", file=sys.stderr, flush=True)
+                rows.append(row)
     text = table(rows, chosen.states)
     print(text, end="")
     if chosen.json:

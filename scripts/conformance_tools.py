@@ -66,9 +66,7 @@ def mujoco_mjcf(files: Path, states: States) -> Arrays:
 def _mujoco(model, states: States, tip) -> Arrays:
     import mujoco
 
-    for name in ("CONTACT", "LIMIT", "ACTUATION"):
-        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
-    model.opt.gravity = GRAVITY
+    undisturbed(model).opt.gravity = GRAVITY
     data, columns = mujoco.MjData(model), np.zeros((4, 4))
     out: dict[str, list[np.ndarray]] = {"fk": [], "mass": [], "bias": [], "buoyancy": []}
     water = model.body_gravcomp.copy()
@@ -80,7 +78,7 @@ def _mujoco(model, states: States, tip) -> Arrays:
         for column, unit in zip(columns, np.eye(4), strict=True):
             mujoco.mj_mulM(model, data, column, unit)
         frame = tip(data)
-        out["fk"].append(_pose(frame.xpos, frame.xmat.reshape(3, 3)))
+        out["fk"].append(pose(frame.xpos, frame.xmat.reshape(3, 3)))
         out["mass"].append(columns.copy())
         # From the acceleration, not from a field on the way to it.
         dry = -columns @ data.qacc
@@ -92,15 +90,12 @@ def _mujoco(model, states: States, tip) -> Arrays:
 
 
 def mjx(files: Path, states: States) -> Arrays:
-    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    cpu_only()
     import jax
     import mujoco
     from mujoco import mjx
 
-    model = mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml"))
-    model.geom_contype[:] = model.geom_conaffinity[:] = 0  # MJX has no cylinder-box collision
-    for name in ("CONTACT", "LIMIT", "ACTUATION"):
-        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    model = undisturbed(mujoco.MjModel.from_xml_path(str(files / "mjcf_mjx" / "alpha5.xml")))
     water, air = (mjx.put_model(_with_gravcomp(model, wet)) for wet in (True, False))
 
     def one(q, v):
@@ -111,7 +106,7 @@ def mjx(files: Path, states: States) -> Arrays:
 
     batch = jax.jit(jax.vmap(one))(jax.numpy.array(states.q), jax.numpy.array(states.v))
     xpos, xmat, mass, bias, wet = (np.asarray(array, dtype=float) for array in batch)
-    fk = np.array([_pose(x, r.reshape(3, 3)) for x, r in zip(xpos, xmat, strict=True)])
+    fk = np.array([pose(x, r.reshape(3, 3)) for x, r in zip(xpos, xmat, strict=True)])
     return {"fk": fk, "mass": mass, "bias": bias, "buoyancy": wet + bias}
 
 
@@ -175,7 +170,7 @@ def pybullet_urdf(files: Path, states: States) -> Arrays:
             pybullet.resetJointState(arm, i, angle, speed)
         link = pybullet.getLinkState(arm, tip, computeForwardKinematics=True)
         rotation = np.array(pybullet.getMatrixFromQuaternion(link[5])).reshape(3, 3)
-        fk.append(_pose(link[4], rotation))
+        fk.append(pose(link[4], rotation))
         mass.append(pybullet.calculateMassMatrix(arm, list(q)))
         bias.append(pybullet.calculateInverseDynamics(arm, list(q), list(v), [0.0] * 4))
     pybullet.disconnect(client)
@@ -216,7 +211,22 @@ def urchin_urdf(files: Path, states: States) -> Arrays:
     return {"fk": np.array(poses)}
 
 
-def _pose(position, rotation) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3], pose[:3, :3] = position, rotation
-    return pose
+def pose(position, rotation) -> np.ndarray:
+    """(4, 4) of a position and a rotation matrix."""
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = position, rotation
+    return matrix
+
+
+def undisturbed(model):
+    """The MuJoCo model without contacts, limits and actuators."""
+    import mujoco
+
+    for name in ("CONTACT", "LIMIT", "ACTUATION"):
+        model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+    return model
+
+
+def cpu_only() -> None:
+    """JAX looks for no accelerator."""
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")

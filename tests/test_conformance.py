@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import re
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +107,11 @@ def lose_the_force(text: str) -> str:
     return re.sub(r' gravcomp="[^"]*"', "", text)
 
 
+def zero_moments(text: str) -> str:
+    """The buoyancy bodies as they were: Newton raises zeros to 1e-6 kg m^2."""
+    return text.replace('diaginertia="2e-10 2e-10 2e-10"', 'diaginertia="0 0 0"')
+
+
 def without_zero_inertials(text: str) -> str:
     return re.sub(
         r'<inertial>\s*<origin[^>]*/>\s*<mass value="0"/>.*?</inertial>', "", text, flags=re.S
@@ -119,6 +126,15 @@ DAMAGES = [
     # PyBullet gives a link without <inertial> a mass of 1 kg: here the tcp
     ("PyBullet", "URDF", "alpha5.urdf", without_zero_inertials, {"mass", "bias"}),
     ("Drake", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("Newton", "MJCF", "mjcf/alpha5.xml", zero_moments, {"mass"}),
+    ("mujoco_warp", "MJCF", "mjcf/alpha5.xml", lose_the_force, {"buoyancy"}),
+    ("brax", "MJCF, no buoyancy", "mjcf_brax/alpha5.xml", six_digits, {"fk"}),
+    ("DART", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("adam", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("urdf2casadi", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("frax", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("SAPIEN", "URDF, no visuals", "alpha5.urdf", flip_products, {"mass"}),
+    ("mink", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
 ]
 
 
@@ -168,6 +184,26 @@ def test_nothing_slips_through_as_agreement(files, states, expected, compute, st
     row = conformance.measure(tool, files, states, expected)
     assert row.status.startswith(status)
     assert "\n" not in row.status
+
+
+def talk(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    os.write(2, b"\x1b[33mWarning: C++ said so of /tmp/some where/x.urdf\x1b[0m\n")
+    print("Loading. A Warning:\nno inertial data", file=sys.stderr)
+    warnings.warn("Warp CUDA not found", UserWarning, stacklevel=1)
+    return {"fk": np.full((len(states.q), 4, 4), np.nan)}
+
+
+def test_what_a_tool_warns_of_is_told(files, states, expected):
+    tool = conformance.Tool("odd", "URDF", "numpy", "numpy", talk)
+    row = conformance.measure(tool, files, states, expected)
+    assert row.warnings == (
+        "Warning: C++ said so of some where/x.urdf",
+        "Loading. A Warning: no inertial data",
+    )
+    text = conformance.table([row], COUNT)
+    assert "- odd, URDF: `Loading. A Warning: no inertial data`" in text
+    quiet = dataclasses.replace(row, warnings=())
+    assert "warned" not in conformance.table([quiet], COUNT)
 
 
 def test_one_disagreement_is_exit_status_1(monkeypatch, capsys):

@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 #: Import name -> distribution, where they differ.
 DISTRIBUTION = {
     "PIL": "pillow",
+    "adam": "adam-robotics",
     "catkin_pkg": "catkin-pkg",
     "example_robot_data": "example-robot-data-loaders",
     "mpl_toolkits": "matplotlib",
@@ -24,6 +25,7 @@ DISTRIBUTION = {
     "pydrake": "drake",
     "roboticstoolbox": "roboticstoolbox-python",
     "spatialmath": "spatialmath-python",
+    "warp": "warp-lang",
     "umsgpack": "u-msgpack-python",
     "yaml": "pyyaml",
     "zmq": "pyzmq",
@@ -50,6 +52,8 @@ FOLDERS = {
 }
 #: Not on Python's index: ROS 2, declared in package.xml.
 ROS = {"launch", "launch_ros"}
+#: Of ROS 1, as Debian's packages without their python3-: installed by scripts/real_tools.sh.
+ROS_1 = {"rospy", "sensor-msgs", "tf2-ros"}
 
 
 def normal(name: str) -> str:
@@ -112,6 +116,10 @@ def test_what_is_imported_is_declared(folder: str) -> None:
     if folder == "alpha5_model":
         allowed.add("example-robot-data-loaders")  # whoever asks for its loader has it
         assert len(used) > 10
+    if folder == "scripts":
+        installer = (ROOT / "scripts" / "real_tools.sh").read_text("utf-8")
+        assert all(f"python3-{name}" in installer for name in ROS_1)
+        allowed |= ROS_1
     assert {name: file for name, file in used.items() if name not in allowed} == {}
 
 

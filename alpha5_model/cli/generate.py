@@ -111,6 +111,9 @@ def generate(
 ) -> int:
     """Write the description of any variant of the arm.
 
+    At joint position 0, where many tools start, it is out of its limits and in
+    collision: start at home of the SRDF, the first key frame of mjcf.
+
     Examples:
     alpha5 generate --gripper jaws --prefix left_ --output out/left_arm.urdf
     alpha5 generate --format mjcf --fluid fresh --output out/mujoco
