@@ -191,6 +191,72 @@ def test_batches_are_the_single_calls(wet, rng):
     assert wet.forward_dynamics_batch(q[:0], v[:0], a[:0]).shape == (0, wet.model.nv)
 
 
+SKEW = a5.DragStrip([0.0, 0.01, 0.0], [0.02, 0.05, -0.1], 0.05, 1.1, 0.2)
+ALIGNED = a5.DragStrip([0.1, 0.01, 0.0], [0.1, 0.05, 0.0], 0.05, 1.1, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("choices", "payload", "on_kernels"),
+    [
+        ({}, {}, True),
+        ({"level": "high", "numbers": "supplementary"}, {}, True),
+        ({}, {"added_mass": definite(np.random.default_rng(3), scale=0.02)}, True),
+        ({}, {"frame": "link_2", "strips": [ALIGNED]}, False),  # one more than the kernels know
+        ({}, {"frame": "link_2", "strips": [SKEW]}, False),
+    ],
+)
+def test_kernels_compute_what_pinocchios_tree_does(choices, payload, on_kernels, rng, monkeypatch):
+    fast = make("locked").with_hydrodynamics(CURRENT, **choices)
+    if payload:
+        fast = fast.with_payload(0.2, volume=1e-4, **payload)
+    slow = pickle.loads(pickle.dumps(fast))
+    monkeypatch.setattr(slow, "_numbers", None)
+    assert (fast._numbers is not None) == on_kernels
+    n = 40
+    q = np.array([random_q(fast, rng) for _ in range(n)])
+    v, a = (np.array([random_v(fast, rng) for _ in range(n)]) for _ in range(2))
+    flows = rng.normal(size=(n, 3))
+    for current in (None, flows[0].tolist(), flows):
+        tau = fast.inverse_dynamics_batch(q, v, a, current=current)
+        close(tau, slow.inverse_dynamics_batch(q, v, a, current=current), 1e-12)
+        back = fast.forward_dynamics_batch(q, v, tau, current=current)
+        close(back, slow.forward_dynamics_batch(q, v, tau, current=current), 1e-10)
+        for i in range(0, n, 7):
+            one = current[i] if current is flows else current
+            state = (q[i], v[i], a[i]), (list(q[i]), list(v[i]), list(a[i]))
+            for given in state:
+                close(fast.inverse_dynamics(*given, current=one), tau[i], 1e-12)
+            close(slow.inverse_dynamics(*state[0], current=one), tau[i], 1e-12)
+            close(fast.forward_dynamics(q[i], v[i], tau[i], current=one), back[i], 1e-10)
+    close(
+        fast.inverse_dynamics_batch(q[0], v, a[0])[3],
+        fast.inverse_dynamics(q[0], v[3], a[0]),
+        1e-12,
+    )
+
+
+@pytest.mark.parametrize(
+    "call", ["inverse_dynamics", "inverse_dynamics_batch", "forward_dynamics_batch"]
+)
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"q": np.full(4, np.nan)},
+        {"v": np.full(4, 1e300)},
+        {"current": [0, 0, np.inf]},
+        {"current": "x"},
+    ],
+)
+def test_what_kernels_refuse_is_told(call, wrong):
+    given = {
+        "q": np.zeros(4),
+        "v": np.zeros(4),
+        "tau" if "for" in call else "a": np.zeros(4),
+    } | wrong
+    with pytest.raises(a5.Alpha5Error, match=next(iter(wrong))):
+        getattr(make("locked").with_hydrodynamics(), call)(**given)
+
+
 def test_without_moving_water_it_is_the_arm(arm, rng):
     dry = HydrodynamicArm(arm, ())
     q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)

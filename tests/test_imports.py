@@ -29,7 +29,15 @@ HEAVY = (
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "checks", "files", "paths", "fluids", "spatial", "kernels"),
     ("published",),
-    ("inertia", "corrections", "parameters", "jaws", "hydrodynamics", "base_parameters"),
+    (
+        "inertia",
+        "corrections",
+        "parameters",
+        "jaws",
+        "hydrodynamics",
+        "base_parameters",
+        "water_parameters",
+    ),
     ("planar", "actuators", "meshing"),
     ("dh",),
     ("kinematics",),

@@ -19,7 +19,8 @@ PARAMETERS = base_parameters(parameters().links)
 def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     """Inputs and empty outputs of n states, and the parameters."""
     _, inputs, outputs = KERNELS[name]
-    own = PARAMETERS if inputs[-1] == PARAMETERS.shape else np.empty(0)
+    water = inputs[-1][0] - len(PARAMETERS)
+    own = np.append(PARAMETERS, np.full(water, 0.01)) if water >= 0 else np.empty(0)
     rng = np.random.default_rng(5)
     given = [rng.uniform(-0.3, 0.3, (n, *s)) for s in inputs[: len(inputs) - bool(len(own))]]
     return given, [np.full((n, *s), np.nan) for s in outputs], own

@@ -16,9 +16,11 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.dynamics.states import rows
 
 #: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
 STATES_PER_THREAD = 5000
@@ -85,6 +87,16 @@ def forward_dynamics(
     a = np.empty_like(v)
     pin.abaInParallel(n, own.pool(model, n), q.T, v.T, total.T, a.T)
     return a
+
+
+def solved_rows(
+    arm: Any, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None, **current: Any
+) -> FloatArray:
+    """Forward dynamics of each row by an arm's mass matrix and its inverse dynamics, (N, nv)."""
+    q, v, tau = rows(arm._model, q=q, v=v, tau=tau)
+    rest = tau - arm.inverse_dynamics_batch(q, v, np.zeros_like(v), threads, **current)
+    masses = np.array([arm.mass_matrix(row) for row in q]).reshape(-1, *2 * rest.shape[1:])
+    return np.asarray(np.linalg.solve(masses, rest[..., None])[..., 0], dtype=np.float64)
 
 
 def _buoyancy(fluid: Any, own: Scratch, threads: int, q: FloatArray) -> FloatArray:

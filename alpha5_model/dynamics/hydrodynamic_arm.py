@@ -7,20 +7,25 @@ every joint is its own and the base stands on a free-flyer: its velocities are `
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from alpha5_model import kernels
 from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
+from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree
+from alpha5_model.dynamics.kernels import kernel_rows
 from alpha5_model.dynamics.moving_water import JointWater
 from alpha5_model.dynamics.states import forces, rows, vector
 from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
+from alpha5_model.water_parameters import water_parameters
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
@@ -46,7 +51,7 @@ class HydrodynamicArm:
     def __init__(
         self, still: Any, bodies: Iterable[JointWater], current: ArrayLike = (0.0, 0.0, 0.0)
     ) -> None:
-        self.still, self.bodies = still, tuple(bodies)
+        self.still, self.bodies, self._model = still, tuple(bodies), still._model
         self.current = frozen(vector("current", current, 3))
         self._tree = HydrodynamicTree(still, self.bodies)
 
@@ -81,22 +86,28 @@ class HydrodynamicArm:
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> FloatArray:
         """Inverse dynamics without acceleration: Coriolis, weight, buoyancy, drag, (nv,) [N m]."""
-        still = np.zeros(self.still._model.nv)
+        still = np.zeros(self._model.nv)
         return self.inverse_dynamics(q, v, still, current=current)
 
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Any = None, current: Flow = None
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
-        out: FloatArray = self._tree.g.T @ self._torque(
-            self.still._clean_qva(q, v, a), fext, current
-        )
+        flow = self.current if current is None else current
+        out: FloatArray | None = self._inverse_kernel(q, v, a, flow) if fext is None else None
+        if out is None:
+            tau = self._torque(self.still._clean_qva(q, v, a), fext, current)
+            out = np.asarray(self._tree.g.T @ tau)
         return out
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Any = None, current: Flow = None
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2]; see `Arm.forward_dynamics`."""
+        flow = self.current if current is None else current
+        out: FloatArray | None = self._forward_kernel(q, v, tau, flow) if fext is None else None
+        if out is not None:
+            return out
         _, _, torque = self.still._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
         return np.asarray(np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64)
@@ -160,10 +171,8 @@ class HydrodynamicArm:
         Returns:
             Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in base_link, (6,).
         """
-        still = np.zeros(self.still._model.nv)
-        state = self.still._clean_q(q), still, still
-        change = self._torque(state, None, current)
-        change -= self._torque(state, None, np.zeros(3))
+        still = np.zeros(self._model.nv)
+        change = self._water_torques(self.still._clean_q(q), still, still, self._flow(current))[0]
         return self._tree.g.T @ change, -change[:6]
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
@@ -187,6 +196,9 @@ class HydrodynamicArm:
             q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
+        out = self._rows_of_kernel("inverse_dynamics_in_current", threads, current, q=q, v=v, a=a)
+        if out is not None:
+            return out
         water = self._water_torques(q, v, a, current) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
@@ -201,12 +213,9 @@ class HydrodynamicArm:
         self, q: Rows, v: Rows, tau: Rows, threads: int | None = None, current: Flow = None
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv); arguments as `inverse_dynamics_batch`."""
-        states, speeds, torques = rows(self.still._model, q=q, v=v, tau=tau)
-        still = np.zeros_like(torques)
-        rest = torques - self.inverse_dynamics_batch(states, speeds, still, threads, current)
-        masses = np.array([self.mass_matrix(row) for row in states])
-        masses = masses.reshape(-1, *2 * rest.shape[1:])
-        return np.asarray(np.linalg.solve(masses, rest[..., None])[..., 0], dtype=np.float64)
+        kernel = "forward_dynamics_in_current"
+        out = self._rows_of_kernel(kernel, threads, current, q=q, v=v, tau=tau)
+        return solved_rows(self, q, v, tau, threads, current=current) if out is None else out
 
     def with_payload(
         self,
@@ -255,18 +264,70 @@ class HydrodynamicArm:
         outside = None
         if fext is not None:
             # On a fixed base the tree has one joint more, and link_0 hangs on it.
-            given = forces(fext, self.still._model.njoints)[1 if self.still.floating_base else 0 :]
+            given = forces(fext, self._model.njoints)[1 if self.still.floating_base else 0 :]
             outside = np.array([one.vector for one in given])
         return self._tree.torque(self._tree.expand(*state), self._flow(current), outside)
 
     def _water_torques(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow) -> FloatArray:
         """What moving water adds to the tree's torques, of each row, (N, tree nv)."""
-        states = rows(self.still._model, q=q, v=v, a=a)
-        n, given = len(states[0]), self.current if current is None else current
+        states = rows(self._model, q=q, v=v, a=a)
+        return self._tree.water_torques(
+            self._tree.expand(*states), self._flows(current, len(states[0]))
+        )
+
+    def _flows(self, current: Flow, n: int) -> FloatArray:
+        """The current of each of n rows, (n, 3)."""
+        given = self.current if current is None else current
         flows = bounded("current", float_array("current", given, (3,)))
         if flows.ndim > 2 or (flows.ndim == 2 and len(flows) not in (1, n)):
             raise ShapeError("current", flows.shape, f"shape (3,) or ({n}, 3)")
-        return self._tree.water_torques(self._tree.expand(*states), np.broadcast_to(flows, (n, 3)))
+        return np.ascontiguousarray(np.broadcast_to(flows, (n, 3)))
+
+    def _rows_of_kernel(
+        self, name: str, threads: int | None, current: Flow, **states: Rows
+    ) -> FloatArray | None:
+        """A kernel's output for each row, (N, 4), None where there is none for this arm."""
+        if self._numbers is None:
+            return None
+        plain = all(type(x) is np.ndarray and x.shape == (len(x), 4) for x in states.values())
+        given: Any = (
+            states if plain else dict(zip(states, rows(self._model, **states), strict=True))
+        )
+        flows = self._flows(current, len(given["q"]))
+        return kernel_rows(self.still, name, 4, threads, self._numbers, **given, current=flows)
+
+    @cached_property
+    def _numbers(self) -> FloatArray | None:
+        """Parameters of the kernels; None where they do not know the arm, or what moves water on it."""
+        still = self.still._kernel_parameters
+        bodies = [body for body in self.bodies if body.joint in [*self._model.names][1:]]
+        straight = all(np.array_equal(b.action, np.eye(6)) for b in bodies if b.data.strips)
+        if (
+            still is None
+            or not straight
+            or any(b.linear.any() or b.quadratic.any() for b in bodies)
+        ):
+            return None
+        strips = [
+            [strip for body in bodies if body.joint == joint for strip in body.data.strips]
+            for joint in [*self._model.names][1:]
+        ]
+        added = self._tree.water.added_mass[1:]
+        water = water_parameters(added, strips, self.still.fluid_density)
+        return None if water is None else np.concatenate([still + water[0], water[1]])
+
+    @cached_property
+    def _inverse_kernel(self) -> Callable[..., Any]:
+        return self._bound("inverse_dynamics_in_current")
+
+    @cached_property
+    def _forward_kernel(self) -> Callable[..., Any]:
+        return self._bound("forward_dynamics_in_current")
+
+    def _bound(self, name: str) -> Callable[..., Any]:
+        """A kernel of this arm, or what answers None as kernels do."""
+        known = self._numbers
+        return (lambda *_: None) if known is None else kernels.module().bind(name, known)
 
     def _derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
@@ -301,7 +362,7 @@ class ArmOnVehicle(HydrodynamicArm):
         """
         pose = rigid_transform("transform_vehicle_to_world", transform_vehicle_to_world)
         base = pin.SE3(pose @ np.linalg.inv(self.vehicle.transform_vehicle_to_base))
-        joints = vector("q", q, self.still._model.nq - 7)
+        joints = vector("q", q, self._model.nq - 7)
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
     def mount_load(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None) -> Any:
@@ -321,7 +382,7 @@ class ArmOnVehicle(HydrodynamicArm):
         Returns:
             Spatial acceleration of base_link in its axes, (6,), and the torque of the joints, (nv - 6,).
         """
-        joints = vector("a", a, self.still._model.nv - 6)
+        joints = vector("a", a, self._model.nv - 6)
         bias = self.inverse_dynamics(q, v, np.concatenate([np.zeros(6), joints]), current=current)
         mass = self.mass_matrix(q)
         base = np.asarray(np.linalg.solve(mass[:6, :6], -bias[:6]), dtype=np.float64)

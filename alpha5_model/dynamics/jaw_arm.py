@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces, Partials
+from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import expanded, rows
 
@@ -62,10 +63,7 @@ class JawArm(Arm):
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
-        q, v, tau = rows(self._model, q=q, v=v, tau=tau)
-        rest = tau - self.inverse_dynamics_batch(q, v, np.zeros((1, self._model.nv)), threads)
-        a = [np.linalg.solve(self.mass_matrix(row), r) for row, r in zip(q, rest, strict=True)]
-        return np.array(a, dtype=np.float64).reshape(rest.shape)
+        return solved_rows(self, q, v, tau, threads)
 
     def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
         state = self._expand(*self._clean_qva(q, v, a))

@@ -68,13 +68,18 @@ def _known(model: Any) -> bool:
 
 
 def kernel_rows(
-    arm: Any, name: str, columns: int, threads: int | None, **given: ArrayLike
+    arm: Any,
+    name: str,
+    columns: int,
+    threads: int | None,
+    parameters: FloatArray | None = None,
+    **given: ArrayLike,
 ) -> FloatArray | None:
-    """A kernel's output for each row of q and its rates, (N, columns).
+    """A kernel's output for each row of q and its rates, (N, columns); of the arm's base parameters unless told others.
 
     None where the kernels do not know the arm. Errors are those of `rows` and `thread_count`.
     """
-    parameters = arm._kernel_parameters
+    parameters = arm._kernel_parameters if parameters is None else parameters
     if parameters is None:
         return None
     if name == "forward_kinematics":

@@ -57,8 +57,7 @@ def torque_terms(
     Raises:
         InputError: An arm on a floating base, or arrays that do not fit.
     """
-    if arm.floating_base:
-        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
+    _on_fixed_base(arm)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
     n, own, still = batch.thread_count(threads, len(q)), arm._own, np.zeros_like(v)
     if arm._kernel_parameters is None:
@@ -103,12 +102,16 @@ def water_terms(
     Raises:
         InputError: An arm on a floating base, or arrays that do not fit.
     """
-    if arm.floating_base:
-        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
+    _on_fixed_base(arm)
     levels = [arm.with_hydrodynamics(current, level) for level in LEVELS]
     # Of the tree's torques the first six are the mount's: one pass for both.
     trees = np.stack([wet._water_torques(q, v, a, None) for wet in levels], axis=1)
     return WaterTerms(levels[0].current, trees @ levels[0]._tree.g, -trees[..., :6])
+
+
+def _on_fixed_base(arm: Arm) -> None:
+    if arm.floating_base:
+        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
 
 
 def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:

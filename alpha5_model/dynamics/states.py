@@ -105,16 +105,16 @@ def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
 
 
 def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
-    """Check and convert states in rows; the first one has nq columns, the others nv.
+    """Check and convert states in rows; the first one has nq columns, the others nv, a current 3.
 
     Raises:
         InputError: Not real numbers, too large ones, or a quaternion without unit norm.
         ShapeError: Wrong number of columns, or of rows.
         NonFiniteError: NaN or infinity.
     """
-    columns = [model.nq, *[model.nv] * (len(states) - 1)]
-    arrays = {}
-    for (name, value), n in zip(states.items(), columns, strict=True):
+    arrays: dict[str, FloatArray] = {}
+    for name, value in states.items():
+        n = 3 if name == "current" else model.nv if arrays else model.nq
         array = bounded(name, float_array(name, value, (n,)))
         if array.ndim > 2:
             raise ShapeError(name, array.shape, f"shape (N, {n})")

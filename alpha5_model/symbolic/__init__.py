@@ -17,9 +17,10 @@ except ImportError:
 
 from alpha5_model.symbolic.dynamics import dynamics
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
+from alpha5_model.symbolic.moving_water import in_moving_water
 
 
 @cache
 def functions() -> dict[str, casadi.Function]:
     """Every function by its name, inputs and outputs named as in `alpha5_model.symbolic.program.TEXTS`."""
-    return {f.name(): f for f in (*dynamics(), inverse_kinematics())}
+    return {f.name(): f for f in (*dynamics(), *in_moving_water(), inverse_kinematics())}

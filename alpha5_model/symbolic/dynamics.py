@@ -12,6 +12,7 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import casadi
@@ -21,6 +22,8 @@ from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.parameters import parameters
 
 JOINTS = 4
+#: Of a link's number, velocity relative to the water, angular velocity, acceleration, angular acceleration: force, moment.
+Load = Callable[[int, SX, SX, SX, SX], tuple[SX, SX]]
 
 
 class Turn(NamedTuple):
@@ -84,9 +87,12 @@ def _exact(value: float) -> float:
     return float(round(value)) if abs(value - round(value)) < 1e-15 else value
 
 
-def newton_euler(q: SX, v: SX, a: SX, base_parameters: SX) -> tuple[SX, SX]:
+def newton_euler(
+    q: SX, v: SX, a: SX, base_parameters: SX, current: SX | None = None, load: Load | None = None
+) -> tuple[SX, SX]:
     """Joint torques (4, 1), and force above moment on the mount in base_link (6, 1).
 
+    In moving water: the current in base_link (3, 1), and what the links spend on the water beside the base parameters.
     Of zero velocities, accelerations or gravity only what does not vanish is left: statics, Coriolis, ...
     """
     p = dict(zip(BASE_PARAMETERS, vertsplit(base_parameters), strict=True))
@@ -98,7 +104,9 @@ def newton_euler(q: SX, v: SX, a: SX, base_parameters: SX) -> tuple[SX, SX]:
     gravity = g = vertcat(*(p[f"gravity.{axis}"] for axis in "xyz"))
     omega, alpha, acceleration, u = SX.zeros(3), SX.zeros(3), SX.zeros(3), SX.zeros(3, 3)
     steps, forces, moments = turns(q), [], []
+    velocity = SX.zeros(3) if current is None else -current
     for i, step in enumerate(steps):
+        velocity = step.outward(velocity + cross(omega, step.origin))
         acceleration = step.outward(acceleration + u @ step.origin)
         g, omega, alpha = step.outward(g), step.outward(omega), step.outward(alpha)
         alpha += vertcat(omega[1] * v[i], -omega[0] * v[i], a[i])
@@ -108,6 +116,9 @@ def newton_euler(q: SX, v: SX, a: SX, base_parameters: SX) -> tuple[SX, SX]:
         second = of(i + 1, "xx", "yy", "xy", "xz", "yz")
         forces.append(u @ h)
         moments.append(_turning(u, *second) + cross(h, acceleration) + cross(g, n))
+        if load is not None:
+            force, moment = load(i + 1, velocity, omega, acceleration, alpha)
+            forces[i], moments[i] = forces[i] + force, moments[i] + moment
     force, moment = SX.zeros(3), SX.zeros(3)
     torques: list[SX] = []
     for i in reversed(range(JOINTS)):

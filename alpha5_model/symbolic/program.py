@@ -29,6 +29,7 @@ TEXTS = {
     "v": "joint velocities [rad/s]",
     "a": "joint accelerations [rad/s^2]",
     "tau": "joint torques [N m]",
+    "current": "velocity of the water in base_link [m/s]",
     "parameters": "base parameters of the arm, its fluid and gravity, SI units",
     **{f"link_{i}": f"pose of link {i} in base_link [m]" for i in (1, 2, 3, 4)},
     "tcp": "pose of the tcp in base_link [m]",

@@ -20,7 +20,7 @@ OWN = "alpha5_model"
 PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}
 #: Bounds of the wrapping, as this package's time over the raw one's.
 WRAPPED, WITH_WATER = 2.5, 3.5
-MOVING, MOVING_BATCH = 80.0, 6.0
+MOVING, MOVING_BATCH = 10.0, 3.0
 
 
 def rows() -> list[Row]:
@@ -199,7 +199,7 @@ def _roboticstoolbox(q: Any, v: Any, a: Any) -> Callable[[], Any]:
 
 
 def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
-    """Added mass, drag and a current, beside the same without; in Python, for what no kernel is there yet."""
+    """Added mass, drag and a current, beside the same without."""
     arm = a5.load()
     wet = arm.with_hydrodynamics((0.3, -0.5, 0.7))
     model, data, n = arm.model, arm.model.createData(), 20_000
