@@ -31,6 +31,7 @@ class Correction:
     effect: str
 
 
+#: Every correction by its name.
 CORRECTIONS: dict[str, Correction] = {
     correction.name: correction
     for correction in (
@@ -64,6 +65,7 @@ CORRECTIONS: dict[str, Correction] = {
         ),
     )
 }
+#: Applied where nothing else is asked for.
 DEFAULT_CORRECTIONS: tuple[str, ...] = ("base_frame",)
 
 

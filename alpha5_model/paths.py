@@ -15,4 +15,5 @@ URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf")
 JAWS_URDF_PATH = str(Path(REPOSITORY_PATH) / "urdf" / "alpha5_jaws.urdf")
 #: MuJoCo, in the form of MuJoCo Menagerie, jaws locked; ``alpha5_jaws.xml`` beside it.
 MJCF_PATH = str(Path(REPOSITORY_PATH) / "mjcf" / "alpha5.xml")
+#: For plain xacro, with arguments.
 XACRO_PATH = str(Path(REPOSITORY_PATH) / "xacro" / "alpha5.urdf.xacro")

@@ -18,6 +18,7 @@ from sphinx.ext.napoleon import GoogleDocstring
 
 #: Packages whose names docstrings mention; their documentation is elsewhere.
 OTHERS = ("jax", "casadi", "numpy", "pinocchio", "pin", "matplotlib", "meshcat")
+ATTRIBUTES = GoogleDocstring._parse_attributes_section
 PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
 
 
@@ -124,8 +125,18 @@ def mend_ways_back(app: Any, page: str, _template: str, context: Any, _doctree: 
     )
 
 
+def each_attribute(section: Any, name: str) -> list[str]:
+    """An entry for each of several attributes that a docstring describes in one line."""
+    together = section._consume_fields
+    section._consume_fields = lambda: together(multiple=True)
+    lines: list[str] = ATTRIBUTES(section, name)
+    section._consume_fields = together
+    return lines
+
+
 def setup(app: Any) -> dict[str, Any]:
     """Sphinx's entry point."""
+    GoogleDocstring._parse_attributes_section = each_attribute  # type: ignore[method-assign]
     GoogleDocstring._consume_returns_section = returned  # type: ignore[method-assign]
     GoogleDocstring._consume_inline_attribute = property_text  # type: ignore[method-assign]
     app.connect("missing-reference", resolve)
