@@ -16,7 +16,7 @@ from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import state_vectors
 from alpha5_model.errors import InputError
 
-_ALIGNED = pin.LOCAL_WORLD_ALIGNED
+_ALIGNED, _NO_FORCE = pin.LOCAL_WORLD_ALIGNED, pin.Force.Zero()
 _Kernel = Callable[..., FloatArray]
 _Kernels = Callable[..., Partials]
 _Result = TypeVar("_Result")
@@ -122,7 +122,9 @@ class KernelArm(Arm):
             return super().base_wrench(q, v, a, fext)
         out = self._base_wrench(q, v, a)
         out = self._converted(self._base_wrench, q, v=v, a=a) if out is None else out
-        return pin.Force(out)
+        wrench = _NO_FORCE.copy()  # a fifth of the time that a pin.Force of an array takes
+        wrench.vector = out
+        return wrench
 
     def _converted(
         self, kernel: Callable[..., _Result], q: ArrayLike, **rates: ArrayLike
