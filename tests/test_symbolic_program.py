@@ -10,6 +10,7 @@ import pytest
 
 from alpha5_model.errors import InputError
 from alpha5_model.symbolic import functions
+from alpha5_model.symbolic.products import products
 from alpha5_model.symbolic.program import BINARY, UNARY, Program, program
 
 OPERATIONS = {
@@ -120,4 +121,7 @@ def test_slots_are_named_with_shape_unit_and_meaning() -> None:
     one = program(functions()["inverse_dynamics"])
     assert [slot.name for slot in one.inputs] == ["q", "v", "a", "parameters"]
     assert [slot.shape for slot in one.outputs] == [(4,)]
-    assert all("[" in slot.text or "SI" in slot.text for slot in (*one.inputs, *one.outputs))
+    assert "[rad]" in one.documentation("Torque.")
+    for function in (functions() | products()).values():
+        every = program(function)
+        assert all(slot.text for slot in (*every.inputs, *every.outputs)), every.name

@@ -22,5 +22,5 @@ from alpha5_model.symbolic.moving_water import in_moving_water
 
 @cache
 def functions() -> dict[str, casadi.Function]:
-    """Every function by its name, inputs and outputs named as in `alpha5_model.symbolic.program.TEXTS`."""
+    """Every function by its name, inputs and outputs named as in ``words.toml``."""
     return {f.name(): f for f in (*dynamics(), *in_moving_water(), inverse_kinematics())}

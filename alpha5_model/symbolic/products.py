@@ -8,29 +8,11 @@ from casadi import SX, vertcat
 
 from alpha5_model.base_parameters import BASE_PARAMETERS, regrouped
 from alpha5_model.symbolic import functions
+from alpha5_model.symbolic.program import WORDS
 from alpha5_model.symbolic.solutions import solutions
 
 #: Name -> what it is. Those of `functions` that are missing serve the kernels only.
-SUMMARIES = {
-    "forward_kinematics": "Pose of the tcp, transform_tcp_to_base.",
-    "link_poses": "Poses of the moving links in base_link.",
-    "jacobian": "Geometric Jacobian of the tcp in the axes of base_link.",
-    "gravity_torque": "Torque that holds the weight.",
-    "buoyancy_torque": "Torque that the water applies.",
-    "hydrostatic_torque": "Torque that holds the arm still in the water: gravity_torque - buoyancy_torque.",
-    "hydrostatic_torque_derivative": "Derivative of hydrostatic_torque.",
-    "mass_matrix": "Joint-space inertia M(q).",
-    "coriolis_matrix": "C(q, v): C v is Coriolis and centrifugal.",
-    "nonlinear_effects": "C(q, v) v + hydrostatic_torque(q).",
-    "inverse_dynamics": "Joint torque for a motion, water included.",
-    "inverse_dynamics_derivatives": "Derivatives of inverse_dynamics.",
-    "forward_dynamics": "Joint acceleration under a torque, water included.",
-    "forward_dynamics_derivatives": "Derivatives of forward_dynamics.",
-    "base_wrench": "Wrench that the arm exerts on its mount.",
-    "base_wrench_derivatives": "Derivatives of base_wrench.",
-    "inverse_kinematics": "Every joint position that puts the tcp at a point: underarm, overarm, both flipped.",
-    "with_payload": "The parameters of the arm with a rigid body fixed to its tcp.",
-}
+SUMMARIES = WORDS["functions"]
 
 
 def products() -> dict[str, casadi.Function]:

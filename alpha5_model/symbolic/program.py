@@ -6,8 +6,10 @@ angle stand next to each other, so that an emitter can make one call of the two.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import casadi
@@ -23,45 +25,10 @@ _OTHERS = ("const", "input", "output", "assign")
 _NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *DECISIONS, *_OTHERS)}
 _COMMUTATIVE = ("add", "mul")
 
-#: Unit and meaning of what goes in and comes out, by name.
-TEXTS = {
-    "q": "joint positions, base to tip [rad]",
-    "v": "joint velocities [rad/s]",
-    "a": "joint accelerations [rad/s^2]",
-    "tau": "joint torques [N m]",
-    "current": "velocity of the water in base_link [m/s]",
-    "parameters": "base parameters of the arm, its fluid and gravity, SI units",
-    **{f"link_{i}": f"pose of link {i} in base_link [m]" for i in (1, 2, 3, 4)},
-    "tcp": "pose of the tcp in base_link [m]",
-    "jacobian": "of the tcp, in base_link: velocity [m/rad] above angular velocity",
-    "tau_q": "derivative of tau by q, row: torque [N m/rad]",
-    "tau_v": "derivative of tau by v [N m s/rad]",
-    "tau_a": "derivative of tau by a, the mass matrix [kg m^2]",
-    "coriolis": "C(q, v), with C v the Coriolis torque and dM/dt - 2 C skew-symmetric [N m s/rad]",
-    "wrench": "force above moment that the arm exerts on its mount, in base_link [N, N m]",
-    "wrench_q": "derivative of the wrench by q, row: wrench [N/rad, N m/rad]",
-    "wrench_v": "derivative of the wrench by v [N s/rad, N m s/rad]",
-    "wrench_a": "derivative of the wrench by a [N s^2/rad, N m s^2/rad]",
-    "a_q": "derivative of a by q, row: acceleration [1/s^2]",
-    "a_v": "derivative of a by v [1/s]",
-    "a_tau": "derivative of a by tau, the inverse of the mass matrix [1/(kg m^2)]",
-    "position": "tcp in base_link [m]",
-    "wrist": "theta_3 [rad]",
-    "reach": "rho^2 to the nearer edge of reach, of two poses, positive within [m^2]",
-    "limits": "angle to the nearest limit, of four branches, not negative within [rad]",
-    "mass": "of the body [kg]",
-    "com": "its centre of mass in tcp [m]",
-    "inertia": "at its centre of mass, axes of tcp, row by row [kg m^2]",
-    "volume": "that it displaces [m^3]",
-    "cob": "centre of that volume in tcp [m]",
-    "fluid_density": "of the fluid around it [kg/m^3]",
-    "parameters_with_payload": "base parameters of the arm that holds it, SI units",
-    "tolerances": "what rounding is forgiven, see `alpha5_model.symbolic.solutions`",
-    "exists": "whether each branch reaches the target",
-    "within_limits": "whether it does so within the joint limits",
-    "singular": "whether the target is on the yaw axis or at the edge of reach",
-    "clearance": "of all margins from where rounding matters, positive beyond [1]",
-}
+#: What goes in and comes out, and what computes it, by name.
+WORDS: dict[str, dict[str, str]] = tomllib.loads(
+    Path(__file__).with_name("words.toml").read_text("utf-8")
+)
 
 
 @dataclass(frozen=True)
@@ -191,7 +158,7 @@ def _slot(name: str, sparsity: casadi.Sparsity) -> Slot:
     if not sparsity.is_dense():
         raise InputError(name, f"{sparsity.nnz()} of {rows * columns} elements", "a dense matrix")
     shape = (rows,) if columns == 1 else (rows, columns)
-    return Slot(name, rows * columns, TEXTS.get(name, ""), shape)
+    return Slot(name, rows * columns, WORDS["quantities"].get(name, ""), shape)
 
 
 def _by_rows(shape: tuple[int, ...], element: int) -> int:
