@@ -78,6 +78,10 @@ def dressed(text: str, prefix: str, xyz=None, rpy=None) -> ET.Element:
             element.set("name", prefix + element.get("name"))
         elif element.tag in ("parent", "child"):
             element.set("link", prefix + element.get("link"))
+    # What is mounted is no root any more: xacro writes its zeros out, which PyBullet asks for.
+    zeros = ET.SubElement(root.find(f"link[@name='{prefix}base_link']"), "inertial")
+    ET.SubElement(zeros, "mass", value="0")
+    ET.SubElement(zeros, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
     if xyz is not None:
         ET.SubElement(root, "link", name="vehicle")
         mount = ET.SubElement(root, "joint", name="mount", type="fixed")
