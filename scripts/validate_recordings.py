@@ -20,6 +20,9 @@ Recordings are taken as they come: what is left out, sample by sample or whole, 
 for all files, none of which looks at a moment or a score; the output says for each recording what was
 left out by which rule.
 
+``in moving water`` adds what the arm's own motion takes of added mass and drag in still water (estimated), which is
+small beside the weight.
+
 R^2 is of recordings that neither stiffnesses nor lag were fitted to, by least squares: the trajectories
 (``traj003`` of ``traj003-0`` and ``traj003-0-test``) are halved by turns in the order of names, each half is
 scored with what was fitted on the other. With ``--fit`` everything is fitted on that folder and FOLDER is only
@@ -50,10 +53,12 @@ import pinocchio as pin
 import alpha5_model as a5
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.series import water_terms
 from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError, OutputError
 from alpha5_model.files import STDOUT, atomic_write, check_outputs, read_named
+from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.inertia import flip_products
-from alpha5_model.trajectory import Motion, motion
+from alpha5_model.trajectory import Motion, motion, smooth
 from alpha5_model.view.figures import FORMATS
 
 AVERAGE, STEP = 1.5, 0.05  # [s]
@@ -78,6 +83,8 @@ RULES = {
 }
 AXES = ("roll", "pitch")  # moments about x and y
 GRAVITY = 9.81
+#: The model with added mass and drag of the arm's motion, estimated.
+MOVING = "in moving water"
 JOINTS = ("axis_e_pos", "axis_d_pos", "axis_c_pos", "axis_b_pos")
 QUATERNION = ("x_ori", "y_ori", "z_ori", "w_ori")
 SUFFIXES = ("_joint_states.csv", "_mocap.csv")
@@ -288,6 +295,14 @@ def moments(arms: Sequence[Arm], recording: Recording, level: bool = False) -> F
     return np.asarray(np.einsum("nk,knj->nj", gravity, per_axis))
 
 
+def moving_water(recording: Recording) -> FloatArray:
+    """What added mass and drag add to the moment about x and y, the vehicle and the water at rest, (N, 2)."""
+    motion = smooth(recording.motion)
+    state = (x[:, :4] for x in (motion.position, motion.velocity, motion.acceleration))
+    terms = water_terms(a5.load(fluid_density=a5.FRESH_WATER), *state, np.zeros(3))
+    return np.asarray(terms.wrench[:, LEVELS.index("nominal"), 3:5])
+
+
 def signals(recording: Recording, moment: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Averaged moment at each of `LAGS` (L, M, 2) and tilt (M, 2) on the grid, each without its mean."""
     r = recording
@@ -371,22 +386,29 @@ def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
     _enough(fit_folder or folder, others, [], 1)
     models: dict[str, tuple[list[Arm], bool]] = {
         "model": (moving_links(), False),
+        MOVING: (moving_links(), False),
         "COM and products wrong": (moving_links(change_body=_wrong_body), False),
         "no buoyancy": (moving_links(density=a5.AIR), False),
         "buoyancy at the COM": (moving_links(cob_at_com=True), False),
         "attitude ignored": (moving_links(), True),
     }
     series, scores, course = {}, {}, {}
-    for name, (arms, level) in models.items():
-        series[name] = [signals(r, moments(arms, r, level)) for r in recordings]
+
+    def pair(name: str, recording: Recording) -> tuple[FloatArray, FloatArray]:
+        arms, level = models[name]
+        moment = moments(arms, recording, level)
+        return signals(recording, moment + (moving_water(recording) if name == MOVING else 0.0))
+
+    for name in models:
+        series[name] = [pair(name, r) for r in recordings]
         if fit_folder is None:
             fits = [
-                [pair for pair, half in zip(series[name], halves, strict=True) if half != side]
+                [one for one, half in zip(series[name], halves, strict=True) if half != side]
                 for side in (0, 1)
             ]
             scores[name] = score(series[name], fits, halves)
         else:
-            theirs = [signals(r, moments(arms, r, level)) for r in others]
+            theirs = [pair(name, r) for r in others]
             scores[name] = score(series[name], [theirs], [0] * len(recordings))
         ours, alike = (np.concatenate([m[0] for m, _ in series[key]]) for key in ("model", name))
         course[name] = (ours * alike).sum(axis=0) / np.sqrt(

@@ -170,6 +170,9 @@ def test_real_recordings(
         first, second = model["stiffness_nm_per_rad"]
         assert first == pytest.approx(second, rel=0.1)
         assert first > 0
+        moving = found["models"]["in moving water"][axis]
+        assert moving["r2"] > model["r2"] - 0.005
+        assert moving["r2_of_recordings"] != model["r2_of_recordings"]
         assert found["models"]["COM and products wrong"][axis]["r2"] < 0.5
         # What these recordings cannot tell: weight and buoyancy move alike, a stiffness absorbs the factor.
         assert found["models"]["no buoyancy"][axis]["course"] > 0.99

@@ -8,11 +8,14 @@ from dataclasses import dataclass, fields
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.published import tables as t
 from alpha5_model.published.quantity import Quantity
+
+if TYPE_CHECKING:
+    from alpha5_model.published import water_tables as w
 
 _DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
 _EARLIER = "earlier_revision.toml"
@@ -63,7 +66,7 @@ def earlier_revision() -> tuple[t.EarlierRow, ...]:
 
 
 @cache
-def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
+def hydrodynamics(numbers: str) -> dict[str, w.HydrodynamicRow]:
     """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
 
     Raises:
@@ -73,16 +76,18 @@ def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
     return parse_hydrodynamics(file, _text(file))
 
 
-def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
+def parse_hydrodynamics(file: str, text: str) -> dict[str, w.HydrodynamicRow]:
     """Read the text of a file of moving water."""
+    from alpha5_model.published import water_tables as w
+
     root = _root(file, text).table("units", "bodies")
-    units = {**_units(t.HydrodynamicRow), **_units(t.StripRow)}
+    units = {**_units(w.HydrodynamicRow), **_units(w.StripRow)}
     _check_units({name: unit for name, unit in units.items() if unit}, root["units"])
     given, rows = root["bodies"].value, {}
-    known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
+    known = [n for n in w.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
     bodies = root["bodies"].table(*known)
     for name in known:
-        rows[name] = _record(t.HydrodynamicRow, bodies[name], name=name)
+        rows[name] = _record(w.HydrodynamicRow, bodies[name], name=name)
         _status(bodies[name])
     return rows
 
@@ -163,7 +168,7 @@ def _tensor(node: _Node, unit: str) -> t.Tensor:
     return x, y, z
 
 
-def _symmetric(node: _Node, rows: t.Matrix) -> None:
+def _symmetric(node: _Node, rows: w.Matrix) -> None:
     for i, j in combinations(range(len(rows)), 2):
         one, other = rows[i][j], rows[j][i]
         if one.value != other.value:
@@ -171,17 +176,19 @@ def _symmetric(node: _Node, rows: t.Matrix) -> None:
             raise PublishedDataError(f"{node.place}[{i}][{j}]", problem)
 
 
-def _interval(node: _Node, unit: str) -> t.Interval:
+def _interval(node: _Node, unit: str) -> w.Interval:
     low, nominal, high = _triple(node, unit)
     if not 0 <= low.value <= nominal.value <= high.value:
         raise node.fail("expected low, nominal, high, none below 0 and in this order")
     return low, nominal, high
 
 
-def _matrix(node: _Node, unit: str) -> t.Matrix:
+def _matrix(node: _Node, unit: str) -> w.Matrix:
+    from alpha5_model.published.water_tables import ADDED_MASS_UNITS
+
     rows = tuple(
         tuple(
-            _number(item, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)])
+            _number(item, ADDED_MASS_UNITS[(i > 2) + (j > 2)])
             for j, item in enumerate(row.items(6, "six numbers"))
         )
         for i, row in enumerate(node.items(6, "six rows"))
@@ -190,9 +197,11 @@ def _matrix(node: _Node, unit: str) -> t.Matrix:
     return rows
 
 
-def _strips(node: _Node, unit: None) -> tuple[t.StripRow, ...]:
+def _strips(node: _Node, unit: None) -> tuple[w.StripRow, ...]:
+    from alpha5_model.published.water_tables import StripRow
+
     count = len(node.value) if isinstance(node.value, list) else 1
-    return tuple(_record(t.StripRow, item) for item in node.items(count, "a list of strips"))
+    return tuple(_record(StripRow, item) for item in node.items(count, "a list of strips"))
 
 
 def _bounds(node: _Node, unit: str) -> Any:
