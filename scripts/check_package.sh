@@ -35,6 +35,10 @@ grep -q '<mimic joint="axis_a"' arm.urdf
 test -s meshes/link_0.obj
 for format in mjcf sdf; do "$work/venv/bin/alpha5" generate --format $format --output $format; done
 test -s mjcf/assets/link_0.obj && test -s sdf/meshes/link_0.obj
+if "$work/venv/bin/alpha5" generate --format c --output c 2>error.txt; then exit 1; fi
+grep -q "pip install casadi" error.txt
+"$work/venv/bin/alpha5" view --html arm.html
+grep -q "const formulas" arm.html
 "$work/venv/bin/alpha5" check >check.txt || { cat check.txt; exit 1; }
 "$work/venv/bin/alpha5" ik 0.3 0.1 0.1
 "$work/venv/bin/python" -m alpha5_model --version
