@@ -166,8 +166,10 @@ def placo(work: Workspace) -> Result:
     bare = {k: x for k, x in os.environ.items() if k not in ("PIP_CONSTRAINT", "PYTHONPATH")}
     subprocess.run([sys.executable, "-m", "venv", str(python.parents[1])], check=True, env=bare)
     pip = [str(python), "-m", "pip", "install", "--quiet", _PLACO]
-    if subprocess.run(pip, capture_output=True, env=bare, check=False, timeout=240).returncode:
-        raise NotThereError(f"pip does not install {_PLACO}")
+    try:
+        subprocess.run(pip, capture_output=True, env=bare, check=True, timeout=240)
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
+        raise NotThereError(f"pip does not install {_PLACO}") from None
     joints = parameters().joints[:4]
     q = np.random.default_rng(2022).uniform(
         [j.lower for j in joints], [j.upper for j in joints], (100, 4)
