@@ -15,7 +15,7 @@ demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture pag
 	$(BIN)/alpha5 demo
 
 test: $(VENV)/.test ## every test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs

@@ -35,6 +35,7 @@ USED_WITHOUT_IMPORT = {
     "example-robot-data": "the data that its loaders load",
     "mujoco-mjx": "imported as mujoco.mjx",
     "daqp": "pink's solver, chosen by name",
+    "pytest-xdist": "make test",
     "ruff": "make lint",
     "mypy": "make lint",
     "types-pyyaml": "make lint",

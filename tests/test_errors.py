@@ -199,7 +199,7 @@ ENDLESS.append(ENDLESS)
         (x for x in (1.0, 2.0)),
         [10**400, 1],
     ],
-    ids=str,
+    ids=lambda value: type(value).__name__,
 )
 def test_what_says_more_than_its_numbers_is_refused(value: object) -> None:
     for read in (lambda x: checks.float_array("q", x, ()), lambda x: checks.shaped("q", x, (2,))):
@@ -219,7 +219,7 @@ def test_what_says_more_than_its_numbers_is_refused(value: object) -> None:
         np.array([1.0, 2.0], dtype=np.longdouble),
         [np.array(1.0), np.array([2.0])[0]],
     ],
-    ids=str,
+    ids=lambda value: type(value).__name__,
 )
 def test_plain_numbers_of_every_kind_are_read(value: Any, tmp_path: Path) -> None:
     read = checks.float_array("q", value, (2,))
