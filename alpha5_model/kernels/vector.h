@@ -87,7 +87,7 @@ static inline V SIZED(floor)(V x)
 
 /* Sine and cosine up to 1e5 rad: pi/2 in two parts, of which the first times a whole number of
    quarter turns below 2^17 is exact; minimax polynomials on [-pi/4, pi/4] (errors below 2e-17). */
-static inline void SIZED(sincos)(V x, V *sine, V *cosine, INTEGER *rare)
+INLINE void SIZED(sincos)(V x, V *sine, V *cosine, INTEGER *rare)
 {
     const V size = ABS(x);
     *rare |= ABOVE(size, 1e5);
@@ -132,14 +132,14 @@ static inline V SIZED(atan2)(V y, V x, INTEGER *rare)
     return COPYSIGN(angle, y);
 }
 
-static inline V SIZED(sin)(V x, INTEGER *rare)
+INLINE V SIZED(sin)(V x, INTEGER *rare)
 {
     V sine, cosine;
     SIZED(sincos)(x, &sine, &cosine, rare);
     return sine;
 }
 
-static inline V SIZED(cos)(V x, INTEGER *rare)
+INLINE V SIZED(cos)(V x, INTEGER *rare)
 {
     V sine, cosine;
     SIZED(sincos)(x, &sine, &cosine, rare);

@@ -5678,7 +5678,6 @@ KERNEL(inverse_dynamics_with_base_wrench)
     STORE(9, r500)
     return ORDINARY(rare);
 }
-BEGIN_LONG
 KERNEL(base_wrench_derivatives)
 {
     INTEGER rare = BITS(SPLAT(0.0));
@@ -7971,7 +7970,6 @@ KERNEL(base_wrench_derivatives)
     STORE(71, r2293)
     return ORDINARY(rare);
 }
-END_LONG
 KERNEL(forward_dynamics)
 {
     INTEGER rare = BITS(SPLAT(0.0));
@@ -8584,7 +8582,6 @@ KERNEL(forward_dynamics)
     STORE(3, r593)
     return ORDINARY(rare);
 }
-BEGIN_LONG
 KERNEL(forward_dynamics_derivatives)
 {
     INTEGER rare = BITS(SPLAT(0.0));
@@ -10796,7 +10793,6 @@ KERNEL(forward_dynamics_derivatives)
     STORE(47, r386)
     return ORDINARY(rare);
 }
-END_LONG
 KERNEL(inverse_dynamics_in_current)
 {
     INTEGER rare = BITS(SPLAT(0.0));
