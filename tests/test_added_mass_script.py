@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.syspath_prepend(str(SCRIPTS))
-    monkeypatch.setitem(sys.modules, "capytaine", SimpleNamespace())  # a development tool
     import added_mass
 
     return added_mass
@@ -39,27 +37,15 @@ def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
     assert script.toml(numbers) == script.FILE.read_text("utf-8")
 
 
-def test_carried_water_is_a_rigid_body(script: ModuleType) -> None:
-    """A box of 20 x 40 x 60 mm, whose inertia is known, off the origin."""
-    from alpha5_model.meshing.solid import box
-
-    inertia = script.carried_water(box((10, -20, 0), (30, 20, 60)))
-    mass, (x, y, z) = 0.048, np.array([0.02, 0.0, 0.03])
-    own = mass / 12 * np.diag([0.04**2 + 0.06**2, 0.02**2 + 0.06**2, 0.02**2 + 0.04**2])
-    c = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    expected = np.block([[mass * np.eye(3), -mass * c], [mass * c, own - mass * c @ c]])
-    assert inertia == pytest.approx(expected, abs=1e-12)
-
-
-def by_sources(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Added mass by a source on each panel [Hess1967], seen as a point from others, as a disc from itself.
 
     [Hess1967] Hess, Smith: Calculation of potential flow about arbitrary bodies.
     """
-    a, b, c, d = vertices[quads].swapaxes(0, 1)
-    normal = np.cross(c - a, d - b) / 2
+    a, b, c = vertices[triangles].swapaxes(0, 1)
+    normal = np.cross(b - a, c - a) / 2
     area = np.linalg.norm(normal, axis=1)
-    normal, centre = normal / area[:, None], (a + b + c + d) / 4
+    normal, centre = normal / area[:, None], (a + b + c) / 3
     gap = centre[:, None] - centre
     distance = np.linalg.norm(gap, axis=2)
     np.fill_diagonal(distance, 1.0)
@@ -75,17 +61,18 @@ def by_sources(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def test_a_sphere_by_sources(script: ModuleType) -> None:
+    pytest.importorskip("pymeshlab", exc_type=ImportError)
     from alpha5_model.meshing.solid import kernel
 
     ball = kernel().Manifold.sphere(20.0, 96)
-    vertices, quads = script.panels(ball, 5.0)
-    matrix = by_sources(vertices, quads) / (1000.0 * ball.volume() * 1e-9)
+    matrix = by_sources(*script.panels(ball, 5.0)) / (1000.0 * ball.volume() * 1e-9)
     assert np.diag(matrix)[:3] == pytest.approx([0.5] * 3, rel=0.03)
 
 
 @pytest.mark.parametrize(("name", "size"), [("link_1", 3.5), ("link_2", 4.5), ("wrist", 5.0)])
 def test_added_mass_by_sources(script: ModuleType, name: str, size: float) -> None:
     """Within 8 % on each diagonal but the turn about the body's own axis, which moves next to no water."""
+    pytest.importorskip("pymeshlab", exc_type=ImportError)
     ours = (
         hydrodynamics("jaws")["link_4"].added_mass
         if name == "wrist"
@@ -93,6 +80,5 @@ def test_added_mass_by_sources(script: ModuleType, name: str, size: float) -> No
     )
     other = np.diag(by_sources(*script.panels(script.solids()[name], size)))
     ratio = other / np.diag(ours)
-    print(name, ratio.round(3))
     counted = np.diag(ours) > [0, 0, 0, *[0.05 * np.diag(ours)[3:].max()] * 3]
     assert ratio[counted] == pytest.approx(1.0, abs=0.08)

@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pymeshlab
 from numpy.typing import NDArray
 
 #: Bend of an edge that is kept [deg], what is too small to be drawn [mm], rounds of remeshing.
@@ -41,6 +40,8 @@ def panels(solid: Any, size: float, fine: str = "", share: float = 1.0) -> tuple
     Raises:
         ValueError: The mesh is not closed, or crosses itself: another size may do.
     """
+    import pymeshlab  # late: a development tool
+
     drawn = pymeshlab.Mesh(*corners(solid.simplify(DETAIL)))
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(drawn)
@@ -74,6 +75,8 @@ def enclosed(vertices: Array, faces: Faces) -> float:
 
 
 def _remesh(meshes: Any, size: float, *, selectedonly: bool) -> None:
+    import pymeshlab
+
     meshes.meshing_isotropic_explicit_remeshing(
         iterations=ROUNDS,
         targetlen=pymeshlab.PureValue(size),
@@ -84,6 +87,8 @@ def _remesh(meshes: Any, size: float, *, selectedonly: bool) -> None:
 
 
 def _fitted(vertices: Array, faces: Faces, drawn: Any, volume: float, size: float) -> Array:
+    import pymeshlab
+
     triangles = vertices[faces]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(normals, axis=1, keepdims=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import capytaine
 import numpy as np
-from capytaine.green_functions.delhommeau import Delhommeau
 from numpy.typing import NDArray
 
 #: The numbers are for fresh water [kg/m^3]; a fluid scales them by its density.
@@ -36,6 +34,9 @@ def added_mass(
     Returns:
         (k, k), as computed; its asymmetry is a measure of the error.
     """
+    import capytaine  # late: a development tool
+    from capytaine.green_functions.delhommeau import Delhommeau
+
     capytaine.set_logging("ERROR")
     faces = triangles[:, [0, 1, 2, 2]]  # its triangles are quadrilaterals with a corner twice
     mesh = capytaine.Mesh(vertices, faces, auto_clean=False, auto_check=False)
