@@ -46,12 +46,11 @@ def prepared(program: Program) -> tuple[Program, Program]:
     has_parameters = any(slot.name == PARAMETERS for slot in program.inputs)
     place = given(PARAMETERS) if has_parameters else len(program.inputs)
     for step in program.steps:
-        read = {"input": (), "output": step.arguments[2:]}.get(step.op, step.arguments)
         of_parameters = step.op != "input" or step.arguments[0] == place
-        if step.op != "output" and of_parameters and all(r in constant for r in read):
+        if step.op != "output" and of_parameters and all(r in constant for r in step.read):
             constant[step.result] = step
             continue
-        for r in read:
+        for r in step.read:
             if r in constant and constant[r].op == "const":
                 rest.append(constant[r])
             elif r in constant and r not in handed_over:

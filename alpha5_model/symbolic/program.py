@@ -64,6 +64,11 @@ class Step(NamedTuple):
     arguments: tuple[int, ...]
     value: float | None = None
 
+    @property
+    def read(self) -> tuple[int, ...]:
+        """The registers that it reads."""
+        return {"input": (), "output": self.arguments[2:]}.get(self.op, self.arguments)
+
 
 @dataclass(frozen=True)
 class Program:
