@@ -219,8 +219,9 @@ def test_sizes_that_make_no_picture(arm: a5.Arm, size: tuple[int, int]) -> None:
         picture_png(build_scene(arm), size)
 
 
-def test_the_readmes_figures_are_of_the_present_arm() -> None:
+def test_the_readmes_figures_are_of_the_present_arm(monkeypatch: pytest.MonkeyPatch) -> None:
     root = Path(__file__).resolve().parent.parent
+    monkeypatch.syspath_prepend(root / "scripts")
     spec = importlib.util.spec_from_file_location("make_figures", root / "scripts/make_figures.py")
     figures = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(figures)

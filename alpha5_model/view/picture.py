@@ -9,16 +9,19 @@ import io
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.view.scene import SEE_THROUGH, Camera, Scene, Shape, check_size
 from alpha5_model.view.shapes import Mesh
 
+IntArray = NDArray[np.int64]
 #: Drawn this much finer, then averaged, so that edges are smooth.
 _FINER = 2
 #: Pixels processed at once.
 _BLOCK = 1 << 21
+#: Least distance from an edge that counts, in pixels.
+_EDGE = 1e-7
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
 _LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.80), (np.array([0.85, 0.1, 0.52]), 0.45))
 _AMBIENT = 0.68
@@ -52,8 +55,9 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
         if not shape.flat:
             color = shade(mesh.normals, color, canvas.axes, shape.shine)
         canvas.draw(mesh.vertices, color, mesh.faces, opacity, two_sided=shape.flat)
-    fine = canvas.color.reshape(height, _FINER, width, _FINER, 3).mean(axis=(1, 3))
-    pixels: NDArray[np.uint8] = np.clip(fine * 255.0 + 0.5, 0, 255).astype(np.uint8)
+    rows = canvas.color.reshape(height, _FINER, -1).sum(axis=1)
+    fine = rows.reshape(height, width, _FINER, 3).sum(axis=2)
+    pixels: NDArray[np.uint8] = (fine * (255.0 / _FINER**2) + 0.5).astype(np.uint8)
     return _labelled(pixels, canvas, scene) if "labels" in scene.show else pixels
 
 
@@ -150,51 +154,72 @@ class Canvas:
             two_sided: Whether triangles are seen from behind too.
         """
         screen = self.project(points)
-        depth = self._depth if opacity == 1.0 else self._depth.copy()
-        layer = self.color if opacity == 1.0 else self.color.copy()
-        for pixel, distance, corner, weight in self._fragments(screen, faces, two_sided):
-            np.minimum.at(depth, pixel, distance)
-            seen = depth[pixel] == distance
-            mixed = np.einsum("nk,nkc->nc", weight[seen], colors[corner[seen]])
-            layer[pixel[seen]] = mixed
+        top, bottom = _spans(screen[:, 1].min(), screen[:, 1].max(), self.height)
+        part = slice(int(top) * self.width, max(int(top), int(bottom)) * self.width)
+        depth, layer = self._depth[part], self.color[part]
         if opacity < 1.0:
-            self.color += (layer - self.color) * np.float32(opacity)
+            depth, layer = depth.copy(), layer.copy()
+        for pixel, distance, corner, weight in self._fragments(screen, faces, two_sided):
+            at = pixel - part.start
+            np.minimum.at(depth, at, distance)
+            seen = depth[at] == distance
+            layer[at[seen]] = np.einsum("kn,nkc->nc", weight[:, seen], colors[corner[seen]])
+        if opacity < 1.0:
+            self.color[part] += (layer - self.color[part]) * np.float32(opacity)
 
     def _fragments(
         self, screen: FloatArray, faces: NDArray[np.uint32], two_sided: bool
-    ) -> Iterator[tuple[NDArray[np.intp], FloatArray, NDArray[np.uint32], FloatArray]]:
-        """Pixels inside the triangles: index, distance, corners (N, 3) and their weights (N, 3)."""
-        a, b, c = (screen[faces[:, k]] for k in range(3))
+    ) -> Iterator[tuple[IntArray, FloatArray, NDArray[np.uint32], FloatArray]]:
+        """Pixels inside the triangles: index, distance, corners (N, 3) and their weights (3, N)."""
+        corners = screen[faces]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
         area = _cross(b - a, c - a)
         # Rows grow downwards: a triangle seen from outside has a negative area.
         wanted = (area != 0.0) if two_sided else (area < 0.0)
-        wanted &= np.minimum(np.minimum(a[:, 2], b[:, 2]), c[:, 2]) > 0.0
-        corners = np.stack([a, b, c], axis=1)[..., :2]
-        limit = np.array([self.width, self.height])
-        low = np.clip(np.ceil(corners.min(axis=1) - 0.5), 0, limit).astype(np.int64)
-        high = np.clip(np.floor(corners.max(axis=1) + 0.5), 0, limit).astype(np.int64)
-        size = np.maximum(high - low, 0)
-        count = np.where(wanted, size[:, 0] * size[:, 1], 0)
-        which = np.flatnonzero(count)
-        blocks = np.cumsum(count[which]) // _BLOCK
+        wanted &= corners[..., 2].min(axis=1) > 0.0
+        faces, corners, area = faces[wanted], corners[wanted], area[wanted]
+        # The weight of a corner grows evenly over the screen: by x, by y, and from what at (0, 0).
+        one, two = np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)
+        by_x = (one[..., 1] - two[..., 1]) / area[:, None]
+        by_y = (two[..., 0] - one[..., 0]) / area[:, None]
+        still = _cross(one, two) / area[:, None]
+        nearness = 1.0 / corners[..., 2]
+        # Every row of pixels that a triangle crosses, and what it covers of it.
+        low, high = _spans(corners[..., 1].min(axis=1), corners[..., 1].max(axis=1), self.height)
+        t, row = _counted(low, high)
+        rest = still[t] + by_y[t] * (row + 0.5)[:, None]
+        slope = by_x[t]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edge = -rest / slope
+        left = np.where(slope > 0.0, edge, -np.inf).max(axis=1)
+        right = np.where(slope < 0.0, edge, np.inf).min(axis=1)
+        outside = ((slope == 0.0) & (rest < -1e-9)).any(axis=1)
+        first, last = _spans(left, np.where(outside, -np.inf, right), self.width)
+        blocks = np.cumsum(np.maximum(last - first, 0)) // _BLOCK
         for block in np.unique(blocks):
-            triangles = which[blocks == block]
-            repeat = count[triangles]
-            t = np.repeat(triangles, repeat)
-            k = np.arange(len(t)) - np.repeat(np.cumsum(repeat) - repeat, repeat)
-            column, row = low[t, 0] + k % size[t, 0], low[t, 1] + k // size[t, 0]
-            p = np.stack([column + 0.5, row + 0.5], axis=1)
-            wa = _cross(b[t, :2] - p, c[t, :2] - p) / area[t]
-            wb = _cross(c[t, :2] - p, a[t, :2] - p) / area[t]
-            wc = 1.0 - wa - wb
-            # A pixel centre on a shared edge belongs to both sides, however it is rounded.
-            inside = np.minimum(np.minimum(wa, wb), wc) >= -1e-9
-            t, wa, wb, wc = t[inside], wa[inside], wb[inside], wc[inside]
-            weight = np.stack([wa, wb, wc], axis=1)
+            line = np.flatnonzero(blocks == block)
+            span, column = _counted(first[line], last[line])
+            span = line[span]
+            x = column + 0.5
+            weight = np.stack([rest[span, k] + slope[span, k] * x for k in range(3)])
             # 1/distance is linear on the screen
-            inverse = wa / a[t, 2] + wb / b[t, 2] + wc / c[t, 2]
+            inverse = sum(weight[k] * nearness[t[span], k] for k in range(3))
             distance = (1.0 / inverse).astype(np.float32)
-            yield (row[inside] * self.width + column[inside], distance, faces[t], weight)
+            yield (row[span] * self.width + column, distance, faces[t[span]], weight)
+
+
+def _spans(low: ArrayLike, high: ArrayLike, limit: int) -> tuple[IntArray, IntArray]:
+    """First pixel whose centre is at or beyond ``low``, and first beyond ``high``, 0 to limit."""
+    # A centre on a shared edge belongs to both sides, however it is rounded.
+    first, last = np.ceil(np.subtract(low, 0.5 + _EDGE)), np.floor(np.add(high, 0.5 + _EDGE))
+    return np.clip(first, 0, limit).astype(np.int64), np.clip(last, 0, limit).astype(np.int64)
+
+
+def _counted(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
+    """Every number from first (N,) up to last, each with the index of its range."""
+    size = np.maximum(last - first, 0)
+    which = np.repeat(np.arange(len(size)), size)
+    return which, np.arange(len(which)) + np.repeat(first - np.cumsum(size) + size, size)
 
 
 def shade(normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: float) -> FloatArray:
