@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from alpha5_model import dh as dh
     from alpha5_model import planar as planar
     from alpha5_model import trajectory as trajectory
+    from alpha5_model import uncertainty as uncertainty
     from alpha5_model.comparison import compare as compare
     from alpha5_model.consistency import audit as audit
     from alpha5_model.description.srdf import named_pose as named_pose
@@ -74,7 +75,7 @@ _DEFINED = {
     "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
 }
 #: Public modules.
-_MODULES = ("actuators", "dh", "planar", "kinematics.workspace", "trajectory")
+_MODULES = ("actuators", "dh", "planar", "kinematics.workspace", "trajectory", "uncertainty")
 _PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
 _PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
 

@@ -46,6 +46,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("dynamics", "comparison", "loaders"),
     ("trajectory", "casadi", "jax", "c_library"),
     ("consistency",),
+    ("uncertainty",),
     ("view",),
     ("cli",),
 )

@@ -165,6 +165,11 @@ def _implied_mass(row: InertialRow) -> AuditRow:
     return audited("implied_mass", implied, row.mass.si, bound, of=row, effect=effect)
 
 
+def implied_mass(row: InertialRow) -> tuple[float, float]:
+    """The mass [kg] that best carries I_COM to I_Link, and how far digits may move it."""
+    return figure(_mass, _inputs(row))
+
+
 def _mass(x: FloatArray) -> float:
     """The m that minimizes |I_Link - I_COM - m (P.P E - P P^T)|."""
     _, com, at_com, at_link = _read(x)

@@ -26,6 +26,7 @@ from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm
 from alpha5_model.dynamics.hydrostatics import Displacement, displaced_fluid_model, net_weight_model
 from alpha5_model.dynamics.kernels import kernel_parameters, kernel_rows
 from alpha5_model.dynamics.models import on_free_flyer, with_body
+from alpha5_model.dynamics.regressor import Regressor, regressor
 from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
 from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError
@@ -330,6 +331,22 @@ class Arm:
             tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
         tau -= _gravity(self._fluid, own.fluid_data, q)
         return tau
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
+        """Inverse dynamics as a matrix times the base parameters, water included.
+
+        Args:
+            q: (4,), or (N, 4) for many states; a single row is used for all, here and below.
+            v: (4,) or (N, 4).
+            a: (4,) or (N, 4).
+
+        Returns:
+            The matrix (4, 38) or (N, 4, 38), the arm's base parameters (38,), their names and units.
+
+        Raises:
+            InputError: Also for an arm on a floating base, or with jaws that move.
+        """
+        return regressor(self, q, v, a)
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
