@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache
@@ -220,14 +221,13 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
     parts = {
         "policy": policy + ("; connect-src 'self' ws: wss:" if live else ""),
         "title": scene.title,
-        "style": _read("page.css"),
         "meshcat": meshcat_script(),
         # "<" cannot close the script element that holds the data.
         "data": text.replace("<", "\\u003c"),
-        "formulas": _read("formulas.js"),
-        "script": _read("page.js"),
     }
-    page = _read("page.html")
+    page = re.sub(
+        r"{{([\w/]+\.(?:css|js))}}", lambda named: _read(named[1]), _read("web/page.html")
+    )
     for name, text in parts.items():
         page = page.replace("{{" + name + "}}", text, 1)
     return page
@@ -240,4 +240,4 @@ def _plain(part: Any) -> Any:
 
 @cache
 def _read(name: str) -> str:
-    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / name).read_text(encoding="utf-8")

@@ -1,0 +1,97 @@
+// Where the joints stand, and what follows: the pose of every link, the torque that holds it still.
+//
+// setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` says who
+// moved it: "hand", "motion" or "python".
+const q = { ...data.q };
+let poses = {};
+const listeners = [];
+const onPose = (listener) => listeners.push(listener);
+
+for (const joint of data.tree) {
+  joint.matrix = matrix(joint.transform);
+  joint.direction = vector(joint.axis).normalize();
+}
+const angles = () => data.sliders.slice(0, 4).map((name) => q[name]);
+
+function setPose(values, by = "hand") {
+  data.sliders.forEach((name, i) => { q[name] = values[i]; });
+  place(by);
+}
+function setJoint(name, value) {
+  q[name] = value;
+  place("hand");
+}
+
+// Everything to where it is now.
+function place(by) {
+  poses = forwardKinematics();
+  for (const link in poses) if (data.links[link]) viewer.set_transform(split(data.links[link]), poses[link].elements);
+  for (const item of data.anchors) viewer.set_transform(split(item.path), anchor(item.anchor).elements);
+  for (const listener of listeners) listener(by);
+  viewer.set_dirty();
+}
+
+// ---- kinematics: the arm by the generated formulas, what is fixed to it or beyond it joint by joint
+function forwardKinematics() {
+  const found = {};
+  for (const link in data.root) found[link] = matrix(data.root[link]);
+  const placed = { ...formulas.link_poses(angles()), tcp: formulas.forward_kinematics(angles()) };
+  for (const link in placed) found[link] = found.base_link.clone().multiply(matrix(placed[link]));
+  for (const joint of data.tree) {
+    if (!(joint.child in placed)) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint));
+  }
+  return found;
+}
+function motion(joint) {
+  const position = joint.multiplier * (q[joint.source] || 0) + joint.offset;
+  if (joint.kind === "revolute") return new THREE.Matrix4().makeRotationAxis(joint.direction, position);
+  const step = joint.kind === "prismatic" ? position : 0;
+  return new THREE.Matrix4().makeTranslation(...joint.direction.clone().multiplyScalar(step).toArray());
+}
+function anchor(item) {
+  if (item.link) return poses[item.link].clone().multiply(matrix(item.placement));
+  const total = item.points.reduce((sum, entry) => sum + entry[1], 0);
+  const mean = vector(item.offset);
+  for (const [link, weight, point] of item.points) mean.addScaledVector(vector(point).applyMatrix4(poses[link]), weight / total);
+  return new THREE.Matrix4().makeTranslation(mean.x, mean.y, mean.z);
+}
+
+// ---- statics: bodies beyond link_4 move in it and count where they are
+const carried = {};
+for (const joint of data.tree.slice().reverse()) {
+  carried[joint.child] = [joint.child, ...(carried[joint.child] || [])];
+  carried[joint.parent] = [...(carried[joint.parent] || []), ...carried[joint.child]];
+}
+function holding() {
+  const toLink = poses.link_4.clone().invert();
+  const net = new THREE.Vector4(0, 0, 0, 0);
+  for (const [link, moment] of data.statics.beyond) {
+    net.add(new THREE.Vector4(...moment).applyMatrix4(toLink.clone().multiply(poses[link])));
+  }
+  const share = data.statics.share.map((row) => net.dot(new THREE.Vector4(...row)));
+  const parameters = data.statics.parameters.map((still, i) => still + share[i]);
+  return formulas.hydrostatic_torque(angles(), parameters);
+}
+
+// A steady current on links at rest: drag of their strips, and the Munk moment of their added mass.
+function drag(joint) {
+  const origin = new THREE.Vector3().setFromMatrixPosition(poses[joint.child]);
+  const axis = joint.direction.clone().transformDirection(poses[joint.child]);
+  const flow = vector(data.current);
+  const total = new THREE.Vector3();
+  for (const stream of data.streams) {
+    if (!carried[joint.child].includes(stream.link)) continue;
+    const turn = new THREE.Matrix3().setFromMatrix4(poses[stream.link]);
+    for (const [middle, direction, across, along] of stream.strips) {
+      const line = vector(direction).applyMatrix3(turn);
+      const parallel = line.clone().multiplyScalar(flow.dot(line));
+      const normal = flow.clone().sub(parallel);
+      const force = normal.multiplyScalar(across * normal.length()).addScaledVector(parallel, along * parallel.length());
+      total.add(vector(middle).applyMatrix4(poses[stream.link]).sub(origin).cross(force));
+    }
+    const local = flow.clone().applyMatrix3(turn.clone().transpose());
+    const momentum = vector(stream.added_mass.map((row) => vector(row).dot(local)));
+    total.sub(local.cross(momentum).applyMatrix3(turn));
+  }
+  return total.dot(axis);
+}

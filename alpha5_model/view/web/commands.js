@@ -1,0 +1,20 @@
+// The scene, command by command: from this file, or over the connection.
+const geometries = {}; // a mesh that several shapes share comes with the first of them
+const handle = viewer.handle_command.bind(viewer);
+
+viewer.handle_command = (command) => {
+  for (const geometry of command.type === "set_object" ? command.object.geometries : []) {
+    if (geometry.data) geometries[geometry.uuid] = geometry.data;
+    else geometry.data = geometries[geometry.uuid];
+  }
+  handle(command);
+  if (command.type === "set_property" && command.property === "visible") {
+    const group = split(command.path)[2];
+    if (group in shown) setGroup(group, command.value);
+  }
+  heard(command);
+};
+
+for (const command of data.commands) {
+  viewer.handle_command_bytearray(Uint8Array.from(atob(command), (c) => c.charCodeAt(0)));
+}
