@@ -242,6 +242,24 @@ def test_messages_of_other_joints_and_without_numbers_are_left_out(tmp_path: Pat
         assert ("not finite, message left out: 40 x" in str(caught.value)) == (left == 0)
 
 
+@pytest.mark.parametrize("kind", [".bag", ".mcap"])
+def test_a_gripper_without_a_sensor_leaves_the_arm_alone(kind: str, tmp_path: Path) -> None:
+    states = samples()
+    for s in states:
+        s.position[0] = s.position[s.names.index("axis_a")] = float("nan")
+    with pytest.raises(InputError, match="positions that are not finite, message left out: 40 x"):
+        a5.trajectory.read_motion(write_bag(tmp_path, kind, states))
+    for s, whole in zip(states, samples(), strict=True):
+        s.position[0] = whole.position[0]
+    (tmp_path / "rod").mkdir()
+    motion = a5.trajectory.read_motion(write_bag(tmp_path / "rod", kind, states))
+    assert (motion.joints, motion.ignored, motion.warnings) == (JOINTS[:4], ("axis_a",), ())
+    place = states[0].names.index("axis_b")
+    assert motion.position[:, 3].tolist() == [s.position[place] for s in states]
+    assert motion.velocity is not None
+    assert motion.velocity.shape == motion.effort.shape == (40, 4)
+
+
 def test_simulated_time_may_start_at_zero(tmp_path: Path) -> None:
     states = [replace(s, stamp=s.stamp - samples()[0].stamp) for s in samples()]
     motion = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import choice
+from alpha5_model.checks import FloatArray, choice
 from alpha5_model.errors import (
     Alpha5Error,
     FileFormatError,
@@ -18,8 +17,8 @@ from alpha5_model.errors import (
     MissingFileError,
 )
 from alpha5_model.files import PathLike
-from alpha5_model.trajectory.columns import only, prefixes
-from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Place, Progress
+from alpha5_model.trajectory.motion import JOINTS, MotionWarning, Progress
+from alpha5_model.trajectory.tables import Table, only, prefixes, seconds
 
 SUFFIXES = (".bag", ".db3", ".mcap")
 _TYPE = "sensor_msgs/msg/JointState"
@@ -40,70 +39,68 @@ def is_bag(path: Any) -> bool:
     return False
 
 
-def read_bag(
+def bag_table(
     path: PathLike, topic: str | None, prefix: str | None, progress: Progress | None
-) -> tuple[Motion, Place]:
-    """Motion, still to be checked, and where its numbers stand; see `read_motion`.
+) -> tuple[Table, str]:
+    """The joint states of one topic as columns by the joints' names, and what stands before these.
 
-    Messages of the topic count from 1, in the order of the bag.
+    Messages of the topic count from 1, in the order of the bag; see `read_motion`.
     """
     streams = _streams(path, topic, progress)
     topic, before, wanted = _chosen(path, streams, prefix)
-    n, nothing, rows, partial = len(wanted), np.full(len(wanted), np.nan), [], []
+    nothing, n, rows, values = np.full(len(wanted), np.nan), len(wanted), [], []
+    partial: list[int] = []
+    publishers: dict[str, int] = {}
     for number, (publisher, received, stamp, m) in enumerate(streams[topic], start=1):
         count = len(m.name)
         if len(m.position) != count or not {*wanted} <= {*m.name}:
             partial.append(number)
             continue
         at = [m.name.index(name) for name in wanted]
-        fields = (x[at] if len(x) == count else nothing for x in (m.position, m.velocity, m.effort))
-        rows.append((number, publisher, received, stamp, np.concatenate([*fields])))
-    unstamped = [row[0] for row in rows if not row[3]]
-    if sum(row[3] < _SOON for row in rows) > len(unstamped) == 1:
-        unstamped = []  # simulated time starts at zero
-    ns = [row[2] if unstamped else row[3] for row in rows]
-    back = [rows[k][0] for k in range(1, len(rows)) if ns[k] < ns[k - 1]]
-    order = sorted(range(len(rows)), key=ns.__getitem__)  # keeps the order of equal times
-    # Python divides whole numbers to the last digit; nanoseconds since 1970 do not fit a float.
-    time = np.array([ns[k] / 10**9 for k in order])
-    table = np.array([rows[k][4] for k in order]).reshape(-1, 3 * n)
-    numbers = np.array([rows[k][0] for k in order], dtype=int)
-    whole = np.isfinite(table[:, :n]).all(axis=1)
-    holes, numbers = numbers[~whole], numbers[whole]
-    position, velocity, effort = np.split(table[whole], 3, axis=1)
-    slow = numbers[~np.isfinite(velocity).all(axis=1)]
-    publishers = {row[1]: row[0] for row in reversed(rows)}
-    found: tuple[tuple[str, Sequence[int], str], ...] = (
-        (
-            "missing_joints",
-            partial,
-            f"no position of each of {', '.join(wanted)}, message left out",
-        ),
+        fields = m.position, m.velocity, m.effort
+        rows.append((number, received, stamp))
+        values.append([x[at] if len(x) == count else nothing for x in fields])
+        publishers.setdefault(publisher, number)
+    numbers, times, stamps = np.array(rows, dtype=np.int64).reshape(-1, 3).T
+    unstamped = numbers[stamps == 0]
+    if (stamps < _SOON).sum() > unstamped.size == 1:
+        unstamped = unstamped[:0]  # simulated time starts at zero
+    ns = times if unstamped.size else stamps
+    order = np.argsort(ns, kind="stable")
+    back, numbers, ns = numbers[1:][np.diff(ns) < 0], numbers[order], ns[order]
+    table = np.array(values).reshape(-1, 3, n)[order]
+    if np.isnan(table[:, 0]).all(axis=0).tolist() == [*[False] * 4, True]:
+        wanted, table = wanted[:4], table[..., :4]  # a gripper without a sensor
+    whole = np.isfinite(table[:, 0]).all(axis=1)
+    holes, numbers, table = numbers[~whole], numbers[whole], table[whole]
+    slow = numbers[~np.isfinite(table[:, 1]).all(axis=1)]
+    lacking = f"no position of each of {', '.join(wanted)}"
+    found: tuple[tuple[str, Any, str], ...] = (
+        ("missing_joints", partial, f"{lacking}, message left out"),
         ("not_finite", holes, "positions that are not finite, message left out"),
         ("no_stamp", unstamped, "no stamp; all times are those of recording"),
         ("out_of_order", back, "time runs back, messages sorted"),
         ("publishers", [*publishers.values()][1:], f"publishers: {', '.join(sorted(publishers))}"),
         ("velocity", slow if slow.size < numbers.size else [], "no velocities, so none is used"),
     )
-    raw = Motion(
-        time[whole],
-        JOINTS[:n],
-        position,
-        None if slow.size else velocity,
-        tuple(
-            MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
-            for kind, at, text in found
-            if len(at)
-        ),
-        str(path),
-        tuple(sorted({name for *_, m in streams[topic] for name in m.name} - {*wanted})),
-        effort=effort,
+    kinds = {"": 0, "_effort": 2} if slow.size else {"": 0, "_vel": 1, "_effort": 2}
+    header = ["time", *(name + kind for kind in kinds for name in wanted)]
+    time = seconds(ns[whole].tolist(), 10**9)
+    columns = np.column_stack([time, *(table[:, k] for k in kinds.values())])
+    warnings = (
+        MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
+        for kind, at, text in found
+        if len(at)
     )
+    others = {name for *_, m in streams[topic] for name in m.name} - {*wanted}
 
-    def place(sample: int, joint: str | None) -> str:
-        return f"message {numbers[sample]} of {topic}" + (f" ({before}{joint})" if joint else "")
+    def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, str]:
+        return columns[:, [*needed, *efforts]], "s"
 
-    return raw, place
+    def place(row: int, column: int) -> str:
+        return f"message {numbers[row]} of {topic}" + (f" ({header[column]})" if column else "")
+
+    return Table(header, read, place, "", tuple(warnings), tuple(sorted(others))), before
 
 
 def _streams(

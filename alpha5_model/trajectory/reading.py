@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from contextlib import suppress
-from functools import partial
+import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.files import PathLike, read_named
-from alpha5_model.trajectory.bags import is_bag, read_bag
-from alpha5_model.trajectory.columns import table_motion
-from alpha5_model.trajectory.motion import Motion, Place, Progress, checked
-from alpha5_model.trajectory.parquet import SUFFIXES, read_parquet
+from alpha5_model.files import PathLike
+from alpha5_model.parameters import parameters
+from alpha5_model.trajectory.bags import bag_table, is_bag
+from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Progress, checked
+from alpha5_model.trajectory.tables import (
+    PARQUET,
+    PER_SECOND,
+    csv_table,
+    only,
+    parquet_table,
+    prefixes,
+)
 
-#: Lines parsed between two reports of progress.
-CHUNK = 50_000
+_TIME = ("time_secs", "time")
+#: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
+_TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
+_POSITION = ("_pos", "_position", "")
+_VELOCITY = ("_vel", "_velocity")
 
 
 def read_motion(
@@ -63,123 +70,95 @@ def read_motion(
             another length, text or NaN for a number, time that runs back, with line and column or
             row; a bag that is damaged or has no joint states of the arm.
     """
+    before = prefix
     if is_bag(path):
-        raw, place = read_bag(path, topic, prefix, progress)
+        table, before = bag_table(path, topic, prefix, progress)
     elif topic is not None:
         raise InputError("topic", topic, "no value: only a ROS bag has topics")
-    elif Path(str(path)).suffix.lower() in SUFFIXES:
-        raw, place = read_parquet(path, prefix)
+    elif Path(str(path)).suffix.lower() in PARQUET:
+        table = parquet_table(path)
     else:
-        raw, place = _read_csv(path, prefix, progress)
+        table = csv_table(path, progress)
+    header = table.header
+    # Without any that names all joints, the message below says what is missing.
+    before = only("prefix", prefixes(header, _POSITION, before) or [before or ""])
+
+    def there(joint: str, suffixes: Sequence[str]) -> list[str]:
+        return [before + joint + suffix for suffix in suffixes if before + joint + suffix in header]
+
+    def column(names: Sequence[str], what: str, why: str = "") -> int:
+        found = [name for name in names if name in header]
+        if len(found) == 1:
+            return header.index(found[0])
+        problem = f"two columns for {what}: {', '.join(found)}"
+        if not found:
+            got = ", ".join(header)[:200]
+            problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
+        raise FileFormatError(path, problem, table.head)
+
+    def of(joint: str, suffixes: Sequence[str], what: str, why: str = "") -> int:
+        names = [before + joint + suffix for suffix in suffixes]
+        return column(names, f"the {what} of {joint}", why)
+
+    timed = [name for name in header if name in _TIME]
+    timed = timed or [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
+    joints = JOINTS if there(JOINTS[4], _POSITION) else JOINTS[:4]
+    needed = [column(timed or (*_TIME, "time_ms"), "the time")]
+    needed += [of(joint, _POSITION, "position") for joint in joints]
+    if any(there(joint, _VELOCITY) for joint in joints):
+        why = ", while others have one"
+        needed += [of(joint, _VELOCITY, "velocity", why) for joint in joints]
+    recorded = [there(joint, ["_effort"]) for joint in joints]
+    efforts = [header.index(name) for names in recorded for name in names]
+    numbers, unit = table.read(needed, efforts)
+    n, known, name = len(joints), len(needed), header[needed[0]]
+    time, position = numbers[:, 0], numbers[:, 1 : 1 + n]
+
+    def place(sample: int, joint: str | None) -> str:
+        return table.place(sample, needed[joints.index(joint) + 1 if joint else 0])
 
     def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
         return FileFormatError(path, f"expected {expected}", place(sample, joint))
 
+    warnings = table.warnings
+    if unit is None:
+        guess, stated = _likely_unit(time, position), _TIME_WITH_UNIT.fullmatch(name)
+        unit = guess if stated is None else stated[1].lower()
+        if guess != "s" and (unit == "s" or stated is None):
+            text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
+            if stated is not None:
+                text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
+            warnings += (MotionWarning("time_unit", 1, place(0, None), text),)
+    effort = None
+    if numbers.shape[1] > known:
+        effort = np.full_like(position, np.nan)
+        effort[:, [bool(names) for names in recorded]] = numbers[:, known:]
+        needed += efforts
+    raw = Motion(
+        time / PER_SECOND[unit],
+        joints,
+        position,
+        numbers[:, 1 + n : known] if known > 1 + n else None,
+        warnings=warnings,
+        source=str(path),
+        ignored=(*(name for k, name in enumerate(header) if k not in needed), *table.ignored),
+        time_unit=unit,
+        effort=effort,
+    )
     return checked(raw, place, refuse)
 
 
-def _read_csv(
-    path: PathLike, prefix: str | None, progress: Progress | None
-) -> tuple[Motion, Place]:
-    lines = _lines(path)
-    header = _header(path, lines[0])
-    rows = np.flatnonzero([bool(line) for line in lines])[1:] if "" in lines else None
+def _likely_unit(time: FloatArray, position: FloatArray) -> str:
+    """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
 
-    def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, None]:
-        table = None
-        # With text among the efforts these are ignored, as other columns are.
-        for used in ([*needed, *efforts], needed):
-            with suppress(ValueError, csv.Error):
-                table = _parse(lines, used, len(header), progress)
-                break
-        if table is None or not np.isfinite(table[:, : len(needed)]).all():
-            _complain(path, lines, header, needed)
-        return table, None
-
-    def place(row: int, column: int) -> str:
-        return _place(row + 2 if rows is None else int(rows[row]) + 1, column, header)
-
-    return table_motion(path, header, read, place, prefix, "line 1")
-
-
-def _lines(path: PathLike) -> list[str]:
-    try:
-        text = read_named(path, "a CSV file of joint motion (or Parquet, or a ROS bag)").decode(
-            "utf-8-sig"
-        )
-    except UnicodeDecodeError:
-        raise FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
-    lines = [line.strip() for line in text.rstrip().split("\n")]
-    if not lines[0]:
-        problem = "is empty" if len(lines) == 1 else "no column names in line 1"
-        raise FileFormatError(path, problem, "line 1")
-    return lines
-
-
-def _fields(path: PathLike, line: str, number: int) -> list[str]:
-    try:
-        return next(csv.reader([line]))
-    except csv.Error as error:  # a field of more than 131 072 characters
-        problem = f"is not a table of numbers: {error}"
-        raise FileFormatError(path, problem, f"line {number}") from None
-
-
-def _header(path: PathLike, line: str) -> list[str]:
-    if "," not in line:
-        for separator, name in ((";", "';'"), ("\t", "a tab"), (" ", "a space")):
-            if separator in line:
-                problem = f"columns are separated by {name}, expected ','"
-                raise FileFormatError(path, problem, "line 1")
-    header = [name.strip() for name in _fields(path, line, 1)]
-    if _number(header[0]) is not None:
-        raise FileFormatError(path, "starts with numbers, expected column names", "line 1")
-    for k, name in enumerate(header):
-        if name and name in header[:k]:
-            problem = f"column {name[:40]!r} stands twice"
-            raise FileFormatError(path, problem, f"line 1, column {k + 1}")
-    return header
-
-
-def _parse(lines: list[str], used: list[int], width: int, progress: Progress | None) -> FloatArray:
-    read = partial(np.loadtxt, delimiter=",", usecols=used, ndmin=2, comments=None, quotechar='"')
-    blocks = []
-    for start in range(1, len(lines), CHUNK):
-        block = lines[start : start + CHUNK]
-        filled = [line for line in block if line] if "" in block else block
-        quoted = any('"' in line for line in filled)
-        widths = map(len, csv.reader(filled)) if quoted else (x.count(",") + 1 for x in filled)
-        if any(found != width for found in widths):
-            raise ValueError
-        if filled:
-            blocks.append(read(filled))
-        if progress:
-            progress("read", min(start + CHUNK, len(lines)) / len(lines))
-    return np.concatenate(blocks) if blocks else np.empty((0, len(used)))
-
-
-def _complain(path: PathLike, lines: list[str], header: list[str], used: list[int]) -> NoReturn:
-    """Find the first line that cannot be read, and say what is wrong with it."""
-    for number, line in enumerate(lines[1:], start=2):
-        if not line:
-            continue
-        fields = _fields(path, line, number)
-        if len(fields) != len(header):
-            problem = f"{len(fields)} fields, expected {len(header)} as in line 1"
-            raise FileFormatError(path, problem, f"line {number}")
-        for column in used:
-            text = fields[column].strip()
-            if (value := _number(text)) is None or not math.isfinite(value):
-                problem = f"expected a finite number, got {text[:40]!r}"
-                raise FileFormatError(path, problem, _place(number, column, header))
-    raise FileFormatError(path, "cannot be read as a table of numbers")
-
-
-def _place(line: int, column: int, header: list[str]) -> str:
-    return f"line {line}, column {column + 1} ({header[column]})"
-
-
-def _number(text: str) -> float | None:
-    with suppress(ValueError):
-        return float(text)
-    return None
+    Seconds where some joint's mean speed would exceed twice its rating, as in a plan of few points.
+    """
+    with np.errstate(over="ignore"):
+        steps, path = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
+    steps = steps[steps > 0]
+    if not steps.size or float(np.median(steps)) < 1.0:
+        return "s"
+    unit = next((u for u, n in PER_SECOND.items() if float(np.median(steps)) < n), "ns")
+    rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
+    fast = path / (steps / PER_SECOND[unit]).sum() > 2 * rated
+    return "s" if fast.any() else unit
