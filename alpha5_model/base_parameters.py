@@ -15,6 +15,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,7 +60,10 @@ def base_parameters(
     Returns:
         (41,).
     """
-    return regrouped([_moments(link, fluid_density) for link in links], gravity)
+    bodies = [
+        np.array(moments(x.mass, x.com, x.inertia, x.volume, x.cob, fluid_density)) for x in links
+    ]
+    return regrouped(bodies, gravity)
 
 
 def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) -> FloatArray:
@@ -81,13 +85,23 @@ def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) ->
     return np.array([values[name] for name in BASE_PARAMETERS])
 
 
-def _moments(body: RigidBody, density: float) -> FloatArray:
-    """Mass, first and second moments of a body and of its net mass in one matrix each, (2, 4, 4).
+def moments(
+    mass: Any,
+    com: Any,
+    inertia: Any,
+    volume: Any,
+    cob: Any,
+    density: Any,
+    *,
+    stack: Any = np.append,
+) -> tuple[Any, Any]:
+    """Mass, first and second moments of a body and of its net mass in one matrix each, (4, 4).
 
-    They are P; with T the body's pose in another frame they are ``T P T^T`` there.
+    They are P; with T the body's pose in another frame they are ``T P T^T`` there. Numbers are NumPy's, or
+    CasADi's with its ``vertcat`` to stack them.
     """
-    mass, com, cob = body.mass, np.append(body.com, 1.0), np.append(body.cob, 1.0)
-    out = np.array([mass * np.outer(com, com)] * 2)
-    out[0, :3, :3] += np.trace(body.inertia) / 2 * np.eye(3) - body.inertia
-    out[1] -= density * body.volume * np.outer(cob, cob)
-    return out
+    centre, centroid = stack(com, 1.0).reshape((4, 1)), stack(cob, 1.0).reshape((4, 1))
+    total = mass * (centre @ centre.T)
+    net = total - density * volume * (centroid @ centroid.T)
+    total[:3, :3] += (inertia[0, 0] + inertia[1, 1] + inertia[2, 2]) / 2 * np.eye(3) - inertia
+    return total, net

@@ -26,7 +26,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernels import arm_parameters
 from alpha5_model.errors import MissingDependencyError, ShapeError
 from alpha5_model.kernels.generated import formulas, products
-from alpha5_model.kinematics.edges import DOUBLE, SINGLE
+from alpha5_model.kinematics.plane import DOUBLE, SINGLE
 
 try:
     import jax.numpy as jnp

@@ -15,7 +15,7 @@ import alpha5_model as a5
 from alpha5_model import c_library
 from alpha5_model.c_library import COptions, c_files
 from alpha5_model.cli import main
-from alpha5_model.symbolic.products import SUMMARIES
+from alpha5_model.symbolic import SUMMARIES
 
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from alpha5_model.errors import InputError
-from alpha5_model.symbolic import functions
-from alpha5_model.symbolic.products import products
+from alpha5_model.symbolic import functions, products
 from alpha5_model.symbolic.program import BINARY, UNARY, Program, program
 
 OPERATIONS = {
@@ -29,6 +28,15 @@ OPERATIONS = {
         for name in ("sqrt", "sin", "cos", "atan", "atan2", "floor", "fabs")
     },
 }
+DECISIONS = {
+    "lt": lambda x, y: x < y,
+    "le": lambda x, y: x <= y,
+    "and": lambda x, y: x and y,
+    "or": lambda x, y: x or y,
+    "not": lambda x: not x,
+    "if_else": lambda c, x, y: x if c else y,
+    "if_else_zero": lambda c, x: x if c else 0.0,
+}
 
 
 def run(of: Program, *inputs: np.ndarray) -> list[np.ndarray]:
@@ -45,7 +53,7 @@ def run(of: Program, *inputs: np.ndarray) -> list[np.ndarray]:
         elif op == "input":
             registers[result] = inputs[arguments[0]].ravel()[arguments[1]]
         else:
-            registers[result] = OPERATIONS[op](*(registers[i] for i in arguments))
+            registers[result] = (OPERATIONS | DECISIONS)[op](*(registers[i] for i in arguments))
     return [x.reshape(slot.shape) for x, slot in zip(out, of.outputs, strict=True)]
 
 
@@ -54,7 +62,9 @@ def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
     inputs = [rng.uniform(0.1, 1.5, slot.shape) for slot in one.inputs]
     expected = function.call([casadi.DM(x) for x in inputs])
     for got, want in zip(run(one, *inputs), expected, strict=True):
-        assert np.allclose(got, np.array(want).reshape(got.shape), rtol=1e-13, atol=1e-15)
+        assert np.allclose(
+            got, np.array(want).reshape(got.shape), rtol=1e-13, atol=1e-15, equal_nan=True
+        )
 
 
 def test_every_operation_gives_what_casadi_computes() -> None:

@@ -14,13 +14,12 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernels import arm_parameters
-from alpha5_model.kinematics import edges
+from alpha5_model.kinematics import plane
 from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
-from alpha5_model.symbolic.products import SUMMARIES, products
+from alpha5_model.symbolic import SUMMARIES, products
+from alpha5_model.symbolic.languages import DOUBLE, FLOAT, Language, element, statements
 from alpha5_model.symbolic.program import Program, Slot, folded, program
-from alpha5_model.symbolic.scalar_source import DOUBLE, FLOAT, Language, element, statements
 
 _FLAGS = ("exists", "within_limits", "singular")
 _MEMBERS = [name.replace(".", "_") for name in BASE_PARAMETERS]
@@ -28,7 +27,7 @@ _MEMBERS = [name.replace(".", "_") for name in BASE_PARAMETERS]
 
 def programs(arm: Arm, real: str, struct: bool) -> list[Program]:
     """The functions of the library, of an arm's parameters or of those in a struct."""
-    known: dict[str, Any] = {"tolerances": edges.SINGLE if real == "float" else edges.DOUBLE}
+    known: dict[str, Any] = {"tolerances": plane.SINGLE if real == "float" else plane.DOUBLE}
     if not struct:
         known["parameters"] = arm_parameters(arm)
     return [
@@ -60,7 +59,7 @@ def header(arm: Arm, made: Sequence[Program], real: str, corrections: Iterable[s
 
 def source(arm: Arm, made: Sequence[Program], real: str) -> str:
     """``alpha5.c``."""
-    limits = np.array(arm_plane().limits)
+    limits = np.array(plane.arm_plane().limits)
     parts = [
         '#include "alpha5.h"\n\n#include <math.h>\n',
         f"const alpha5_real alpha5_lower[4] = {numbers(limits[:, 0], real)};",

@@ -176,12 +176,8 @@ static PyMethodDef methods[] = {
      "is not finite or too large. Other threads run meanwhile."},
     {"inverse_kinematics", (PyCFunction)(void (*)(void))inverse_kinematics, METH_FASTCALL,
      "inverse_kinematics(kind, position, wrist) -> kind, a named tuple of the five arrays of Solutions.\n\n"
-     "None near an edge, and where position is not a float64 array (3,) or a list or tuple of three\n"
-     "floats, wrist not a float, or a number too large or not finite."},
-    {"inverse_kinematics_rows", (PyCFunction)(void (*)(void))inverse_kinematics_rows, METH_FASTCALL,
-     "inverse_kinematics_rows(position, wrist, q, exists, within, near): n targets into arrays.\n\n"
-     "wrist is (n,), or (1,) for all; q is (n, 4, 4), or (0, 4, 4) where no angle is wanted. What is near\n"
-     "an edge, or too large, is not to be relied on. Other threads run meanwhile."},
+     "None where position is not a float64 array (3,) or a list or tuple of three floats, wrist not a\n"
+     "float, or a number too large or not finite."},
     {"width", width, METH_O,
      "width(most) -> name of the instructions in use. For tests: a positive number chooses the\n"
      "widest that this processor has of at most so many doubles, for all threads; 0 leaves it."},

@@ -7,19 +7,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import LARGEST, BoolArray, FloatArray
-from alpha5_model.kernels.generated import formulas
-from alpha5_model.kernels.numbers import NUMBERS
+from alpha5_model.checks import LARGEST, FloatArray
+from alpha5_model.kernels.generated import formulas, numbers
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
-BLOCK = 2048
+BLOCK = 4096
 #: Fewer targets of the inverse kinematics take less time one by one.
 FEW = 25
 _KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
+#: The formulas that hold for Python's numbers.
+_ONE: dict[str, tuple[Any, ...]] = {**formulas.KERNELS, **numbers.KERNELS}
+_SOLVE: Callable[..., Any] = numbers.inverse_kinematics
+_FLAGS = {bits: np.array(bits) for bits in (False, True, *product((False, True), repeat=4))}
+for _flag in _FLAGS.values():
+    _flag.flags.writeable = False
 
 
 def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[..., Any]:
@@ -33,14 +39,14 @@ def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[.
         A function of the other inputs: a new array for each output, several in a tuple. None unless each
         input is a C-contiguous float64 array of the right shape whose entries can be computed with.
     """
-    formula, inputs, outputs = _KERNELS[name]
+    formula, inputs, outputs = _ONE[name]
     last = ([float(x) for x in parameters],) if len(parameters) else ()
     shapes = inputs[: len(inputs) - len(last)]
 
     def kernel(*given: Any) -> Any:
         if len(given) != len(shapes) or not all(map(_clean, given, shapes)):
             return None
-        results = formula(*(x.ravel().tolist() for x in given), *last, NUMBERS)
+        results = formula(*(x.ravel().tolist() for x in given), *last, math)
         arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
         return arrays[0] if len(arrays) == 1 else tuple(arrays)
 
@@ -69,6 +75,14 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     ):
         return False
     rows = [x.reshape(n, math.prod(s)) for x, s in zip(arrays, shapes, strict=True)]
+    if n < FEW and name in numbers.KERNELS:
+        for i in range(n):
+            states = [x[i].tolist() for x in rows[:given]]
+            if not all(abs(e) <= LARGEST for state in states for e in state):
+                return False
+            for out, result in zip(rows[given:], _ONE[name][0](*states, math), strict=True):
+                out[i] = result
+        return True
     with np.errstate(all="ignore"):
         for start in range(0, n, BLOCK):
             here = slice(start, start + BLOCK)
@@ -81,45 +95,30 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     return True
 
 
-def inverse_kinematics(*_: Any) -> None:
-    """None, for every target: `inverse_kinematics_rows` has what there is."""
-
-
-def inverse_kinematics_rows(
-    position: FloatArray,
-    wrist: FloatArray,
-    q: FloatArray,
-    exists: BoolArray,
-    within: BoolArray,
-    near: BoolArray,
-) -> None:
-    """Inverse kinematics of finite targets, into arrays of n rows.
+def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -> Any:
+    """One target of the inverse kinematics.
 
     Args:
-        position: (n, 3) [m].
-        wrist: (n,), or (1,) for all rows [rad].
-        q: (n, 4, 4), or (0, 4, 4) where no angle is wanted; NaN where a branch does not reach.
-        exists, within: (n, 4): the branch reaches the target; and within the joint limits.
-        near: (n,): the other three are not to be relied on: too close to an edge, or so few that
-            `solve_one` costs less than NumPy's calls.
+        kind: A named tuple of five arrays, `alpha5_model.kinematics.ik.Solutions`.
+        position: (3,) [m].
+        wrist: [rad].
+
+    Returns:
+        None where position is not a float64 array, a list or a tuple of three floats, wrist not a float, or a
+        number too large or not finite.
     """
-    if len(position) < FEW:
-        near[:] = True
-        return
-    formula = _KERNELS["inverse_kinematics"][0]
-    with np.errstate(all="ignore"):
-        for start in range(0, len(position), BLOCK):
-            here = slice(start, start + BLOCK)
-            theta_3 = wrist[here] if len(wrist) > 1 else wrist
-            columns = np.ascontiguousarray(position[here].T)
-            angles, reach, limits, (clearance,) = formula(columns, (theta_3,), np)
-            near[here] = ~(clearance > 0.0)
-            for branch in range(4):
-                exists[here, branch] = reached = reach[branch % 2] > 0.0
-                within[here, branch] = reached & (limits[branch] >= 0.0)
-                for joint in range(4 if len(q) else 0):
-                    column = angles[4 * branch + joint]
-                    q[here, branch, joint] = np.where(reached, column, np.nan)
+    x = position
+    if type(x) is np.ndarray and x.shape == (3,):
+        x = x.tolist()
+    if type(x) not in (list, tuple) or len(x) != 3 or {*map(type, x), type(wrist)} != {float}:
+        return None
+    if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
+        return None
+    q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
+    angles, target = np.array(q).reshape(4, 4), np.array(x)
+    angles.flags.writeable = target.flags.writeable = False
+    answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
+    return tuple.__new__(kind, answer)
 
 
 def _plain(x: Any) -> bool:

@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.dh import DHChain
-from alpha5_model.kinematics.edges import on_axis
 from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.plane import on_axis
 
 
 @dataclass(frozen=True, eq=False)

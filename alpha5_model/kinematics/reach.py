@@ -31,9 +31,8 @@ from numpy.typing import ArrayLike
 from alpha5_model import planar
 from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.edges import on_axis
 from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane, on_axis
 from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
 from alpha5_model.planar.arrangement import bounds
 from alpha5_model.spatial import wrap

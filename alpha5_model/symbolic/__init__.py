@@ -7,7 +7,11 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
+
+from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import MissingDependencyError
+from alpha5_model.kinematics.plane import DOUBLE
 
 try:
     import casadi
@@ -18,9 +22,46 @@ except ImportError:
 from alpha5_model.symbolic.dynamics import dynamics
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
 from alpha5_model.symbolic.moving_water import in_moving_water
+from alpha5_model.symbolic.program import WORDS, folded
+
+#: Name -> what it is, of the functions that users get, in order.
+SUMMARIES = WORDS["functions"]
 
 
 @cache
 def functions() -> dict[str, casadi.Function]:
-    """Every function by its name, inputs and outputs named as in ``words.toml``."""
-    return {f.name(): f for f in (*dynamics(), *in_moving_water(), inverse_kinematics())}
+    """Every function of the kernels by its name, inputs and outputs named as in ``words.toml``."""
+    targets = folded(inverse_kinematics(), tolerances=DOUBLE)
+    return {f.name(): f for f in (*dynamics(), *in_moving_water(), targets)}
+
+
+def products() -> dict[str, casadi.Function]:
+    """What JAX, CasADi and C users get, named as the methods of an arm: constants of kinematics folded, parameters not."""
+    known = {
+        **functions(),
+        "inverse_kinematics": inverse_kinematics(),
+        "with_payload": _with_payload(),
+    }
+    return {name: known[name] for name in SUMMARIES}
+
+
+def _with_payload() -> casadi.Function:
+    """Parameters are linear in the moments of the bodies."""
+    poses = functions()
+    link = np.array(poses["link_poses"](q=casadi.DM.zeros(4))["link_4"])
+    tip = np.linalg.inv(link) @ np.array(poses["forward_kinematics"](q=casadi.DM.zeros(4))["tcp"])
+    tip = tip.round(15)  # turns by multiples of pi/2
+    names = ("mass", "com", "inertia", "volume", "cob", "fluid_density")
+    shapes = ((1, 1), (3, 1), (3, 3), (1, 1), (3, 1), (1, 1))
+    given = [casadi.SX.sym(name, *shape) for name, shape in zip(names, shapes, strict=True)]
+    p = added = casadi.SX.sym("parameters", len(BASE_PARAMETERS))
+    nothing = np.zeros((2, 4, 4))
+    for which, matrix in enumerate(moments(*given, stack=casadi.vertcat)):
+        for row, column in zip(*np.triu_indices(4), strict=True):
+            unit = nothing.copy()
+            unit[which, row, column] = unit[which, column, row] = 1.0
+            share = regrouped([nothing] * 4 + [tip @ unit @ tip.T], np.zeros(3))
+            added = added + casadi.DM(share.round(15)) * matrix[int(row), int(column)]
+    return casadi.Function(
+        "with_payload", [p, *given], [added], ["parameters", *names], ["parameters_with_payload"]
+    )

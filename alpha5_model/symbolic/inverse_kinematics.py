@@ -1,4 +1,4 @@
-"""Inverse kinematics of a position as real numbers only: angles, and margins that say what they are.
+"""Inverse kinematics of a position, four branches with their edges, as one function for every language.
 
 The plane of the arm faces the target, or faces away from it (`alpha5_model.kinematics.plane`). In
 it the tcp is at ``(r, h)`` from the shoulder, ``rho^2 = r^2 + h^2``, and the two links and rho are
@@ -11,99 +11,102 @@ rho^2)``, and the first link is turned from the direction of ``(r, h)`` by the a
 ``s / (rho^2 + l_1^2 - l_2^2)``, to either side. The factors keep their digits at the edge of reach,
 and theta_1 is one arctangent, measured from the middle of its range so that it needs no full turn.
 
-No margin is a truth value, so that every kind of code can be made of this: what holds is the sign.
-Where rounding could turn a sign, the clearance is not positive, and the target is one for
-`alpha5_model.kinematics.ik.one.solve_one`.
+What is at the edge of reach, at a joint limit or on the yaw axis to rounding is put there, see
+`Tolerances`. Decisions are selections, so that vectors and derivatives can have them.
 """
 
 from __future__ import annotations
 
 import math
 from functools import reduce
+from typing import Any
 
 import casadi
+from casadi import SX, fabs, fmax, fmin, if_else, logic_and, logic_or
 
-from alpha5_model.kinematics.edges import LIMIT_TOLERANCE, NEAR_AXIS, NEAR_EDGE, NEAR_LIMIT
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.plane import Tolerances, arm_plane
 
 
 def inverse_kinematics() -> casadi.Function:
-    """Four branches (`BRANCHES`), constants of the arm folded.
+    """The four branches of a target, in the order of `alpha5_model.kinematics.ik.BRANCHES`.
 
-    Inputs: ``position`` (3) [m] and ``wrist`` [rad].
+    Inputs: ``position`` (3,) [m], ``wrist`` [rad] and ``tolerances``, a `Tolerances`.
 
-    Outputs:
-        q: (4, 4), branch and joint, as in `Solutions` but a number for every branch [rad].
-        reach: (2), of the pose that faces the target and the one that faces away; it reaches where
-            this is positive: rho^2 from the nearer edge of reach [m^2].
-        limits: (4), distance from the nearest joint limit; within them where not negative [rad].
-        clearance: What of these decides is certain where this is positive [1].
+    Outputs: ``q`` (4, 4) [rad], NaN where a branch does not reach the target; ``exists`` and
+    ``within_limits`` (4,) and ``singular``, 0 or 1.
     """
     g = arm_plane()
-    position, wrist = casadi.SX.sym("position", 3), casadi.SX.sym("wrist")
+    position, wrist = SX.sym("position", 3), SX.sym("wrist")
+    allowed = SX.sym("tolerances", len(Tolerances._fields))
+    t = Tolerances._make(casadi.vertsplit(allowed))
     x, y, z = casadi.vertsplit(position)
-    radius, h = casadi.sqrt(x * x + y * y), z - g.d_0
-    ranges = [((upper - lower) / 2, middle) for lower, upper, middle in g.limits[:3]]
-    theta_3, wrist_margin = _wrist(wrist)
+    distance, h = casadi.sqrt(x * x + y * y), z - g.d_0
+    singular = free = distance <= t.axis
+    radius = if_else(free, 0.0, distance)
+    azimuth = casadi.atan2(y, x)
+    # The azimuth of a point at distance R is known to rounding / R.
+    azimuth_slack = t.limit + t.azimuth / fmax(distance, t.axis)
+    turns = casadi.floor((wrist - g.middle[3]) * (1 / math.tau) + 0.5)
+    theta_3, _, wrist_fits = _in_range(wrist - turns * math.tau, 3, t.limit)
 
-    azimuth = casadi.atan2(y, x) - g.azimuth_offset
-    theta_0 = [_wrapped(azimuth + half_turn, g.middle[0]) for half_turn in (0.0, math.pi)]
-    reach, nearest, q, limits = [], [], {}, {}
-    for pair, r in enumerate((radius - g.a_0, -radius - g.a_0)):
+    branches: dict[int, tuple[SX, ...]] = {}
+    for pair, (r, half_turn) in enumerate(((radius - g.a_0, 0.0), (-radius - g.a_0, math.pi))):
+        theta_0 = _shifted(azimuth, half_turn - g.azimuth_offset, -math.pi, math.pi, 0)
+        theta_0, _, fits_0 = _in_range(theta_0, 0, azimuth_slack)
+        theta_0, fits_0 = if_else(free, g.middle[0], theta_0), logic_or(free, fits_0)
         rho_2 = r * r + h * h
         above, below = g.squares[0] - rho_2, rho_2 - g.squares[1]
-        reach.append(casadi.fmin(above, below))
-        s = casadi.sqrt(casadi.fmax(above * below, 0))
+        # Distance from the edge of reach over that of rho^2: d(rho^2) = 2 rho d(rho).
+        margin = fmin(above * (0.5 / g.longest), below * (0.5 / g.shortest))
+        reached = -t.edge < margin
+        singular = logic_or(singular, logic_and(reached, margin <= t.singular))
+        # 1 where no root is taken, so that derivatives of the other branches stay finite.
+        s = casadi.sqrt(if_else(reached, fmax(above, 0.0) * fmax(below, 0.0), 1.0))
         c = rho_2 + (g.l_1**2 - g.l_2**2)
         gamma = casadi.atan2(s, g.l_1**2 + g.l_2**2 - rho_2)
         ahead_h, ahead_r = _turned(r, h, g.phi_offset + g.middle[1])
-        theta_2 = gamma - g.gamma_offset, _wrapped(-gamma - g.gamma_offset, g.middle[2])
-        for branch, side, bend in ((pair, s, theta_2[0]), (pair + 2, -s, theta_2[1])):
+        # Close to the stretched arm rounding of rho^2 moves the two angles against each other by
+        # rounding / sin(gamma).
+        sine = casadi.sqrt(fabs(above) * (1 / (g.l_1 * g.l_2)))
+        slack = t.limit + t.elbow / fmax(sine, t.least_sine)
+        for branch, sign in ((pair, 1.0), (pair + 2, -1.0)):
+            side, (low, high) = sign * s, sorted((0.0, sign * math.pi))
             off = casadi.atan2(ahead_h * c - ahead_r * side, ahead_r * c + ahead_h * side)
-            theta = theta_0[pair], g.middle[1] + off, bend
-            margin = reduce(
-                casadi.fmin,
-                (half - casadi.fabs(t - m) for t, (half, m) in zip(theta, ranges, strict=True)),
-            )
-            nearest.append(casadi.fabs(margin))
-            limits[branch] = casadi.fmin(margin, wrist_margin)
-            q[branch] = [*theta, theta_3]
-    edge = casadi.fmin(*map(casadi.fabs, reach)) * (1 / NEAR_EDGE)
-    limit = reduce(casadi.fmin, nearest) * (1 / NEAR_LIMIT)
-    clearance = reduce(casadi.fmin, (radius * (1 / NEAR_AXIS), edge, limit)) - 1
+            theta_1, slid, fits_1 = _in_range(g.middle[1] + off, 1, slack)
+            theta_2 = _shifted(sign * gamma, -g.gamma_offset, low, high, 2)
+            # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
+            theta_2, _, fits_2 = _in_range(theta_2 - g.longest / g.l_2 * slid, 2, t.limit)
+            fits = reduce(logic_and, (reached, fits_0, fits_1, fits_2, wrist_fits))
+            q = (if_else(reached, a, math.nan) for a in (theta_0, theta_1, theta_2, theta_3))
+            branches[branch] = casadi.horzcat(*q), reached, fits
+    columns = zip(*(branches[i] for i in range(4)), strict=True)
     return casadi.Function(
         "inverse_kinematics",
-        [position, wrist],
-        [
-            casadi.vertcat(*(casadi.horzcat(*q[branch]) for branch in range(4))),
-            casadi.vertcat(*reach),
-            casadi.vertcat(*(limits[branch] for branch in range(4))),
-            clearance,
-        ],
-        ["position", "wrist"],
-        ["q", "reach", "limits", "clearance"],
+        [position, wrist, allowed],
+        [*(casadi.vertcat(*column) for column in columns), singular],
+        ["position", "wrist", "tolerances"],
+        ["q", "exists", "within_limits", "singular"],
     )
 
 
-def _turned(x: casadi.SX, y: casadi.SX, angle: float) -> tuple[casadi.SX, casadi.SX]:
+def _turned(x: SX, y: SX, angle: float) -> tuple[SX, SX]:
     """y and x of a vector turned back by a constant angle."""
     cos, sin = math.cos(angle), math.sin(angle)
     return cos * y - sin * x, cos * x + sin * y
 
 
-def _wrapped(angle: casadi.SX, middle: float) -> casadi.SX:
-    """The angle less full turns, within half a turn of a middle."""
-    return angle - math.tau * casadi.floor((angle - middle) * (1 / math.tau) + 0.5)
+def _shifted(angle: SX, offset: float, low: float, high: float, joint: int) -> SX:
+    """Of an angle from low to high and an offset, the 2 pi shift nearest to the middle of a joint's range."""
+    end = arm_plane().middle[joint] + math.pi
+    offset += math.tau * math.floor((end - low - offset) / math.tau)
+    shifted = angle + offset
+    return shifted if high + offset <= end else shifted - if_else(end < shifted, math.tau, 0.0)
 
 
-def _wrist(wrist: casadi.SX) -> tuple[casadi.SX, casadi.SX]:
-    """theta_3 in its range, put on a limit that it passes by rounding, and its margin."""
-    lower, upper, middle = arm_plane().limits[3]
-    angle = _wrapped(wrist, middle)
-    beyond = angle - casadi.fmin(casadi.fmax(angle, lower), upper)
-    # 1 up to the tolerance, 0 beyond it.
-    rounding = casadi.fmin(
-        casadi.floor(LIMIT_TOLERANCE / casadi.fmax(casadi.fabs(beyond), LIMIT_TOLERANCE / 2)), 1
-    )
-    theta_3 = angle - rounding * beyond
-    return theta_3, casadi.fmin(theta_3 - lower, upper - theta_3)
+def _in_range(angle: SX, joint: int, slack: Any) -> tuple[SX, SX, SX]:
+    """The angle, on a limit that it passes by less than a slack; what it passed it by; whether it is in range."""
+    lower, upper, _ = arm_plane().limits[joint]
+    limit = fmin(fmax(angle, lower), upper)
+    beyond = angle - limit
+    fits = fabs(beyond) < slack
+    return if_else(fits, limit, angle), if_else(fits, beyond, 0.0), fits

@@ -19,8 +19,9 @@ from alpha5_model.errors import InputError
 #: Operations of two arguments, of one, and those that are neither.
 BINARY = ("add", "sub", "mul", "div", "atan2", "fmin", "fmax")
 UNARY = ("neg", "twice", "sq", "sqrt", "inv", "sin", "cos", "atan", "fabs", "floor")
-#: Operations on truth values, 0 or 1; functions for vectors of states do without.
-DECISIONS = ("lt", "le", "and", "or", "not", "if_else_zero")
+#: Operations that make truth values, 0 or 1, and what else decides; two ``if_else_zero`` become an ``if_else``.
+TRUTHS = ("lt", "le", "and", "or", "not")
+DECISIONS = (*TRUTHS, "if_else_zero")
 _OTHERS = ("const", "input", "output", "assign")
 _NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *DECISIONS, *_OTHERS)}
 _COMMUTATIVE = ("add", "mul")
@@ -143,7 +144,22 @@ def program(function: casadi.Function) -> Program:
         step = steps.setdefault((op, same, str(value)), Step(op, len(steps), arguments, value))
         if op != "output":
             register[written[0]] = step.result
-    return Program(function.name(), inputs, outputs, _paired(steps.values()))
+    return Program(function.name(), inputs, outputs, _paired(_selecting([*steps.values()])))
+
+
+def _selecting(steps: list[Step]) -> list[Step]:
+    """One step for ``(c ? x : 0) + (!c ? y : 0)``, and without what is then read no more."""
+    for i, step in enumerate(steps):
+        parts = [steps[r] for r in step.arguments] if step.op == "add" else []
+        if [part.op for part in parts] == ["if_else_zero"] * 2:
+            for yes, no in (parts, parts[::-1]):
+                opposite = steps[no.arguments[0]]
+                if opposite.op == "not" and opposite.arguments == yes.arguments[:1]:
+                    steps[i] = Step("if_else", i, (*yes.arguments, no.arguments[1]))
+    used = {i for i, step in enumerate(steps) if step.op == "output"}
+    for step in reversed(steps):
+        used |= {*step.read} if step.result in used else set()
+    return [step for i, step in enumerate(steps) if i in used]
 
 
 def _paired(steps: Iterable[Step]) -> tuple[Step, ...]:

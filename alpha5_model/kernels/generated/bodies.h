@@ -14067,200 +14067,265 @@ KERNEL(inverse_kinematics)
 {
     INTEGER rare = BITS(SPLAT(0.0));
     (void)k;
-    const V r0 = LOAD(1);
-    const V r1 = LOAD(0);
-    const V r27 = LOAD(2);
-    const V r125 = LOAD(3);
-    const V r2 = ATAN2(r0, r1);
-    const V r4 = r2 - 3.141592653589793;
-    const V r8 = r4 - 3.080225;
-    const V r9 = 0.15915494309189535 * r8;
-    const V r11 = r9 + 0.5;
-    const V r12 = FLOOR(r11);
-    const V r13 = 6.283185307179586 * r12;
-    const V r14 = r4 - r13;
-    const V r16 = r2 - 3.080225;
-    const V r17 = 0.15915494309189535 * r16;
-    const V r18 = r17 + 0.5;
-    const V r19 = FLOOR(r18);
-    const V r20 = 6.283185307179586 * r19;
-    const V r21 = r2 - r20;
-    const V r29 = r27 - 0.0462;
-    const V r30 = 0.9178123008898539 * r29;
-    const V r32 = r1 * r1;
-    const V r33 = r0 * r0;
-    const V r34 = r32 + r33;
-    const V r35 = SQRT(r34);
-    const V r37 = r35 - 0.02;
-    const V r38 = 0.39701458453723387 * r37;
-    const V r39 = r30 - r38;
-    const V r40 = r37 * r37;
-    const V r41 = r29 * r29;
-    const V r42 = r40 + r41;
-    const V r44 = r42 + (-0.010087909999999992);
-    const V r45 = r39 * r44;
-    const V r46 = 0.9178123008898539 * r37;
-    const V r47 = 0.39701458453723387 * r29;
-    const V r48 = r46 + r47;
-    const V r50 = 0.1100998744210589 - r42;
-    const V r52 = r42 - 0.0009243055789411051;
-    const V r53 = r50 * r52;
-    const V r55 = FMAX(r53, 0.0);
-    const V r56 = SQRT(r55);
-    const V r57 = r48 * r56;
-    const V r58 = r45 - r57;
-    const V r59 = r48 * r44;
-    const V r60 = r39 * r56;
-    const V r61 = r59 + r60;
-    const V r62 = ATAN2(r58, r61);
-    const V r63 = 1.71042 + r62;
-    const V r65 = r35 + 0.02;
-    const V r66 = 0.39701458453723387 * r65;
-    const V r67 = r30 + r66;
-    const V r68 = r65 * r65;
-    const V r69 = r68 + r41;
-    const V r70 = r69 + (-0.010087909999999992);
-    const V r71 = r67 * r70;
-    const V r72 = 0.9178123008898539 * r65;
-    const V r73 = r47 - r72;
-    const V r74 = 0.1100998744210589 - r69;
-    const V r75 = r69 - 0.0009243055789411051;
-    const V r76 = r74 * r75;
-    const V r77 = FMAX(r76, 0.0);
-    const V r78 = SQRT(r77);
-    const V r79 = r73 * r78;
-    const V r80 = r71 - r79;
-    const V r81 = r73 * r70;
-    const V r82 = r67 * r78;
-    const V r83 = r81 + r82;
-    const V r84 = ATAN2(r80, r83);
-    const V r85 = 1.71042 + r84;
-    const V r87 = r45 + r57;
-    const V r88 = r59 - r60;
-    const V r89 = ATAN2(r87, r88);
-    const V r90 = 1.71042 + r89;
-    const V r92 = r71 + r79;
-    const V r93 = r81 - r82;
-    const V r94 = ATAN2(r92, r93);
-    const V r95 = 1.71042 + r94;
-    const V r98 = 0.05551209 - r42;
-    const V r99 = ATAN2(r56, r98);
-    const V r101 = r99 - 0.37929534506094487;
-    const V r103 = 0.05551209 - r69;
-    const V r104 = ATAN2(r78, r103);
-    const V r105 = r104 - 0.37929534506094487;
-    const V r107 = r99 + 0.37929534506094487;
-    const V r108 = r107 + 1.71042;
-    const V r109 = 0.15915494309189535 * r108;
-    const V r110 = 0.5 - r109;
-    const V r111 = FLOOR(r110);
-    const V r112 = 6.283185307179586 * r111;
-    const V r113 = r107 + r112;
-    const V r114 = -r113;
-    const V r116 = r104 + 0.37929534506094487;
-    const V r117 = r116 + 1.71042;
-    const V r118 = 0.15915494309189535 * r117;
-    const V r119 = 0.5 - r118;
-    const V r120 = FLOOR(r119);
-    const V r121 = 6.283185307179586 * r120;
-    const V r122 = r116 + r121;
-    const V r123 = -r122;
-    const V r127 = r125 - 3.1;
-    const V r128 = 0.15915494309189535 * r127;
-    const V r129 = r128 + 0.5;
-    const V r130 = FLOOR(r129);
-    const V r131 = 6.283185307179586 * r130;
-    const V r132 = r125 - r131;
-    const V r134 = FMAX(r132, 0.0);
-    const V r136 = FMIN(r134, 6.2);
-    const V r137 = r132 - r136;
-    const V r138 = FABS(r137);
-    const V r140 = FMAX(r138, 5e-13);
-    const V r141 = 1e-12 / r140;
-    const V r142 = FLOOR(r141);
-    const V r144 = FMIN(r142, 1.0);
-    const V r145 = r144 * r137;
-    const V r146 = r132 - r145;
-    const V r151 = FMIN(r50, r52);
-    const V r153 = FMIN(r74, r75);
-    const V r156 = r14 - 3.080225;
-    const V r157 = FABS(r156);
-    const V r158 = 3.062775 - r157;
-    const V r160 = FABS(r62);
-    const V r161 = 1.6929699999999999 - r160;
-    const V r162 = FMIN(r158, r161);
-    const V r163 = r101 - 1.71042;
-    const V r164 = FABS(r163);
-    const V r165 = 1.6929699999999999 - r164;
-    const V r166 = FMIN(r162, r165);
-    const V r167 = 6.2 - r146;
-    const V r168 = FMIN(r146, r167);
-    const V r169 = FMIN(r166, r168);
-    const V r171 = r21 - 3.080225;
-    const V r172 = FABS(r171);
-    const V r173 = 3.062775 - r172;
-    const V r174 = FABS(r84);
-    const V r175 = 1.6929699999999999 - r174;
-    const V r176 = FMIN(r173, r175);
-    const V r177 = r105 - 1.71042;
-    const V r178 = FABS(r177);
-    const V r179 = 1.6929699999999999 - r178;
-    const V r180 = FMIN(r176, r179);
-    const V r181 = FMIN(r180, r168);
-    const V r183 = FABS(r89);
-    const V r184 = 1.6929699999999999 - r183;
-    const V r185 = FMIN(r158, r184);
-    const V r186 = r113 + 1.71042;
-    const V r187 = FABS(r186);
-    const V r188 = 1.6929699999999999 - r187;
-    const V r189 = FMIN(r185, r188);
-    const V r190 = FMIN(r189, r168);
-    const V r192 = FABS(r94);
-    const V r193 = 1.6929699999999999 - r192;
-    const V r194 = FMIN(r173, r193);
-    const V r195 = r122 + 1.71042;
-    const V r196 = FABS(r195);
-    const V r197 = 1.6929699999999999 - r196;
-    const V r198 = FMIN(r194, r197);
-    const V r199 = FMIN(r198, r168);
-    const V r202 = 100000000.0 * r35;
-    const V r204 = FABS(r151);
-    const V r205 = FABS(r153);
-    const V r206 = FMIN(r204, r205);
-    const V r207 = 499999999.99999994 * r206;
-    const V r208 = FMIN(r202, r207);
-    const V r210 = FABS(r166);
-    const V r211 = FABS(r189);
-    const V r212 = FMIN(r210, r211);
-    const V r213 = FABS(r180);
-    const V r214 = FMIN(r212, r213);
-    const V r215 = FABS(r198);
-    const V r216 = FMIN(r214, r215);
-    const V r217 = 1000000.0 * r216;
-    const V r218 = FMIN(r208, r217);
-    const V r219 = r218 - 1.0;
-    STORE(0, r14)
-    STORE(1, r63)
-    STORE(2, r101)
-    STORE(3, r146)
-    STORE(4, r21)
-    STORE(5, r85)
-    STORE(6, r105)
-    STORE(7, r146)
-    STORE(8, r14)
-    STORE(9, r90)
-    STORE(10, r114)
-    STORE(11, r146)
-    STORE(12, r21)
-    STORE(13, r95)
-    STORE(14, r123)
-    STORE(15, r146)
-    STORE(16, r151)
-    STORE(17, r153)
-    STORE(18, r169)
-    STORE(19, r181)
-    STORE(20, r190)
-    STORE(21, r199)
-    STORE(22, r219)
+    const V r3 = LOAD(0);
+    const V r5 = LOAD(1);
+    const V r16 = LOAD(2);
+    const V r293 = LOAD(3);
+    const V r4 = r3 * r3;
+    const V r6 = r5 * r5;
+    const V r7 = r4 + r6;
+    const V r8 = SQRT(r7);
+    const M r10 = r8 <= 1e-09;
+    const M r11 = NOT(r10);
+    const V r12 = IF(r11, r8);
+    const V r14 = r12 - 0.02;
+    const V r15 = r14 * r14;
+    const V r18 = r16 - 0.0462;
+    const V r19 = r18 * r18;
+    const V r20 = r15 + r19;
+    const V r21 = 0.1100998744210589 - r20;
+    const V r22 = 1.5068727960594244 * r21;
+    const V r25 = r20 - 0.0009243055789411051;
+    const V r26 = 16.446073132556958 * r25;
+    const V r27 = FMIN(r22, r26);
+    const M r28 = LESS(SPLAT((-1e-10)), SPLAT(r27));
+    const V r31 = ATAN2(r5, r3);
+    const V r33 = r31 + 3.141592653589793;
+    const M r35 = LESS(SPLAT(6.2218176535897936), SPLAT(r33));
+    const V r37 = IF(r35, 6.283185307179586);
+    const V r38 = r33 - r37;
+    const V r40 = FMAX(r38, 0.01745);
+    const V r42 = FMIN(r40, 6.143);
+    const V r43 = r38 - r42;
+    const V r44 = FABS(r43);
+    const V r47 = FMAX(r8, 1e-09);
+    const V r48 = 1e-15 / r47;
+    const V r49 = 1e-12 + r48;
+    const M r50 = LESS(SPLAT(r44), SPLAT(r49));
+    const V r54 = SELECT(r50, SPLAT(r42), SPLAT(r38));
+    const V r56 = SELECT(r10, SPLAT(3.080225), SPLAT(r54));
+    const V r61 = SELECT(r28, SPLAT(r56), SPLAT(NAN));
+    const V r63 = r12 + 0.02;
+    const V r64 = r63 * r63;
+    const V r65 = r64 + r19;
+    const V r66 = 0.1100998744210589 - r65;
+    const V r67 = 1.5068727960594244 * r66;
+    const V r68 = r65 - 0.0009243055789411051;
+    const V r69 = 16.446073132556958 * r68;
+    const V r70 = FMIN(r67, r69);
+    const M r71 = LESS(SPLAT((-1e-10)), SPLAT(r70));
+    const V r72 = r31 + 6.283185307179586;
+    const M r73 = LESS(SPLAT(6.2218176535897936), SPLAT(r72));
+    const V r74 = IF(r73, 6.283185307179586);
+    const V r75 = r72 - r74;
+    const V r76 = FMAX(r75, 0.01745);
+    const V r77 = FMIN(r76, 6.143);
+    const V r78 = r75 - r77;
+    const V r79 = FABS(r78);
+    const M r80 = LESS(SPLAT(r79), SPLAT(r49));
+    const V r84 = SELECT(r80, SPLAT(r77), SPLAT(r75));
+    const V r86 = SELECT(r10, SPLAT(3.080225), SPLAT(r84));
+    const V r90 = SELECT(r71, SPLAT(r86), SPLAT(NAN));
+    const V r96 = 0.9178123008898539 * r18;
+    const V r98 = 0.39701458453723387 * r14;
+    const V r99 = r96 - r98;
+    const V r101 = r20 + (-0.010087909999999992);
+    const V r102 = r99 * r101;
+    const V r103 = 0.9178123008898539 * r14;
+    const V r104 = 0.39701458453723387 * r18;
+    const V r105 = r103 + r104;
+    const V r107 = FMAX(r21, 0.0);
+    const V r108 = FMAX(r25, 0.0);
+    const V r109 = r107 * r108;
+    const V r113 = SELECT(r28, SPLAT(r109), SPLAT(1.0));
+    const V r114 = SQRT(r113);
+    const V r115 = r105 * r114;
+    const V r116 = r102 - r115;
+    const V r117 = r105 * r101;
+    const V r118 = r99 * r114;
+    const V r119 = r117 + r118;
+    const V r120 = ATAN2(r116, r119);
+    const V r121 = 1.71042 + r120;
+    const V r122 = FMAX(r121, 0.01745);
+    const V r124 = FMIN(r122, 3.40339);
+    const V r125 = r121 - r124;
+    const V r126 = FABS(r125);
+    const V r129 = FABS(r21);
+    const V r130 = 36.638233649000036 * r129;
+    const V r131 = SQRT(r130);
+    const V r133 = FMAX(r131, 1e-07);
+    const V r134 = 1e-14 / r133;
+    const V r135 = 1e-12 + r134;
+    const M r136 = LESS(SPLAT(r126), SPLAT(r135));
+    const V r140 = SELECT(r136, SPLAT(r124), SPLAT(r121));
+    const V r142 = SELECT(r28, SPLAT(r140), SPLAT(NAN));
+    const V r144 = 0.39701458453723387 * r63;
+    const V r145 = r96 + r144;
+    const V r146 = r65 + (-0.010087909999999992);
+    const V r147 = r145 * r146;
+    const V r148 = 0.9178123008898539 * r63;
+    const V r149 = r104 - r148;
+    const V r150 = FMAX(r66, 0.0);
+    const V r151 = FMAX(r68, 0.0);
+    const V r152 = r150 * r151;
+    const V r155 = SELECT(r71, SPLAT(r152), SPLAT(1.0));
+    const V r156 = SQRT(r155);
+    const V r157 = r149 * r156;
+    const V r158 = r147 - r157;
+    const V r159 = r149 * r146;
+    const V r160 = r145 * r156;
+    const V r161 = r159 + r160;
+    const V r162 = ATAN2(r158, r161);
+    const V r163 = 1.71042 + r162;
+    const V r164 = FMAX(r163, 0.01745);
+    const V r165 = FMIN(r164, 3.40339);
+    const V r166 = r163 - r165;
+    const V r167 = FABS(r166);
+    const V r168 = FABS(r66);
+    const V r169 = 36.638233649000036 * r168;
+    const V r170 = SQRT(r169);
+    const V r171 = FMAX(r170, 1e-07);
+    const V r172 = 1e-14 / r171;
+    const V r173 = 1e-12 + r172;
+    const M r174 = LESS(SPLAT(r167), SPLAT(r173));
+    const V r178 = SELECT(r174, SPLAT(r165), SPLAT(r163));
+    const V r180 = SELECT(r71, SPLAT(r178), SPLAT(NAN));
+    const V r182 = r102 + r115;
+    const V r183 = r117 - r118;
+    const V r184 = ATAN2(r182, r183);
+    const V r185 = 1.71042 + r184;
+    const V r186 = FMAX(r185, 0.01745);
+    const V r187 = FMIN(r186, 3.40339);
+    const V r188 = r185 - r187;
+    const V r189 = FABS(r188);
+    const M r190 = LESS(SPLAT(r189), SPLAT(r135));
+    const V r194 = SELECT(r190, SPLAT(r187), SPLAT(r185));
+    const V r196 = SELECT(r28, SPLAT(r194), SPLAT(NAN));
+    const V r198 = r147 + r157;
+    const V r199 = r159 - r160;
+    const V r200 = ATAN2(r198, r199);
+    const V r201 = 1.71042 + r200;
+    const V r202 = FMAX(r201, 0.01745);
+    const V r203 = FMIN(r202, 3.40339);
+    const V r204 = r201 - r203;
+    const V r205 = FABS(r204);
+    const M r206 = LESS(SPLAT(r205), SPLAT(r173));
+    const V r210 = SELECT(r206, SPLAT(r203), SPLAT(r201));
+    const V r212 = SELECT(r71, SPLAT(r210), SPLAT(NAN));
+    const V r215 = 0.05551209 - r20;
+    const V r216 = ATAN2(r114, r215);
+    const V r218 = r216 + (-0.37929534506094487);
+    const V r220 = 1.8321308600771173 * r125;
+    const V r221 = IF(r136, r220);
+    const V r222 = r218 - r221;
+    const V r223 = FMAX(r222, 0.01745);
+    const V r224 = FMIN(r223, 3.40339);
+    const V r225 = r222 - r224;
+    const V r226 = FABS(r225);
+    const M r227 = LESS(SPLAT(r226), SPLAT(1e-12));
+    const V r231 = SELECT(r227, SPLAT(r224), SPLAT(r222));
+    const V r233 = SELECT(r28, SPLAT(r231), SPLAT(NAN));
+    const V r235 = 0.05551209 - r65;
+    const V r236 = ATAN2(r156, r235);
+    const V r237 = r236 + (-0.37929534506094487);
+    const V r238 = 1.8321308600771173 * r166;
+    const V r239 = IF(r174, r238);
+    const V r240 = r237 - r239;
+    const V r241 = FMAX(r240, 0.01745);
+    const V r242 = FMIN(r241, 3.40339);
+    const V r243 = r240 - r242;
+    const V r244 = FABS(r243);
+    const M r245 = LESS(SPLAT(r244), SPLAT(1e-12));
+    const V r249 = SELECT(r245, SPLAT(r242), SPLAT(r240));
+    const V r251 = SELECT(r71, SPLAT(r249), SPLAT(NAN));
+    const V r254 = 5.903889962118641 - r216;
+    const M r256 = LESS(SPLAT(4.852012653589793), SPLAT(r254));
+    const V r257 = IF(r256, 6.283185307179586);
+    const V r258 = r254 - r257;
+    const V r259 = 1.8321308600771173 * r188;
+    const V r260 = IF(r190, r259);
+    const V r261 = r258 - r260;
+    const V r262 = FMAX(r261, 0.01745);
+    const V r263 = FMIN(r262, 3.40339);
+    const V r264 = r261 - r263;
+    const V r265 = FABS(r264);
+    const M r266 = LESS(SPLAT(r265), SPLAT(1e-12));
+    const V r270 = SELECT(r266, SPLAT(r263), SPLAT(r261));
+    const V r272 = SELECT(r28, SPLAT(r270), SPLAT(NAN));
+    const V r274 = 5.903889962118641 - r236;
+    const M r275 = LESS(SPLAT(4.852012653589793), SPLAT(r274));
+    const V r276 = IF(r275, 6.283185307179586);
+    const V r277 = r274 - r276;
+    const V r278 = 1.8321308600771173 * r204;
+    const V r279 = IF(r206, r278);
+    const V r280 = r277 - r279;
+    const V r281 = FMAX(r280, 0.01745);
+    const V r282 = FMIN(r281, 3.40339);
+    const V r283 = r280 - r282;
+    const V r284 = FABS(r283);
+    const M r285 = LESS(SPLAT(r284), SPLAT(1e-12));
+    const V r289 = SELECT(r285, SPLAT(r282), SPLAT(r280));
+    const V r291 = SELECT(r71, SPLAT(r289), SPLAT(NAN));
+    const V r296 = r293 - 3.1;
+    const V r297 = 0.15915494309189535 * r296;
+    const V r299 = r297 + 0.5;
+    const V r300 = FLOOR(r299);
+    const V r301 = 6.283185307179586 * r300;
+    const V r302 = r293 - r301;
+    const V r303 = FMAX(r302, 0.0);
+    const V r305 = FMIN(r303, 6.2);
+    const V r306 = r302 - r305;
+    const V r307 = FABS(r306);
+    const M r308 = LESS(SPLAT(r307), SPLAT(1e-12));
+    const V r312 = SELECT(r308, SPLAT(r305), SPLAT(r302));
+    const V r314 = SELECT(r28, SPLAT(r312), SPLAT(NAN));
+    const V r317 = SELECT(r71, SPLAT(r312), SPLAT(NAN));
+    const M r325 = r10 | r50;
+    const M r326 = r28 & r325;
+    const M r327 = r326 & r136;
+    const M r328 = r327 & r227;
+    const M r329 = r328 & r308;
+    const M r331 = r10 | r80;
+    const M r332 = r71 & r331;
+    const M r333 = r332 & r174;
+    const M r334 = r333 & r245;
+    const M r335 = r334 & r308;
+    const M r337 = r326 & r190;
+    const M r338 = r337 & r266;
+    const M r339 = r338 & r308;
+    const M r341 = r332 & r206;
+    const M r342 = r341 & r285;
+    const M r343 = r342 & r308;
+    const M r345 = r27 <= 1e-09;
+    const M r346 = r28 & r345;
+    const M r347 = r10 | r346;
+    const M r348 = r70 <= 1e-09;
+    const M r349 = r71 & r348;
+    const M r350 = r347 | r349;
+    STORE(0, r61)
+    STORE(1, r142)
+    STORE(2, r233)
+    STORE(3, r314)
+    STORE(4, r90)
+    STORE(5, r180)
+    STORE(6, r251)
+    STORE(7, r317)
+    STORE(8, r61)
+    STORE(9, r196)
+    STORE(10, r272)
+    STORE(11, r314)
+    STORE(12, r90)
+    STORE(13, r212)
+    STORE(14, r291)
+    STORE(15, r317)
+    STORE(16, IF(r28, 1.0))
+    STORE(17, IF(r71, 1.0))
+    STORE(18, IF(r28, 1.0))
+    STORE(19, IF(r71, 1.0))
+    STORE(20, IF(r329, 1.0))
+    STORE(21, IF(r335, 1.0))
+    STORE(22, IF(r339, 1.0))
+    STORE(23, IF(r343, 1.0))
+    STORE(24, IF(r350, 1.0))
     return ORDINARY(rare);
 }

@@ -10,9 +10,8 @@ written here with half angles, which lose no digits at the edge of reach:
     phi = atan2(z - d_0, +-R - a_0) -+ alpha
     alpha = pi/2 - atan(t) + atan(k / t),     k = (l_2 - l_1) / (l_2 + l_1)     (law of tangents)
 
-The kernel, made from `alpha5_model.symbolic.inverse_kinematics`, solves targets away from every
-edge: of the yaw axis, of reach, of a joint's range. Those near one go to
-`alpha5_model.kinematics.ik.one`, which has the edges.
+The kernels, made from `alpha5_model.symbolic.inverse_kinematics`, compute the same with fewer
+arctangents, at every edge, too: of the yaw axis, of reach, of a joint's range.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -30,9 +29,8 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kernels import module
-from alpha5_model.kinematics.edges import LIMIT_TOLERANCE, on_axis
 from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.plane import LIMIT_TOLERANCE, arm_plane, on_axis
 from alpha5_model.parameters import parameters
 
 #: The plane faces the target (underarm) or faces away (overarm); flipped is the other elbow.
@@ -102,7 +100,7 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
 
 
 def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
-    """What the kernel of one target does not take: other types and shapes, edges, errors."""
+    """What the kernel of one target does not take: other types and shapes, errors."""
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
     try:

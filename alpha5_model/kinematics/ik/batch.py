@@ -1,12 +1,14 @@
-"""Inverse kinematics of many targets: the kernel's answers, and the edges one by one."""
+"""Inverse kinematics of many targets, block by block."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from alpha5_model.checks import BoolArray, FloatArray
+from alpha5_model.checks import LARGEST, BoolArray, FloatArray
 from alpha5_model.kernels import module
-from alpha5_model.kinematics.ik.one import solve_one
+
+#: Targets in a block: what the kernel writes of them stays in the cache.
+BLOCK = 8192
 
 
 def solve_batch(
@@ -17,27 +19,30 @@ def solve_batch(
     Args:
         position: (..., 3) [m].
         wrist: Broadcasts to (...) [rad].
-        angles: False leaves q empty, (0, 4, 4).
+        angles: False leaves q to scratch, not to be relied on.
 
     Returns:
         q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
         `alpha5_model.kinematics.ik.Solutions`.
     """
-    lead = position.shape[:-1]
+    lead, run = position.shape[:-1], module().batch
     target = np.ascontiguousarray(position.reshape(-1, 3))
-    rows = len(target)
-    theta_3 = np.ascontiguousarray(np.broadcast_to(wrist, lead if wrist.ndim else ()).reshape(-1))
-    q = np.empty((rows if angles else 0, 4, 4))
-    exists, within = np.empty((rows, 4), np.bool_), np.empty((rows, 4), np.bool_)
-    singular = np.empty(rows, np.bool_)  # near an edge, until `solve_one` knows
-    module().inverse_kinematics_rows(target, theta_3, q, exists, within, singular)
-    for row in np.flatnonzero(singular).tolist():
-        (x, y, z), wanted = target[row].tolist(), float(theta_3[row if wrist.ndim else 0])
-        numbers, reached, fits, singular[row] = solve_one(x, y, z, wanted)
-        exists[row] = [reached >> branch & 1 for branch in range(4)]
-        within[row] = [fits >> branch & 1 for branch in range(4)]
-        if angles:
-            q[row].flat = numbers
+    theta_3 = np.broadcast_to(wrist, lead if wrist.ndim else ()).reshape(-1)
+    n, block = len(target), min(len(target), BLOCK) or 1
+    q = np.empty((n if angles else block, 4, 4))
+    flags = [np.empty((n, size), np.bool_) for size in (4, 4, 1)]
+    for start in range(0, n, block):
+        rows = target[start : start + block]
+        turn = np.broadcast_to(theta_3[start : start + block] if wrist.ndim else wrist, len(rows))
+        given = rows, np.ascontiguousarray(turn)
+        numbers = [np.empty((len(rows), flag.shape[1])) for flag in flags]
+        out = q[start : start + block] if angles else q[: len(rows)], *numbers
+        if not run("inverse_kinematics", np.empty(0), *given, *out):
+            near = (x.clip(-LARGEST, LARGEST) for x in given)  # as far out of reach
+            run("inverse_kinematics", np.empty(0), *near, *out)
+        for flag, number in zip(flags, numbers, strict=True):
+            np.not_equal(number, 0.0, out=flag[start : start + block])
+    exists, within, singular = flags
     return (
         q.reshape(*lead, 4, 4) if angles else q,
         exists.reshape(*lead, 4),

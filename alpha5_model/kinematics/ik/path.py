@@ -25,9 +25,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, real
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
-from alpha5_model.kinematics.edges import on_axis
 from alpha5_model.kinematics.ik import Solutions, inverse_kinematics, require_solution
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane, on_axis
 
 #: Largest step of a joint from one point to the next that counts as continuous [rad].
 MAX_STEP = 0.5

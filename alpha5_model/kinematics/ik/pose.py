@@ -20,9 +20,8 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array, is_rigid
 from alpha5_model.dh import DHChain
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.edges import on_axis
 from alpha5_model.kinematics.ik import inverse_kinematics, nearest, require_solution
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.plane import arm_plane, on_axis
 from alpha5_model.spatial import cross_matrix, wrap
 
 #: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the position

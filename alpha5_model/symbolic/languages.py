@@ -1,4 +1,4 @@
-"""A program as statements that compute one number at a time: C99, its vectors, JavaScript.
+"""A program as statements of a language: C99 and its vectors, JavaScript, Python for arrays and for numbers.
 
 A language says how it writes what it does not write as C does; the rest is the same in all.
 """
@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from alpha5_model.symbolic.program import Program, Slot
+from alpha5_model.symbolic.program import TRUTHS, Program, Slot
 
 _OPERATORS = {
     "add": "{0} + {1}",
@@ -25,9 +25,9 @@ _OPERATORS = {
     "and": "{0} && {1}",
     "or": "{0} || {1}",
     "not": "!{0}",
+    "if_else": "{0} ? {1} : {2}",
     "if_else_zero": "{0} ? {1} : 0",
 }
-_TRUTHS = ("lt", "le", "and", "or", "not")
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,8 @@ class Language:
         operators: Operations that it does not write as C does.
         nan: Not a number.
         suffix: Behind a constant.
+        flag: A truth value that goes out.
+        reuses: Names are given again, so that memory is; others are written once.
     """
 
     number: str
@@ -48,6 +50,8 @@ class Language:
     operators: Mapping[str, str] = field(default_factory=dict)
     nan: str = "NAN"
     suffix: str = ""
+    flag: str = "{}"
+    reuses: bool = False
 
     def constant(self, value: float) -> str:
         """A number."""
@@ -64,11 +68,60 @@ class Language:
         return f"{self.function(op)}({', '.join(given)})"
 
 
-_SHORT = {"fmin": "min", "fmax": "max", "fabs": "abs"}
 DOUBLE = Language("const double {} = {};", "const int {} = {};")
 FLOAT = Language("const float {} = {};", "const int {} = {};", "{}f".format, suffix="f")
+VECTOR = Language(
+    "const V {} = {};",
+    "const M {} = {};",
+    str.upper,
+    {
+        "inv": "1.0 / {0}",
+        "lt": "LESS(SPLAT({0}), SPLAT({1}))",
+        "and": "{0} & {1}",
+        "or": "{0} | {1}",
+        "not": "NOT({0})",
+        "if_else": "SELECT({0}, SPLAT({1}), SPLAT({2}))",
+        "if_else_zero": "IF({0}, {1})",
+    },
+    flag="IF({}, 1.0)",
+)
+_SHORT = {"fmin": "min", "fmax": "max", "fabs": "abs"}
 JAVASCRIPT = Language(
     "const {} = {};", "const {} = {};", lambda f: f"Math.{_SHORT.get(f, f)}", nan="NaN"
+)
+_LONG = {"atan": "arctan", "atan2": "arctan2"}
+#: Of arrays; ``m`` is NumPy, or a library with its names.
+ARRAYS = Language(
+    "{} = {}",
+    "{} = {}",
+    lambda f: f"m.{_LONG.get(f, f)}",
+    {
+        "fabs": "abs({0})",  # NumPy's fabs takes four times as long
+        "and": "{0} & {1}",
+        "or": "{0} | {1}",
+        "not": "m.logical_not({0})",
+        "if_else": "m.where({0}, {1}, {2})",
+        "if_else_zero": "m.where({0}, {1}, 0.0)",
+    },
+    "m.nan",
+    reuses=True,
+)
+#: Of Python's numbers; ``m`` is its math.
+NUMBERS = Language(
+    "{} = {}",
+    "{} = {}",
+    "m.{}".format,
+    {
+        "fabs": "abs({0})",
+        "fmin": "{0} if {0} < {1} else {1}",
+        "fmax": "{1} if {0} < {1} else {0}",
+        "and": "{0} and {1}",
+        "or": "{0} or {1}",
+        "not": "not {0}",
+        "if_else": "{1} if {0} else {2}",
+        "if_else_zero": "{1} if {0} else 0.0",
+    },
+    "m.nan",
 )
 
 
@@ -84,28 +137,34 @@ def statements(
         language: How to write it.
         element: Text of an element of an input.
     """
+    steps = sorted(program.steps, key=lambda step: step.op != "input")
+    last = {r: i for i, step in enumerate(steps) for r in step.read}
+    last |= {r: len(steps) for step in steps if step.op == "output" for r in step.read}
     names: dict[int, str] = {}
-    read: list[str] = []
-    computed: list[str] = []
+    flags: set[int] = set()
+    free: list[str] = []
+    lines: list[str] = []
     results = [[""] * slot.size for slot in program.outputs]
-    for op, register, arguments, value in program.steps:
-        name = f"r{register}"
+    for i, step in enumerate(steps):
+        op, register, arguments, value = step
         if op == "output":
             slot, index, source = arguments
-            results[slot][index] = names[source]
+            text = language.flag if source in flags else "{}"
+            results[slot][index] = text.format(names[source])
             continue
         if op == "const":
             names[register] = language.constant(float(value or 0.0))
             continue
-        names[register] = name
         if op == "input":
-            slot, index = arguments
-            read.append(language.number.format(name, element(program.inputs[slot], index)))
-            continue
-        text = language.expression(op, [names[argument] for argument in arguments])
-        statement = language.truth if op in _TRUTHS else language.number
-        computed.append(statement.format(name, text))
-    return read + computed, results
+            text = element(program.inputs[arguments[0]], arguments[1])
+        else:
+            text = language.expression(op, [names[r] for r in arguments])
+        done = (names[r] for r in {*step.read} if last[r] == i)
+        free += [name for name in done if language.reuses and name.startswith("r")]
+        names[register] = name = free.pop() if free else f"r{register}"
+        flags |= {register} if op in TRUTHS else set()
+        lines.append((language.truth if op in TRUTHS else language.number).format(name, text))
+    return lines, results
 
 
 def element(slot: Slot, index: int) -> str:
