@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import inspect
 import os
+import pickle
+import re
 import subprocess
 import sys
+import weakref
 from functools import cache
 from importlib import import_module
 from itertools import product
@@ -358,6 +362,43 @@ def test_an_arm_on_kernels_stays_one() -> None:
         UnknownNameError, match="unknown backend 'numpy'; choose from pinocchio, kernels"
     ):
         a5.load(backend="numpy")
+
+
+def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
+    ours, theirs = a5.load(backend="kernels"), a5.load()
+    state = dict(zip(("q", "v", "a"), np.random.default_rng(2).normal(size=(3, 4)), strict=True))
+    for name in ONE:
+        one, other = getattr(ours, name), getattr(theirs, name)
+        assert inspect.signature(one) == inspect.signature(other)
+        assert (one.__doc__, one.__name__) == (
+            other.__doc__,
+            other.__name__,
+        ) or name == "base_wrench"
+        given = dict(
+            zip(
+                list(inspect.signature(one).parameters)[: inputs(name)],
+                state.values(),
+                strict=False,
+            )
+        )
+        plain = flat(one(*given.values()))
+        assert np.array_equal(flat(one(**given)), plain)
+        first, *rest = given
+        assert np.array_equal(flat(one(given[first], **{key: given[key] for key in rest})), plain)
+        assert np.array_equal(flat(pickle.loads(pickle.dumps(one))(*given.values())), plain)
+        for wrong, named in (((), {}), ((), given | {"other": 1}), ((*given.values(),) * 4, {})):
+            with pytest.raises(TypeError) as expected:
+                other(*wrong, **named)
+            with pytest.raises(TypeError, match=re.escape(str(expected.value).partition(".")[2])):
+                one(*wrong, **named)
+
+
+def test_an_arm_on_kernels_is_freed_at_once() -> None:
+    arm = a5.load(backend="kernels")
+    method, gone = arm.inverse_dynamics, weakref.ref(arm)
+    del arm
+    assert gone() is None
+    assert np.array_equal(method(*np.ones((3, 4))), method(*np.ones((3, 4)).tolist()))
 
 
 def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:

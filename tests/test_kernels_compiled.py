@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import importlib.util
+import inspect
 import multiprocessing
 import os
+import pickle
+import pydoc
+import re
+import sys
 import threading
+import weakref
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +71,8 @@ def test_every_width_gives_the_same_bits_as_single_calls(name, scale, any_width)
     single = by_bind(name, parameters, inputs)
     for width in WIDTHS:
         any_width(width)
+        for got, want in zip(by_bind(name, parameters, inputs), single, strict=True):
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
         for got, want in zip(by_batch(name, parameters, inputs, outputs), single, strict=True):
             assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
 
@@ -202,7 +213,7 @@ def test_a_batch_of_unfit_arrays_is_refused():
     for name in (None, 3, b"inverse_dynamics"):
         with pytest.raises(TypeError):
             compiled.bind(name, parameters)
-    for arguments in ((), ("inverse_dynamics", parameters, 1)):
+    for arguments in ((), ("inverse_dynamics", parameters, None, 1)):
         with pytest.raises(TypeError):
             compiled.bind(*arguments)
 
@@ -255,3 +266,99 @@ def test_the_module_was_compiled_of_these_sources():
     build = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(build)
     assert build.digest() == compiled.SOURCES, "compile again: python hatch_build.py"
+
+
+class Weigher:
+    """Its method is what a kernel falls back to."""
+
+    def weigh(self, q: object, v: object = None, *, more: float = 0.0) -> tuple:
+        """Says what it was given."""
+        if v == "error":
+            raise ZeroDivisionError
+        return q, v, more
+
+
+def bound(fallback: object) -> tuple:
+    parameters, (q,), _ = case(PROGRAMS["hydrostatic_torque"], rows=1)
+    return compiled.bind("hydrostatic_torque", parameters, fallback), q[0], parameters
+
+
+def test_a_fallback_answers_what_the_kernel_does_not_take():
+    weigh = Weigher().weigh
+    function, q, parameters = bound(weigh)
+    alone = compiled.bind("hydrostatic_torque", parameters)
+    assert np.array_equal(function(q), alone(q))
+    assert np.array_equal(function(*(q,), **{}), alone(q))
+    assert function([1.0]) == ([1.0], None, 0.0)
+    assert function(q=q)[0] is q
+    assert function(q, 3) == (q, 3, 0.0)
+    assert function(q, more=2.0)[2] == 2.0
+    assert type(function).__call__(function, "given")[0] == "given"
+    assert alone([1.0]) is alone(q=q) is alone() is None
+    with pytest.raises(ZeroDivisionError):
+        function(q, "error")
+    for arguments, named in (((), {}), ((q, q, q), {}), ((q,), {"other": 1})):
+        with pytest.raises(TypeError) as caught:
+            function(*arguments, **named)
+        with pytest.raises(TypeError, match=re.escape(str(caught.value))):
+            weigh(*arguments, **named)
+
+
+def test_a_bound_kernel_looks_like_its_fallback():
+    weigh = Weigher().weigh
+    function, _, _ = bound(weigh)
+    assert function.__doc__ == weigh.__doc__
+    assert inspect.signature(function) == inspect.signature(weigh)
+    assert "weigh(q: 'object', v: 'object' = None" in pydoc.plaintext.document(function)
+    assert function.__self__ is weigh.__self__
+    assert pickle.loads(pickle.dumps(function))([1]) == ([1], None, 0.0)
+    with pytest.raises(AttributeError, match="other"):
+        function.other  # noqa: B018
+    with pytest.raises(AttributeError):
+        function.name = 1
+    for make in (type(function), partial(object.__new__, type(function))):
+        with pytest.raises(TypeError):
+            make()
+
+
+def test_references_are_given_back():
+    weigh = Weigher().weigh
+    function, q, parameters = bound(weigh)
+    given = [1.0]
+    named = {"more": given}
+
+    def every():
+        function(q)
+        function(given)
+        function(given, **named)
+        function.__doc__  # noqa: B018
+        bound(weigh)
+        with contextlib.suppress(ValueError):
+            compiled.bind("hydrostatic_torque", None, weigh)
+        with contextlib.suppress(ZeroDivisionError):
+            function(q, "error")
+
+    every()
+    gc.collect()
+    counted = (q, parameters, weigh, given, named, function, type(function), weigh.__self__)
+    before = [*map(sys.getrefcount, counted)]
+    for _ in range(100):
+        every()
+    gc.collect()
+    assert [*map(sys.getrefcount, counted)] == before
+
+
+def test_a_circle_through_a_bound_kernel_is_collected():
+    owner = Weigher()
+    owner.weigh, _, _ = bound(owner.weigh)
+    gone = weakref.ref(owner)
+    del owner
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_bound_kernel_outlives_who_made_it():
+    function, q, _ = bound(Weigher().weigh)
+    gc.collect()
+    assert function([2.0]) == ([2.0], None, 0.0)
+    assert function(q).shape == (4,)

@@ -1,12 +1,13 @@
 /* The generated kernels for Python: `bind` makes a function of one state, `batch` runs over rows.
 
    Nothing here raises for a caller's numbers: what is not plainly a float64 array of the right shape
-   with finite entries of at most LARGEST gets None or False, and Python says why. There is no state
-   but the width, which is chosen once, when the module is loaded. */
+   with finite entries of at most LARGEST is left to a fallback, or gets None or False, and Python says
+   why. There is no state but the width, which is chosen once, when the module is loaded. */
 
 #define Py_LIMITED_API 0x030B0000
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
+#include <structmember.h>
 #define NPY_NO_DEPRECATED_API NPY_1_7_API_VERSION
 #include <numpy/arrayobject.h>
 
@@ -44,34 +45,34 @@ static const Kernel *prepared(PyObject *name, PyObject *parameters, double *k)
     return NULL;
 }
 
+/* What `bind` returns: called with plain states it computes; in all else it is its fallback. */
+typedef PyObject *(*Call)(PyObject *, PyObject *const *, size_t, PyObject *);
 typedef struct {
+    PyObject_HEAD
+    Call call;
+    PyObject *fallback; /* NULL: None is the answer */
     const Kernel *kernel;
     double k[MOST_CONSTANTS];
 } Bound;
 
-static PyObject *call(PyObject *self, PyObject *const *arguments, Py_ssize_t count)
+static PyTypeObject *bound_type;
+
+/* New arrays of the outputs. NULL, without an error, where an argument is not plainly a state. */
+static PyObject *computed(const Bound *bound, PyObject *const *given)
 {
-    const Bound *bound = PyCapsule_GetPointer(self, NULL);
     const Kernel *kernel = bound->kernel;
     const double *in[MOST_SLOTS];
-    double y[MOST_OUTPUTS], number[MOST_SLOTS], *end = y;
-    if (count != kernel->inputs)
-        Py_RETURN_NONE;
+    double y[MOST_OUTPUTS], *end = y;
     for (int i = 0; i < kernel->inputs; i++) {
         const Slot *slot = &kernel->slots[i];
-        PyArrayObject *array = (PyArrayObject *)arguments[i];
-        if (slot->size == 1 && PyFloat_CheckExact(arguments[i])) {
-            number[i] = PyFloat_AsDouble(arguments[i]);
-            in[i] = &number[i];
-            continue;
-        }
-        if (!plain(arguments[i], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(array) != slot->axes
-            || memcmp(PyArray_DIMS(array), slot->shape, slot->axes * sizeof(npy_intp)) != 0)
-            Py_RETURN_NONE;
+        PyArrayObject *array = (PyArrayObject *)given[i];
+        if (!plain(given[i], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(array) != slot->axes
+            || PyArray_DIM(array, 0) != slot->shape[0])
+            return NULL;
         in[i] = PyArray_DATA(array);
     }
     if (!row(kernel, bound->k, in, y))
-        Py_RETURN_NONE;
+        return NULL;
     PyObject *result = kernel->outputs == 1 ? NULL : PyTuple_New(kernel->outputs);
     for (int i = 0; i < kernel->outputs; i++) {
         const Slot *slot = &kernel->slots[kernel->inputs + i];
@@ -90,28 +91,89 @@ static PyObject *call(PyObject *self, PyObject *const *arguments, Py_ssize_t cou
     return result;
 }
 
-static PyMethodDef call_method = {"kernel", (PyCFunction)(void (*)(void))call, METH_FASTCALL,
-                                  "New arrays of the outputs, or None: see `bind`."};
+static PyObject *fall_back(PyObject *self, PyObject *arguments, PyObject *keywords)
+{
+    PyObject *fallback = ((Bound *)self)->fallback;
+    return fallback ? PyObject_Call(fallback, arguments, keywords) : Py_NewRef(Py_None);
+}
 
-static void release(PyObject *capsule) { PyMem_Free(PyCapsule_GetPointer(capsule, NULL)); }
+static PyObject *call(PyObject *self, PyObject *const *given, size_t flagged, PyObject *names)
+{
+    const Bound *bound = (Bound *)self;
+    Py_ssize_t count = flagged & SIZE_MAX >> 1, named = names ? PyTuple_Size(names) : 0;
+    PyObject *result = named == 0 && count == bound->kernel->inputs ? computed(bound, given) : NULL;
+    if (result != NULL || PyErr_Occurred())
+        return result;
+    PyObject *arguments = PyTuple_New(count), *keywords = PyDict_New();
+    int good = arguments != NULL && keywords != NULL;
+    for (Py_ssize_t i = 0; good && i < count; i++)
+        PyTuple_SetItem(arguments, i, Py_NewRef(given[i]));
+    for (Py_ssize_t i = 0; good && i < named; i++)
+        good = PyDict_SetItem(keywords, PyTuple_GetItem(names, i), given[count + i]) == 0;
+    result = good ? fall_back(self, arguments, keywords) : NULL;
+    Py_XDECREF(arguments);
+    Py_XDECREF(keywords);
+    return result;
+}
+
+static PyObject *attribute(PyObject *self, PyObject *name)
+{
+    PyObject *fallback = ((Bound *)self)->fallback;
+    return fallback ? PyObject_GetAttr(fallback, name) : PyObject_GenericGetAttr(self, name);
+}
+
+static int traverse(PyObject *self, visitproc visit, void *arg)
+{
+    Py_VISIT(Py_TYPE(self));
+    Py_VISIT(((Bound *)self)->fallback);
+    return 0;
+}
+
+static int clear(PyObject *self)
+{
+    Py_CLEAR(((Bound *)self)->fallback);
+    return 0;
+}
+
+static void release(PyObject *self)
+{
+    PyTypeObject *type = Py_TYPE(self);
+    PyObject_GC_UnTrack(self);
+    clear(self);
+    PyObject_GC_Del(self);
+    Py_DECREF(type);
+}
+
+static PyMemberDef members[] = {
+    {"__vectorcalloffset__", T_PYSSIZET, offsetof(Bound, call), READONLY, NULL},
+    {NULL, 0, 0, 0, NULL},
+};
+static PyType_Slot slots[] = {
+    {Py_tp_members, members}, {Py_tp_call, fall_back}, {Py_tp_getattro, attribute}, {Py_tp_traverse, traverse},
+    {Py_tp_clear, clear},     {Py_tp_dealloc, release}, {0, NULL},
+};
+/* 1 << 11: calls come with an array. Known by this name to the limited API since 3.12 only. */
+static PyType_Spec bound_spec = {
+    "alpha5_model.kernels._compiled.Bound", sizeof(Bound), 0,
+    Py_TPFLAGS_DEFAULT | Py_TPFLAGS_HAVE_GC | Py_TPFLAGS_DISALLOW_INSTANTIATION | Py_TPFLAGS_IMMUTABLETYPE | 1UL << 11,
+    slots,
+};
 
 static PyObject *bind(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
 {
     (void)module;
-    if (count < 1 || count > 2)
-        return PyErr_Format(PyExc_TypeError, "bind takes a name and parameters");
-    Bound *bound = PyMem_Malloc(sizeof *bound);
+    if (count < 1 || count > 3)
+        return PyErr_Format(PyExc_TypeError, "bind takes a name, parameters and a fallback");
+    Bound *bound = PyObject_GC_New(Bound, bound_type);
     if (bound == NULL)
-        return PyErr_NoMemory();
-    bound->kernel = prepared(arguments[0], count > 1 ? arguments[1] : NULL, bound->k);
-    PyObject *capsule = bound->kernel ? PyCapsule_New(bound, NULL, release) : NULL;
-    if (capsule == NULL) {
-        PyMem_Free(bound);
         return NULL;
-    }
-    PyObject *function = PyCFunction_NewEx(&call_method, capsule, NULL);
-    Py_DECREF(capsule);
-    return function;
+    bound->call = call;
+    bound->fallback = count > 2 && arguments[2] != Py_None ? Py_NewRef(arguments[2]) : NULL;
+    bound->kernel = prepared(arguments[0], count > 1 ? arguments[1] : NULL, bound->k);
+    PyObject_GC_Track(bound);
+    if (bound->kernel == NULL)
+        Py_CLEAR(bound);
+    return (PyObject *)bound;
 }
 
 static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
@@ -165,10 +227,11 @@ static PyObject *width(PyObject *module, PyObject *most)
 
 static PyMethodDef methods[] = {
     {"bind", (PyCFunction)(void (*)(void))bind, METH_FASTCALL,
-     "bind(name, parameters=None) -> function of one state that keeps the constants of the parameters.\n\n"
+     "bind(name, parameters=None, fallback=None) -> function of one state that keeps the constants of the parameters.\n\n"
      "It takes the kernel's inputs and returns a new array, or a tuple of them where the kernel has\n"
-     "several outputs; None if an input is not a C-contiguous float64 array of the right shape with\n"
-     "finite entries of a size that can be computed with."},
+     "several outputs; what fallback makes of the arguments, or None without one, unless they are\n"
+     "C-contiguous float64 arrays of the right shape with finite entries of a size that can be\n"
+     "computed with. Its attributes, name and documentation included, are those of fallback."},
     {"batch", (PyCFunction)(void (*)(void))batch, METH_FASTCALL,
      "batch(name, parameters, *inputs, *outputs) -> bool\n\n"
      "Each array holds one state in each row, outputs are written. False, and nothing in the outputs\n"
@@ -192,7 +255,8 @@ PyMODINIT_FUNC PyInit__compiled(void)
 {
     import_array();
     choose(8);
-    if (!share())
+    bound_type = (PyTypeObject *)PyType_FromSpec(&bound_spec);
+    if (bound_type == NULL || !share())
         return NULL;
     PyObject *module = PyModule_Create(&definition);
     if (module != NULL && PyModule_AddStringConstant(module, "SOURCES", SOURCES) < 0)

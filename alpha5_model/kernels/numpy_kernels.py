@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial, update_wrapper
 from itertools import product
 from typing import Any
 
@@ -28,29 +29,41 @@ for _flag in _FLAGS.values():
     _flag.flags.writeable = False
 
 
-def bind(name: str, parameters: Sequence[float] | FloatArray = ()) -> Callable[..., Any]:
+def nothing(*_: Any, **__: Any) -> None:
+    """None, whatever is given."""
+
+
+def bind(
+    name: str,
+    parameters: Sequence[float] | FloatArray = (),
+    fallback: Callable[..., Any] = nothing,
+) -> Callable[..., Any]:
     """A kernel for one state, with its parameters.
 
     Args:
         name: Of a kernel.
-        parameters: Its last input, copied; empty where it takes none.
+        parameters: Its last input, copied; of no meaning where it takes none.
+        fallback: Computes where the kernel does not; the function has its name and documentation.
 
     Returns:
-        A function of the other inputs: a new array for each output, several in a tuple. None unless each
-        input is a C-contiguous float64 array of the right shape whose entries can be computed with.
+        A function of the other inputs: a new array for each output, several in a tuple. What ``fallback``
+        makes of the arguments unless each is a C-contiguous float64 array of the right shape whose entries
+        can be computed with.
     """
     formula, inputs, outputs = _ONE[name]
-    last = ([float(x) for x in parameters],) if len(parameters) else ()
+    last = ([float(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
     shapes = inputs[: len(inputs) - len(last)]
+    return update_wrapper(partial(_one, formula, shapes, outputs, last, fallback), fallback)
 
-    def kernel(*given: Any) -> Any:
-        if len(given) != len(shapes) or not all(map(_clean, given, shapes)):
-            return None
-        results = formula(*(x.ravel().tolist() for x in given), *last, math)
-        arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
-        return arrays[0] if len(arrays) == 1 else tuple(arrays)
 
-    return kernel
+def _one(
+    formula: Any, shapes: Any, outputs: Any, last: Any, fallback: Any, *given: Any, **named: Any
+) -> Any:
+    if named or len(given) != len(shapes) or not all(map(_clean, given, shapes)):
+        return fallback(*given, **named)
+    results = formula(*(x.ravel().tolist() for x in given), *last, math)
+    arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
+    return arrays[0] if len(arrays) == 1 else tuple(arrays)
 
 
 def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArray) -> bool:

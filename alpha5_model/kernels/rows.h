@@ -20,7 +20,7 @@ typedef struct {
 typedef struct {
     const char *name;
     void (*prepare)(const double *parameters, double *k);
-    Function rare, at[4]; /* index: that of the level */
+    Function rare, one[4], at[4]; /* index: that of the level */
     int parameters, inputs, outputs;
     Slot slots[MOST_SLOTS]; /* inputs before outputs */
 } Kernel;
@@ -32,11 +32,12 @@ typedef struct {
 } Level;
 
 #if WIDEST == 1
-#define WIDTHS(name) name##_0, {name##_1}
+#define WIDTHS(name) name##_0, {name##_1}, {NULL}
 #elif WIDEST == 2
-#define WIDTHS(name) name##_0, {name##_1, name##_2}
+#define WIDTHS(name) name##_0, {name##_1, name##_1}, {NULL, name##_2}
 #else
-#define WIDTHS(name) name##_0, {name##_1, name##_2, name##_4, name##_8}
+#define WIDTHS(name) \
+    name##_0, {name##_1, name##_1, name##_1_4, name##_1_8}, {NULL, name##_2, name##_4, name##_8}
 #endif
 #if defined(__x86_64__)
 #define PAIRS "sse2"
@@ -80,25 +81,15 @@ static void choose(long width)
 
 /* ---- one state, and rows of states ---- */
 
-/* Whether all numbers can be computed with; NaN cannot. */
-static int clean(const double *x, int size)
-{
-    int good = 1;
-    for (int i = 0; i < size; i++)
-        good &= fabs(x[i]) <= LARGEST;
-    return good;
-}
-
 /* One state, of which each input lies elsewhere; whether it can be computed. */
 static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
 {
-    double x[MOST_INPUTS], *end = x;
-    int good = 1;
-    for (int i = 0; i < kernel->inputs; end += kernel->slots[i++].size) {
-        memcpy(end, in[i], kernel->slots[i].size * sizeof(double));
-        good &= clean(end, kernel->slots[i].size);
-    }
-    if (good && !kernel->at[0](k, x, out))
+    double x[MOST_INPUTS];
+    int good = 1, end = 0;
+    for (int i = 0; i < kernel->inputs; i++)
+        for (int j = 0; j < kernel->slots[i].size; j++, end++)
+            good &= fabs(x[end] = in[i][j]) <= LARGEST; /* not NaN */
+    if (good && !kernel->one[level](k, x, out))
         kernel->rare(k, x, out);
     return good;
 }

@@ -1,5 +1,5 @@
 /* Arithmetic of WIDTH states at once, and the bodies that are written in it. Included once for each
-   width; BODIES names the file of the bodies.
+   width and processor, which LABEL tells apart; BODIES names the file of the bodies.
 
    A vector is a compiler's vector extension, at width 1 a plain double. All widths run the same
    operations in the same order, without contraction, so that they give the same bits. Sine, cosine
@@ -7,6 +7,9 @@
    they set the sign of `rare`, and the state is computed again at "width 0": one state at a time, by libm where
    it must be. */
 
+#ifndef LABEL
+#define LABEL WIDTH
+#endif
 #if WIDTH <= 1
 typedef double SIZED(vector);
 typedef int SIZED(mask);
@@ -251,6 +254,7 @@ static void SIZED(to_rows)(const double *columns, int size, double *rows)
 #undef TRANSPOSE
 #endif
 #undef WIDTH
+#undef LABEL
 #undef V
 #undef M
 #undef INTEGER

@@ -1,5 +1,6 @@
 /* BODIES at every width up to WIDEST: see vector.h. On x86-64 the wider ones are compiled for
-   processors that have them, whatever the compiler's flags; which one runs is chosen at load. */
+   processors that have them, whatever the compiler's flags, and so is the one of single states, which
+   their further registers make up to half faster; which one runs is chosen at load. */
 
 #include <math.h>
 #include <stdint.h>
@@ -29,7 +30,7 @@
 #define PANEL 32 /* rows of a batch that are turned to columns at once; they fit the first cache */
 #define PASTE(name, width) name##_##width
 #define EXPANDED(name, width) PASTE(name, width)
-#define SIZED(name) EXPANDED(name, WIDTH)
+#define SIZED(name) EXPANDED(name, LABEL)
 #define KERNEL(name) static int SIZED(name)(const double *k, const double *in, double *out)
 #if defined(__clang__) || __GNUC__ >= 12
 #define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
@@ -55,10 +56,16 @@
 #endif
 #if WIDEST == 8
 BEGIN("avx2")
+#define WIDTH 1
+#define LABEL 1_4
+#include "vector.h"
 #define WIDTH 4
 #include "vector.h"
 END
 BEGIN("avx512f,avx512dq,avx512vl")
+#define WIDTH 1
+#define LABEL 1_8
+#include "vector.h"
 #define WIDTH 8
 #include "vector.h"
 END
