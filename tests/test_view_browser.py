@@ -396,6 +396,53 @@ def test_live_viewer(chromium: Any) -> None:
         visualizer.close()
 
 
+def test_two_tabs_python_and_the_end_of_the_program(chromium: Any) -> None:
+    arm, seen = a5.load(gripper="jaws"), []
+    visualizer = a5.view(arm, [2.0, 1.0, 2.2, 0.4, 0.002])
+    visualizer.on_change(seen.append)
+    port = int(visualizer.url().split("/")[2].split(":")[1])
+    tabs = [new_tab(chromium), new_tab(chromium)]
+    try:
+        tabs[0].open(f"http://127.0.0.1:{port}/")
+        tabs[1].open(f"http://localhost:{port}/static/")
+        tabs[0].page.wait_for_function("() => alpha5.q.axis_e === 2")
+        slide(tabs[0], "axis_d", 0.5)
+        tabs[1].page.wait_for_function("() => alpha5.q.axis_d === 0.5")
+        np.testing.assert_array_equal(visualizer.q, [2.0, 0.5, 2.2, 0.4, 0.002])
+        np.testing.assert_array_equal(seen[-1], visualizer.q)
+        slide(tabs[1], "axis_a", 0.01)
+        tabs[0].page.wait_for_function("() => alpha5.q.axis_a === 0.01")
+        tabs[0].page.reload()
+        tabs[0].page.wait_for_function("() => alpha5.q.axis_d === 0.5 && alpha5.q.axis_a === 0.01")
+        # beyond its limits too, and as it is: an angle is not turned back by 2 pi
+        visualizer.display([2.0, 0.5, 2.2, 9.0, 0.002])
+        tabs[1].page.wait_for_function("() => alpha5.q.axis_b === 9")
+        assert tabs[0].complaints == tabs[1].complaints == []
+        # another site may neither connect nor hold the page in its own
+        foreign = new_tab(chromium)
+        foreign.page.route("http://site.example/", lambda route: route.fulfill(body="<p>hello"))
+        foreign.page.goto("http://site.example/")
+        opened = foreign.run(
+            "(url) => new Promise((say) => { const s = new WebSocket(url);"
+            "s.onopen = () => say(true); s.onerror = () => say(false); })",
+            f"ws://127.0.0.1:{port}/",
+        )
+        assert opened is False
+        foreign.page.close()
+        visualizer.close()
+        for tab in tabs:
+            tab.page.wait_for_selector("#lost:not([hidden])")
+            assert "has ended" in tab.page.inner_text("#lost")
+        visualizer = a5.view(arm, [1.5, 1.0, 2.2, 0.4, 0.002], port=port)
+        for tab in tabs:
+            tab.page.wait_for_function("() => globalThis.alpha5 && alpha5.q.axis_e === 1.5")
+            assert tab.page.locator("#lost:not([hidden])").count() == 0
+    finally:
+        for tab in tabs:
+            tab.page.close()
+        visualizer.close()
+
+
 def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
     visualizer = a5.view(a5.load())
     tab = new_tab(chromium)

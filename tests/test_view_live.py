@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import socket
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,6 +114,164 @@ def test_play_keeps_up_with_real_time(visualizer: ArmVisualizer) -> None:
     assert took == pytest.approx(1.0, abs=0.4)
     expected = visualizer.arm.forward_kinematics(q[-1], frame="link_4").homogeneous
     np.testing.assert_allclose(in_scene(visualizer, "link_4"), expected, atol=1e-14)
+
+
+def status(visualizer: ArmVisualizer, path: str = "/static/", **headers: str) -> int:
+    import http.client
+
+    connection = http.client.HTTPConnection(visualizer.url().split("/")[2], timeout=5)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer.status
+
+
+def test_only_its_own_page_is_answered(visualizer: ArmVisualizer) -> None:
+    address = visualizer.url().split("/")[2]
+    port = address.split(":")[1]
+    assert status(visualizer, "/") == 200, "the address without a path leads to the page"
+    for host in (address, f"localhost:{port}", "localhost:9000"):  # the last one by a tunnel
+        assert status(visualizer, Host=host) == 200
+    for host in ("attacker.example", f"attacker.example:{port}", f"127.0.0.1.example:{port}", ""):
+        assert status(visualizer, Host=host) in (400, 403)
+    for origin in (
+        "http://attacker.example",
+        "null",
+        f"http://localhost:{port}",
+        "http://127.0.0.1:1",
+    ):
+        assert status(visualizer, Origin=origin) == 403
+    assert status(visualizer, Origin=f"http://{address}") == 200
+    upgrade = {
+        "Connection": "Upgrade",
+        "Upgrade": "websocket",
+        "Sec-WebSocket-Version": "13",
+        "Sec-WebSocket-Key": "x3JJHMbDL1EzLkh9GBhXDw==",
+    }
+    assert status(visualizer, "/", **upgrade) == 403, "no browser leaves the origin out"
+    assert status(visualizer, "/", **upgrade, Origin="http://attacker.example") == 403
+    assert status(visualizer, "/", **upgrade, Origin=f"http://localhost:{port}") == 403
+    rebound = {**upgrade, "Host": f"attacker.example:{port}"}
+    assert status(visualizer, "/", **rebound, Origin=f"http://attacker.example:{port}") == 403
+    assert status(visualizer, "/", **upgrade, Origin=f"http://{address}") == 101
+
+
+def test_a_message_that_is_no_pose_moves_nothing(visualizer: ArmVisualizer) -> None:
+    from websockets.exceptions import ConnectionClosedError
+    from websockets.sync.client import connect
+
+    visualizer.display(POSE)
+    address = visualizer.url().split("/")[2]
+    for wrong in ("q", "[]", '{"q": [1, 2]}', '{"q": [1, 2, 3, NaN]}', '{"p": 1}', b"\xff"):
+        with connect(f"ws://{address}/", origin=f"http://{address}", max_size=None) as page:
+            page.send(wrong)
+            with pytest.raises(ConnectionClosedError, match="1007"):
+                list(iter(lambda: page.recv(timeout=5), None))
+        assert (visualizer.q == POSE).all()
+
+
+def test_pages_call_back_and_tell_each_other(visualizer: ArmVisualizer) -> None:
+    import umsgpack
+    from websockets.sync.client import connect
+
+    called, seen = threading.Event(), []
+
+    @visualizer.on_change
+    def follow(q: np.ndarray) -> None:
+        seen.append(q)
+        visualizer.display(q + 0.25)  # a callback may move the arm
+        called.set()
+
+    address = visualizer.url().split("/")[2]
+
+    def pose(page: object) -> list[float]:
+        while True:
+            said = umsgpack.unpackb(page.recv(timeout=5))
+            if said["type"] == "pose":
+                return said["q"]
+
+    two = [connect(f"ws://{address}/", origin=f"http://{address}", max_size=None) for _ in "ab"]
+    with two[0] as one, two[1] as other:
+        visualizer.display(POSE)
+        assert [pose(one)[-4:], pose(other)[-4:]] != [], "what they were opened with"
+        one.send(json.dumps({"q": [1.0, 1.5, 2.0, 2.5]}))
+        assert called.wait(5)
+        while (heard := pose(other)) != [1.0, 1.5, 2.0, 2.5]:
+            pass
+        while pose(one) != [1.25, 1.75, 2.25, 2.75]:
+            pass
+        assert heard == [1.0, 1.5, 2.0, 2.5]
+    np.testing.assert_array_equal(seen[0], [1.0, 1.5, 2.0, 2.5])
+    visualizer._listeners.clear()
+
+
+def test_pinocchios_names(visualizer: ArmVisualizer) -> None:
+    """Each has the arguments of Pinocchio's own, and does what it says."""
+    import inspect
+
+    from pinocchio.visualize import MeshcatVisualizer
+
+    for name in ("captureImage", "setCameraPreset", "setCameraTarget", "setCameraPosition",
+                 "create_video_ctx", "displayCollisions", "displayVisuals", "displayFrames"):  # fmt: skip
+        theirs = list(inspect.signature(getattr(MeshcatVisualizer, name)).parameters)
+        ours = list(inspect.signature(getattr(ArmVisualizer, name)).parameters)
+        for mine, other in zip(ours, theirs, strict=False):
+            assert other in (mine, "kwargs"), name
+    visualizer.display(POSE)
+    small = (160, 100)
+    plain = visualizer.captureImage(*small).astype(int)
+    assert plain.shape == (100, 160, 3)
+    for change, back in (
+        (lambda: visualizer.displayFrames(True), lambda: visualizer.displayFrames(False)),
+        (lambda: visualizer.displayCollisions(True), lambda: visualizer.displayCollisions(False)),
+        (lambda: visualizer.displayVisuals(False), lambda: visualizer.displayVisuals(True)),
+    ):
+        change()
+        assert (np.abs(visualizer.captureImage(*small) - plain).max(axis=2) > 8).sum() > 60
+        back()
+        np.testing.assert_array_equal(visualizer.captureImage(*small), plain)
+    visualizer.setCameraTarget([0.1, 0.0, 0.1])
+    visualizer.setCameraPosition([0.1, -3.0, 0.1])
+    back = visualizer.scene.camera.axes()[2]
+    np.testing.assert_allclose(back, [0, -1, 0], atol=1e-12)
+    for view, direction in (("front", [1, 0, 0]), ("side", [0, -1, 0]), ("top", [0, 0, 1])):
+        visualizer.setCameraPreset(view)
+        np.testing.assert_allclose(visualizer.scene.camera.axes()[2], direction, atol=1e-3)
+    visualizer.setCameraPreset("home")
+    with pytest.raises(Alpha5Error, match="home, front, side, top"):
+        visualizer.setCameraPreset("preset0")
+
+
+# imageio-ffmpeg leaves its pipes to the garbage collector.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_a_video_lasts_as_long_as_the_motion(
+    visualizer: ArmVisualizer, tmp_path: Path, suffix: str
+) -> None:
+    import imageio_ffmpeg
+
+    q = np.linspace([2.0, 1.0, 2.2, 0.4], [3.0, 1.0, 2.2, 0.4], 101)
+    with visualizer.create_video_ctx(tmp_path / f"arm{suffix}", fps=10, size=(160, 100)) as path:
+        visualizer.play(q, dt=0.02)
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
+    # 2 s at 10 a second, and the last pose
+    assert frames == 21
+    assert seconds == pytest.approx(2.1, abs=0.02)
+    reader = imageio_ffmpeg.read_frames(str(path))
+    assert next(reader)["size"] == (160, 100)
+    first, *_, last = (np.frombuffer(frame, np.uint8).reshape(100, 160, 3) for frame in reader)
+    for pixels, row in ((first, 0), (last, -1)):
+        visualizer.display(q[row])
+        off = np.abs(visualizer.captureImage(160, 100).astype(int) - pixels).mean(axis=(0, 1))
+        assert off.max() < 6
+    assert np.abs(first.astype(int) - last).max(axis=2).mean() > 3
+    with pytest.raises(InputError, match="at least one frame"), visualizer.create_video_ctx(path):
+        pass
+    with pytest.raises(Alpha5Error, match=r"mp4, \.gif"), visualizer.create_video_ctx("arm.avi"):
+        pass
+    del reader
+    gc.collect()
 
 
 def test_bad_input(visualizer: ArmVisualizer) -> None:

@@ -17,7 +17,7 @@ from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.errors import InputError
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory.motion import Motion, motion
-from alpha5_model.view.scene import WORLD, MotionTrack
+from alpha5_model.view.scene import WORLD, MotionTrack, Scene
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -57,6 +57,12 @@ def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, 
     links = [tree[0].parent, *(joint.child for joint in tree)]
     poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
     return {WORLD: np.eye(4), **poses}
+
+
+def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
+    """A scene with its arm at joint positions q (nq,)."""
+    joints = q[len(q) - len(scene.sliders) :]
+    return replace(scene, q=joints, poses=link_poses(arm, scene.tree, q))
 
 
 def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:

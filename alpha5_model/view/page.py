@@ -181,13 +181,12 @@ def live_page(scene: Scene) -> str:
 
 def page_data(scene: Scene) -> dict[str, Any]:
     """What the page's script knows about the scene; arrays become nested lists, records objects."""
-    moved = {joint.child for joint in scene.tree}
     drawn = {shape.group for shape in scene.shapes}
     track = scene.motion
     return {
         **{name: getattr(scene, name) for name in _AS_IT_STANDS},
         "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
-        "root": {link: pose for link, pose in scene.poses.items() if link not in moved},
+        "root": pose_message(scene)["root"],
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
         "links": {link: link_path(link) for link in scene.poses},
         "anchors": [{"path": path, "anchor": at} for path, at in _anchors(scene).items()],
@@ -201,6 +200,13 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "poses": scene.named_poses,
         "motion": track and replace(track, time=track.time.round(4), q=track.q.round(5)),
     }
+
+
+def pose_message(scene: Scene) -> Command:
+    """What a page is told of a pose: the joints, and the links that no joint carries."""
+    moved = {joint.child for joint in scene.tree}
+    root = {link: pose.tolist() for link, pose in scene.poses.items() if link not in moved}
+    return Command(type="pose", q=scene.q.tolist(), root=root)
 
 
 @cache

@@ -6,16 +6,24 @@ It needs no graphics card, browser or window system, and gives the same pixels e
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray
+from alpha5_model.checks import FloatArray, real
+from alpha5_model.errors import InputError, MissingDependencyError
+from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.view.scene import SEE_THROUGH, Camera, Scene, Shape, check_size
 from alpha5_model.view.shapes import Mesh
 
+VIDEO_FORMATS = (".mp4", ".gif")
 IntArray = NDArray[np.int64]
+Pixels = NDArray[np.uint8]
 #: Drawn this much finer, then averaged, so that edges are smooth.
 _FINER = 2
 #: Pixels processed at once.
@@ -41,7 +49,7 @@ def picture_png(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> bytes:
     return buffer.getvalue()
 
 
-def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.uint8]:
+def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> Pixels:
     """The scene as pixels, (height, width, 3)."""
     width, height = check_size(size)
     canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
@@ -57,8 +65,47 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> NDArray[np.ui
         canvas.draw(mesh.vertices, color, mesh.faces, opacity, two_sided=shape.flat)
     rows = canvas.color.reshape(height, _FINER, -1).sum(axis=1)
     fine = rows.reshape(height, width, _FINER, 3).sum(axis=2)
-    pixels: NDArray[np.uint8] = (fine * (255.0 / _FINER**2) + 0.5).astype(np.uint8)
+    pixels: Pixels = (fine * (255.0 / _FINER**2) + 0.5).astype(np.uint8)
     return _labelled(pixels, canvas, scene) if "labels" in scene.show else pixels
+
+
+@contextmanager
+def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels], None]]]:
+    """Frames per second, and a function that adds pictures to a video; it is there whole, or not at all.
+
+    Args:
+        path: ``.mp4`` (H.264) or ``.gif``.
+        fps: Frames per second; GIF counts hundredths of a second and takes the nearest.
+
+    Raises:
+        UnknownNameError, InputError: Another suffix; a rate or number of frames that makes no video.
+        MissingDependencyError: imageio is not installed.
+        OutputError: It cannot be written.
+    """
+    gif = output_format("video format", path, VIDEO_FORMATS) == ".gif"
+    rate = real("fps", fps, minimum=1.0)
+    rate = 100 / max(1, round(100 / rate)) if gif else rate
+    # Of the whole, H.264 takes even sizes only.
+    form: Any = {"duration": 1e3 / rate, "loop": 0} if gif else {"fps": rate, "macro_block_size": 2}
+    try:
+        from imageio.v2 import get_writer
+    except ImportError:
+        remedy = "pip install 'alpha5-model[video]'"
+        raise MissingDependencyError("imageio", "a video", remedy) from None
+    with tempfile.TemporaryDirectory() as folder:
+        whole = Path(folder, "video").with_suffix(".gif" if gif else ".mp4")
+        with get_writer(whole, **form) as writer:
+            yield rate, writer.append_data  # type: ignore[attr-defined]
+        if not whole.exists():
+            raise InputError("video", str(path), "at least one frame: play a motion")
+        atomic_write(path, whole.read_bytes())
+
+
+def frame_rows(time: FloatArray, fps: float) -> NDArray[np.intp]:
+    """The sample shown at each frame of a video: the last one before it, (N,) from times [s]."""
+    frames = time[0] + np.arange(0.0, time[-1] - time[0] + 1.0 / fps, 1.0 / fps)
+    rows: NDArray[np.intp] = np.searchsorted(time, frames + 1e-9, side="right") - 1
+    return rows
 
 
 def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
@@ -80,7 +127,7 @@ def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
     return [entry for _, entry in sorted(found, key=lambda item: item[0])]
 
 
-def _labelled(pixels: NDArray[np.uint8], canvas: Canvas, scene: Scene) -> NDArray[np.uint8]:
+def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
     """Labels beside their points, from the top down, each below those that it would cover."""
     from PIL import Image, ImageDraw, ImageFont
 

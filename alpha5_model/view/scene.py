@@ -41,8 +41,14 @@ DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
 SEE_THROUGH = 0.4
 #: The fixed frame at the root of the scene.
 WORLD = "world"
-#: Direction from which the arm is seen: the side on which Figure 1 shows it, a little from above.
-_SIGHT = np.array([0.35, -1.0, 0.42])
+#: Directions from which the arm is seen, by name; home is the side on which Figure 1 shows it, a little
+#: from above. Exactly from above there would be no telling which way is up.
+VIEWS = {
+    "home": np.array([0.35, -1.0, 0.42]),
+    "front": np.array([1.0, 0.0, 0.0]),
+    "side": np.array([0.0, -1.0, 0.0]),
+    "top": np.array([0.0, -1e-4, 1.0]),
+}
 #: Share of the frame's half-width and half-height that is used.
 _MARGIN = 0.86
 #: Red, green, blue, each 0 to 1.
@@ -266,6 +272,7 @@ def framing(
     poses: Mapping[str, FloatArray],
     show: Collection[str],
     aspect: float = 1.15,
+    view: str = "home",
 ) -> Camera:
     """The nearest camera that sees every corner of the bodies and of what is shown.
 
@@ -274,11 +281,13 @@ def framing(
         poses: Pose of every link, (4, 4).
         show: Groups that are shown; the bodies count in any case.
         aspect: Width over height of the part of the frame that may be used.
+        view: One of `VIEWS`.
     """
     seen = [shape.placed(poses) for shape in shapes if shape.group in {"bodies", *show}]
     points = np.concatenate([mesh.vertices for mesh in seen])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    camera = Camera(center + _SIGHT, center)
+    sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
+    camera = Camera(center + sight, center)
     axes, distance = camera.axes(), 0.0
     half = _MARGIN * np.tan(np.deg2rad(camera.field_of_view) / 2)
     # The centre of the corners in space is not their centre in the picture: correct it in steps.
@@ -288,7 +297,7 @@ def framing(
         for coordinate, axis in zip((right, up), axes, strict=False):
             tangent = coordinate / (distance - back)
             center = center + (tangent.max() + tangent.min()) / 2 * distance * axis
-    return Camera(center + distance * _SIGHT / np.linalg.norm(_SIGHT), center)
+    return Camera(center + distance * sight, center)
 
 
 def check_size(size: tuple[int, int]) -> tuple[int, int]:

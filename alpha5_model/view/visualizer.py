@@ -7,18 +7,27 @@ other programs can connect to it by `zmq_url`.
 
 from __future__ import annotations
 
-import asyncio
 import errno
+import json
+import logging
 import os
+import queue
 import socket
+import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable
+from asyncio import new_event_loop, set_event_loop
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 import meshcat
+import numpy as np
+import pinocchio as pin
 import tornado.httpserver
 import tornado.web
 import zmq
@@ -26,45 +35,80 @@ from meshcat.servers.tree import find_node, walk
 from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 from numpy.typing import ArrayLike
+from tornado.websocket import WebSocketClosedError
 
-from alpha5_model.checks import float_array, real, shaped
+from alpha5_model.checks import FloatArray, choice, float_array, real, shaped
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
+from alpha5_model.files import PathLike
 from alpha5_model.view import page
-from alpha5_model.view.arm_poses import link_poses
-from alpha5_model.view.scene import DRAWN, Scene
+from alpha5_model.view.arm_poses import posed
+from alpha5_model.view.picture import Pixels, frame_rows, picture, video
+from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framing
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
 _HOST = "127.0.0.1"
-
-
-class _Page(tornado.web.RequestHandler):
-    def get(self) -> None:
-        self.set_header("Cache-Control", "no-store")
-        self.finish(page.live_page(self.settings["scene"]()))
+#: Sites that may hold the viewer's page in one of theirs.
+_NOTEBOOKS = "http://127.0.0.1:* http://localhost:*"
 
 
 class _Connection(WebSocketHandler):  # type: ignore[misc]
-    """meshcat's connection to a browser, without its messages on the terminal."""
+    """The page, and meshcat's connection to it with the pose both ways."""
+
+    def prepare(self) -> None:
+        """Answer the viewer's own page only, so that no other one in the browser can drive the arm.
+
+        A name that someone lets lead to this machine (DNS rebinding) stands in the request as its host,
+        the page that asks as its origin. A tunnel (``ssh -L``) may change the port, so that is free.
+        """
+        own, asked = f"http://{self.request.host}", self.request.headers
+        origin = asked.get("Origin", "" if "Upgrade" in asked else own)
+        if urlsplit(own).hostname not in (_HOST, "localhost") or origin != own:
+            raise tornado.web.HTTPError(403)
+
+    async def get(self) -> None:
+        if "Upgrade" in self.request.headers:
+            await super().get()
+            return
+        self.set_header("Cache-Control", "no-store")
+        # A notebook on this machine may hold the page; on another site clicks could be led astray.
+        self.set_header("Content-Security-Policy", f"frame-ancestors {_NOTEBOOKS}")
+        self.finish(page.live_page(self.bridge.viewer.scene))
 
     def open(self) -> None:
         self.bridge.websocket_pool.add(self)
         self.bridge.send_scene(self)
+
+    def write_message(self, message: Any, binary: bool = False) -> None:
+        with suppress(WebSocketClosedError):  # a page that is gone by now
+            super().write_message(message, binary).add_done_callback(lambda done: done.exception())
+
+    def on_message(self, message: str | bytes) -> None:
+        viewer = self.bridge.viewer
+        try:
+            said = json.loads(message)
+            if "data" in said:  # a picture that meshcat asked for
+                super().on_message(message)
+                return
+            joints = shaped("q", said["q"], viewer.scene.q.shape)
+        except (ValueError, TypeError, KeyError):
+            self.close(1007, "expected the positions of the joints")
+        else:
+            viewer.place(np.concatenate([viewer.q[: -len(joints)], joints]), self)
 
     def on_close(self) -> None:
         self.bridge.websocket_pool.discard(self)
 
 
 class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
-    def __init__(self, opened: socket.socket, scene: Callable[[], Scene]) -> None:
-        self._opened, self._scene = opened, scene
+    def __init__(self, opened: socket.socket, viewer: ArmVisualizer) -> None:
+        self._opened, self.viewer = opened, viewer
         super().__init__(host=_HOST, port=opened.getsockname()[1])
 
     def make_app(self) -> Any:
-        handlers: list[Any] = [(r"/static/?", _Page), (r"/", _Connection, {"bridge": self})]
-        application = tornado.web.Application(handlers, scene=self._scene)
-        self.server = tornado.httpserver.HTTPServer(application)
+        handlers: list[Any] = [(r"/(?:static/?)?", _Connection, {"bridge": self})]
+        self.server = tornado.httpserver.HTTPServer(tornado.web.Application(handlers))
         self.server.add_sockets([self._opened])
         # meshcat would listen to the whole network here; this server's socket is open already.
         return SimpleNamespace(listen=lambda port: None)
@@ -82,7 +126,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
         for node in walk(self.tree):
             parts = [node.object, *node.properties, node.transform, node.animation]
             commands += filter(None, parts)
-        self.zmq_socket.send(page.static_page(self._scene(), commands).encode("utf-8"))
+        self.zmq_socket.send(page.static_page(self.viewer.scene, commands).encode("utf-8"))
 
 
 class Window(ViewerWindow):  # type: ignore[misc]
@@ -90,19 +134,19 @@ class Window(ViewerWindow):  # type: ignore[misc]
 
     Args:
         port: Of the page; 0 for a free one.
-        scene: What its pages show, as it stands.
+        viewer: What its pages show.
 
     Raises:
         PortInUseError: The port is taken.
     """
 
-    def __init__(self, port: int, scene: Callable[[], Scene]) -> None:
+    def __init__(self, port: int, viewer: ArmVisualizer) -> None:
         opened = _open(port)
         ready = threading.Event()
 
         def serve() -> None:
-            asyncio.set_event_loop(asyncio.new_event_loop())
-            self._bridge = _Bridge(opened, scene)
+            set_event_loop(new_event_loop())
+            self._bridge = _Bridge(opened, viewer)
             ready.set()
             self._bridge.run()
             self._bridge.ioloop.close()
@@ -110,33 +154,46 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self._thread = threading.Thread(target=serve, name="alpha5-viewer", daemon=True)
         self._thread.start()
         ready.wait()
+        self._one_sender = threading.Lock()
         self.server_proc = None
         self.zmq_url: str = self._bridge.zmq_url
         self.web_url: str = self._bridge.web_url
         self.connect_zmq()
 
-    def move(self, commands: Iterable[page.Command]) -> None:
-        """Send many transforms as one step, without waiting for an answer to each."""
-        bridge, done = self._bridge, threading.Event()
-        moves = [(c["path"].strip("/").split("/"), c.packed()) for c in commands]
+    def send(self, command: Any) -> None:
+        """Send one of meshcat's commands, from any thread."""
+        with self._one_sender:
+            super().send(command)
 
-        def apply() -> None:
-            for path, data in moves:
-                find_node(bridge.tree, path).transform = data
-                bridge.forward_to_websockets([b"set_transform", b"", data])
-            done.set()
-
-        bridge.ioloop.add_callback(apply)
+    def run(self, change: Callable[[], object]) -> None:
+        """Let the server's thread make a change, so that every page sees changes in one order."""
+        done = threading.Event()
+        for step in (change, done.set):
+            self._bridge.ioloop.add_callback(step)
         done.wait(timeout=5.0)
+
+    def move(self, commands: Iterable[page.Command]) -> None:
+        """Move the server's scene; in its thread."""
+        for command in commands:
+            path = command["path"].strip("/").split("/")
+            find_node(self._bridge.tree, path).transform = command.packed()
+
+    def tell(self, command: page.Command, mover: Any = None) -> None:
+        """Send a command to all pages but one, and to those that come; in the server's thread."""
+        find_node(self._bridge.tree, [command["type"]]).object = command.packed()
+        for connection in self._bridge.websocket_pool - {mover}:
+            connection.write_message(command.packed(), binary=True)
 
     def close(self) -> None:
         """Stop the server and free its port."""
         bridge = self._bridge
 
-        def stop() -> None:
+        async def stop() -> None:
             for connection in list(bridge.websocket_pool):
                 connection.close()
             bridge.server.stop()
+            # A browser would wait for ever on a connection that it keeps for the next request.
+            await bridge.server.close_all_connections()
             bridge.zmq_stream.close()
             bridge.ioloop.stop()
 
@@ -164,30 +221,70 @@ def _open(port: int) -> socket.socket:
 class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     """A meshcat visualizer that shows an arm; every method of meshcat's works on it.
 
+    `display`, `captureImage`, ``displayFrames`` and the other names in camel case are those of Pinocchio's
+    visualizers; pictures and videos are drawn here, without a browser.
+
     Attributes:
         arm: What it shows.
-        scene: What is drawn of it, as it stands.
+        scene: What is drawn of it, as it stands; its ``q`` is what the pages' sliders say.
     """
 
-    __slots__ = ["arm", "scene"]
+    __slots__ = ["_listeners", "_news", "_video", "arm", "scene"]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
         self.scene = scene
-        super().__init__(window=Window(port, lambda: self.scene))
+        self._listeners: list[Callable[[FloatArray], object]] = []
+        self._news: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
+        self._video: tuple[float, tuple[int, int], Callable[[Pixels], None]] | None = None
+        super().__init__(window=Window(port, self))
         for command in page.scene_commands(scene):
             self.window.send(command)
+
+    @property
+    def q(self) -> FloatArray:
+        """Where the arm is shown, (nq,)."""
+        base = self.scene.poses[self.scene.tree[0].parent]
+        free = pin.SE3ToXYZQUAT(pin.SE3(base)) if self.arm.floating_base else []
+        return np.concatenate([free, self.scene.q])
 
     def display(self, q: ArrayLike) -> None:
         """Show the arm at joint positions q (nq,)."""
         position = shaped("q", q, (self.arm.model.nq,))
-        poses = link_poses(self.arm, self.scene.tree, position)
-        joints = position[len(position) - len(self.scene.sliders) :]
-        self.scene = replace(self.scene, q=joints, poses=poses)
+        self.window.run(lambda: self.place(position))
+
+    def place(self, q: FloatArray, mover: Any = None) -> None:
+        """`display` in the server's thread, for the page that moved the arm to q (nq,)."""
+        self.scene = posed(self.scene, self.arm, q)
         self.window.move(page.pose_commands(self.scene))
+        self.window.tell(page.pose_message(self.scene), mover)
+        if mover and self._listeners:
+            self._news.put(q)
+
+    def on_change(self, callback: Callable[[FloatArray], object]) -> Callable[[FloatArray], object]:
+        """Call a function with q (nq,) whenever a page has moved the arm; also a decorator.
+
+        It runs in a thread of its own and may call `display`. While it is busy, older positions give
+        way to the newest.
+        """
+        if not self._listeners:
+            threading.Thread(target=self._listen, name="alpha5-on-change", daemon=True).start()
+        self._listeners.append(callback)
+        return callback
+
+    def _listen(self) -> None:
+        while (q := self._news.get()) is not None:
+            if self._news.empty():
+                for callback in self._listeners:
+                    try:
+                        callback(q)
+                    except Exception:
+                        logging.getLogger(__name__).exception("on_change")
 
     def play(self, q: ArrayLike, dt: float) -> float:
         """Play joint positions in real time, dropping frames rather than falling behind.
+
+        Within `create_video_ctx` they go into the video instead, at its rate.
 
         Args:
             q: (N, nq), one row for each time step.
@@ -201,6 +298,11 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
             raise ShapeError("q", track.shape, f"shape (N, {self.arm.model.nq})")
         step = real("dt", dt, minimum=0.0, strict=True)
         start, row = time.perf_counter(), -1
+        if self._video is not None:
+            fps, size, add = self._video
+            for row in frame_rows(np.arange(float(len(track))) * step, fps):
+                self.display(track[row])
+                add(self.captureImage(*size))
         while row < len(track) - 1:
             passed = time.perf_counter() - start
             due = min(int(passed / step), len(track) - 1)
@@ -217,9 +319,80 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
             if group not in DRAWN:
                 raise InputError("group", group, f"one of {', '.join(DRAWN)}")
             self.window.send(page.set_visible(group, visible))
-            others = tuple(name for name in self.scene.show if name != group)
-            self.scene = replace(self.scene, show=(*others, group) if visible else others)
+            others = [name for name in self.scene.show if name != group]
+            self._alter(show=(*others, group) if visible else tuple(others))
+
+    def displayVisuals(self, visibility: bool) -> None:
+        """Show or hide the bodies."""
+        self.show("bodies", visible=visibility)
+
+    def displayCollisions(self, visibility: bool) -> None:
+        """Show or hide the collision bodies."""
+        self.show("collision", visible=visibility)
+
+    def displayFrames(self, visibility: bool) -> None:
+        """Show or hide the link frames."""
+        self.show("frames", visible=visibility)
+
+    def setCameraPreset(self, preset_key: str) -> None:
+        """Look from one of `alpha5_model.view.scene.VIEWS` at all that is shown."""
+        s, view = self.scene, choice("view", preset_key, tuple(VIEWS))
+        self._look(**vars(framing(s.shapes, s.poses, s.show, view=view)))
+
+    def setCameraTarget(self, target: ArrayLike) -> None:
+        """Look at a point of the world, (3,) [m]."""
+        self._look(target=shaped("target", target, (3,)))
+
+    def setCameraPosition(self, position: ArrayLike) -> None:
+        """Look from a point of the world, (3,) [m]."""
+        self._look(eye=shaped("position", position, (3,)))
+
+    def _look(self, **changes: Any) -> None:
+        camera = replace(self.scene.camera, **changes)
+        eye, target = camera.eye.tolist(), camera.target.tolist()
+        self._alter(camera=camera)
+        self.window.run(
+            lambda: self.window.tell(page.Command(type="camera", eye=eye, target=target))
+        )
+
+    def _alter(self, **changes: Any) -> None:
+        self.window.run(lambda: setattr(self, "scene", replace(self.scene, **changes)))
+
+    def captureImage(self, w: int = 1600, h: int = 1000) -> Pixels:
+        """The scene as the pages show it, drawn here, (h, w, 3)."""
+        return picture(self.scene, (w, h))
+
+    @contextmanager
+    def create_video_ctx(
+        self,
+        filename: PathLike | None = None,
+        fps: float = 30.0,
+        directory: PathLike | None = None,
+        size: tuple[int, int] = (1280, 720),
+    ) -> Iterator[Path]:
+        """Write what `play` shows within into a video, in the time in which it would be played.
+
+        Args:
+            filename: ``.mp4`` (extra ``video``) or ``.gif``; by default MP4, named by the time of day.
+            fps: Frames per second.
+            directory: Of the default name; the system's temporary folder if None.
+            size: Width and height in pixels.
+
+        Raises:
+            UnknownNameError, InputError: Another suffix; a size or rate that makes no video.
+            MissingDependencyError: imageio-ffmpeg is not installed.
+            OutputError: It cannot be written.
+        """
+        name = filename or time.strftime("%Y%m%d_%H%M%S.mp4")
+        path = Path("" if filename else directory or tempfile.gettempdir(), name)
+        with video(path, fps) as (rate, add):
+            self._video = rate, size, add
+            try:
+                yield path
+            finally:
+                self._video = None
 
     def close(self) -> None:
         """Stop the server and free its port."""
+        self._news.put(None)
         self.window.close()

@@ -1,34 +1,43 @@
-// A live server: its commands move the page, and the page says what a hand did.
-let unread = false;
+// A live server: poses both ways, Python's camera, and what to say when its program has ended.
 
-// The joint positions that the poses of the links in the scene stand for.
-function readScene() {
-  const values = data.sliders.map((name) => q[name]);
-  for (const joint of data.tree) {
-    if (!data.sliders.includes(joint.name)) continue;
-    const node = (link) => viewer.scene_tree.find(split(data.links[link])).object;
-    const [parent, child] = [node(joint.parent), node(joint.child)];
-    parent.updateMatrix();
-    child.updateMatrix();
-    const relative = parent.matrix.clone().multiply(joint.matrix).invert().multiply(child.matrix);
-    const [place, turn, scale] = [new THREE.Vector3(), new THREE.Quaternion(), new THREE.Vector3()];
-    relative.decompose(place, turn, scale);
-    let value = place.dot(joint.direction);
-    if (joint.kind !== "prismatic") {
-      value = 2 * Math.atan2(new THREE.Vector3(turn.x, turn.y, turn.z).dot(joint.direction), turn.w);
-      while (value < joint.lower - 1e-6) value += 2 * Math.PI;
-      while (value > joint.upper + 1e-6 && value - 2 * Math.PI >= joint.lower) value -= 2 * Math.PI;
-    }
-    values[data.sliders.indexOf(joint.name)] = value;
-  }
-  setPose(values, "python");
-}
-
-// Called with every command that came, after it was carried out.
+// Called with every command that came, after meshcat has seen it.
 function heard(command) {
-  if (command.type === "set_transform" && data.live && !unread) {
-    unread = true;
-    requestAnimationFrame(() => { unread = false; readScene(); });
+  if (command.type === "pose") {
+    data.root = command.root;
+    setPose(command.q, "python");
+  } else if (command.type === "camera") {
+    viewer.camera.position.set(...swap(command.eye));
+    viewer.controls.target.set(...swap(command.target));
+    viewer.controls.update();
   }
 }
-if (data.live) viewer.connect();
+
+function connect(notice) {
+  viewer.connect();
+  viewer.connection.onclose = () => {
+    notice.hidden = false;
+    setTimeout(() => connect(notice), 1000);
+  };
+  // The next program at this address may show another arm.
+  viewer.connection.onopen = () => { if (!notice.hidden) location.reload(); };
+}
+
+if (data.live) {
+  connect(added(document.body, "div", {
+    id: "lost",
+    role: "alert",
+    hidden: true,
+    textContent: "The program behind this page has ended. What you move here reaches it no more; the page connects again when it is back.",
+  }));
+  // One message for each picture, however fast a hand is.
+  let waiting = false;
+  onPose((by) => {
+    if (waiting || (by !== "hand" && by !== "motion")) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      if (viewer.connection.readyState !== WebSocket.OPEN) return;
+      viewer.connection.send(JSON.stringify({ q: data.sliders.map((name) => q[name]) }));
+    });
+  });
+}
