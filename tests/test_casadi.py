@@ -14,7 +14,7 @@ from ik_targets import ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model.c_library.vectors import answer
+from alpha5_model.c_library.source import answer
 from alpha5_model.casadi import load
 from alpha5_model.errors import MissingDependencyError
 

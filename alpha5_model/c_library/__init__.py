@@ -39,6 +39,11 @@ class COptions:
     real: str = "double"
     parameters: str = "folded"
 
+    @property
+    def struct(self) -> bool:
+        """Whether the functions take the parameters."""
+        return self.parameters == "struct"
+
     def __post_init__(self) -> None:
         choice("real", self.real, REALS)
         choice("parameters", self.parameters, PARAMETERS)
@@ -53,16 +58,16 @@ def c_files(options: COptions | None = None) -> dict[str, bytes]:
         MissingDependencyError: CasADi is not installed.
     """
     # Late: Pinocchio and CasADi come with these.
-    from alpha5_model.c_library import source, vectors
+    from alpha5_model.c_library import source
     from alpha5_model.dynamics import load
 
     o = options or COptions()
     arm = load(o.fluid_density, gravity=o.gravity, corrections=o.corrections)
-    made = source.programs(arm, o.real, struct=o.parameters == "struct")
+    made = source.programs(arm, o)
     texts = {
-        "alpha5.h": source.header(arm, made, o.real, tuple(o.corrections)),
-        "alpha5.c": source.source(arm, made, o.real),
-        "test_alpha5.c": vectors.check_program(arm, made, o.real),
+        "alpha5.h": source.header(arm, made, o),
+        "alpha5.c": source.source(arm, made, o),
+        "test_alpha5.c": source.check_program(arm, made, o),
         "CMakeLists.txt": source.template("CMakeLists.txt"),
     }
     return {name: text.encode() for name, text in texts.items()}

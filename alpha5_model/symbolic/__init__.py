@@ -19,9 +19,8 @@ except ImportError:
     what = "making code of the equations"
     raise MissingDependencyError("casadi", what, "pip install casadi") from None
 
-from alpha5_model.symbolic.dynamics import dynamics
+from alpha5_model.symbolic.dynamics import dynamics, in_moving_water
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
-from alpha5_model.symbolic.moving_water import in_moving_water
 from alpha5_model.symbolic.program import WORDS, folded
 
 #: Name -> what it is, of the functions that users get, in order.

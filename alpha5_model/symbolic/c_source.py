@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from itertools import chain
 
 from alpha5_model.checks import LARGEST
-from alpha5_model.symbolic.languages import DOUBLE, VECTOR, statements
-from alpha5_model.symbolic.program import Program, Slot, Step
+from alpha5_model.symbolic.program import Program, Slot, Step, statements
 
 #: Name of the input that a kernel makes constants of.
 PARAMETERS = "parameters"
@@ -70,7 +69,7 @@ def _body(body: Program) -> str:
     def element(slot: Slot, i: int) -> str:
         return f"SPLAT(k[{i}])" if slot.name == "k" else f"LOAD({places[slot.name] + i})"
 
-    lines, results = statements(body, VECTOR, element)
+    lines, results = statements(body, "vector", element)
     lines += [f"STORE({i}, {value})" for i, value in enumerate(chain(*results))]
     text = "".join(f"    {line}\n" for line in lines)
     return f"KERNEL({body.name})\n{{\n    INTEGER rare = BITS(SPLAT(0.0));\n    (void)k;\n{text}    return ORDINARY(rare);\n}}\n"
@@ -79,7 +78,7 @@ def _body(body: Program) -> str:
 def _table(split: Sequence[tuple[Program, Program]]) -> str:
     functions, rows, sizes = "", "", []
     for constants, body in split:
-        lines, (results,) = statements(constants, DOUBLE, lambda _, i: f"p[{i}]")
+        lines, (results,) = statements(constants, "double", lambda _, i: f"p[{i}]")
         lines += [f"k[{i}] = {value};" for i, value in enumerate(results)]
         text = "".join(f"    {line}\n" for line in lines)
         functions += f"PREPARE({body.name})\n{{\n    (void)p, (void)k;\n{text}}}\n"

@@ -13,15 +13,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import casadi
+import numpy as np
 from casadi import SX, cross, horzcat, vertcat, vertsplit
 
 from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.parameters import parameters
+from alpha5_model.water_parameters import STRIPS, WATER_PARAMETERS
 
 JOINTS = 4
+#: Gauss's points on a strip, as many as `alpha5_model.hydrodynamics.gauss_points`.
+POINTS = 8
 #: Of a link's number, velocity relative to the water, angular velocity, acceleration, angular acceleration: force, moment.
 Load = Callable[[int, SX, SX, SX, SX], tuple[SX, SX]]
 
@@ -204,45 +209,124 @@ def dynamics() -> tuple[casadi.Function, ...]:
     acceleration = casadi.ldl_solve(tau - bias, *factors)
     mobility = casadi.tril2symm(casadi.tril(casadi.ldl_solve(SX.eye(JOINTS), *factors)))
     pushed = casadi.substitute(by["q"][0], a, acceleration)
-    every: dict[str, tuple[str, dict[str, SX]]] = {
-        "forward_kinematics": ("q", {"tcp": tip}),
-        "link_poses": ("q", {f"link_{i}": pose for i, pose in enumerate(links, 1)}),
-        "jacobian": ("q", {"jacobian": jacobian(q)}),
-        "gravity_torque": ("q parameters", {"tau": weight}),
-        "buoyancy_torque": ("q parameters", {"tau": weight - holding}),
-        "hydrostatic_torque": ("q parameters", {"tau": holding}),
-        "hydrostatic_torque_derivative": ("q parameters", {"tau_q": casadi.jacobian(holding, q)}),
-        "mass_matrix": ("q parameters", {"tau_a": mass}),
-        "coriolis_torque": ("q v parameters", {"tau": coriolis}),
-        "coriolis_matrix": ("q v parameters", {"coriolis": casadi.jacobian(coriolis, v) / 2}),
-        "nonlinear_effects": ("q v parameters", {"tau": bias}),
-        "inverse_dynamics": ("q v a parameters", {"tau": torque}),
-        "inverse_dynamics_derivatives": (
-            "q v a parameters",
-            {"tau_q": by["q"][0], "tau_v": by["v"][0], "tau_a": mass},
-        ),
-        "base_wrench": ("q v a parameters", {"wrench": wrench}),
-        "inverse_dynamics_with_base_wrench": (
-            "q v a parameters",
-            {"tau": torque, "wrench": wrench},
-        ),
-        "base_wrench_derivatives": (
-            "q v a parameters",
-            {"wrench_q": by["q"][1], "wrench_v": by["v"][1], "wrench_a": by["a"][1]},
-        ),
-        "forward_dynamics": ("q v tau parameters", {"a": acceleration}),
-        "forward_dynamics_derivatives": (
-            "q v tau parameters",
-            {"a_q": -mobility @ pushed, "a_v": -mobility @ by["v"][0], "a_tau": mobility},
-        ),
+    every = {
+        "forward_kinematics": {"tcp": tip},
+        "link_poses": {f"link_{i}": pose for i, pose in enumerate(links, 1)},
+        "jacobian": {"jacobian": jacobian(q)},
+        "gravity_torque": {"tau": weight},
+        "buoyancy_torque": {"tau": weight - holding},
+        "hydrostatic_torque": {"tau": holding},
+        "hydrostatic_torque_derivative": {"tau_q": casadi.jacobian(holding, q)},
+        "mass_matrix": {"tau_a": mass},
+        "coriolis_torque": {"tau": coriolis},
+        "coriolis_matrix": {"coriolis": casadi.jacobian(coriolis, v) / 2},
+        "nonlinear_effects": {"tau": bias},
+        "inverse_dynamics": {"tau": torque},
+        "inverse_dynamics_derivatives": {"tau_q": by["q"][0], "tau_v": by["v"][0], "tau_a": mass},
+        "base_wrench": {"wrench": wrench},
+        "inverse_dynamics_with_base_wrench": {"tau": torque, "wrench": wrench},
+        "base_wrench_derivatives": {f"wrench_{name}": by[name][1] for name in "qva"},
+        "forward_dynamics": {"a": acceleration},
+        "forward_dynamics_derivatives": {
+            "a_q": -mobility @ pushed,
+            "a_v": -mobility @ by["v"][0],
+            "a_tau": mobility,
+        },
     }
-    return tuple(
-        casadi.Function(
-            name,
-            [inputs[one] for one in given.split()],
-            [casadi.densify(x) for x in outputs.values()],
-            given.split(),
-            [*outputs],
-        )
-        for name, (given, outputs) in every.items()
+    return tuple(_function(name, inputs, outputs) for name, outputs in every.items())
+
+
+def _function(name: str, inputs: dict[str, SX], outputs: dict[str, SX]) -> casadi.Function:
+    """Of those inputs that the outputs depend on."""
+    dense = [casadi.densify(x) for x in outputs.values()]
+    used = {str(x) for x in casadi.symvar(casadi.veccat(*dense))}
+    given = {k: x for k, x in inputs.items() if used & {*map(str, vertsplit(x))}}
+    return casadi.Function(name, [*given.values()], dense, [*given], [*outputs])
+
+
+def in_moving_water() -> tuple[casadi.Function, ...]:
+    """Inverse and forward dynamics; inputs as of `dynamics`, and the current.
+
+    The parameters are the base parameters with what the water adds to them, then `WATER_PARAMETERS`.
+    """
+    q, v, a, tau = (SX.sym(name, JOINTS) for name in ("q", "v", "a", "tau"))
+    current, still = SX.sym("current", 3), SX.zeros(JOINTS)
+    p = SX.sym("parameters", len(BASE_PARAMETERS) + len(WATER_PARAMETERS))
+    base, water = vertsplit(p, [0, len(BASE_PARAMETERS), p.shape[0]])
+    load = partial(_load, water)
+    torque, _ = newton_euler(q, v, a, base, current, load)
+    bias, _ = newton_euler(q, v, still, base, current, load)
+    at_rest, _ = newton_euler(q, still, a, weightless(base), SX.zeros(3), load)
+    mass = casadi.tril2symm(casadi.tril(casadi.jacobian(at_rest, a)))
+    acceleration = casadi.ldl_solve(tau - bias, *casadi.ldl(mass, False))
+    inputs = {"q": q, "v": v, "a": a, "tau": tau, "current": current, "parameters": p}
+    return (
+        _function("inverse_dynamics_in_current", inputs, {"tau": torque}),
+        _function("forward_dynamics_in_current", inputs, {"a": acceleration}),
     )
+
+
+def _load(
+    parameters: SX, link: int, velocity: SX, omega: SX, acceleration: SX, alpha: SX
+) -> tuple[SX, SX]:
+    """Force and moment about the origin that a link spends on the water, beside those of a rigid body, in its axes.
+
+    Args:
+        parameters: Values of `WATER_PARAMETERS`.
+        link: 1 to 4.
+        velocity: Of its origin relative to the water.
+        omega, alpha: Angular velocity and acceleration.
+        acceleration: Of its origin.
+    """
+    p = dict(zip(WATER_PARAMETERS, vertsplit(parameters), strict=True))
+    p[f"link_{link}.bzz"] = SX(0)
+    b, c = (_symmetric([p[f"link_{link}.{block}{at}"] for at in _LOWER]) for block in "bc")
+    rate = acceleration - cross(omega, velocity)
+    momentum, turning = b @ velocity + c @ omega, c @ velocity
+    force = b @ rate + c @ alpha + cross(omega, momentum)
+    moment = c @ rate + cross(omega, turning) + cross(velocity, momentum)
+    for k, (carrier, axis) in enumerate(STRIPS):
+        if carrier == link:
+            numbers = [p[name] for name in WATER_PARAMETERS if name.startswith(f"strip_{k}.")]
+            drag, about = _strip(axis, velocity, omega, vertcat(*numbers[:3]), *numbers[3:])
+            force, moment = force + drag, moment + about
+    return force, moment
+
+
+_LOWER = ("xx", "xy", "xz", "yy", "yz", "zz")
+
+
+def _symmetric(entries: list[SX]) -> SX:
+    xx, xy, xz, yy, yz, zz = entries
+    return vertcat(*(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))))
+
+
+def _strip(
+    axis: int, velocity: SX, omega: SX, middle: SX, half: SX, across: SX, along: SX
+) -> tuple[SX, SX]:
+    """Force of a strip along an axis of its link, and moment about the origin.
+
+    Along it the velocity across is ``u + t w`` for t from -1 to 1: the sums of the speeds, times t and times t^2,
+    over Gauss's points are all that force and moment need of them.
+    """
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    there = velocity + cross(omega, middle)
+    u, w = (there[one], there[other]), (half * omega[other], -half * omega[one])
+    uu, uw, ww = u[0] ** 2 + u[1] ** 2, u[0] * w[0] + u[1] * w[1], w[0] ** 2 + w[1] ** 2
+    speeds = first = second = SX(0)
+    for t, weight in zip(*np.polynomial.legendre.leggauss(POINTS), strict=True):
+        if t > 0:  # and its mirror image
+            even, odd = uu + t**2 * ww, 2 * t * uw
+            ahead, behind = (casadi.sqrt(casadi.fabs(x)) for x in (even + odd, even - odd))
+            both = weight / 2 * (ahead + behind)
+            speeds, second = speeds + both, second + t**2 * both
+            first += t * weight / 2 * (ahead - behind)
+    speeds, first, second = across * speeds, across * first, half * across * second
+    force, moment = SX.zeros(3), SX.zeros(3)
+    force[axis] = along * casadi.fabs(there[axis]) * there[axis]
+    for at, x, y in zip((one, other), u, w, strict=True):
+        force[at] = speeds * x + first * y
+    lever = half * first
+    moment[one] = -(lever * u[1] + second * w[1])
+    moment[other] = lever * u[0] + second * w[0]
+    return force, moment + cross(middle, force)

@@ -1,4 +1,4 @@
-"""A CasADi function as a straight line of instructions: what every emitter of code walks along.
+"""A CasADi function as a straight line of instructions, and these as statements of a language.
 
 Each register is written once. Equal expressions are computed once, and the sine and cosine of one
 angle stand next to each other, so that an emitter can make one call of the two.
@@ -6,8 +6,9 @@ angle stand next to each other, so that an emitter can make one call of the two.
 
 from __future__ import annotations
 
+import math
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,9 +27,10 @@ _OTHERS = ("const", "input", "output", "assign")
 _NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *DECISIONS, *_OTHERS)}
 _COMMUTATIVE = ("add", "mul")
 
-#: What goes in and comes out, and what computes it, by name.
-WORDS: dict[str, dict[str, str]] = tomllib.loads(
-    Path(__file__).with_name("words.toml").read_text("utf-8")
+#: What goes in and comes out, and what computes it, by name; how languages write an operation.
+WORDS, _LANGUAGES = (
+    tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
+    for name in ("words.toml", "languages.toml")
 )
 
 
@@ -198,3 +200,58 @@ def folded(function: casadi.Function, **values: Any) -> casadi.Function:
     given = [free.get(name, casadi.DM(values.get(name, 0))) for name in function.name_in()]
     outputs = [casadi.densify(out) for out in function.call(given)]
     return casadi.Function(function.name(), [*free.values()], outputs, [*free], function.name_out())
+
+
+def _table(language: str) -> dict[str, str]:
+    return {**_LANGUAGES["double"], **_LANGUAGES[language]}
+
+
+def constant(value: float, language: str) -> str:
+    """A number."""
+    table = _table(language)
+    text = table["nan"] if math.isnan(value) else table["constant"].format(repr(value))
+    return f"({text})" if value < 0.0 else text
+
+
+def statements(
+    program: Program, language: str, element: Callable[[Slot, int], str], reuse: bool = False
+) -> tuple[list[str], list[list[str]]]:
+    """A program's statements, and what stands for the elements of each output.
+
+    Everything that comes in is read first, so that what goes out may take its place.
+
+    Args:
+        program: What to compute.
+        language: How to write it.
+        element: Text of an element of an input.
+        reuse: Give names again, so that memory is.
+    """
+    steps = sorted(program.steps, key=lambda step: step.op != "input")
+    last = {r: i for i, step in enumerate(steps) for r in step.read}
+    last |= {r: len(steps) for step in steps if step.op == "output" for r in step.read}
+    table, names, flags = _table(language), dict[int, str](), set[int]()
+    free, lines = list[str](), list[str]()
+    results = [[""] * slot.size for slot in program.outputs]
+    for i, (op, register, arguments, value) in enumerate(steps):
+        if op == "output":
+            slot, index, source = arguments
+            text = table["flag"] if source in flags else "{}"
+            results[slot][index] = text.format(names[source])
+        elif op == "const":
+            names[register] = constant(float(value or 0.0), language)
+        else:
+            if op == "input":
+                text = element(program.inputs[arguments[0]], arguments[1])
+            else:
+                text = table[op].format(*(names[r] for r in arguments))
+            done = (names[r] for r in {*steps[i].read} if reuse and last[r] == i)
+            free += [name for name in done if name.startswith("r")]
+            names[register] = name = free.pop() if free else f"r{register}"
+            flags |= {register} if op in TRUTHS else set()
+            lines.append(table["truth" if op in TRUTHS else "number"].format(name, text))
+    return lines, results
+
+
+def element(slot: Slot, index: int) -> str:
+    """An element of an array, or the number itself."""
+    return slot.name if slot.shape == (1,) else f"{slot.name}[{index}]"

@@ -40,9 +40,7 @@ static const struct {
     alpha5_real position[3], wrist;
     int exists[4], within_limits[4], singular, known;
     alpha5_real q[4];
-} targets[] = {
-$targets
-};
+} targets[] = $targets;
 
 static void test_inverse_kinematics(void)
 {
