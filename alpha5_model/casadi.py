@@ -18,7 +18,7 @@ from typing import Any
 from alpha5_model.checks import flag, instance
 from alpha5_model.dynamics import load as load_arm
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernels import arm_parameters
+from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.kinematics.plane import DOUBLE
 from alpha5_model.symbolic import SUMMARIES, products
 from alpha5_model.symbolic.program import folded, program

@@ -23,7 +23,7 @@ import numpy as np
 from alpha5_model.checks import instance
 from alpha5_model.dynamics import load as load_arm
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernels import arm_parameters
+from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.errors import MissingDependencyError, ShapeError
 from alpha5_model.kernels.generated import formulas, products
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE

@@ -279,11 +279,11 @@ def test_what_is_asked_of_the_arm_in_still_water():
         *("approach_directions", "buoyancy_torque", "buoyancy_wrenches", "center_of_buoyancy"),
         *("center_of_mass", "collision_distance", "data", "forward_kinematics", "gravity_torque"),
         *("hydrostatic_torque", "hydrostatic_torque_derivative", "in_collision", "jacobian"),
-        *("joint_names", "potential_energy", "with_hydrodynamics"),
+        *("joint_names", "potential_energy", "regressor", "with_hydrodynamics"),
     }
     wet = a5.load().with_hydrodynamics()
     assert wet.fluid_density == RHO
-    for name in ("with_hydrodynamics", "_clean_q", "nothing_like_this"):
+    for name in ("with_hydrodynamics", "regressor", "_clean_q", "nothing_like_this"):
         with pytest.raises(AttributeError):
             getattr(wet, name)
 

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 
 from alpha5_model.checks import LARGEST
+from alpha5_model.kernels import numpy_kernels
 from alpha5_model.symbolic import functions
 from alpha5_model.symbolic.c_source import PARAMETERS
 from alpha5_model.symbolic.program import Program, program
@@ -362,3 +363,17 @@ def test_a_bound_kernel_outlives_who_made_it():
     gc.collect()
     assert function([2.0]) == ([2.0], None, 0.0)
     assert function(q).shape == (4,)
+
+
+@pytest.mark.parametrize("unfit", UNFIT)
+def test_what_is_a_state_is_known(unfit):
+    for kernels in (compiled, numpy_kernels):
+        assert kernels.is_state(4, 4, Q) is kernels.is_state(4, 4, Q, Q, Q) is True
+        assert kernels.is_state(7, 4, np.ones(7), Q)
+        assert not kernels.is_state(4, 7, np.ones(7), Q)
+        for place in range(3):
+            given = [Q, Q, Q]
+            given[place] = UNFIT[unfit]
+            assert kernels.is_state(4, 4, *given) is False
+    with pytest.raises(TypeError):
+        compiled.is_state("4", 4, Q)

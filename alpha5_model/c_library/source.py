@@ -17,7 +17,7 @@ from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies import provenance
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.kernels import arm_parameters
+from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.kinematics import plane
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.parameters import parameters

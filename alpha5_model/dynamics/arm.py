@@ -2,7 +2,7 @@
 
 A thin layer over Pinocchio: every method is one or two of its algorithms, on the arm and on the
 fluid that the arm displaces; batches run on generated kernels where those know the arm
-(`alpha5_model.dynamics.kernels`). The fluid acts by its pressure at rest (buoyancy) only. Drag and added
+(`alpha5_model.dynamics.batch`). The fluid acts by its pressure at rest (buoyancy) only. Drag and added
 mass, for which nothing is published, are estimated: `Arm.with_hydrodynamics` gives an arm that has
 them.
 
@@ -22,12 +22,17 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, instance, listed, real
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.batch import kernel_parameters, kernel_rows
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
-from alpha5_model.dynamics.hydrostatics import Displacement, displaced_fluid_model, net_weight_model
-from alpha5_model.dynamics.kernels import kernel_parameters, kernel_rows
-from alpha5_model.dynamics.models import on_free_flyer, with_body
+from alpha5_model.dynamics.hydrostatics import (
+    Displacement,
+    displaced_fluid_model,
+    net_weight_model,
+    on_free_flyer,
+    with_body,
+)
 from alpha5_model.dynamics.regressor import Regressor, regressor
-from alpha5_model.dynamics.states import forces, motion_check, position_check, rows, state_check
+from alpha5_model.dynamics.states import forces, rows, state_check
 from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
@@ -36,6 +41,7 @@ from alpha5_model.kinematics import approach
 
 # Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
 _Algorithm = Callable[..., FloatArray]
+_Clean = Callable[..., Sequence[FloatArray]]
 _rnea: _Algorithm = pin.rnea
 _aba: _Algorithm = pin.aba
 _crba: _Algorithm = pin.crba
@@ -95,7 +101,7 @@ class Arm:
         self.floating_base = model.joints[1].nq == 7
         self._net = net_weight_model(model, self._fluid)
         self._own = batch.Scratch(self._model, self._fluid, self._net, self.model)
-        self._clean_q = position_check(self._model)
+        self._clean_q: _Algorithm = state_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         # Pinocchio leaves bodies fixed to the universe (link_0 on a fixed base) out of its sums.
         moving = sum(inertia.mass for inertia in list(model.inertias)[1:])
@@ -107,9 +113,9 @@ class Arm:
         self._link_0_load = net * -model.gravity  # holds what is fixed to the universe
         self._fixed_potential = float(-net.mass * (model.gravity.linear @ net.lever))
         self._volume = sum(body.volume for body in self.displacements)
-        self._clean_qv = state_check(self._model)
-        self._clean_qva = motion_check(self._model, "a")
-        self._clean_qvtau = motion_check(self._model, "tau")
+        self._clean_qv: _Clean = state_check(self._model, "v")
+        self._clean_qva: _Clean = state_check(self._model, "v", "a")
+        self._clean_qvtau: _Clean = state_check(self._model, "v", "tau")
 
     @property
     def data(self) -> Any:

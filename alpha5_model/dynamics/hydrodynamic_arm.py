@@ -17,10 +17,8 @@ from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
 from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
-from alpha5_model.dynamics.batch import solved_rows
-from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree
-from alpha5_model.dynamics.kernels import kernel_rows
-from alpha5_model.dynamics.moving_water import JointWater
+from alpha5_model.dynamics.batch import kernel_rows, solved_rows
+from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree, JointWater
 from alpha5_model.dynamics.states import forces, rows, vector
 from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
@@ -56,8 +54,8 @@ class HydrodynamicArm:
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def __getattr__(self, name: str) -> Any:
-        # Moving water changes nothing of what this class does not define.
-        if name.startswith("_") or name in ("still", "with_hydrodynamics"):
+        # Moving water changes nothing of what this class does not define, or has no such thing.
+        if name.startswith("_") or name in ("still", "with_hydrodynamics", "regressor"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return getattr(self.still, name)
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from alpha5_model import kernels
 from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.checks import FloatArray
-from alpha5_model.dynamics.kernels import arm_parameters
+from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.dynamics.states import rows
 
 #: Those that are no gravity.

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
-from alpha5_model.dynamics.kernels import kernel_rows
+from alpha5_model.dynamics.batch import kernel_rows
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import LEVELS

@@ -1,22 +1,21 @@
-"""Input checks of states, one or many: of one in a tenth of the microsecond that Pinocchio takes.
+"""Input checks of states, one or many.
 
-``hypot(*x.tolist()) < LARGEST`` tells a clean vector in 0.1 us where ``numpy.isfinite(x).all()``
-takes 1 us. What is not plainly clean (a list, integers, a wrong shape, NaN, masked, too large, no
-unit quaternion) goes through `vector`, which converts it or says what is wrong.
+One state that is plainly clean is known by a single call. What is not (a list, integers, a wrong shape,
+NaN, masked, too large, no unit quaternion) goes through `vector`, which converts it or says what is wrong.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot, isfinite
+from math import isfinite
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from alpha5_model import kernels
 from alpha5_model.checks import (
-    LARGEST,
     ROTATION_TOLERANCE,
     FloatArray,
     bounded,
@@ -26,72 +25,20 @@ from alpha5_model.checks import (
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
-_ARRAY, _FLOAT64, _normalized = np.ndarray, np.dtype(np.float64), pin.isNormalized
 
+def state_check(model: Any, *rates: str) -> Callable[..., Any]:
+    """A function of q and of rates with these names, which raises if they cannot be used.
 
-def position_check(model: Any) -> Callable[[Any], FloatArray]:
-    """A function that returns q, converted if need be, or raises if it cannot be used."""
-    nq, fixed = model.nq, model.nq == model.nv
+    It returns them, converted if need be: q alone, or all of them.
+    """
+    nq, nv, plain = model.nq, model.nv, kernels.module().is_state
+    normalized = pin.isNormalized if nq > nv else lambda *_: True
 
-    def check(q: Any) -> Any:
-        try:
-            if (
-                type(q) is _ARRAY
-                and q.dtype is _FLOAT64
-                and len(q) == nq
-                and hypot(*q.tolist()) < LARGEST  # a second axis would make it a list of lists
-                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
-            ):
-                return q
-        except TypeError:
-            pass
-        return state_vectors(model, q)[0]
-
-    return check
-
-
-def state_check(model: Any) -> Callable[[Any, Any], tuple[FloatArray, FloatArray]]:
-    """The same for q and v."""
-    nq, nv, fixed = model.nq, model.nv, model.nq == model.nv
-
-    def check(q: Any, v: Any) -> Any:
-        try:
-            if (
-                type(q) is type(v) is _ARRAY
-                and q.dtype is v.dtype is _FLOAT64
-                and len(q) == nq
-                and len(v) == nv
-                and hypot(*q.tolist(), *v.tolist()) < LARGEST
-                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
-            ):
-                return q, v
-        except TypeError:
-            pass
-        return state_vectors(model, q, v=v)
-
-    return check
-
-
-def motion_check(
-    model: Any, name: str
-) -> Callable[[Any, Any, Any], tuple[FloatArray, FloatArray, FloatArray]]:
-    """The same for q, v and a third vector of the length of v."""
-    nq, nv, fixed = model.nq, model.nv, model.nq == model.nv
-
-    def check(q: Any, v: Any, x: Any) -> Any:
-        try:
-            if (
-                type(q) is type(v) is type(x) is _ARRAY
-                and q.dtype is v.dtype is x.dtype is _FLOAT64
-                and len(q) == nq
-                and len(v) == nv == len(x)
-                and hypot(*q.tolist(), *v.tolist(), *x.tolist()) < LARGEST
-                and (fixed or _normalized(model, q, ROTATION_TOLERANCE))
-            ):
-                return q, v, x
-        except TypeError:
-            pass
-        return state_vectors(model, q, v=v, **{name: x})
+    def check(*state: Any) -> Any:
+        if plain(nq, nv, *state) and normalized(model, state[0], ROTATION_TOLERANCE):
+            return state if rates else state[0]
+        clean = state_vectors(model, state[0], **dict(zip(rates, state[1:], strict=True)))
+        return clean if rates else clean[0]
 
     return check
 

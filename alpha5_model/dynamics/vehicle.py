@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, bounded, frozen, instance, real, rigid_transform, shaped
-from alpha5_model.dynamics.models import on_free_flyer, with_body
+from alpha5_model.dynamics.hydrostatics import on_free_flyer, with_body
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
 

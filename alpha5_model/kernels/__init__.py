@@ -27,8 +27,9 @@ def module() -> Any:
     """The module with ``bind(name, parameters)`` and ``batch(name, parameters, *inputs, *outputs)``.
 
     ``bind`` returns a function that keeps the constants of its parameters, takes the kernel's inputs
-    and returns a new array, or a tuple of them where there are several outputs; None if an input is
-    not a C-contiguous float64 array of the right shape with finite numbers of at most `LARGEST`.
+    and returns a new array, or a tuple of them where there are several outputs; None, or what a third
+    argument makes of them, if an input is not a C-contiguous float64 array of the right shape with
+    finite numbers of at most `LARGEST`. ``is_state(nq, nv, q, *rates)`` asks just that.
 
     ``batch`` takes arrays with one state in each row and writes the outputs; False, and nothing in
     them to rely on, in the same cases. Threads that compute at the same time do not wait for each

@@ -212,6 +212,21 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
     return PyBool_FromLong(good);
 }
 
+static PyObject *is_state(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
+{
+    (void)module;
+    long length = -1;
+    for (Py_ssize_t i = 2; i < count; i++) {
+        PyArrayObject *array = (PyArrayObject *)arguments[i];
+        if (i < 4)
+            length = PyLong_AsLong(arguments[i - 2]);
+        if (!plain(arguments[i], NPY_ARRAY_CARRAY_RO) || PyArray_NDIM(array) != 1
+            || PyArray_DIM(array, 0) != length || !clean(PyArray_DATA(array), length))
+            return PyErr_Occurred() ? NULL : PyBool_FromLong(0);
+    }
+    return PyBool_FromLong(length >= 0);
+}
+
 static PyObject *width(PyObject *module, PyObject *most)
 {
     (void)module;
@@ -237,6 +252,9 @@ static PyMethodDef methods[] = {
      "Each array holds one state in each row, outputs are written. False, and nothing in the outputs\n"
      "to rely on, if an array is not C-contiguous float64 with n rows of the right size, or an entry\n"
      "is not finite or too large. Other threads run meanwhile."},
+    {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
+     "is_state(nq, nv, q, *rates) -> whether q is a C-contiguous float64 array (nq,), the others are (nv,),\n"
+     "and all entries are finite and of a size that can be computed with."},
     {"inverse_kinematics", (PyCFunction)(void (*)(void))inverse_kinematics, METH_FASTCALL,
      "inverse_kinematics(kind, position, wrist) -> kind, a named tuple of the five arrays of Solutions.\n\n"
      "None where position is not a float64 array (3,) or a list or tuple of three floats, wrist not a\n"

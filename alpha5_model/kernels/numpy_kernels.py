@@ -134,9 +134,16 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
     return tuple.__new__(kind, answer)
 
 
+def is_state(nq: int, nv: int, *state: Any) -> bool:
+    """Whether q is a C-contiguous float64 array (nq,), the others are (nv,), and all can be computed with."""
+    return all(map(_clean, state, [(nq,)] + [(nv,)] * len(state)))
+
+
 def _plain(x: Any) -> bool:
-    return type(x) is np.ndarray and x.dtype == np.float64 and x.flags.c_contiguous
+    if type(x) is not np.ndarray or x.dtype != np.float64:
+        return False
+    return x.flags.c_contiguous and x.flags.aligned
 
 
 def _clean(x: Any, shape: tuple[int, ...]) -> bool:
-    return _plain(x) and x.shape == shape and all(abs(e) <= LARGEST for e in x.ravel().tolist())
+    return _plain(x) and x.shape == shape and all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))

@@ -81,6 +81,15 @@ static void choose(long width)
 
 /* ---- one state, and rows of states ---- */
 
+/* Whether all numbers can be computed with; NaN cannot. */
+static int clean(const double *x, ptrdiff_t size)
+{
+    int good = 1;
+    for (ptrdiff_t i = 0; i < size; i++)
+        good &= fabs(x[i]) <= LARGEST;
+    return good;
+}
+
 /* One state, of which each input lies elsewhere; whether it can be computed. */
 static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
 {
