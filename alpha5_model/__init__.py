@@ -6,6 +6,7 @@ Pinocchio, xacro, meshcat and matplotlib are imported when something that needs 
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,12 @@ from alpha5_model.published import published
 from alpha5_model.view import view
 
 __version__ = "0.1.0"
+
+# `import alpha5_model.parameters as P` gives the function, too, which stands in the module's place:
+# it has the module's names.
+for _function in (parameters, published, view):
+    _names = vars(sys.modules[_function.__module__]).items()
+    vars(_function).update({name: value for name, value in _names if name[:2] != "__"})
 
 if TYPE_CHECKING:
     from alpha5_model import actuators as actuators

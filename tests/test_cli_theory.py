@@ -21,6 +21,11 @@ from alpha5_model.view.planar_plot import new_axes, plot_planar, save
 SCRIPT = Path(__file__).resolve().parent.parent / "scripts" / "lecture_examples.py"
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")  # sentences stay whole
+
+
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
     status = main(list(args))
     out, err = capsys.readouterr()
@@ -129,10 +134,10 @@ def test_planar_as_json(capsys) -> None:
 def test_planar_does_not_contradict_itself(capsys) -> None:
     limits = ("-l", "-2.967 2.967") * 3
     _, out, _ = run(capsys, "planar", "5", "4", "1", *limits)
-    assert "about 155.8 m^2" in out
+    assert "about 155.8 m²" in out
     assert "necessary conditions satisfied" in out
     _, out, _ = run(capsys, "planar", "5", "4", "1", *("-l", "-1 1") * 3)
-    assert "about 0 m^2" in out
+    assert "about 0 m²" in out
     assert "not every orientation occurs" in out
 
 

@@ -103,7 +103,7 @@ def test_degrees_and_tilt(capsys):
     ("arguments", "message"),
     [
         (["--q", "1", "2", "nan", "0"], "q[2]"),
-        (["--q", "1", "2"], "4 arguments"),
+        (["--q", "1", "2"], "four numbers"),
         ([], "--q"),
         (["--q", "1", "2", "x", "0"], "--q"),
         (["--q", *text(Q), "--fluid", "mercury"], "sea, fresh, air"),

@@ -15,6 +15,11 @@ from alpha5_model.cli import main
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")  # sentences stay whole, paths of this machine too
+
+
 @pytest.fixture
 def motion_file(tmp_path: Path) -> Path:
     t = np.arange(0, 6, 0.02)
@@ -227,5 +232,5 @@ def test_recording_from_the_command_line(capsys: pytest.CaptureFixture[str]) -> 
             main(["trajectory", str(path), "--supply-voltage", "24", "--current-limit", "1"]) == 0
         )
         out = capsys.readouterr().out
-        for words in ("torque [N m]", "current [A]", "margin", *JOINTS, "axis_a"):
+        for words in ("torque", "N·m", "current", "left to the limits", *JOINTS, "axis_a"):
             assert words in out

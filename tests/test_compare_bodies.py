@@ -311,7 +311,7 @@ def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, mo
     assert "\x1b" not in out
     assert max(len(line) for line in out.splitlines()) <= 80
     assert "…" not in out
-    for unit, count in (("[g]", 1), ("[mm]", 3), ("[kg mm²]", 3)):
+    for unit, count in (("[g]", 1), ("[mm]", 3), ("[kg·mm²]", 3)):
         assert out.count(unit) == count
     rows = [
         line.split()
@@ -336,9 +336,9 @@ def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, mo
     said = " ".join(out.split())
     cost = found(compared(root, 5), "link_2", "mass ").cost
     text = "✗ link_2: mass 0.5 kg in place of 0.38 kg (1.32 times)"
-    assert f"{text} [{cost:.3g} N m]" in said
+    assert f"{text} [{cost:.3g} N·m]" in said
     assert 'write link_2: <mass value="0.38"/> ' in said
-    assert "[0 N m]" not in said
+    assert "[0 N·m]" not in said
     assert "The model differs: 4 findings." in said
     assert said.startswith(
         "alpha5: axis_e = axis_e, axis_d = axis_d, axis_c = axis_c, axis_b = axis_b "
@@ -375,4 +375,4 @@ def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(tmp_
     assert main(["compare", str(path), "--samples", str(SAMPLES)]) == 1
     said = " ".join(capsys.readouterr().out.split())
     gravity = gravity_difference(edited(OTHER_SIDE))
-    assert f"tip 0.800 mm, gravity torque in air {gravity:.4g} N m, mass matrix 0.0" in said
+    assert f"tip 0.800 mm, gravity torque in air {gravity:.4g} N·m, mass matrix 0.0" in said

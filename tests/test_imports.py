@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+import alpha5_model
+
 PACKAGE = Path(__file__).resolve().parent.parent / "alpha5_model"
 HEAVY = (
     "pinocchio",
@@ -27,7 +29,7 @@ HEAVY = (
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "checks", "files", "paths", "fluids", "spatial", "kernels"),
+    ("errors", "checks", "files", "paths", "text", "fluids", "spatial", "kernels"),
     ("published",),
     (
         "inertia",
@@ -219,3 +221,15 @@ def test_the_guard_lets_pass() -> None:
     assert (
         violations("from alpha5_model.inertia import combine", "alpha5_model.consistency.x") == []
     )
+
+
+def test_the_function_that_shadows_its_module_has_the_modules_names() -> None:
+    import alpha5_model.parameters as p
+    import alpha5_model.published.tables as tables
+
+    assert p.parameters is alpha5_model.parameters
+    assert p.JointRange is type(p.parameters().joints[0]).__mro__[1]
+    assert isinstance(p.published(), tables.Published)
+    public = {name for name in vars(sys.modules["alpha5_model.parameters"]) if name[0] != "_"}
+    assert all(getattr(p, name) is not None for name in public)
+    assert "__file__" not in vars(p)

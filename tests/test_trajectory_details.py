@@ -434,28 +434,36 @@ def record(**joint: Any) -> dict[str, Any]:
 
 TEXT = """\
 x.csv: 77 samples, 3.14 s
-  model: locked gripper, fluid 1025 kg/m^3, gravity (0, 0.5, -9.81) m/s^2
+  model: locked gripper, fluid 1025 kg/m³, gravity (0, 0.5, -9.81) m/s²
   smoothing: spline, 2 Hz (-3 dB); derivatives from positions
 
-  joint     torque [N m]  margin   current [A], interval     margin  speed [rad/s]  margin   range margin [rad]
-  axis_e           -1.25    7.75     -0.500  -0.625 .. -0.375       -          -0.75  +0.125                -0.25
+  peaks
+          torque  current  by friction's tolerance  speed
+             N·m        A                        A  rad/s
+  axis_e   -1.25   -0.500         -0.625 .. -0.375  -0.75
 
-  peak torque by cause [N m]    inertia   coriolis     weight   buoyancy   friction
-  axis_e                            0.5          0      2e-12          0          -
+  left to the limits, negative beyond them
+          torque  current   speed  range
+             N·m        A   rad/s    rad
+  axis_e    7.75        -  +0.125  -0.25
+
+  largest torque by cause
+          inertia  coriolis  weight  buoyancy  friction
+              N·m       N·m     N·m       N·m       N·m
+  axis_e      0.5         0   2e-12         0         -
 
   power: peak 4.5 W; drawn 50 J (40 .. 60), fed back 0.25 J, mechanical work 0.5 J
-  mount: force up to 6.5 N, moment up to 0.75 N m
-  TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m, \
-within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m
+  mount: force up to 6.5 N, moment up to 0.75 N·m
+  TCP: path 1.5 m, from (0.100, 0.000, 0.300) to (0.400, 0.500, 0.600) m,
+       within (0.000, -0.250, 0.125) .. (0.500, 0.750, 0.875) m
   warning: a gap: 2 x, first: line 9
-  note: a joint slower than 0.2% of its rated speed counts as at rest: friction holds it and \
-its motor needs the least current that keeps it there
-  note: torque is what the joint must carry; friction, at the motor, is a cause of its own and in the current
-  note: torque margins are to an effort of 9 N m (jaw rod 10 N) that every public model copies; \
-no rating is published
-  note: Table 4's K_t and K_v contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
+  note: below 0.2% of its rated speed a joint is at rest: friction holds it, its motor helps with \
+the least current
+  note: friction, at the motor, is a cause of its own; it is in the current, not in the torque
+  note: torque limits are the 9 N·m (jaw rod 10 N) of every public model; no rating is published
+  note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
 which leaves -5 J of the electrical energy unexplained
-  note: current margins need --supply-voltage and --current-limit; neither is published"""
+  note: current limits need --supply-voltage and --current-limit; neither is published"""
 
 
 def test_the_text_of_a_summary() -> None:
@@ -475,7 +483,7 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
         "\n  limit: axis_e is beyond its rated speed of 0.5 rad/s in 3 samples, up to 0.75\n"
         "  limit: axis_e is beyond the speed-torque limit in 4 samples\n" in said
     )
-    assert ".. -0.375  -0.500 " in said
+    assert "  axis_e    7.75   -0.500  -0.25" in said
     other = record(current_peak=None)
     other["time_unit_of_file"] = "ms"
     other["smoothing"] |= {"method": "interpolate", "bandwidth_hz": None}
@@ -483,7 +491,8 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
     said = a5.trajectory.text(other)
     assert said.startswith("x.csv: 77 samples, 3.14 s (time column in ms)\n")
     assert "  smoothing: interpolate; derivatives" in said
-    assert "7.75          (needs --screw-lead)          -          -0.75" in said
+    assert "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
+    assert "  axis_e    7.75        -  +0.125  -0.25" in said
     assert "used here: torque\n" not in said
     assert said.endswith("used here: torque")
 

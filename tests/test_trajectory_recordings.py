@@ -419,8 +419,12 @@ def test_recorded_effort_against_the_torque(
     assert efforts["axis_b"] is None
     assert efforts["axis_a"]["difference_rms_with_friction"] is None  # no screw lead, no friction
     text = a5.trajectory.text(record)
-    assert "recorded effort, less torque [N m]" in text
-    assert "recorded effort, less force [N]" in text
+    table = text.partition("recorded effort, and what it has more than the torque")[2]
+    assert [line.split()[0] for line in table.splitlines()[2:7]] == [
+        "N·m",
+        *("axis_e", "axis_d", "axis_c"),
+        "N",
+    ]
     row = next(
         line
         for line in text.splitlines()

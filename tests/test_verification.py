@@ -425,27 +425,40 @@ def test_the_report_fits_its_width(
         parts.append(
             f"{name} " + ", ".join(f"{found.count(v)} {w}" for w, v in words if v in found)
         )
-    assert "; ".join(parts) + "; files " in " ".join(" ".join(lines[-2:]).split())
-    text = "\n".join(lines)
+    assert " ".join("\n".join(lines).split()).startswith("; ".join(parts) + "; files ")
+    text = " ".join(" ".join(lines).split())
     assert not any("…" in line for line in lines)
-    for words in ("6.625 kg mm^2", "0 ± 1.4", "0.243 N m", "link 2, 3, 4", "alpha5_jaws.urdf"):
-        assert words in text
-    for words in ("81.53 ± 0.61 %", "at least 100  ", "2.72 N m/A", "Section 1.1, Table 1: row i"):
+    # One sentence a finding: where, what was measured, figure and bound with their unit.
+    for words in (
+        "differs Section 2.1, Table 2, link 0: largest distance between I_Link and I_COM carried "
+        "to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",
+        "that the two formulas recover: 81.53 ± 0.61 %, must be at least 100 %",
+        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: K_t / K_v of one motor, 1 in SI units: ",
+        "alpha5_jaws.urdf: 10 passed",
+    ):
         assert words in text
     assert "± 0 " not in text
+    assert "agrees" not in text
     claims, _, observed = text.partition("Observed in their numbers, not claimed by them")
-    assert "motor constants" in claims
-    assert "friction" not in claims
-    for topic in ("friction", "stall torque", "density"):
-        assert f"\n{topic}  " in observed
+    assert "K_t / K_v" in claims
+    for words in ("friction seen at the joint", "K_t U / R Gr eta", "mean density"):
+        assert words in observed
+        assert words not in claims
+    findings = [line for line in lines if line.startswith(("  differs  ", "  impossible  "))]
+    beyond = [row for row in a5.audit() if row.verdict != "agrees"]
+    assert len({r.topic for r in beyond}) < len(findings) <= len(beyond)
 
 
 def test_all_shows_every_row(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check"]) == 0
     short = capsys.readouterr().out
-    assert main(["check", "--all"]) == 0
-    assert "4.286 kg mm^2" in capsys.readouterr().out
-    assert "4.286 kg mm^2" not in short
+    for option in ("--verbose", "-v", "--all"):
+        assert main(["check", option]) == 0
+        every = " ".join(capsys.readouterr().out.split())
+        words = ("agrees", "4.286 kg·mm²", "worth 0.243 N·m", "worth 2.72 N·m/A")
+        for word in (*words, 'Table 1, "row i leads', "every file is what the generator"):
+            assert word in every
+            assert word not in short
 
 
 def test_a_failing_file_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -454,7 +467,7 @@ def test_a_failing_file_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert main(["check", "--urdf", str(file)]) == 1
     out = capsys.readouterr().out
     assert "it is I_Link" in " ".join(out.split())
-    assert "1 failed" in out.splitlines()[-1]
+    assert "1 failed" in out.splitlines()[0]
     assert "The documents against themselves" not in out
 
 

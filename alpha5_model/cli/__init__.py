@@ -15,16 +15,17 @@ from typing import Annotated, Any
 import typer
 
 from alpha5_model import __version__
+from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error
 
-#: Modules of this package, each with a function of its name, in the order of ``alpha5 --help``.
-COMMANDS: tuple[str, ...] = (
-    *("demo", "generate", "check", "compare", "torque", "trajectory", "ik", "workspace"),
-    *("dh", "planar", "view"),
-)
-#: Of commands with numbers as arguments, which may be negative: what is no option is an argument.
-_NUMBERS = {"ignore_unknown_options": True}
-_SETTINGS = {"ik": _NUMBERS, "dh": _NUMBERS, "planar": _NUMBERS}
+#: Command -> module of this package with a function of that name, in the order of ``alpha5 --help``.
+COMMANDS: dict[str, str] = {
+    **{"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"},
+    **{"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"},
+    **{"workspace": "geometry", "dh": "geometry", "planar": "geometry", "view": "view"},
+}
+#: With numbers as arguments, which may be negative: what is no option is an argument.
+_NUMBERS = {name: {"ignore_unknown_options": True} for name in ("fk", "ik", "dh", "planar")}
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
 _PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
@@ -57,18 +58,20 @@ def application(*commands: str) -> typer.Typer:
     app.callback()(_root)
     for name in commands or COMMANDS:
         function = _loaded(name) if commands else _outline(name)
-        app.command(name, context_settings=_SETTINGS.get(name))(function)
+        app.command(name, context_settings=_NUMBERS.get(name))(function)
     return app
 
 
 def _loaded(name: str) -> Callable[..., Any]:
-    function: Callable[..., Any] = getattr(import_module(f"alpha5_model.cli.{name}"), name)
+    function: Callable[..., Any] = getattr(
+        import_module(f"alpha5_model.cli.{COMMANDS[name]}"), name
+    )
     return function
 
 
 def _outline(name: str) -> Callable[[], None]:
     """A function with a command's help, made without loading what the command needs."""
-    module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
+    module = ast.parse(Path(__file__).with_name(f"{COMMANDS[name]}.py").read_text(encoding="utf-8"))
     (command,) = (n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name)
 
     def outline() -> None: ...
@@ -87,8 +90,9 @@ def main(args: Sequence[str] | None = None) -> int:
         Exit status: 0, 1 if a check failed, 2 if the input cannot be used or the output cannot be
         written (one line on stderr), 130 if interrupted.
     """
+    hints.clear()
     try:
-        words = list(sys.argv[1:] if args is None else args)
+        words = one_syntax(sys.argv[1:] if args is None else args)
         # One command is loaded, not all of them: each brings what it needs.
         app = application(*(word for word in words[:1] if word in COMMANDS))
         status = app(args=words, standalone_mode=False)
@@ -109,6 +113,8 @@ def main(args: Sequence[str] | None = None) -> int:
             # Without any argument the help has just been printed: nothing to complain about.
             return _complain(f"{message} (see --help)") if message else 2
         raise
+    for hint in hints[:1]:
+        print(f"alpha5: note: {hint}", file=sys.stderr)
     return status if isinstance(status, int) else 0
 
 
@@ -119,6 +125,10 @@ def run() -> None:
 
 def _complain(message: str) -> int:
     # A file name may hold bytes that are not UTF-8, which stderr may refuse.
-    line = " ".join(message.split()).encode(errors="backslashreplace").decode()
+    line = (
+        " ".join("; ".join([message, *hints[:1]]).split())
+        .encode(errors="backslashreplace")
+        .decode()
+    )
     print(f"alpha5: {line}", file=sys.stderr)
     return 2

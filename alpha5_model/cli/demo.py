@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from typer import Option, echo
+from typer import Option
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.cli.options import say
+from alpha5_model.cli.proofs import alike, sentence
 from alpha5_model.consistency import audit
 from alpha5_model.description import mesh_assets, variants
 from alpha5_model.description.srdf import named_pose
@@ -18,6 +20,7 @@ from alpha5_model.dynamics import load
 from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.text import table
 from alpha5_model.view.arm_poses import named_poses, tour
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.page import static_page
@@ -40,13 +43,13 @@ def demo(output: Annotated[Path, Option(help="Folder to write into.")] = Path("d
     solution = _solve()
     _compute(solution)
     made = _show(output, solution)
-    echo(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
-    echo(f"Open {output / made[0]} in a browser: sliders move the arm, play runs a motion.")
+    say(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
+    say("In the page sliders move the arm, play runs a motion.", f"Open {output / made[0]}")
     return 0 if passed else 1
 
 
 def _describe(output: Path) -> bool:
-    echo("1. Description: the document's tables become URDF")
+    say("1. Description: the document's tables become URDF")
     for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
         atomic_write(output / "meshes" / name, content)
     passed = True
@@ -58,13 +61,13 @@ def _describe(output: Path) -> bool:
         count = Counter(row.verdict for row in rows)
         skipped = f", {count['not run']} not run" if count["not run"] else ""
         bad = f", {len(failed)} FAILED" if failed else ""
-        echo(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
+        say(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
         for row in failed:
-            echo(f"     {row.check}: {row.finding}")
+            say(f"     {row.check}: {row.finding}")
         for row in rows:
             if row.measured is not None:
                 off = f"{row.measured:.1e} {row.unit}".rstrip()
-                echo(f"     {row.check}: off by {off} at most")
+                say(f"     {row.check}: off by {off} at most")
         passed = passed and not failed
     return passed
 
@@ -73,43 +76,45 @@ def _audit() -> None:
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
     agree = len(rows) - len(beyond)
-    echo("2. The document against itself")
-    echo(f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not:")
+    say("2. The document against itself")
+    say(
+        f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not; `alpha5 check` says more:"
+    )
     for topic in dict.fromkeys(row.topic for row in beyond):
-        found = [row for row in beyond if row.topic == topic]
-        row = found[0]
-        more = f" and {len(found) - 1} more" if len(found) > 1 else ""
-        figures = f"{row.measured:.3g} {row.unit}".strip()
-        echo(f"     {row.place}{more}: {figures}, expected {row.relation} {row.expected:.3g}")
+        same, *others = alike(row for row in beyond if row.topic == topic)
+        more = sum(map(len, others))
+        say(f"     {sentence(same)}" + (f" ({more} more like it)" if more else ""))
 
 
 def _solve() -> FloatArray:
     arm = load()
     solutions = inverse_kinematics(TARGET)
     x, y, z = (1e3 * c for c in TARGET)
-    echo(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
+    say(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
+    rows = []
     for i, branch in enumerate(BRANCHES):
         q = solutions.q[i]
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
-        angles = "  ".join(f"{angle:8.4f}" for angle in q)
         limits = "within limits" if solutions.within_limits[i] else "beyond limits"
-        echo(f"   {branch:17}{angles} rad   {limits}, back to {error:.0e} m")
+        angles = (f"{angle:.4f}" for angle in q)
+        rows.append([branch, *angles, f"rad, {limits}, back to {error:.0e} m"])
+    say(*table(rows, "<>>>><", 3))
     return solutions.best(named_pose("home"))
 
 
 def _compute(q: FloatArray) -> None:
     water, air = load(), load(fluid_density=0.0)
-    density = water.fluid_density
-    echo(f"4. Torque [N m] that holds the arm there, sea water ({density:g} kg/m^3)")
-    echo("   joint      weight   buoyancy   in water     in air")
+    say(f"4. Torque that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)")
+    rows = [["joint", "weight", "buoyancy", "in water", "in air"], ["", *["N m"] * 4]]
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
     for name, *row in zip(water.joint_names, *columns, strict=True):
-        echo(f"   {name}" + "".join(f"{x:z11.4f}" for x in row))
+        rows.append([name, *(f"{x:z.4f}" for x in row)])
+    say(*table(rows, "<>", 3))
 
 
 def _show(output: Path, q: FloatArray) -> list[str]:
-    echo("5. Pictures")
+    say("5. Pictures")
     arm = load(gripper="jaws")
     poses = named_poses(arm)
     there, opened = np.append(q, poses["home"][-1]), np.append(q, 0.008)  # last is axis_a
@@ -120,5 +125,5 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     page = atomic_write(output / "alpha5.html", static_page(scene))
     image = atomic_write(output / "alpha5.png", picture_png(framed(scene, size), size))
     for path in (page, image):
-        echo(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        say(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return [page.name, image.name]

@@ -11,14 +11,7 @@ from typer import Context, Option, echo
 
 from alpha5_model.c_library import COptions, c_files
 from alpha5_model.checks import choice
-from alpha5_model.cli.options import (
-    FLUID_HELP,
-    correction_names,
-    fluid_density,
-    gravity_vector,
-    print_written,
-    triple,
-)
+from alpha5_model.cli import options
 from alpha5_model.description import committed, mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf_files
@@ -50,8 +43,7 @@ def generate(
     output: Annotated[
         Path | None,
         Option(
-            help="File to write, meshes go beside it; for mjcf, sdf and c a folder. "
-            "Standard output if not given."
+            help="File, meshes go beside it; for mjcf, sdf, c a folder. Standard output if none."
         ),
     ] = None,
     description_format: Annotated[
@@ -60,8 +52,8 @@ def generate(
     gripper: Annotated[str, Option(help="locked or jaws.")] = "locked",
     prefix: Annotated[str, Option(help="Before every link and joint name.")] = "",
     parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
-    xyz: Annotated[str, Option(help="Mount in the parent, three numbers (m).")] = "0 0 0",
-    rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad).")] = "0 0 0",
+    xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
+    rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")] = "0 0 0",
     mesh_uri: Annotated[
         str, Option(help="relative (copies the meshes beside the file), package or file.")
     ] = "relative",
@@ -74,13 +66,12 @@ def generate(
         str, Option(help="Hardware plugin.")
     ] = "mock_components/GenericSystem",
     corrections: Annotated[
-        str | None,
-        Option(help="Recorded corrections, with commas; '' is the document to the letter."),
+        str | None, Option(help="Recorded ones, with commas; '' is the document to the letter.")
     ] = None,
-    fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {FLUID_HELP}")] = "sea",
+    fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")] = "sea",
     gravity: Annotated[
-        str, Option(help="c: in base_link, three numbers (m/s^2); tilts the mount.")
-    ] = "0 0 -9.81",
+        str, Option(help="c: in base_link (m/s^2); tilts the mount.")
+    ] = options.DOWN,
     real: Annotated[str, Option(help="c: double or float.")] = "double",
     parameters: Annotated[
         str, Option(help="c: masses and water folded into the code, or in a struct.")
@@ -141,12 +132,12 @@ def generate(
             raise InputError(_option(name), description_format, expected)
     values = {
         **context.params,
-        "xyz": triple("xyz", xyz),
-        "rpy": triple("rpy", rpy),
+        "xyz": options.numbers("xyz", xyz, (3,), "m"),
+        "rpy": options.numbers("rpy", rpy, (3,), "rad"),
         "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
-        "fluid_density": fluid_density(fluid),
-        "gravity": gravity_vector(gravity),
-        "corrections": correction_names(corrections),
+        "fluid_density": options.fluid_density(fluid),
+        "gravity": options.gravity_vector(gravity),
+        "corrections": options.correction_names(corrections),
     }
     record, made, main = _FORMATS[description_format]
     files = made(record(**{name: values[name] for name in names[description_format]}))
@@ -160,14 +151,20 @@ def generate(
         check_outputs((), output=(output, (".urdf", ".xml")))
         meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
         beside = {output.parent / "meshes" / name: content for name, content in meshes.items()}
-        atomic_write_all({output: files[main], **beside})
-        print_written(output)
+        _write({output: files[main], **beside})
     else:
         if output.is_file():
             raise OutputError(output, "it is a file; this format needs a folder")
-        atomic_write_all({output / name: content for name, content in files.items()})
-        echo(f"wrote {output / main} and {len(files) - 1} files beside it")
+        _write({output / name: content for name, content in files.items()})
     return 0
+
+
+def _write(files: dict[Path, str | bytes]) -> None:
+    """Write files and name them, folder by folder."""
+    atomic_write_all(files)
+    for folder in dict.fromkeys(path.parent for path in files):
+        names = ", ".join(path.name for path in files if path.parent == folder)
+        options.say(f"wrote in {folder}: {names}")
 
 
 def _option(name: str) -> str:
@@ -184,7 +181,7 @@ def _committed(check: bool) -> int:
             echo(file.diff, nl=False)
         echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
     else:
-        print_written(*committed.update())
+        options.print_written(*committed.update())
     for line in committed.not_generated():
         echo(line)
     return 1 if stale else 0

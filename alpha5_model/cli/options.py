@@ -1,53 +1,179 @@
-"""Options that several commands share, how their text is read, and how results are printed."""
+"""Options that several commands share, how numbers and vectors are read, and how results are printed."""
 
 from __future__ import annotations
 
 import json
+import math
+import re
 import sys
-from collections.abc import Iterable
-from contextlib import AbstractContextManager, nullcontext, redirect_stdout, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from typer import Option, echo
+from typer import BadParameter, Option, echo, style
 
 from alpha5_model.checks import real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
 from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
+from alpha5_model.text import readable, wrapped
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from alpha5_model.dynamics.arm import Arm
 
-#: What a command prints to be read: strings, and what Rich fits to the terminal.
-Lines: TypeAlias = "Iterable[RenderableType]"
+#: What a command prints to be read.
+Lines: TypeAlias = Iterable[str]
 # Units stand in round brackets: the terminal takes [m] for a style.
-FLUID_HELP = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
-Fluid = Annotated[str, Option(help=FLUID_HELP)]
-Gravity = Annotated[str, Option(help="In base_link, three numbers (m/s^2); tilts the mount.")]
-Current = Annotated[
-    str | None,
-    Option(
-        help="Velocity of the water in base_link, three numbers (m/s): adds drag and added mass, which are "
-        "estimated, not published."
-    ),
-]
-Constants = Annotated[
-    str,
-    Option(
-        help="Table 4's K_t and K_v of one motor should agree and do not (`alpha5 trajectory` shows their "
-        "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
-        "both; voltage: K_v for both."
-    ),
-]
-#: Larger than any fluid or vehicle has: a typing error.
-_MOST_DENSITY = 1e5
-_MOST_GRAVITY = 1e4
-_MOST_CURRENT = 100.0
+FLUID = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
+Fluid = Annotated[str, Option(help=FLUID)]
+DOWN = "0 0 -9.81"
+Gravity = Annotated[str, Option(help="In base_link (m/s^2); with --mount in the world.")]
+Gripper = Annotated[str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")]
+Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")]
+_PAYLOAD = "At the tcp: mass (kg); behind it, if wanted, its COM (x y z, m), and its volume (m^3)."
+Payload = Annotated[str | None, Option(help=_PAYLOAD)]
+_CURRENT = "Velocity of the water in base_link (x y z, m/s): adds drag and added mass, which are estimated, not published."
+Current = Annotated[str | None, Option(help=_CURRENT)]
+_CONSTANTS = (
+    "Table 4's K_t and K_v of one motor should agree and do not (`alpha5 trajectory` shows their "
+    "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
+    "both; voltage: K_v for both."
+)
+Constants = Annotated[str, Option(help=_CONSTANTS)]
+Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
+Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
+_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
+#: Unit behind a number -> what it measures, and its size in SI units.
+_UNITS = {"deg": ("rad", math.pi / 180), "mm": ("m", 1e-3), "rad": ("rad", 1.0), "m": ("m", 1.0)}
+#: Unit -> what seems meant by numbers larger than the arm's reach or some turns of a joint.
+_MEANT = {"m": ("mm", 2.0)} | dict.fromkeys(("rad", "rad/s", "rad/s^2"), ("deg", 4 * math.pi))
+_NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:{'|'.join(_UNITS)})?"
+_NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
+#: Options with vectors -> how many numbers they take at most; those with 0 take whatever stands
+#: before the next option, since their commands have no arguments.
+_VECTORS = {"--link": 5, "--limits": 2, "-l": 2} | dict.fromkeys(
+    ("--gravity", "--current", "--mount", "--payload"), 9
+)
+_VECTORS |= dict.fromkeys(("--q", "--v", "--a", "--xyz", "--rpy", "--target", "--pose"), 0)
+_COLOURS = {"agrees": "green", "passed": "green", "differs": "yellow", "not run": "yellow"}
+_COLOURS |= {"impossible": "red", "failed": "red", "✗": "red", "·": "yellow"}
+_FIRST = re.compile(rf"( *)({'|'.join(_COLOURS)})(?= )")
+#: Where another unit seems meant: said beside the error or after the result.
+hints: list[str] = []
+
+
+def one_syntax(words: Iterable[str]) -> list[str]:
+    """Arguments as the parser takes them: each vector one word, each other number one word.
+
+    ``--q 1 2 3 4``, ``--q 1,2,3,4`` and ``--q 57 115 172 229 deg`` are the same, as are ``1 2`` and
+    ``1,2`` without an option.
+    """
+    left, out = list(words), []
+    while left:
+        most = _VECTORS.get(left[0])
+        if most is not None:
+            out.append(left.pop(0))
+        run: list[str] = []
+        while left and (_NUMBERS.fullmatch(left[0]) or (most == 0 and left[0][0] != "-")):
+            run.append(left.pop(0))
+            if most and (len(run) == most or len(_split(run[0])) > 1):
+                break
+        if run and left and left[0] in _UNITS:
+            run.append(left.pop(0))
+        parts = _split(" ".join(run))
+        out += [" ".join(parts)] if parts and most is not None else parts
+        if most is None and not run:
+            out.append(left.pop(0))
+    return out
+
+
+def _split(text: str) -> list[str]:
+    """The parts between commas and spaces; a unit apart behind them is that of all without one."""
+    parts = text.replace("−", "-").replace(",", " ").split()
+    unit = parts.pop() if parts and parts[-1] in _UNITS else ""
+    return [part if part.endswith(tuple(_UNITS)) else part + unit for part in parts]
+
+
+def numbers(
+    name: str,
+    text: str,
+    counts: Sequence[int] = (),
+    unit: str = "",
+    expected: str = "",
+    most: float = math.inf,
+) -> list[float]:
+    """Numbers in one text, separated by spaces or commas, in SI units.
+
+    Args:
+        counts: How many there may be; empty for any.
+        unit: What they measure: ``m`` and ``rad`` may have ``mm`` and ``deg`` behind them.
+        expected: For the message; from counts and unit if left out.
+        most: What is larger is a typing error.
+
+    Raises:
+        InputError: Anything else.
+    """
+    kinds = ("rad", "m") if " m" in unit else (unit.partition("/")[0],)
+    allowed = {u: size for u, (kind, size) in _UNITS.items() if kind in kinds}
+    words = " or ".join(f"{_COUNTS.get(n, n)} numbers" if n > 1 else "one number" for n in counts)
+    values = []
+    try:
+        for part in _split(text):
+            own = next((u for u in allowed if part.endswith(u)), "")
+            values.append(float(part.removesuffix(own)) * allowed.get(own, 1.0))
+            other, far = _MEANT.get("" if own else unit, ("deg", math.inf))
+            if far < abs(values[-1]) < far / _UNITS[other][1]:
+                hints.append(f"if {part} is in {other}, write {part}{other}")
+    except ValueError:
+        counts = (-1,)
+    if counts and len(values) not in counts:
+        raise InputError(name, text, expected or f"{words} ({unit})")
+    if any(abs(x) > most for x in values):
+        raise InputError(name, text, f"at most {most:g} {unit}")
+    return values
+
+
+def joint_numbers(name: str, text: str, unit: str, counts: Sequence[int]) -> list[float]:
+    """One number for each joint, base to tip; a unit apart behind them is not the jaw rod's."""
+    words = " or ".join(_COUNTS[n] for n in sorted({*counts}))
+    expected = f"{words} numbers ({unit}{', jaw rod m' if 5 in counts else ''})"
+    parts = _split(text)
+    if len(parts) not in counts:
+        raise InputError(name, text, expected)
+    rod = " ".join(part.removesuffix("deg") for part in parts[4:])
+    turning = numbers(name, " ".join(parts[:4]), (4,), unit, expected)
+    return turning + numbers(name, rod, (), unit.replace("rad", "m"), expected)
+
+
+def current_vector(text: str | None) -> list[float] | None:
+    """Three numbers [m/s]; None for none."""
+    return None if text is None else numbers("current", text, (3,), "m/s", most=100.0)
+
+
+def gravity_vector(text: str) -> list[float]:
+    """Three numbers [m/s^2]."""
+    return numbers("gravity", text, (3,), "m/s^2", most=1e4)
+
+
+def metres(text: Any) -> float:
+    """A length as the parser of one argument."""
+    return _scalar(text, "m")
+
+
+def radians(text: Any) -> float:
+    """An angle as the parser of one argument or option."""
+    return _scalar(text, "rad")
+
+
+def _scalar(text: Any, unit: str) -> float:
+    try:
+        return numbers("", str(text), (1,), unit)[0]
+    except InputError as error:
+        raise BadParameter(f"expected {error.expected}, got {text!r}") from None
 
 
 def fluid_density(text: str) -> float:
@@ -58,9 +184,8 @@ def fluid_density(text: str) -> float:
     """
     if text in _FLUIDS:
         return _FLUIDS[text]
-    (density,) = numbers("fluid", text, f"{', '.join(_FLUIDS)} or a density [kg/m^3]", 1)
-    if density > _MOST_DENSITY:
-        raise InputError("fluid", text, f"at most {_MOST_DENSITY:g} kg/m^3")
+    expected = f"{', '.join(_FLUIDS)} or a density [kg/m^3]"
+    (density,) = numbers("fluid", text, (1,), "kg/m^3", expected, most=1e5)
     return real("fluid", density, minimum=0.0)
 
 
@@ -74,55 +199,27 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def gravity_vector(text: str) -> tuple[float, float, float]:
-    """Three numbers [m/s^2].
-
-    Raises:
-        InputError: Anything else, or more than any vehicle or planet gives.
-    """
-    return _limited("gravity", text, _MOST_GRAVITY, "m/s^2")
-
-
-def current_vector(text: str | None) -> tuple[float, float, float] | None:
-    """Three numbers [m/s]; None for none.
-
-    Raises:
-        InputError: Anything else, or more than any water has.
-    """
-    return None if text is None else _limited("current", text, _MOST_CURRENT, "m/s")
-
-
-def _limited(name: str, text: str, most: float, unit: str) -> tuple[float, float, float]:
-    vector = triple(name, text)
-    if any(abs(x) > most for x in vector):
-        raise InputError(name, text, f"at most {most:g} {unit} along each axis")
-    return vector
-
-
-def triple(name: str, text: str) -> tuple[float, float, float]:
-    """Three numbers in one text; see `numbers`."""
-    x, y, z = numbers(name, text, "three numbers, such as '0.2 0 -0.1'", 3)
-    return x, y, z
-
-
-def numbers(name: str, text: str, expected: str, count: int | None = None) -> list[float]:
-    """Numbers in one text, separated by spaces or commas; any number of them without a count.
-
-    Raises:
-        InputError: Anything else.
-    """
-    with suppress(ValueError):
-        values = [float(part) for part in text.replace(",", " ").split()]
-        if count in (None, len(values)):
-            return values
-    raise InputError(name, text, expected)
-
-
-def arm_in(fluid: str, gravity: str = "0 0 -9.81", gripper: str = "locked") -> Arm:
+def arm_in(
+    fluid: str = "sea",
+    gravity: str = DOWN,
+    gripper: str = "locked",
+    mount: str = "0 0 0",
+    payload: str | None = None,
+) -> Arm:
     """The arm, from the text of the options."""
     from alpha5_model.dynamics import load
+    from alpha5_model.fluids import gravity_in_base
+    from alpha5_model.spatial import rotation_from_rpy
 
-    return load(fluid_density(fluid), gripper, gravity=gravity_vector(gravity))
+    rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
+    g = gravity_in_base(rotation, gravity_vector(gravity))
+    arm = load(fluid_density(fluid), gripper, gravity=g)
+    if payload is None:
+        return arm
+    expected = "MASS, MASS X Y Z or MASS X Y Z VOLUME (kg, m, m^3)"
+    mass, *more = numbers("payload", payload, (1, 4, 5), "kg, m", expected)
+    com = more[:3] or [0.0, 0.0, 0.0]
+    return arm.with_payload(mass, com, volume=sum(more[3:]), cob=com)
 
 
 def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None:
@@ -131,21 +228,30 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     Args:
         as_json: Print the record, and nothing else.
         record: The result in types that JSON has.
-        text: The same to read; strings are printed as they are.
+        text: The same to read, see `say`.
         written: Files of this result, each named in a line of its own; None is skipped.
     """
     with messages_beside(*written):
         if as_json:
             echo(json.dumps(record, indent=2, allow_nan=False))
             return
-        for part in text:
-            if isinstance(part, str):
-                echo(part)
-            else:
-                from rich.console import Console
-
-                Console(highlight=False).print(part)
+        say(*text)
         print_written(*written)
+
+
+def say(*lines: str) -> None:
+    """Print lines to be read, wrapped; a terminal shows a true minus, and verdicts in colour."""
+    for line in "\n".join(lines).split("\n"):
+        shown = readable(line)
+        if sys.stdout.isatty():
+            shown = re.sub(r"(?<![\w.,=-])-(?=[\d.])", "−", shown)
+        for part in wrapped(shown, width()):
+            echo(_FIRST.sub(lambda m: m[1] + style(m[2], fg=_COLOURS[m[2]]), part, count=1))
+
+
+def width() -> int:
+    """Columns of the terminal, or those that the environment asks for."""
+    return get_terminal_size().columns
 
 
 def print_written(*written: Path | None) -> None:

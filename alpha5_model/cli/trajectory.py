@@ -12,36 +12,30 @@ from typer import Argument, Option
 from alpha5_model import trajectory as library
 from alpha5_model.actuators import actuator
 from alpha5_model.checks import choice
-from alpha5_model.cli.options import (
-    Constants,
-    Current,
-    Fluid,
-    Gravity,
-    arm_in,
-    current_vector,
-    show,
-)
+from alpha5_model.cli import options
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.view import figures, trajectory_plot
 
+_FILE = (
+    "CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
+    "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel, axis_e_effort (N·m) "
+    "and so on if recorded. Parquet (.parquet) with the same columns. A ROS bag (.bag, .db3, .mcap or "
+    "its folder) with sensor_msgs/JointState."
+)
+_GRIPPER = (
+    "auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
+    "locked leaves axis_a out; jaws needs it."
+)
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 #: Shorter files are done before a bar of progress could be read.
 _PROGRESS_SAMPLES = 50_000
 
 
 def trajectory(
-    file: Annotated[
-        Path,
-        Argument(
-            help="CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
-            "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel, axis_e_effort (N m) "
-            "and so on if recorded. Parquet (.parquet) with the same columns. A ROS bag (.bag, .db3, .mcap or "
-            "its folder) with sensor_msgs/JointState."
-        ),
-    ],
+    file: Annotated[Path, Argument(help=_FILE)],
     topic: Annotated[
         str | None, Option(help="Of a bag, if several topics name the arm's joints.")
     ] = None,
@@ -52,18 +46,14 @@ def trajectory(
         Path | None,
         Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
     ] = None,
-    plot: Annotated[Path | None, Option(help="Page of curves, .png, .pdf or .svg.")] = None,
-    as_json: Annotated[bool, Option("--json", help="Summary as JSON.")] = False,
-    fluid: Fluid = "sea",
-    gravity: Gravity = "0 0 -9.81",
-    current: Current = None,
-    gripper: Annotated[
-        str,
-        Option(
-            help="auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
-            "locked leaves axis_a out; jaws needs it."
-        ),
-    ] = "auto",
+    plot: options.Plot = None,
+    as_json: options.Json = False,
+    fluid: options.Fluid = "sea",
+    gravity: options.Gravity = options.DOWN,
+    mount: options.Mount = "0 0 0",
+    payload: options.Payload = None,
+    current: options.Current = None,
+    gripper: Annotated[str, Option(help=_GRIPPER)] = "auto",
     smoothing: Annotated[
         str, Option(help="spline, savgol, or interpolate for planned motions without noise.")
     ] = "spline",
@@ -71,7 +61,7 @@ def trajectory(
     velocities: Annotated[
         str, Option(help="file, positions (their slope), or auto: those of the file if it has any.")
     ] = "auto",
-    constants: Constants = "printed",
+    constants: options.Constants = "printed",
     supply_voltage: Annotated[float | None, Option(help="For margins (V); not published.")] = None,
     current_limit: Annotated[
         float | None, Option(help="Of each motor, for margins (A); not published.")
@@ -89,14 +79,14 @@ def trajectory(
     # What cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))
     choice("gripper", gripper, ("auto", *GRIPPERS))
-    flow = current_vector(current)
+    flow = options.current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
     with _Bar() as progress:
         motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
         progress.long = len(motion.time) > _PROGRESS_SAMPLES
         if gripper == "auto":
             gripper = "jaws" if "axis_a" in motion.joints else "locked"
-        arm = arm_in(fluid, gravity, gripper)
+        arm = options.arm_in(fluid, gravity, gripper, mount, payload)
         motors = {}
         if screw_lead is not None:
             motors["axis_a"] = actuator("axis_a", constants, screw_lead=screw_lead)
@@ -121,7 +111,7 @@ def trajectory(
             library.write(analysis, output, progress)
         if plot is not None:
             figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
-    show(as_json, summary, [library.text(summary)], output, plot)
+    options.show(as_json, summary, [library.text(summary)], output, plot)
 
 
 class _Bar(Progress):

@@ -11,15 +11,7 @@ from typing import Annotated
 
 from typer import Option, echo
 
-from alpha5_model.cli.options import (
-    Fluid,
-    arm_in,
-    current_vector,
-    messages_beside,
-    names,
-    print_written,
-    triple,
-)
+from alpha5_model.cli import options
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
@@ -32,10 +24,10 @@ from alpha5_model.view.scene import check_size, framed
 
 def view(
     pose: Annotated[
-        str, Option(help="stow, home, reach, or joint positions with commas (rad).")
+        str, Option(help="stow, home, reach, or joint positions (rad; 180 70 100 0 deg).")
     ] = "home",
     target: Annotated[
-        str | None, Option(help="x,y,z (m): show every solution of its inverse kinematics.")
+        str | None, Option(help="x y z (m): show every solution of its inverse kinematics.")
     ] = None,
     motion: Annotated[
         Path | None, Option(help="Recording (CSV, Parquet, ROS bag) to play.")
@@ -47,8 +39,8 @@ def view(
             "buoyancy, workspace, surface, ghosts, collision, current."
         ),
     ] = None,
-    gripper: Annotated[str, Option(help="locked or jaws.")] = "jaws",
-    fluid: Fluid = "sea",
+    gripper: options.Gripper = "jaws",
+    fluid: options.Fluid = "sea",
     current: Annotated[
         str | None,
         Option(
@@ -72,14 +64,16 @@ def view(
     pixels = _size(size)
     check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
 
-    arm = arm_in(fluid, gripper=gripper)
+    arm = options.arm_in(fluid, gripper=gripper)
+    if pose.endswith(("deg", "mm")):
+        pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
     scene = build_scene(
         arm,
         pose_of(arm, pose),
-        target=None if target is None else triple("target", target),
+        target=None if target is None else options.numbers("target", target, (3,), "m"),
         motion=None if motion is None else read_motion(motion),
-        show=None if show is None else names(show),
-        current=current_vector(current),
+        show=None if show is None else options.names(show),
+        current=options.current_vector(current),
     )
     if html is None and image is None and not serve and not _has_display():
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
@@ -91,8 +85,8 @@ def view(
         files[image] = picture_png(framed(scene, pixels), pixels)
     if files:
         atomic_write_all(files)
-        with messages_beside(*files):
-            print_written(*files)
+        with options.messages_beside(*files):
+            options.print_written(*files)
         return
     from alpha5_model.view.visualizer import ArmVisualizer
 

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, instance, listed, real
+from alpha5_model.checks import FloatArray, frozen, instance, listed, real
 from alpha5_model.dynamics import batch
 from alpha5_model.dynamics.batch import kernel_parameters, kernel_rows
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
@@ -62,6 +62,21 @@ Forces = Sequence[Any] | None
 Partials = tuple[FloatArray, FloatArray, FloatArray]
 #: A free-flyer at the world's origin: position and quaternion.
 _HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+
+
+class Limits(NamedTuple):
+    """Limits of an arm's n joints, (n,) each.
+
+    Attributes:
+        lower, upper: Ends of the ranges [rad, and m for axis_a].
+        velocity: Rated speeds [rad/s, m/s].
+        effort: [N m, N]; what every public model copies, no rating is published.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
 
 
 class Arm:
@@ -127,6 +142,13 @@ class Arm:
         """Names of the joints that q runs over, base to tip (without the free-flyer)."""
         joints = zip(self._model.names, self._model.joints, strict=True)
         return tuple(name for name, joint in list(joints)[1:] if joint.nv == 1)
+
+    @property
+    def limits(self) -> Limits:
+        """What the joints may do, in the order of `joint_names`."""
+        m, n = self._model, len(self.joint_names)
+        ends = (m.lowerPositionLimit, m.upperPositionLimit, m.velocityLimit, m.effortLimit)
+        return Limits(*(frozen(end[-n:]) for end in ends))
 
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
         """Pose of a frame.
@@ -623,7 +645,12 @@ class Arm:
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"
+        held = (
+            f", {frame.name} {frame.inertia.mass:g} kg"
+            for frame in self._model.frames
+            if frame.name.startswith("payload")
+        )
         return (
             f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
-            f"fluid {self.fluid_density:g} kg/m^3)"
+            f"fluid {self.fluid_density:g} kg/m^3{''.join(held)})"
         )

@@ -1,0 +1,270 @@
+"""``alpha5 workspace``, ``dh`` and ``planar``: what arms reach, and how they are described."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Argument, Option
+
+from alpha5_model import planar as library
+from alpha5_model.cli.options import Json, Lines, Plot, numbers, show, spinner
+from alpha5_model.dh import DHChain, DHLink
+from alpha5_model.dh.arm_types import classify, task_capability
+from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.errors import InputError
+from alpha5_model.files import check_outputs
+from alpha5_model.kinematics import workspace as space
+from alpha5_model.kinematics.workspace import SampledShare, sampled_share
+from alpha5_model.text import table
+from alpha5_model.view.figures import FORMATS, write_figure
+from alpha5_model.view.planar_plot import plot_planar, save
+from alpha5_model.view.workspace_plot import figure, self_collision_figure
+
+_LINK = "'THETA D A ALPHA SIGMA'"
+
+
+def workspace(
+    plot: Plot = None,
+    self_collision: Annotated[
+        bool,
+        Option(
+            "--self-collision", help="Also what is reached in self-collision only; --plot draws it."
+        ),
+    ] = False,
+    samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
+    as_json: Json = False,
+) -> None:
+    """The exact workspace, and how much of the published one is wrong.
+
+    Example: alpha5 workspace --self-collision --plot collision.pdf
+    """
+    check_outputs((), plot=(plot, FORMATS))
+    share = None
+    if self_collision:
+        with spinner("trying points for self-collision"):
+            share = sampled_share(without_self_collision, samples)
+    if plot is not None:
+        with spinner("drawing"):
+            page = self_collision_figure(samples=samples) if self_collision else figure()
+            write_figure(page, plot, dpi=150)
+    sampled = {} if share is None else {"without_self_collision": share._asdict()}
+    record = {
+        **sampled,
+        "errors_of_the_published_region": asdict(space.published_errors()),
+        "cross_section_area": {side: space.cross_section_area(side) for side in space.SIDES},
+        "volume": space.volume(),
+        "volume_without_limits": space.volume(limits=False),
+        "boundary": {side: [arc._asdict() for arc in space.boundary(side)] for side in space.SIDES},
+        "published_tori": [torus._asdict() for torus in space.published_tori()],
+        "singular_theta_2": space.singular_elbow_angles(),
+    }
+    show(as_json, record, _regions(share), plot)
+
+
+def _regions(share: SampledShare | None) -> Lines:
+    e = space.published_errors()
+    rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
+    for name, area, volume in (
+        ("reachable within the joint limits", e.reachable_area, e.reachable_volume),
+        ("published (Section 1.2)", e.published_area, e.published_volume),
+        ("published, not reachable", e.unreachable_area, e.unreachable_volume),
+        ("reachable, not published", e.missed_area, e.missed_volume),
+    ):
+        rows.append([name, f"{area * 1e4:.2f}", f"{volume * 1e3:.3f}"])
+    yield from table(rows)
+    yield (
+        f"{e.unreachable_area / e.published_area:.1%} of the published area and "
+        f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
+    )
+    yield "\nboundary where both poses can turn; R from the axis of axis_e, z above base_link"
+    rows = [["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"]]
+    rows.append(["", "", "mm", "mm", "mm", "mm"])
+    for arc in space.boundary():
+        points = [arc.center, *arc.points([arc.start, arc.end])]
+        center, start, end = (f"{1e3 * r:z.1f}, {1e3 * z:z.1f}" for r, z in points)
+        cause = arc.cause.replace("at its ", "").replace(" limit", "")
+        rows.append([arc.side, cause, center, f"{arc.radius * 1e3:.1f}", start, end])
+    yield from table(rows, "<<>")
+    if share is not None:
+        hit, error, litres = 1 - share.share, share.standard_error, 1e3 * share.total
+        yield (
+            f"Without self-collision {share.share * litres:.2f} L are reached; {hit:.1%} of the volume, "
+            f"{hit * litres:.2f} L, in self-collision only (standard error {error:.2%}, "
+            f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
+        )
+
+
+def dh(
+    q: Annotated[
+        list[str] | None,
+        Argument(help="Joint position (rad or m); the drawn one if left out.", metavar="[Q]..."),
+    ] = None,
+    link: Annotated[
+        list[str] | None, Option("--link", help=f"{_LINK} of another arm, once per link.")
+    ] = None,
+    urdf: Annotated[Path | None, Option(help="Assign the frames to the arm of this URDF.")] = None,
+    frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Standard Denavit-Hartenberg table and frames: of the Alpha 5, or of any serial arm.
+
+    Example: alpha5 dh 0.5 1.2 1 0
+    Example: alpha5 dh --link '0 0.1 0.2 1.5708 0' --link '0 0 0.3 0 0' -0.4 0.2
+    """
+    chain = _chain(link, urdf, frame)
+    each = f"one number for each of {', '.join(chain.joint_names)}"
+    position = numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
+    frames = chain.frames(position)
+    kind, task = classify(chain), task_capability(chain)
+    names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
+    record: dict[str, Any] = {
+        "name": chain.name,
+        "links": [  # JSON has no infinity: no limit is null
+            {"joint": name, **{k: v if math.isfinite(v) else None for k, v in vars(row).items()}}
+            for name, row in zip(chain.joint_names, chain.links, strict=True)
+        ],
+        "base": chain.base.tolist(),
+        "tool": chain.tool.tolist(),
+        "type": vars(kind),
+        "tasks": vars(task),
+        "q": [*map(float, position)],
+        "frames": {name: f.tolist() for name, f in zip(names, frames, strict=True)},
+    }
+    show(as_json, record, _frames(chain, record))
+
+
+def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
+    if link and urdf is not None:
+        raise InputError("--link, --urdf", (link, str(urdf)), "one of the two")
+    if frame is not None and urdf is None:
+        raise InputError("--frame", frame, "--urdf with it")
+    if urdf is not None:
+        return DHChain.from_urdf(urdf, frame)
+    if link:
+        return DHChain(
+            tuple(
+                DHLink.from_vector(numbers("--link", text, (), "rad or m", _LINK)) for text in link
+            )
+        )
+    return DHChain.alpha5()
+
+
+def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
+    heads = ("theta (rad)", "d (m)", "a (m)", "alpha (rad)", "sigma", "lower", "upper")
+    rows = [["joint", *heads]]
+    for name, row in zip(chain.joint_names, chain.links, strict=True):
+        cells = [*(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)), str(row.sigma)]
+        cells[0 if row.revolute else 1] = f"q{row.offset:+.6f}" if row.offset else "q"
+        rows.append([name, *cells, f"{row.lower:.5g}", f"{row.upper:.5g}"])
+    yield from table(rows)
+    kind, task, answer = record["type"], record["tasks"], {True: "yes", False: "no"}
+    yield f"\n{kind['joints']}, type {kind['kind']}: {kind['reason']}"
+    yield f"general tasks: {answer[task['general']]}, {task['general_reason']}"
+    insertion = task["vertical_insertion"]
+    yield f"vertical insertion: {answer[insertion]}, {task['insertion_reason']}"
+    yield f"\nframes at q = ({', '.join(f'{x:.6g}' for x in record['q'])}): axes x, y, z and origin (m)"
+    rows = []
+    for name, matrix in record["frames"].items():
+        for i, row in enumerate(matrix[:3]):
+            rows.append(["" if i else name, *(f"{x:z.6f}" for x in row)])
+    yield from table(rows)
+
+
+def planar(
+    lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
+    joints: Annotated[
+        str | None, Option(help="R (turns) or P (slides along its link) per link; all R.")
+    ] = None,
+    limits: Annotated[
+        list[str] | None,
+        Option("--limits", "-l", help="'LOWER UPPER' (rad or m) or none, once per joint in order."),
+    ] = None,
+    radius: Annotated[
+        float | None, Option(help="Distance of the pinned tip from the base, l_4 (m).")
+    ] = None,
+    plot: Plot = None,
+    as_json: Json = False,
+) -> None:
+    """Workspace, dexterous workspace and the lecture notes' theorem for a planar arm.
+
+    Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
+    """
+    check_outputs((), plot=(plot, FORMATS))
+    ranges = None if limits is None else [_range(text) for text in limits]
+    arm = library.PlanarArm(lengths, ranges, joints)
+    result = _result(arm, radius)
+    if plot is not None:
+        save(plot_planar(arm), plot)
+    show(as_json, result, _answers(result), plot)
+
+
+def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
+    space, needed = arm.workspace(), library.necessary_conditions(arm)
+    dexterous: dict[str, Any] | None = None
+    theorem = at_radius = None
+    if arm.length_ranges is not None:
+        radii, area = library.dexterous_radii(arm), library.dexterous_area(arm)
+        dexterous = {"radii": radii, "area": area, "resolution": None}
+        three = arm.joints == "RRR"
+        if three:
+            theorem = {"l_4": library.theorem_radii(*arm.lengths)}
+        if radius is not None:
+            holds = library.lecture_theorem(*(*arm.lengths, radius)) if three else None
+            exact = library.turns_fully(arm, radius)
+            at_radius = {"radius": radius, "theorem": holds, "exact": exact}
+    elif radius is not None:
+        raise InputError("--radius", radius, "an arm without limits on its revolute joints")
+    elif arm.n == 3 and arm.joints[-1] == "R":
+        found = library.dexterity_map(arm)
+        grid = {"spacing": found.spacing, "orientations": found.orientations}
+        dexterous = {"radii": None, "area": found.area, "resolution": grid}
+    return {
+        "joints": arm.joints,
+        "lengths": arm.lengths,
+        "workspace": {"shape": space.shape, "radii": space.radii, "area": space.area},
+        "necessary_conditions": {"satisfied": needed.satisfied, "missing": needed.reasons},
+        "dexterous_workspace": dexterous,
+        "theorem": theorem,
+        "at_radius": at_radius,
+    }
+
+
+def _answers(result: dict[str, Any]) -> Lines:
+    space, dexterous = result["workspace"], result["dexterous_workspace"]
+    low, high = space["radii"]
+    area = f", area {space['area']:.6g} m^2" if space["area"] else ""
+    yield f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
+    if dexterous is None:
+        text = (
+            "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
+        )
+    elif grid := dexterous["resolution"]:
+        text = (
+            f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m and "
+            f"with {grid['orientations']} orientations"
+        )
+    elif not dexterous["radii"]:
+        text = "empty"
+    else:
+        spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
+        text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
+    yield f"dexterous workspace  {text}"
+    missing = result["necessary_conditions"]["missing"]
+    yield f"necessary conditions {'; '.join(missing) or 'satisfied'}"
+    if theorem := result["theorem"]:
+        span = "{:.6g} to {:.6g} m".format(*theorem["l_4"]) if theorem["l_4"] else "no l_4"
+        yield f"the notes' theorem   holds for {span} (sufficient, not necessary)"
+    if at := result["at_radius"]:
+        words = {True: "yes", False: "no", None: "for 3R only"}
+        turns, holds = words[at["exact"]], words[at["theorem"]]
+        yield f"at {at['radius']:.6g} m: turns fully: {turns}; theorem: {holds}"
+
+
+def _range(text: str) -> tuple[float, float] | None:
+    if text.strip().lower() == "none":
+        return None
+    lower, upper = numbers("--limits", text, (2,), "rad or m", "'LOWER UPPER' or none")
+    return lower, upper

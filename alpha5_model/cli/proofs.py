@@ -1,0 +1,248 @@
+"""``alpha5 check`` and ``compare``: documents, generated files and other models held to one another."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
+from itertools import takewhile
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from typer import Argument, Option, style
+
+from alpha5_model.cli.options import Json, Lines, Plot, correction_names, show, spinner, width
+from alpha5_model.comparison import compare as run
+from alpha5_model.comparison.records import Comparison
+from alpha5_model.consistency import audit
+from alpha5_model.consistency.row import AuditRow
+from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
+from alpha5_model.errors import InputError
+from alpha5_model.files import check_outputs
+from alpha5_model.text import table
+from alpha5_model.view.figures import FORMATS, plot_comparison
+
+RowT = TypeVar("RowT")
+
+_RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
+_TITLES = {
+    "claim": "The documents against themselves",
+    "observation": "Observed in their numbers, not claimed by them",
+}
+
+
+def check(
+    urdf: Annotated[
+        Path | None, Option(help="Check this file and nothing else.", metavar="FILE")
+    ] = None,
+    corrections: Annotated[
+        str | None,
+        Option(help="With --urdf: corrections it was made with, with commas; '' for none."),
+    ] = None,
+    verbose: Annotated[
+        bool,
+        Option(
+            "--verbose", "-v", "--all", help="Also rows that agree, the claims' words, all reasons."
+        ),
+    ] = False,
+    as_json: Json = False,
+) -> int:
+    """Check the manufacturer's document against itself and the generated files against it.
+
+    Where the document differs from itself that is a finding: the exit status is 1 only if a
+    generated file (or the one given) fails.
+
+    Example: alpha5 check --urdf my_arm.urdf
+    """
+    if urdf is None and corrections is not None:
+        raise InputError("corrections", corrections, "a file to check, --urdf FILE")
+    document: Sequence[AuditRow] = ()
+    with spinner("checking"):
+        if urdf is None:
+            document, files = audit(), verify_generated()
+        else:
+            files = verify_urdf(urdf, correction_names(corrections))
+    failed = any(row.verdict == "failed" for row in files)
+    claims, checks = ([asdict(row) for row in rows] for rows in (document, files))
+    record = {"document": claims, "files": checks, "passed": not failed}
+    show(as_json, record, _report(document, files, verbose))
+    return 1 if failed else 0
+
+
+def _report(document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool) -> Lines:
+    yield _summary(document, files)
+    for kind, rows in _grouped(document, lambda row: row.kind).items():
+        yield f"\n{_TITLES[kind]}"
+        shown = [row for row in rows if verbose or row.verdict != "agrees"]
+        lines: list[Any] = [(same[0].verdict, sentence(same, verbose)) for same in alike(shown)]
+        yield from table(lines, "<", 2, width())
+    yield "\nThe files against the documents"
+    for file, checks in _grouped(files, lambda row: row.file).items():
+        count = Counter(row.verdict for row in checks)
+        yield f"  {file}: {', '.join(f'{n} {verdict}' for verdict, n in count.items())}"
+        cells = [
+            [row.verdict, row.check, f"{row.measured:.1e}" if row.measured else "", row.finding]
+            for row in checks
+            if verbose or row.verdict != "passed"
+        ]
+        yield from table(cells, "<", 4, width()) if cells else ()
+    yield from (
+        ()
+        if verbose
+        else ["\n--verbose adds the rows in agreement, the claims' words and all reasons"]
+    )
+
+
+def alike(rows: Iterable[AuditRow]) -> Iterable[Sequence[AuditRow]]:
+    """Rows that read the same, together."""
+    return _grouped(rows, lambda row: (row.topic, row.verdict, _figures(row), _asked(row))).values()
+
+
+def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
+    """What was measured and where, of rows that read the same; also what is claimed there, and why it differs."""
+    row = rows[0]
+    # the common beginning of the places, comma by comma
+    parts = zip(*(r.place.split(", ") for r in rows), strict=False)
+    place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
+    place += f", {_subjects(rows)}" if len(rows) > 1 else ""
+    if not verbose:
+        return f"{place}: {_asked(row)}: {_figures(row)}"
+    claims, found = (dict.fromkeys(getattr(r, k) for r in rows) for k in ("says", "finding"))
+    worth = f", worth {row.effect:.3g} {row.effect_unit}" if row.effect else ""
+    return f'{place}, "{"; ".join(claims)}": {"; ".join(found)}: {_figures(row)}{worth}'
+
+
+def _figures(row: AuditRow) -> str:
+    error = f" ± {row.standard_error:.2g}" if row.standard_error else ""
+    bound = f" ± {row.bound:.2g}" if row.bound else ""
+    must_be = f"{_RELATION[row.relation]}{row.expected:.4g}{bound} {row.unit}".rstrip()
+    return f"{row.measured:.4g}{error} {row.unit}".rstrip() + f", must be {must_be}"
+
+
+def _asked(row: AuditRow) -> str:
+    """What was measured: a finding's first words."""
+    return re.split("[;:] ", row.finding)[0]
+
+
+def _subjects(rows: Sequence[AuditRow]) -> str:
+    """``link 0, 1, 4`` for claims that end in link_0, link_1 and link_4."""
+    words = [row.claim.partition(".")[2].replace("_", " ") for row in rows]
+    stems = {word.rpartition(" ")[0] for word in words}
+    if len(words) > 1 and len(stems) == 1 and words[0][-1].isdigit():
+        return f"{stems.pop()} {', '.join(word.rpartition(' ')[2] for word in words)}"
+    return ", ".join(words)
+
+
+def _grouped(rows: Iterable[RowT], key: Callable[[RowT], Any]) -> dict[Any, list[RowT]]:
+    groups: dict[Any, list[RowT]] = {}
+    for row in rows:
+        groups.setdefault(key(row), []).append(row)
+    return groups
+
+
+def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
+    parts = []
+    for kind, name in (("claim", "documents"), ("observation", "observations")):
+        if counts := Counter(str(row.verdict) for row in document if row.kind == kind):
+            words = (word for word in ("agrees", "differs", "impossible") if counts[word])
+            found = (f"{counts[word]} {word.removesuffix('s')}" for word in words)
+            parts.append(f"{name} {', '.join(found)}")
+    verdicts = Counter({"passed": 0, "failed": 0})
+    verdicts.update(row.verdict for row in files)
+    parts.append("files " + ", ".join(f"{count} {word}" for word, count in verdicts.items()))
+    return "; ".join(parts).capitalize()
+
+
+def compare(
+    other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
+    joints: Annotated[
+        str, Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
+    ] = "",
+    base: Annotated[
+        str | None, Option(help="First link of the arm, if a vehicle carries it.")
+    ] = None,
+    package: Annotated[
+        list[str] | None, Option(help="Folder of a package of a xacro file: NAME=FOLDER.")
+    ] = None,
+    arg: Annotated[list[str] | None, Option(help="Argument of a xacro file: NAME:=VALUE.")] = None,
+    samples: Annotated[int, Option(help="Random configurations.", min=1, max=100_000)] = 500,
+    as_json: Json = False,
+    plot: Plot = None,
+) -> int:
+    """Compare another URDF of this arm with the tables.
+
+    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot be read.
+
+    Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
+    """
+    check_outputs([other], plot=(plot, FORMATS))
+    with spinner("comparing"):
+        comparison = run(
+            other,
+            _pairs("map", joints.split(","), "="),
+            samples,
+            base,
+            _pairs("package", package or [], "="),
+            _pairs("arg", arg or [], ":="),
+        )
+    if not comparison.joints:
+        plot = None  # another arm has no errors to draw
+    if plot is not None:
+        plot_comparison(comparison, plot)
+    show(as_json, comparison.as_dict(), _differences(comparison), plot)
+    return 0 if comparison.agrees else 1
+
+
+def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
+    pairs: dict[str, str] = {}
+    for part in filter(None, (p.strip() for p in parts)):
+        name, equals, value = part.partition(sign)
+        if not name or not equals or (not value and option != "arg") or name.strip() in pairs:
+            expected = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+            raise InputError(option, ",".join(parts), f"{expected} with each name once")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def _differences(comparison: Comparison) -> Lines:
+    joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
+    yield f"{comparison.name}: {joints or comparison.verdict}"
+    if not joints:
+        return
+    rows = [["body", "", "mass", "COM x", "COM y", "COM z", *(f"moment {n}" for n in "123")]]
+    rows.append(["", "", "[g]", *["[mm]"] * 3, *["[kg mm²]"] * 3])
+    for body in comparison.bodies:
+        both = body.as_dict()
+        theirs, ours = _row(both), _row(both["ours"])
+        rows.append([body.name, "theirs", *map(_cell, theirs)])
+        rows.append(["", "ours", *map(_cell, ours)])
+        apart = (_cell(a - b, "+") for a, b in zip(theirs, ours, strict=True))
+        rows.append(["", "diff", *apart])
+    yield from table(rows, "<<>", 1)
+    yield (
+        f"\nLargest differences: tip {comparison.tip_error * 1e3:.3f} mm, gravity torque in air "
+        f"{comparison.gravity_error.max():.4g} N m, mass matrix {comparison.mass_matrix_error:.3g} "
+        "kg m²."
+    )
+    for found in comparison.findings:
+        costs = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
+        yield f"{'✗' if found.serious else '·'} {found.where}: {found.text}{costs}"
+        if found.instead:
+            yield f"  write {found.instead}"
+    yield style(comparison.verdict, fg="green" if comparison.agrees else "red")
+
+
+def _row(side: dict[str, Any]) -> list[float]:
+    """Mass [g], COM [mm] and principal moments [kg mm^2] of one side."""
+    com = side["com_m"] or [math.nan] * 3
+    moments = side["principal_moments_kgm2"]
+    return [side["mass_kg"] * 1e3, *(x * 1e3 for x in com), *(x * 1e6 for x in moments)]
+
+
+def _cell(x: float, sign: str = "") -> str:
+    if math.isnan(x):
+        return "-"
+    digits = 2 if abs(x) < 1e4 else 0
+    return f"{round(x, digits) + 0.0:{sign}.{digits}f}"  # adding zero turns -0.0 into 0.0

@@ -1,0 +1,289 @@
+"""``alpha5 fk``, ``ik`` and ``torque``: the arm at one state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from typer import Argument, Option
+
+from alpha5_model.actuators import actuator
+from alpha5_model.checks import FloatArray
+from alpha5_model.cli import options
+from alpha5_model.errors import InputError, MissingParameterError
+from alpha5_model.files import check_outputs
+from alpha5_model.hydrodynamics import LEVELS
+from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.parameters import parameters
+from alpha5_model.spatial import rpy_from_rotation, wrap
+from alpha5_model.text import table
+from alpha5_model.view import current_plot, figures
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+TERMS = ("inertia", "coriolis", "weight", "buoyancy")
+_JOINTS = "axis_e, axis_d, axis_c, axis_b"
+
+
+def fk(
+    q: Annotated[
+        list[str], Argument(help=f"{_JOINTS} (rad); with a fifth, axis_a (m), the jaws'.")
+    ],
+    as_json: options.Json = False,
+) -> None:
+    """Where the tcp and the links are at a joint position, in base_link.
+
+    Example: alpha5 fk 180 70 100 0 deg
+    """
+    position = options.joint_numbers("q", " ".join(q), "rad", (4, 5))
+    arm = options.arm_in(gripper="locked" if len(position) == 4 else "jaws")
+    names = [f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"]
+    frames = {name: arm.forward_kinematics(position, name) for name in names}
+    beyond = _beyond(arm, position)
+    record = {
+        "q": position,
+        "beyond_limits": beyond,
+        "frames": {name: pose.homogeneous.tolist() for name, pose in frames.items()},
+    }
+    rows = [["frame", "x", "y", "z", "roll", "pitch", "yaw"], ["", *["mm"] * 3, *["deg"] * 3]]
+    for name, pose in frames.items():
+        place = [f"{1e3 * x:z.3f}" for x in pose.translation]
+        turn = [f"{x:z.3f}" for x in np.degrees(rpy_from_rotation(pose.rotation))]
+        rows.append([name, *place, *turn])
+    notes = [f"{name} is beyond its limits" for name in beyond]
+    options.show(as_json, record, [*table(rows), *notes])
+
+
+def _beyond(arm: Arm, q: Sequence[float]) -> list[str]:
+    """Joints that a position puts beyond their limits."""
+    limits = zip(arm.joint_names, q, arm.limits.lower, arm.limits.upper, strict=True)
+    return [name for name, x, lower, upper in limits if not lower <= x <= upper]
+
+
+def ik(
+    x: Annotated[
+        float, Argument(help="tcp in base_link (m, or mm behind it).", parser=options.metres)
+    ],
+    y: Annotated[float, Argument(help="(m)", parser=options.metres)],
+    z: Annotated[float, Argument(help="(m)", parser=options.metres)],
+    wrist: Annotated[
+        float, Option(help="Wrist angle theta_3 (rad, or deg behind it).", parser=options.radians)
+    ] = 0.0,
+    as_json: options.Json = False,
+) -> None:
+    """All inverse kinematics solutions of a tcp position.
+
+    Exit status: 0 solved, 2 out of reach within the joint limits.
+
+    Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
+    """
+    solutions = inverse_kinematics([x, y, z], wrist)
+    best = solutions.best(arm_plane().middle).tolist()
+    record = {
+        "position": solutions.position.tolist(),
+        "singular": bool(solutions.singular),
+        "best": best,
+        "branches": [
+            {
+                "name": name,
+                "exists": bool(solutions.exists[i]),
+                "within_limits": bool(solutions.within_limits[i]),
+                "q": solutions.q[i].tolist() if solutions.exists[i] else None,
+                "same_as": _same(solutions, i),
+            }
+            for i, name in enumerate(BRANCHES)
+        ],
+    }
+    options.show(as_json, record, _solutions(record))
+
+
+def _same(solutions: Solutions, i: int) -> str | None:
+    """An earlier branch with the same joint position: at singular targets branches meet."""
+    for j in range(i):
+        if solutions.exists[[i, j]].all():
+            apart = np.abs(wrap(solutions.q[i] - solutions.q[j])).max()
+            if apart < 1e-6:
+                return BRANCHES[j]
+    return None
+
+
+def _solutions(record: dict[str, Any]) -> options.Lines:
+    yield "joint positions (rad)"
+    rows = [["branch", *(joint.name for joint in parameters().joints[:4]), "limits"]]
+    for branch in record["branches"]:
+        angles, said = ["-"] * 4, "out of reach"
+        if branch["exists"]:
+            angles = [f"{angle:.6f}" for angle in branch["q"]]
+            said = "within" if branch["within_limits"] else "beyond"
+            other = branch["same_as"]
+            said += f", as row {BRANCHES.index(other) + 1}" if other else ""
+        rows.append([branch["name"], *angles, said])
+    yield from table(rows, "<>>>><")
+    nearest = ",".join(f"{angle:.9g}" for angle in record["best"])
+    yield f"nearest to the middle of the ranges: --q={nearest}"
+    if record["singular"]:
+        yield "The target is singular: on the yaw axis, or the arm is stretched or folded."
+
+
+def torque(
+    q: Annotated[
+        str, Option("--q", help=f"Positions of {_JOINTS} (rad; 180 70 100 0 deg), jaw rod (m).")
+    ],
+    v: Annotated[str, Option("--v", help="Velocities (rad/s, or deg), jaw rod (m/s).")] = "0 0 0 0",
+    a: Annotated[
+        str, Option("--a", help="Accelerations (rad/s^2, or deg), jaw rod (m/s^2).")
+    ] = "0 0 0 0",
+    degrees: Annotated[bool, Option("--degrees", help="--q, --v, --a in degrees.")] = False,
+    fluid: options.Fluid = "sea",
+    gravity: options.Gravity = options.DOWN,
+    gripper: options.Gripper = "locked",
+    mount: options.Mount = "0 0 0",
+    payload: options.Payload = None,
+    current: options.Current = None,
+    constants: options.Constants = "printed",
+    plot: Annotated[
+        Path | None,
+        Option(
+            help="Load on the mount over the direction of a level current as fast as --current, .png, .pdf or .svg."
+        ),
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Joint torques by cause, motor currents and the load on the mount.
+
+    With --gripper jaws a fifth number is the jaw rod's; left out, the jaws are closed and at rest.
+
+    Examples:
+    alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
+    alpha5 torque --q 180 70 100 0 deg --gripper jaws --payload 0.5 --mount 180 0 0 deg
+    alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
+    """
+    check_outputs((), plot=(plot, figures.FORMATS))
+    arm, flow = (
+        options.arm_in(fluid, gravity, gripper, mount, payload),
+        options.current_vector(current),
+    )
+    n = len(arm.joint_names)
+    state: list[Any] = []
+    for name, text, unit in (("--q", q, "rad"), ("--v", v, "rad/s"), ("--a", a, "rad/s^2")):
+        row = options.joint_numbers(name, f"{text} deg" if degrees else text, unit, (4, n))
+        closed = arm.limits.lower[4:].tolist() if text is q else [0.0]
+        state.append([*row, *closed] if len(row) < n else row)
+    result = _result(arm, constants, flow, *state)
+    if plot is not None:
+        if not any(flow or ()):
+            raise InputError("plot", plot, "a --current that flows, with it")
+        page = current_plot.figure(arm, state[0], math.hypot(*(flow or ())))
+        figures.write_figure(page, plot, dpi=110)
+    options.show(as_json, result, _text(result), plot)
+
+
+def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
+    """The result as it goes to JSON, SI units."""
+    from alpha5_model.dynamics.series import torque_terms, water_terms
+
+    total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
+    wrench = arm.base_wrench(q, v, a).vector
+    water, load = None, {}
+    if current is not None:
+        water = water_terms(arm, np.array([q]), np.array([v]), np.array([a]), current)
+        total, wrench = total + water.torque[0, 1], wrench + water.wrench[0, 1]
+        load = {"moving_water": dict(zip(LEVELS, map(_wrench, water.wrench[0]), strict=True))}
+    joints, beyond = [], _beyond(arm, q)
+    for i, name in enumerate(arm.joint_names):
+        motor, moving = actuator(name, constants), (total[i], v[i])
+        flows: dict[str, Any] = {"current": None, "current_range": None}
+        with suppress(MissingParameterError):  # the jaw rod's screw lead is not published
+            span = motor.current_interval(*moving) if v[i] else motor.holding_current(total[i])
+            flows["current"] = float(motor.current(*moving))
+            flows["current_range"] = [*map(float, span)]
+        joints.append(
+            {
+                "joint": name,
+                "position": q[i],
+                "velocity": v[i],
+                "acceleration": a[i],
+                **{term: float(getattr(terms, term)[0, i]) for term in TERMS},
+                **({} if water is None else _share(water.torque[0, :, i])),
+                "torque": float(total[i]),
+                **flows,
+                "within_limits": name not in beyond,
+            }
+        )
+    return {
+        "fluid_density": arm.fluid_density,
+        "gravity": arm.model.gravity.linear.tolist(),
+        **({} if current is None else {"water_current": list(current)}),
+        "constants": constants,
+        "joints": joints,
+        "mount": {**_wrench(wrench), **load},
+    }
+
+
+def _share(levels: FloatArray) -> dict[str, Any]:
+    """Moving water's share of a joint's torque, and its interval, all numbers low to all high."""
+    interval = [float(levels.min()), float(levels.max())]
+    return {"moving_water": float(levels[1]), "moving_water_range": interval}
+
+
+def _wrench(vector: FloatArray) -> dict[str, list[float]]:
+    return {"force": vector[:3].tolist(), "moment": vector[3:].tolist()}
+
+
+def _text(result: Any) -> options.Lines:
+    joints, water = result["joints"], result.get("water_current")
+    rows = [["", "inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range"]]
+    for unit, group in (("N m", joints[:4]), ("N", joints[4:])):
+        rows += [["", *[unit] * 5, *["A"] * 2]] if group else []
+        for joint in group:
+            name = joint["joint"] + ("" if joint["within_limits"] else " *")
+            flow = "-" if joint["current"] is None else _cell(joint["current"])
+            cells = (_cell(joint[key]) for key in (*TERMS, "torque"))
+            rows.append([name, *cells, flow, _range(joint["current_range"])])
+    yield from table(rows, gap=1)
+    mount = result["mount"]
+    force, moment = (f"({', '.join(map(_cell, mount[key]))})" for key in ("force", "moment"))
+    density, sum_of = result["fluid_density"], "inertia + Coriolis + weight + buoyancy"
+    gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in result["gravity"])
+    yield f"\nfluid {density:g} kg/m^3; {sum_of}{' + water' if water else ''} = torque"
+    yield f"gravity ({gravity}) m/s^2 in base_link"
+    yield "current of a moving joint: with friction and gear loss;"
+    yield "                           range: friction's printed tolerance"
+    yield "current of a joint at rest: without losses; range: where friction keeps it still"
+    yield f"load on the mount at base_link: force {force} N,"
+    yield f"                                moment {moment} N m"
+    if water:
+        yield from _water(joints, mount["moving_water"], water)
+    if len(joints) > 4:
+        yield "current of the jaw rod: its screw's lead is not published"
+    if not all(joint["within_limits"] for joint in joints):
+        yield "* position beyond the joint's limits"
+
+
+def _water(joints: Any, loads: Any, current: list[float]) -> options.Lines:
+    """What moving water adds, and the interval that its numbers leave."""
+    speed = ", ".join(f"{x:g}" for x in current)
+    yield f"\nwater: drag and added mass in a current of ({speed}) m/s in base_link;"
+    yield "       estimated, not published; range: from all their numbers low to all high"
+    rows = [["", "nominal", "range", ""]]
+    for joint, unit in zip(joints, ("N m",) * 4 + ("N",), strict=False):
+        interval = _range(joint["moving_water_range"])
+        rows.append([joint["joint"], _cell(joint["moving_water"]), interval, unit])
+    for part, unit in (("force", "N"), ("moment", "N m")):
+        low, nominal, high = (math.hypot(*loads[level][part]) for level in LEVELS)
+        rows.append([part, _cell(nominal), _range((low, high)), f"{unit} on the mount"])
+    yield from table(rows, "<>><")
+
+
+def _range(ends: Sequence[float] | None) -> str:
+    return " to ".join(map(_cell, ends or ()))
+
+
+def _cell(x: float) -> str:
+    return f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"

@@ -1,0 +1,59 @@
+"""Text to be read: columns side by side, long lines wrapped, units with their signs."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+
+
+def readable(text: str) -> str:
+    """Units as a reader writes them: ``N m`` and ``kg m^2`` as ``N·m`` and ``kg·m²``."""
+    text = text.replace("^2", "²").replace("^3", "³")
+    return re.sub(r"\b(N|kg) (mm?)(?![a-z])", r"\1·\2", text)
+
+
+def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:
+    """A line as lines of at most so many characters; what does not fit hangs two deeper than it.
+
+    Args:
+        hang: Spaces before each line but the first.
+    """
+    spaces = len(line) - len(line.lstrip()) + 2 if hang is None else hang
+    if len(line) <= width:
+        return [line]
+    return textwrap.wrap(
+        line,
+        width,
+        subsequent_indent=" " * spaces,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def table(
+    rows: Iterable[Sequence[str]],
+    align: str = "<>",
+    indent: int = 0,
+    width: int = 0,
+    gap: int = 2,
+) -> list[str]:
+    """Rows of cells as lines; each column is as wide as its widest cell.
+
+    Args:
+        rows: Of equally many cells.
+        align: ``<`` or ``>`` for each column; the last one holds for those that follow, too.
+        indent: Spaces before each line.
+        width: What is longer goes on under its last cell; 0 for lines as long as they are.
+        gap: Spaces between columns.
+    """
+    cells = [[readable(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    sides = align + align[-1] * (len(widths) - len(align))
+    lines = []
+    for row in cells:
+        parts = [f"{c:{side}{n}}" for c, side, n in zip(row, sides, widths, strict=True)]
+        line = (" " * indent + (" " * gap).join(parts)).rstrip()
+        hang = indent + sum(widths[:-1]) + gap * (len(widths) - 1)
+        lines += wrapped(line, width, hang) if width else [line]
+    return lines
