@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
     from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
     from alpha5_model.paths import URDF_PATH as URDF_PATH
+    from alpha5_model.uncertainty import identify as identify
 
 #: Module -> the public names that it defines.
 _DEFINED = {
@@ -79,6 +80,7 @@ _DEFINED = {
     "kinematics.ik.path": ("inverse_kinematics_path",),
     "kinematics.ik.pose": ("inverse_kinematics_pose",),
     "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
+    "uncertainty": ("identify",),
     "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
 }
 #: Public modules.

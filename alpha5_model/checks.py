@@ -216,6 +216,20 @@ def choice(kind: str, name: Any, choices: Sequence[str]) -> str:
     return name
 
 
+def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
+    """The names asked for, in the order of the choices, without repetition.
+
+    Raises:
+        InputError: Not a collection of names.
+        UnknownNameError: A name that is not one of ``choices``.
+    """
+    expected = f"a tuple of names, such as ({choices[0]!r},)"
+    if isinstance(names, str):
+        raise InputError(f"{kind}s", names, expected)
+    asked = {choice(kind, name, choices) for name in listed(f"{kind}s", names, expected)}
+    return tuple(name for name in choices if name in asked)
+
+
 def frozen(array: ArrayLike) -> FloatArray:
     """A read-only float64 copy."""
     copy = np.array(array, dtype=np.float64)

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from alpha5_model.checks import choice, listed
-from alpha5_model.errors import InputError
+from alpha5_model.checks import named
 
 
 @dataclass(frozen=True)
@@ -76,9 +75,4 @@ def check_corrections(corrections: Iterable[str]) -> tuple[str, ...]:
         InputError: Not a collection of names.
         UnknownNameError: A name that is not recorded.
     """
-    expected = "a tuple of names, such as ('base_frame',)"
-    if isinstance(corrections, str):
-        raise InputError("corrections", corrections, expected)
-    names = listed("corrections", corrections, expected)
-    asked = {choice("correction", name, tuple(CORRECTIONS)) for name in names}
-    return tuple(name for name in CORRECTIONS if name in asked)
+    return named("correction", corrections, tuple(CORRECTIONS))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +22,14 @@ from alpha5_model.base_parameters import base_parameters, regrouped
 from alpha5_model.dynamics.regressor import regressor_rows
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.inertia import pseudo_inertia
-from alpha5_model.uncertainty.printed import link_map, possible
+from alpha5_model.uncertainty import printed
 
 u = a5.uncertainty
 TOML = Path(a5.__file__).with_name("published") / "reach_alpha_mk2_v7.toml"
 SI = {"": 0, "kg": 0, "Ohm": 0, "Nm/A": 0, "V/rad/s": 0, "%": -2, "mm": -3, "L": -3, "Nmm": -3}
 SI |= {"uH": -6, "kg.mm^2": -6}
 AXES = "xyz"
+Z = np.zeros(4)
 
 
 def states(n: int, seed: int = 0) -> np.ndarray:
@@ -68,7 +71,7 @@ def test_every_printed_number_has_the_interval_of_its_digits() -> None:
         half = Decimal(10) ** -len(digits.partition(".")[2]) / 2
         if name.endswith("friction"):
             half = max(half, Decimal(digits) * Decimal(tolerances[f"{name}_tolerance"][0]) / 100)
-        if n.table == "1" and not Decimal(digits):
+        if name.endswith((".d", ".a")) and not Decimal(digits):
             half = Decimal(0)
         low, high = (float((Decimal(digits) + s * half).scaleb(power)) for s in (-1, 1))
         assert (n.printed.text, n.printed.unit) == (digits, unit)
@@ -118,9 +121,11 @@ def test_samples_round_to_what_is_printed() -> None:
     assert not np.array_equal(u.sample(200, 6).values, drawn.values)
 
 
-def test_no_sample_is_an_impossible_body() -> None:
-    """At a scale where most draws are impossible, by the pseudo-inertia's own eigenvalues."""
-    drawn = u.sample(100, 3, scale=200.0)
+def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With intervals so wide that most draws are impossible, by the pseudo-inertia's own eigenvalues."""
+    middle, half = printed.ends(())
+    monkeypatch.setattr(printed, "ends", lambda _: (middle, 200 * half))
+    drawn = u.sample(100, 3)
     for k in range(100):
         for link in drawn.parameters(k).links:
             matrix = pseudo_inertia(link.mass, link.com, link.inertia)
@@ -128,12 +133,27 @@ def test_no_sample_is_an_impossible_body() -> None:
             assert link.volume >= 0
     heavy = drawn.values[:, drawn.names.index("link_2.mass")]
     assert heavy.min() < 0.2  # from -0.62 to 1.38 kg there would be 31 % of nothing
-    links = np.tensordot(drawn.values[:1], link_map(()), 1)
-    assert possible(links).tolist() == [True]
-    for column, change in ((0, -1.0), (4, 1e-3), (5, 2e-4), (7, -1e-3), (10, -1e-3)):
+    links = np.tensordot(drawn.values[:1], printed.link_map(()), 1)
+    assert printed.possible(links).tolist() == [True]
+    for column, change in ((0, -1.0), (4, -1e-3), (5, 2e-4), (7, -1e-3), (10, -1e-3)):
         wrong = links.copy()
         wrong[0, 3, column] += change
-        assert possible(wrong).tolist() == [False], column
+        assert printed.possible(wrong).tolist() == [False], column
+
+
+def test_every_body_of_the_intervals_is_possible() -> None:
+    """What `identify` relies on: by Weyl, no digits move an eigenvalue of the second moments below 0."""
+    for i, link in enumerate(a5.parameters().links):
+        numbers = u.printed_numbers()
+        half = [
+            [numbers[f"link_{i}.inertia_com.{''.join(sorted(x + y))}"] for y in AXES] for x in AXES
+        ]
+        off = np.array([[(n.upper - n.lower) / 2 for n in row] for row in half])
+        change = np.linalg.norm(off + np.trace(off) / 2 * np.eye(3))
+        spread = np.trace(link.inertia) / 2 * np.eye(3) - link.inertia
+        assert np.linalg.eigvalsh(spread)[0] > 100 * change
+        assert numbers[f"link_{i}.mass"].lower > 0
+        assert numbers[f"link_{i}.volume"].lower > 0
 
 
 @pytest.mark.parametrize("alternatives", [(), ("link3_cob",), ("implied_mass",)])
@@ -206,19 +226,294 @@ def test_regressor_is_pinocchios_regrouped() -> None:
         np.testing.assert_allclose(arm.regressor(q, v, a).matrix @ groups, theirs, atol=1e-12)
 
 
-Z = np.zeros(4)
+def of_link(i: int, values: dict[str, float], q: Any, v: Any, a: Any, density: float) -> np.ndarray:
+    """Torques and load on the mount of one link alone, from the tests' own Newton-Euler, (N, 10)."""
+    mass, volume = np.zeros(5), np.zeros(5)
+    com, cob, tensor = second.COM.copy(), second.COB.copy(), np.zeros((5, 6))
+    mass[i], volume[i] = values[f"link_{i}.mass"], values[f"link_{i}.volume"]
+    com[i] = [values[f"link_{i}.com.{x}"] for x in AXES]
+    cob[i] = [values[f"link_{i}.cob.{x}"] for x in AXES]
+    tensor[i] = [values[f"link_{i}.inertia_com.{x}"] for x in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(second, "COM", com)
+        patch.setattr(second, "PRINTED", tensor)
+        found = second.newton_euler(q, v, a, density, TILTED, mass=mass, volume=volume, cob=cob)
+    return np.hstack(found)
+
+
+def test_bounds_at_rest_are_attained_at_a_corner() -> None:
+    """All corners of each link's mass and COM, and of its volume and COB, one by one."""
+    (q, _, _), numbers, still = states(4, 7), u.printed_numbers(), np.zeros((4, 4))
+    middle = {name: n.value for name, n in numbers.items()}
+    low, high = np.zeros((4, 10)), np.zeros((4, 10))
+    for i in range(5):
+        for kind, centre in (("mass", "com"), ("volume", "cob")):
+            names = [f"link_{i}.{kind}", *(f"link_{i}.{centre}.{x}" for x in AXES)]
+            other = {f"link_{i}.{'volume' if kind == 'mass' else 'mass'}": 0.0}
+            found = []
+            for ends in product(("lower", "upper"), repeat=4):
+                at = {n: getattr(numbers[n], end) for n, end in zip(names, ends, strict=True)}
+                found.append(of_link(i, {**middle, **at, **other}, q, still, still, 1000.0))
+            low, high = low + np.min(found, axis=0), high + np.max(found, axis=0)
+    ours = u.bounds(q, still, still, a5.load(1000.0, gravity=TILTED))
+    lower, upper = (np.hstack([ours.torque[k], ours.base_wrench[k]]) for k in (0, 1))
+    np.testing.assert_allclose(lower, low, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(upper, high, rtol=0, atol=1e-12)
+    assert (upper[:, 1] - lower[:, 1] > 1e-3).all()
+
+
+def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
+    """Corners found by walking along the edges, with the tests' own Newton-Euler."""
+    q, v, a = states(3, 8)
+    numbers = u.printed_numbers()
+    ours = u.bounds(q, v, a, a5.load(1000.0, gravity=TILTED))
+    found = np.zeros((2, 3, 10))
+    for i in range(5):
+        names = [n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]]
+        names = [n for n in names if not n.endswith((".d", ".a"))]
+
+        def value(at: dict[str, float], i: int = i) -> np.ndarray:
+            return of_link(i, at, q, v, a, 1000.0)
+
+        middle = {n: numbers[n].value for n in names}
+        rising = np.array(
+            [
+                value({**middle, n: numbers[n].upper}) - value({**middle, n: numbers[n].lower})
+                for n in names
+            ]
+        )
+        for side, row, column in np.ndindex(2, 3, 10):
+            up = (rising[:, row, column] > 0) == (side == 1)
+            at = {
+                n: numbers[n].upper if high else numbers[n].lower
+                for n, high in zip(names, up, strict=True)
+            }
+            if column in (1, 2, 5, 7):  # the others would show nothing new
+                found[side, row, column] += value(at)[row, column]
+    for column in (1, 2, 5, 7):
+        part, k = (ours.torque, column) if column < 4 else (ours.base_wrench, column - 4)
+        wide, best = part.upper[:, k] - part.lower[:, k], found[1] - found[0]
+        assert (part.lower[:, k] <= found[0, :, column]).all()
+        assert (part.upper[:, k] >= found[1, :, column]).all()
+        assert (wide <= 1.01 * best[:, column]).all()
+        assert (wide > 1e-6).all()
+
+
+@pytest.mark.parametrize("alternatives", [(), ("link3_cob",), ("implied_mass",)])
+def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
+    """Also of the energies, in Pinocchio, and for an arm that holds something."""
+    q, v, a = states(30, 4)
+    v[:10], a[:10], v[20:] = 0, 0, 20 * v[20:]
+    arm = a5.load(gravity=TILTED).with_payload(**PAYLOAD)
+    ours = u.bounds(q, v, a, arm, alternatives)
+    drawn = u.sample(20_000, 11, alternatives=alternatives).base_parameters(gravity=TILTED)
+    linear = regressor_rows(q, v, a, np.array(TILTED))
+    bare = a5.load(gravity=TILTED)
+    load = linear @ (arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters)
+    for start in range(0, 20_000, 2000):
+        every = drawn[start : start + 2000, :38] @ linear.reshape(-1, 38).T
+        every = every.reshape(-1, 30, 10) + load
+        assert ((ours.torque.lower <= every[..., :4]) & (every[..., :4] <= ours.torque.upper)).all()
+        wrench = ours.base_wrench
+        assert ((wrench.lower <= every[..., 4:]) & (every[..., 4:] <= wrench.upper)).all()
+    for k in range(20):
+        p = u.sample(20, 12, alternatives=alternatives).parameters(k)
+        # Table 1 is not part of the bounds.
+        p = replace(p, dh=a5.parameters().dh)
+        one = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD)
+        for i in (0, 15, 25):
+            kinetic, potential = one.kinetic_energy(q[i], v[i]), one.potential_energy(q[i])
+            assert ours.kinetic_energy.lower[i] <= kinetic <= ours.kinetic_energy.upper[i]
+            assert ours.potential_energy.lower[i] <= potential <= ours.potential_energy.upper[i]
+            tau = one.inverse_dynamics(q[i], v[i], a[i])
+            assert ((ours.torque.lower[i] <= tau) & (tau <= ours.torque.upper[i])).all()
+    other = ["implied_mass"] if "link3_cob" in alternatives else ["link3_cob"]
+    p = replace(u.sample(1, 1, alternatives=other).parameters(0), dh=a5.parameters().dh)
+    tau = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
+    assert ((tau < ours.torque.lower) | (tau > ours.torque.upper)).any(), "all would be held"
+
+
+def test_bounds_of_one_state_are_those_of_many() -> None:
+    q, v, a = states(3, 2)
+    many, one = u.bounds(q, v, a), u.bounds(q[1], v[1], a[1])
+    for several, single in zip(many, one, strict=True):
+        np.testing.assert_allclose(single.lower, several.lower[1], rtol=1e-13, atol=1e-15)
+        np.testing.assert_allclose(single.upper, several.upper[1], rtol=1e-13, atol=1e-15)
+    assert np.array_equal(u.torque_bounds(q, v, a).lower, many.torque.lower)
+    air = u.torque_bounds(q, v, a, fluid_density=0.0)
+    assert np.array_equal(air.upper, u.bounds(q, v, a, a5.load(0.0)).torque.upper)
+    still = u.torque_bounds(q[0], np.zeros(4), np.zeros(4))
+    assert (still.lower < a5.load().hydrostatic_torque(q[0])).all()
+
+
+def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lengths included, against the tests' own Newton-Euler; to the letter, against `load`."""
+    q, v, a = states(3, 5)
+    drawn = u.sample(2, 9)
+    p, values = drawn.parameters(1), dict(zip(drawn.names, drawn.values[1], strict=True))
+    x, y = values["elbow.opposite"], values["elbow.adjacent"]
+    bend = np.arctan2(x, y)
+    monkeypatch.setattr(second, "D", np.array([values[f"link_{i}.d"] for i in range(4)]))
+    a_i = [values["link_0.a"], np.hypot(x, y), values["link_2.a"], values["link_3.a"]]
+    monkeypatch.setattr(second, "A", np.array(a_i))
+    turn = np.array([np.pi, bend - np.pi / 2, bend - np.pi / 2, np.pi / 2])
+    monkeypatch.setattr(second, "OFFSET", turn)
+    theirs = sum(of_link(i, values, q, v, a, 1000.0) for i in range(5))
+    arm = u.arm(p, 1000.0, TILTED)
+    np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), theirs[:, :4], atol=1e-12)
+    np.testing.assert_allclose(arm.base_wrench_batch(q, v, a), theirs[:, 4:], atol=1e-12)
+    assert (
+        np.abs(
+            theirs[:, 1] - a5.load(1000.0, gravity=TILTED).inverse_dynamics_batch(q, v, a)[:, 1]
+        ).max()
+        > 1e-4
+    )
+    letter = a5.load(corrections=())
+    same = u.arm(a5.parameters(()))
+    np.testing.assert_allclose(
+        same.base_wrench_batch(q, v, a), letter.base_wrench_batch(q, v, a), atol=1e-12
+    )
+
+
+def test_sensitivity_of_the_reach() -> None:
+    """By hand: a_1 + hypot(a_2, d_3), with a_1 = hypot(40, 145.3)."""
+    found = u.sensitivity(u.reach)
+    lower, a_1 = np.hypot(20, 180), np.hypot(40, 145.3)
+    wanted = {"link_3.d": -0.5 * 180 / lower, "elbow.opposite": 0.5 * 40 / a_1}
+    wanted |= {"link_2.a": 0.5 * 20 / lower, "elbow.adjacent": 0.05 * 145.3 / a_1}
+    assert found.nominal == pytest.approx((lower + a_1) / 1000, rel=1e-12)
+    assert [name for name, _ in found.most(count=4)] == list(wanted)
+    for name, effect in found.most(count=4):
+        assert effect == pytest.approx(wanted[name] / 1000, rel=1e-5), name
+    assert found.half_width == pytest.approx(sum(map(abs, wanted.values())) / 1000, rel=1e-5)
+    drawn = u.spread(u.reach, 400, 2)
+    exact = np.sqrt(sum(x**2 for x in wanted.values()) / 3) / 1000
+    assert drawn.standard_deviation == pytest.approx(exact, rel=0.1)
+    assert abs(drawn.mean - found.nominal) < 4 * drawn.standard_error
+    assert drawn.standard_error == pytest.approx(drawn.standard_deviation / 20)
+
+
+def test_sensitivity_of_torques_and_currents() -> None:
+    q = np.array([3.1, 1.2, 1.8, 0.0])
+    torque = u.sensitivity(lambda p: u.arm(p).hydrostatic_torque(q))
+    np.testing.assert_allclose(torque.nominal, a5.load().hydrostatic_torque(q), atol=1e-12)
+    inside = [
+        k
+        for k, n in enumerate(torque.names)
+        if "mass" in n or "com" in n or "volume" in n or "cob" in n
+    ]
+    low, high = u.torque_bounds(q, Z, Z)
+    half = np.abs(torque.effects[inside]).sum(axis=0)
+    np.testing.assert_allclose((high - low) / 2, half, rtol=1e-2, atol=1e-12)
+    name, effect = torque.most(1)[0]
+    assert name == "link_2.mass"
+    assert effect == pytest.approx(0.005 * 9.81 * second_lever(q), rel=1e-9)
+
+    def current(p: Any) -> Any:
+        return a5.actuators.Actuator("axis_d", p.actuators[1]).current(0.5, 0.1)
+
+    name, effect = u.sensitivity(current).most(count=1)[0]
+    assert name == "actuator_1.friction"
+    assert effect == pytest.approx(0.1 * 3.752e-3 / 0.0134, rel=1e-9)
+    same = u.sensitivity(current, ["voltage_constant"])
+    assert same.nominal == pytest.approx(u.sensitivity(current).nominal * 0.0134 / 0.0116)
+
+
+def second_lever(q: np.ndarray) -> float:
+    """Of link 2's COM about axis_d, level, by the tests' own frames."""
+    rotations, origins = second.link_frames(q[None])
+    arm = rotations[2, 0] @ second.COM[2]
+    axis = rotations[2, 0][:, 2]
+    del origins
+    return float(axis @ np.cross(arm, [0, 0, 1.0]))
+
+
+def swing(n: int, seed: int = 0) -> tuple[Any, np.ndarray]:
+    """A motion of five sines in each joint, and its exact q, v, a, (3, n, 4)."""
+    rng, time = np.random.default_rng(seed), 0.02 * np.arange(n)
+    rate = 2 * np.pi * rng.uniform(0.1, 0.8, (5, 4))
+    size, phase = rng.uniform(0.06, 0.2, (5, 4)) / rate, rng.uniform(0, 6, (5, 4))
+    angle = rate * time[:, None, None] + phase
+    q = np.array([3.0, 1.7, 1.7, 3.0]) + (size * np.sin(angle)).sum(axis=1)
+    v, a = (size * rate * np.cos(angle)).sum(axis=1), -(size * rate**2 * np.sin(angle)).sum(axis=1)
+    return a5.trajectory.motion(time, q), np.array([q, v, a])
+
+
+@pytest.mark.parametrize("kind", ["effort", "wrench"])
+def test_identification_finds_the_truth(kind: str) -> None:
+    """Made by the tests' own Newton-Euler; twelve trials here, 500 in the documentation."""
+    moved, (q, v, a) = swing(300)
+    truth, rng, hits = u.sample(12, 21), np.random.default_rng(3), []
+    for k in range(12):
+        values = dict(zip(truth.names, truth.values[k], strict=True))
+        exact = sum(of_link(i, values, q, v, a, 1025.0) for i in range(5))
+        arm = a5.load(gravity=TILTED)
+        if kind == "effort":
+            y = exact[:, :4] + rng.normal(scale=0.002, size=(300, 4))
+            y[::17, 2] = np.nan
+            found = u.identify(replace(moved, effort=y), arm, method="interpolate")
+            assert found.noise == pytest.approx(0.002, rel=0.2)
+        else:
+            y = exact[:, 4:] + rng.normal(scale=0.005, size=(300, 6))
+            found = u.identify(moved, arm, wrench=y, method="interpolate")
+            assert found.noise == pytest.approx(0.005, rel=0.2)
+        real = truth.base_parameters(gravity=TILTED)[k, :38]
+        hits.append(((found.lower <= real) & (real <= found.upper))[found.supported])
+        assert found.supported.sum() > 5
+        for i, link in enumerate(found.parameters.links):
+            for name, x in (("mass", link.mass), ("com.x", link.com[0]), ("volume", link.volume)):
+                n = u.printed_numbers()[f"link_{i}.{name}"]
+                assert n.lower - 1e-12 <= x <= n.upper + 1e-12
+    share = np.concatenate(hits).mean()
+    assert 0.85 < share < 0.999  # correlated hits: 95 % and four standard errors
+    assert found.gains[0] > 5
+    assert (np.diff(found.gains) <= 0).all()
+    assert found.combinations.shape == (found.gains.size, 38)
+
+
+def test_identification_does_not_see_what_no_data_show() -> None:
+    """At rest there is no inertia; without noise the load of the weight comes out exactly."""
+    still = a5.trajectory.motion(np.arange(40) * 0.1, states(40, 3)[0])
+    at_rest = replace(still, position=np.repeat(states(1, 3)[0], 40, axis=0))
+    values = u.sample(1, 5)
+    truth = values.base_parameters()[0, :38]
+    arm = u.arm(replace(values.parameters(0), dh=a5.parameters().dh))
+    y = np.repeat([arm.hydrostatic_torque(at_rest.position[0])], 40, axis=0)
+    found = u.identify(replace(at_rest, effort=y), method="interpolate")
+    known = dict(zip(found.names, found.supported, strict=True))
+    assert len(found.gains) <= 4, "no more than four torques are seen"
+    assert known["link_2.nx"]
+    assert not any(known[f"link_4.{name}"] for name in ("xx", "yy", "xy", "xz", "yz"))
+    rows = a5.load().regressor(at_rest.position[0], Z, Z).matrix
+    np.testing.assert_allclose(rows @ found.estimate, rows @ truth, atol=1e-9)
+    heavy = a5.load().with_payload(**PAYLOAD)
+    more = heavy.hydrostatic_torque(at_rest.position[0]) - a5.load().hydrostatic_torque(
+        at_rest.position[0]
+    )
+    same = u.identify(replace(at_rest, effort=y + more), heavy, method="interpolate")
+    np.testing.assert_allclose(same.estimate, found.estimate, atol=1e-9)
+
+
 WRONG: dict[str, Callable[[], Any]] = {
     "n: expected a whole number of at least 1, got 0": lambda: u.sample(0),
     "seed: expected a whole number": lambda: u.sample(1, -1),
-    "scale: expected one at which the drawn bodies": lambda: u.sample(1, scale=1e9),
-    "scale: expected a number of at least 0": lambda: u.sample(1, scale=-1),
     "unknown distribution 'box'; choose from uniform, normal": lambda: u.sample(
         1, distribution="box"
     ),
     "unknown alternative 'cob'; choose from link3_cob,": lambda: u.printed_numbers(["cob"]),
     "alternatives: expected a tuple of names": lambda: u.sample(1, alternatives="link3_cob"),
-    "one motor constant at most": lambda: u.sample(
-        1, alternatives=["torque_constant", "voltage_constant"]
+    "arm: expected a Arm, got 3": lambda: u.bounds(Z, Z, Z, 3),
+    "q: expected shape": lambda: u.torque_bounds([1, 2], Z, Z),
+    "unknown alternative 'x'": lambda: u.torque_bounds(Z, Z, Z, alternatives=["x"]),
+    "n: expected at least 2 sets, got 1": lambda: u.spread(u.reach, 1),
+    "result": lambda: u.sensitivity(lambda p: np.nan),
+    "one with recorded efforts, or a wrench": lambda: u.identify(swing(50)[0]),
+    "wrench: expected shape (50, 6), got (50, 3)": lambda: u.identify(
+        swing(50)[0], wrench=np.zeros((50, 3))
+    ),
+    "motion: expected a Motion": lambda: u.identify(np.zeros((5, 4))),
+    "got Arm(axis_e, axis_d, axis_c, axis_b; floating": lambda: u.identify(
+        swing(50)[0], a5.load(floating_base=True)
     ),
     "fluid_density: expected": lambda: u.sample(1).base_parameters(-1.0),
     "gravity: expected": lambda: u.sample(1).base_parameters(1.0, [1, 2]),

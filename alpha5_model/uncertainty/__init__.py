@@ -1,20 +1,23 @@
 """What the digits of the printed numbers leave open in each result.
 
-`printed_numbers` are the intervals, `sample` draws parameter sets from them.
+`printed_numbers` are the intervals; `bounds` what no numbers in them can pass; `sample`, `spread` and
+`sensitivity` do for any result; `identify` is for recordings.
 """
 
-from alpha5_model.uncertainty.printed import (
-    ALTERNATIVES,
-    PrintedNumber,
-    Sample,
-    printed_numbers,
-    sample,
-)
+from alpha5_model.uncertainty.effects import arm, bounds, reach, sensitivity, spread, torque_bounds
+from alpha5_model.uncertainty.identification import identify
+from alpha5_model.uncertainty.printed import ALTERNATIVES, Sample, printed_numbers, sample
 
 __all__ = [
     "ALTERNATIVES",
-    "PrintedNumber",
     "Sample",
+    "arm",
+    "bounds",
+    "identify",
     "printed_numbers",
+    "reach",
     "sample",
+    "sensitivity",
+    "spread",
+    "torque_bounds",
 ]

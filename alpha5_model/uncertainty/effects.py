@@ -1,0 +1,234 @@
+"""What the intervals leave open in results: bounds, the share of each digit, samples.
+
+Between which values torques, loads and energies lie, whatever numbers the printed digits stand for.
+
+All of these are sums over the links of ``m s(c) + w . I + V (w_V + w_b . b)``, with s of second degree in the
+COM c. No number is in two of the terms, so the extremes of the sum are the sums of their extremes; those of a
+product of intervals are at its corners. At rest s is of first degree, and the bounds are attained. In motion
+its second-degree part about the middle of c is taken at the largest that it can be.
+
+The lengths of Table 1 are taken as printed: see `alpha5_model.uncertainty.sensitivity` for their share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model.actuators import Interval
+from alpha5_model.base_parameters import base_parameters
+from alpha5_model.checks import FloatArray, count, float_array, instance
+from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
+from alpha5_model.dynamics import load
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.hydrostatics import displacements
+from alpha5_model.dynamics.regressor import regressor_rows
+from alpha5_model.dynamics.states import rows
+from alpha5_model.errors import InputError
+from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.parameters import Alpha5Parameters, parameters
+from alpha5_model.spatial import pose
+from alpha5_model.uncertainty import printed
+from alpha5_model.uncertainty.printed import Names, believed, parameter_set
+
+#: A result of a parameter set: a number or an array.
+Result = Callable[[Alpha5Parameters], ArrayLike]
+#: What the rounding of doubles may hide, as a share of the terms.
+_ROUNDING = 1e-14
+
+
+class Bounds(NamedTuple):
+    """Lower and upper ends; without N for one state.
+
+    Attributes:
+        torque: Of the joints, (N, 4) [N m].
+        base_wrench: Force and moment on the mount in base_link, (N, 6) [N, N m].
+        kinetic_energy: (N,) [J].
+        potential_energy: Of weight and buoyancy, (N,) [J].
+    """
+
+    torque: Interval
+    base_wrench: Interval
+    kinetic_energy: Interval
+    potential_energy: Interval
+
+
+def bounds(
+    q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None, alternatives: Names = ()
+) -> Bounds:
+    """What no numbers that round to the printed ones can pass, for a motion of the arm on a fixed base.
+
+    Args:
+        q, v, a: (4,) each, or (N, 4), where one row is used for all states.
+        arm: Fluid, gravity and payload, which is taken as known; None for the bare arm in sea water.
+        alternatives: Names of `alpha5_model.uncertainty.ALTERNATIVES` to believe.
+
+    Raises:
+        InputError: As of `Arm.inverse_dynamics_batch`, or an arm on a floating base or with jaws that move.
+        UnknownNameError: An alternative that is not recorded.
+    """
+    arm, one = (
+        load() if arm is None else instance("arm", arm, Arm),
+        max(map(np.ndim, (q, v, a))) < 2,
+    )
+    gravity = arm_parameters(arm)[-3:]
+    q, v, a = rows(arm._model, q=q, v=v, a=a)
+    still = np.zeros_like(v)
+    linear = regressor_rows(q, v, a, gravity)
+    # The kinetic energy is half of what v takes as an acceleration from rest.
+    torque = regressor_rows(q, still, v, np.zeros(3))[:, :4]
+    kinetic = (v[:, :, None] * torque).sum(axis=1) / 2
+    # Moments of weights, sums of r x n g, for two directions of g have all of the sum of n r.
+    x, y = (regressor_rows(q, still, still, g)[:, 7:] for g in np.eye(3)[:2])
+    potential = -np.tensordot(gravity, [y[:, 2], -x[:, 2], x[:, 1]], 1)
+    every = linear[:, :4], linear[:, 4:], kinetic, potential
+    return Bounds(*(extremes(part, one, arm, believed(alternatives)) for part in every))
+
+
+def torque_bounds(
+    q: ArrayLike, v: ArrayLike, a: ArrayLike, fluid_density: float = SEA_WATER, **options: Any
+) -> Interval:
+    """The torques of `bounds`, ``(lower, upper)``, (4,) each or (N, 4) [N m]; its options, and a fluid [kg/m^3]."""
+    return bounds(q, v, a, **{"arm": load(fluid_density), **options}).torque
+
+
+def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, ...]) -> Interval:
+    """Of quantities that are linear in the base parameters, rows (N, ..., 38): (N, ...), (...) of one state."""
+    density, to_links = arm.fluid_density, printed.link_map(alternatives)
+    middle, half = printed.ends(alternatives)
+    link, width = np.tensordot(middle, to_links, 1), np.tensordot(half, np.abs(to_links), 1)
+    w = np.tensordot(linear, printed.grouping(density), (-1, -1))  # (N, ..., 5, 14)
+    # m s: of m, and s by its slope at the middle COM and what is of second degree from there on.
+    com, box = link[:, 1:4], width[:, 1:4]
+    curve = w[..., 4 + printed.SYMMETRIC] * (np.eye(3) + 1)
+    bent = (curve * com[:, None]).sum(axis=-1)
+    s = w[..., 0] + ((w[..., 1:4] + bent / 2) * com).sum(axis=-1)
+    slope = np.abs(w[..., 1:4] + bent) + (np.abs(curve) * box[:, None]).sum(axis=-1) / 2
+    ds = (slope * box).sum(axis=-1)
+    lift = w[..., 10] + (w[..., 11:] * link[:, 11:]).sum(axis=-1)
+    dlift = (np.abs(w[..., 11:]) * width[:, 11:]).sum(axis=-1)
+    # Digits of the tensor, each of which is in several second moments.
+    tensor = np.tensordot(w[..., 4:10], to_links[:, :, 4:10], ((-2, -1), (1, 2)))
+    parts = (
+        _product(link[:, 0], width[:, 0], s, ds).sum(axis=-1),
+        np.tensordot(tensor, middle, 1) + np.multiply.outer((-1, 1), np.abs(tensor) @ half),
+        _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1),
+    )
+    slack = _ROUNDING * np.abs(parts).sum(axis=(0, 1))
+    if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
+        slack = slack.max(axis=1, keepdims=True)
+    total = np.sum(parts, axis=0) + linear @ payload(arm)
+    lower, upper = total + np.array([-slack, slack])
+    return Interval(lower[0], upper[0]) if one else Interval(lower, upper)
+
+
+def payload(arm: Arm) -> FloatArray:
+    """What an arm's base parameters have beyond those of the bare arm, (38,)."""
+    bare = base_parameters(parameters().links, arm.fluid_density)
+    return (arm_parameters(arm) - bare)[:-3]
+
+
+def _product(x: FloatArray, dx: FloatArray, y: FloatArray, dy: FloatArray) -> FloatArray:
+    """Lowest and highest of (x +- dx) (y +- dy), (2, ...)."""
+    corners = [(x + i * dx) * (y + j * dy) for i in (-1, 1) for j in (-1, 1)]
+    return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+
+def arm(
+    parameters: Alpha5Parameters, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+) -> Arm:
+    """The arm of a parameter set, lengths of Table 1 included, on a fixed base with locked jaws.
+
+    Args:
+        parameters: As of `Sample.parameters`, or of `alpha5_model.parameters`.
+        fluid_density, gravity: See `alpha5_model.load`.
+    """
+    model, p = load(fluid_density, gravity=gravity).model, parameters
+    frames = base_placement(p), *joint_placements(p), tcp_placement(p)
+    base, first, *places, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in frames)
+    for joint, place in enumerate((base * first, *places), 1):
+        model.jointPlacements[joint] = place
+    for name, place in (("link_0", base), ("tcp", tip)):
+        model.frames[model.getFrameId(name)].placement = place
+    for link in p.links:
+        frame, own = model.frames[model.getFrameId(link.name)], (link.mass, link.com, link.inertia)
+        model.inertias[frame.parentJoint] = frame.placement.act(pin.Inertia(*own))
+    return Arm(model, displacements(model, p, "locked"), fluid_density)
+
+
+def reach(parameters: Alpha5Parameters) -> float:
+    """Farthest that the tcp gets from the shoulder without limits, ``a_1 + hypot(a_2, d_3)`` [m]."""
+    dh = parameters.dh
+    return dh[1].a + float(np.hypot(dh[2].a, dh[3].d))
+
+
+class Sensitivity(NamedTuple):
+    """What each printed number does to a result, first order.
+
+    Attributes:
+        names: Of the printed numbers, (K,).
+        nominal: The result at the middle of all intervals, (...).
+        effects: Half of what it changes from the lower to the upper end of each interval, (K, ...).
+    """
+
+    names: tuple[str, ...]
+    nominal: FloatArray
+    effects: FloatArray
+
+    @property
+    def half_width(self) -> FloatArray:
+        """All effects together at their worst, (...)."""
+        return np.asarray(np.abs(self.effects).sum(axis=0))
+
+    def most(self, *index: int, count: int = 5) -> tuple[tuple[str, float], ...]:
+        """The numbers that matter most, with their effects on ``nominal[index]``."""
+        effects = np.moveaxis(self.effects, 0, -1)[index]
+        order = np.argsort(-np.abs(effects), kind="stable")[:count]
+        return tuple((self.names[k], float(effects[k])) for k in order)
+
+
+def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
+    """Which printed digits a result hangs on.
+
+    Args:
+        result: From a parameter set to a number or an array, such as
+            ``lambda p: arm(p).hydrostatic_torque(q)``.
+        alternatives: Names of `ALTERNATIVES` to believe.
+
+    Raises:
+        InputError: A result that is not finite numbers.
+    """
+    chosen = believed(alternatives)
+    middle = {name: x.value for name, x in printed.numbers(chosen).items()}
+
+    def at(values: dict[str, float]) -> FloatArray:
+        return float_array("result", result(parameter_set(values, chosen)), ())
+
+    effects = [
+        (at({**middle, x.name: x.upper}) - at({**middle, x.name: x.lower})) / 2
+        for x in printed.numbers(chosen).values()
+    ]
+    return Sensitivity(tuple(middle), at(middle), np.array(effects))
+
+
+class Spread(NamedTuple):
+    """Mean and standard deviation of a sampled result, (...) each, and the standard error of the mean."""
+
+    mean: FloatArray
+    standard_deviation: FloatArray
+    standard_error: FloatArray
+
+
+def spread(result: Result, n: int = 1000, seed: int = 0, **options: Any) -> Spread:
+    """What `sample` (n, seed, options) leaves of a result as `sensitivity` takes it."""
+    if count("n", n) < 2:
+        raise InputError("n", n, "at least 2 sets")
+    drawn = printed.sample(n, seed, **options)
+    found = np.array([float_array("result", result(drawn.parameters(k)), ()) for k in range(n)])
+    deviation = found.std(axis=0, ddof=1)
+    return Spread(found.mean(axis=0), deviation, deviation / np.sqrt(n))
