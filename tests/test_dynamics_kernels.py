@@ -30,7 +30,7 @@ from reference import LOWER, UPPER
 import alpha5_model as a5
 from alpha5_model.base_parameters import BASE_PARAMETERS, base_parameters
 from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.kernel_arm import KernelArm
+from alpha5_model.dynamics.variants import KernelArm
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.parameters import RigidBody
 from alpha5_model.symbolic import functions

@@ -279,7 +279,7 @@ def test_what_is_asked_of_the_arm_in_still_water():
         *("approach_directions", "buoyancy_torque", "buoyancy_wrenches", "center_of_buoyancy"),
         *("center_of_mass", "collision_distance", "data", "forward_kinematics", "gravity_torque"),
         *("hydrostatic_torque", "hydrostatic_torque_derivative", "in_collision", "jacobian"),
-        *("joint_names", "potential_energy", "regressor", "with_hydrodynamics"),
+        *("joint_names", "limits", "potential_energy", "regressor", "with_hydrodynamics"),
     }
     wet = a5.load().with_hydrodynamics()
     assert wet.fluid_density == RHO

@@ -16,9 +16,8 @@ from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
-from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
-from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.dynamics.states import vector
+from alpha5_model.dynamics.variants import JawArm, KernelArm, mimicking
 from alpha5_model.files import read_named
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS

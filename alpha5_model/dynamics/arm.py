@@ -48,13 +48,7 @@ _crba: _Algorithm = pin.crba
 _coriolis: _Algorithm = pin.computeCoriolisMatrix
 _nonlinear_effects: _Algorithm = pin.nonLinearEffects
 _gravity: _Algorithm = pin.computeGeneralizedGravity
-_gravity_derivative: _Algorithm = pin.computeGeneralizedGravityDerivatives
 _jacobian: _Algorithm = pin.computeFrameJacobian
-_center_of_mass: _Algorithm = pin.centerOfMass
-_kinetic_energy: Callable[..., float] = pin.computeKineticEnergy
-_potential_energy: Callable[..., float] = pin.computePotentialEnergy
-_forward_kinematics = pin.forwardKinematics
-_frames_forward_kinematics = pin.framesForwardKinematics
 
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
@@ -93,7 +87,7 @@ class Arm:
         model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
             nothing done to this one changes what the arm's methods return. With jaws it has mimic
             joints, which not every algorithm of Pinocchio supports: see
-            `alpha5_model.dynamics.jaw_arm`.
+            `alpha5_model.dynamics.variants`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of
             buoyancy.
         displacements: The displaced volumes.
@@ -167,11 +161,8 @@ class Arm:
         """
         q = self._clean_q(q)
         own = self._own
-        _frames_forward_kinematics(self._model, own.data, q)
-        try:
-            return own.placements[frame].copy()
-        except (KeyError, TypeError):
-            raise UnknownNameError("frame", frame, self._frames) from None
+        pin.framesForwardKinematics(self._model, own.data, q)
+        return own.placements[self._frame(frame)].copy()
 
     def jacobian(
         self, q: ArrayLike, frame: str = "tcp", reference_frame: Any = pin.LOCAL_WORLD_ALIGNED
@@ -248,8 +239,8 @@ class Arm:
         q = self._clean_q(q)
         own = self._own
         # Not of the net weights: Pinocchio joins bodies here, which takes positive masses.
-        out = _gravity_derivative(self._model, own.data, q)
-        out -= _gravity_derivative(self._fluid, own.fluid_data, q)
+        out: FloatArray = pin.computeGeneralizedGravityDerivatives(self._model, own.data, q)
+        out -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
         return out
 
     def buoyancy_wrenches(self, q: ArrayLike) -> Any:
@@ -265,7 +256,7 @@ class Arm:
         """
         q = self._clean_q(q)
         data = self._own.data
-        _forward_kinematics(self._model, data, q)
+        pin.forwardKinematics(self._model, data, q)
         out = pin.StdVec_Force([pin.Force.Zero()] * self._model.njoints)
         up = -self._model.gravity
         for joint, body in enumerate(self._fluid.inertias):
@@ -278,12 +269,12 @@ class Arm:
 
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
         """
-        moving = _potential_energy(self._net, self._own.net_data, self._clean_q(q))
-        return moving + self._fixed_potential
+        moving = pin.computePotentialEnergy(self._net, self._own.net_data, self._clean_q(q))
+        return float(moving) + self._fixed_potential
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        out = _center_of_mass(self._model, self._own.data, self._in_base(q))
+        out: FloatArray = pin.centerOfMass(self._model, self._own.data, self._in_base(q))
         out *= self._moving_fraction
         out += self._fixed_fraction
         return out
@@ -300,7 +291,7 @@ class Arm:
         if not self._volume:
             raise InputError("displacements", self.displacements, "a volume above 0")
         data = self._own.data
-        _forward_kinematics(self._model, data, q)
+        pin.forwardKinematics(self._model, data, q)
         moment = np.zeros(3)
         for body in self.displacements:
             placement = data.oMi[self._model.getJointId(body.joint)]
@@ -415,7 +406,11 @@ class Arm:
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
         # Pinocchio hands out views of its data here.
-        return dq - _gravity_derivative(self._fluid, own.fluid_data, q), dv.copy(), da.copy()
+        return (
+            dq - pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q),
+            dv.copy(),
+            da.copy(),
+        )
 
     def forward_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Partials:
         """Analytic derivatives of `forward_dynamics`, from those of its inverse.
@@ -478,14 +473,14 @@ class Arm:
         state = self._on_free_flyer(*self._clean_qva(q, v, a))
         (model, data), (fluid, fluid_data) = ((m, self._own.pool(m).getData(0)) for m in self._free)
         dq, dv, da = pin.computeRNEADerivatives(model, data, *state)
-        water = _gravity_derivative(fluid, fluid_data, state[0])
+        water = pin.computeGeneralizedGravityDerivatives(fluid, fluid_data, state[0])
         joints = slice(model.nv - self._model.nv, None)
         return (water - dq)[:6, joints], -dv[:6, joints], -da[:6, joints]
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
         q, v = self._clean_qv(q, v)
-        return _kinetic_energy(self._model, self._own.data, q, v)
+        return float(pin.computeKineticEnergy(self._model, self._own.data, q, v))
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -596,7 +591,7 @@ class Arm:
         """
         return HydrodynamicArm(self, ()).on_vehicle(vehicle)
 
-    @property
+    @cached_property
     def _embedding(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """G, its form for positions and g_0: ``q_tree = G q + g_0``, every joint independent."""
         return np.eye(self._model.nv), np.eye(self._model.nq), np.zeros(self._model.nq)
@@ -629,11 +624,6 @@ class Arm:
     @cached_property
     def _kernel_parameters(self) -> FloatArray | None:
         return kernel_parameters(self._model, self.displacements, self.fluid_density)
-
-    @property
-    def _afloat(self) -> type[Arm]:
-        """What this arm is on a floating base."""
-        return type(self)
 
     @property
     def _arguments(self) -> tuple[Any, ...]:

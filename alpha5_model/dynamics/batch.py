@@ -45,12 +45,12 @@ class Scratch(threading.local):
 
     Attributes:
         data, fluid_data, net_data: pin.Data of the arm, of the fluid and of their difference.
-        placements: Frame -> pin.SE3 that refers to `data`: the next computation moves it.
+        placements: pin.SE3 of each frame that refers to `data`: the next computation moves it.
     """
 
     def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
         self.data, self.fluid_data, self.net_data = (m.createData() for m in (model, fluid, net))
-        self.placements = {frame.name: self.data.oMf[i] for i, frame in enumerate(model.frames)}
+        self.placements = [self.data.oMf[i] for i in range(model.nframes)]
         self._model, self._callers = model, callers
         self._pools: dict[int, Any] = {}
 

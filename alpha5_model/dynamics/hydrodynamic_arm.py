@@ -29,6 +29,7 @@ from alpha5_model.water_parameters import water_parameters
 Rows = ArrayLike
 #: Velocity of the water, in the world [m/s]; None for the arm's own.
 Flow = ArrayLike | None
+_COMPUTED = ("inverse_dynamics", "forward_dynamics")
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -92,7 +93,7 @@ class HydrodynamicArm:
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         flow = self.current if current is None else current
-        out: FloatArray | None = self._inverse_kernel(q, v, a, flow) if fext is None else None
+        out: FloatArray | None = self._kernels[0](q, v, a, flow) if fext is None else None
         if out is None:
             tau = self._torque(self.still._clean_qva(q, v, a), fext, current)
             out = np.asarray(self._tree.g.T @ tau)
@@ -103,7 +104,7 @@ class HydrodynamicArm:
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2]; see `Arm.forward_dynamics`."""
         flow = self.current if current is None else current
-        out: FloatArray | None = self._forward_kernel(q, v, tau, flow) if fext is None else None
+        out: FloatArray | None = self._kernels[1](q, v, tau, flow) if fext is None else None
         if out is not None:
             return out
         _, _, torque = self.still._clean_qvtau(q, v, tau)
@@ -315,17 +316,11 @@ class HydrodynamicArm:
         return None if water is None else np.concatenate([still + water[0], water[1]])
 
     @cached_property
-    def _inverse_kernel(self) -> Callable[..., Any]:
-        return self._bound("inverse_dynamics_in_current")
-
-    @cached_property
-    def _forward_kernel(self) -> Callable[..., Any]:
-        return self._bound("forward_dynamics_in_current")
-
-    def _bound(self, name: str) -> Callable[..., Any]:
-        """A kernel of this arm, or what answers None as kernels do."""
-        known = self._numbers
-        return (lambda *_: None) if known is None else kernels.module().bind(name, known)
+    def _kernels(self) -> list[Callable[..., Any]]:
+        """Inverse and forward dynamics of this arm by kernels, or what answers None as they do."""
+        if self._numbers is None:
+            return [lambda *_: None] * 2
+        return [kernels.module().bind(f"{name}_in_current", self._numbers) for name in _COMPUTED]
 
     def _derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
@@ -406,12 +401,7 @@ class ArmOnVehicle(HydrodynamicArm):
         return type(self), (self.arm, self.vehicle)
 
 
-def joint_water(
-    arm: Any,
-    frame: str,
-    data: BodyHydrodynamics,
-    *damping: FloatArray,
-) -> JointWater:
+def joint_water(arm: Any, frame: str, data: BodyHydrodynamics, *damping: FloatArray) -> JointWater:
     """Moving water of a body in a frame of an arm, on the joint that carries the frame.
 
     ``damping`` is the `JointWater`'s, linear and quadratic.
@@ -422,9 +412,5 @@ def joint_water(
     model = arm._arguments[0]
     carrier = model.frames[arm._frame(frame)]
     return JointWater(
-        frame,
-        model.names[carrier.parentJoint],
-        carrier.placement.actionInverse,
-        data,
-        *damping,
+        frame, model.names[carrier.parentJoint], carrier.placement.actionInverse, data, *damping
     )

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
@@ -129,15 +128,10 @@ def frame_positions(arm: Arm, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         InputError: q that cannot be used.
         UnknownNameError: No such frame.
     """
-    model, index = arm._model, arm._frame(frame)
+    arm._frame(frame)
     poses = kernel_rows(arm, "forward_kinematics", 16, 1, q=q) if frame == "tcp" else None
     if poses is not None:
         return poses[:, 3:12:4].copy()
-    (configurations,) = rows(model, q=q)
-    data = model.createData()
-    placement = data.oMf[index]  # refers to the data, no copy in the loop
-    out = np.empty((len(configurations), 3))
-    for k, configuration in enumerate(configurations):
-        pin.framesForwardKinematics(model, data, configuration)
-        out[k] = placement.translation
-    return out
+    (configurations,) = rows(arm._model, q=q)
+    origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
+    return np.array(origins).reshape(-1, 3)

@@ -15,14 +15,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
-from alpha5_model.checks import (
-    ROTATION_TOLERANCE,
-    FloatArray,
-    bounded,
-    float_array,
-    listed,
-    shaped,
-)
+from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, bounded, float_array, listed, shaped
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
 

@@ -91,7 +91,7 @@ def afloat(still: Any) -> Any:
         return still
     model, volumes, *rest = still._arguments
     volumes = [replace(v, joint="root_joint") if v.joint == "universe" else v for v in volumes]
-    return still._afloat(on_free_flyer(model), volumes, *rest)
+    return getattr(still, "_afloat", type(still))(on_free_flyer(model), volumes, *rest)
 
 
 def carrying(still: Any, vehicle: Vehicle) -> Any:

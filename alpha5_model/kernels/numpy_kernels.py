@@ -29,14 +29,10 @@ for _flag in _FLAGS.values():
     _flag.flags.writeable = False
 
 
-def nothing(*_: Any, **__: Any) -> None:
-    """None, whatever is given."""
-
-
 def bind(
     name: str,
     parameters: Sequence[float] | FloatArray = (),
-    fallback: Callable[..., Any] = nothing,
+    fallback: Callable[..., Any] = lambda *_, **__: None,
 ) -> Callable[..., Any]:
     """A kernel for one state, with its parameters.
 
