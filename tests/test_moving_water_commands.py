@@ -15,7 +15,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.dynamics.series import water_terms
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.view import current_plot, trajectory_plot
+from alpha5_model.view import figures, trajectory_plot
 
 CURRENT = (0.4, -0.7, 0.3)
 TEXT = " ".join(map(str, CURRENT))
@@ -208,7 +208,7 @@ def test_a_floating_base_has_no_mount_to_load():
 
 def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
     q, arm = (3.1, 1.2, 1.8, 0.4), a5.load()
-    page = current_plot.figure(arm, q, 0.8)
+    page = figures.mount_load_figure(arm, q, 0.8)
     angles = page.axes[0].lines[0].get_xdata()
     for i in (0, 11, 40, 72):
         flow = 0.8 * np.array([np.cos(angles[i]), np.sin(angles[i]), 0.0])

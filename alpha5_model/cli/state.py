@@ -22,7 +22,7 @@ from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rpy_from_rotation, wrap
 from alpha5_model.text import table
-from alpha5_model.view import current_plot, figures
+from alpha5_model.view import figures
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -179,7 +179,7 @@ def torque(
     if plot is not None:
         if not any(flow or ()):
             raise InputError("plot", plot, "a --current that flows, with it")
-        page = current_plot.figure(arm, state[0], math.hypot(*(flow or ())))
+        page = figures.mount_load_figure(arm, state[0], math.hypot(*(flow or ())))
         figures.write_figure(page, plot, dpi=110)
     options.show(as_json, result, _text(result), plot)
 

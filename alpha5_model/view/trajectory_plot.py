@@ -9,12 +9,12 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.parameters import parameters
-from alpha5_model.view.figures import Color, new_figure, style
+from alpha5_model.view.figures import Color, new_figure, number, style
 
 if TYPE_CHECKING:
     from alpha5_model.trajectory.analysis import Analysis
 
-#: Terms of the torque and their colours.
+#: Terms of the torque and their colours; the first are drawn widest, so that none hides another.
 CAUSES = {
     "weight": Color.ORANGE,
     "buoyancy": Color.SKY,
@@ -58,9 +58,12 @@ def figure(analysis: Analysis) -> Any:
     _power(page.add_subplot(grid[-1, 0], sharex=time), a)
     _mount(page.add_subplot(grid[-1, 1], sharex=time), a)
     _path(page.add_subplot(grid[-1, 2]), a)
-    page.axes[0].set_title("joint position (dots: samples)")
-    page.axes[1].set_title("joint torque by cause")
-    page.axes[2].set_title("motor current, band: tolerance of friction")
+    columns = page.axes[: 3 * rows]
+    for unit in ("N·m", "A"):
+        _same_scale([axes for axes in columns if axes.get_ylabel().endswith(f"[{unit}]")])
+    columns[0].set_title("joint position (dots: samples)")
+    columns[1].set_title(f"joint torque by cause, {_most(a, a.torque, 'N·m')}")
+    columns[2].set_title(f"motor current, {_most(a, a.current, 'A')}; band: friction")
     names = page.axes[1].get_legend_handles_labels()
     # Beside the title there is room for five.
     columns = -(-len(names[1]) // (1 + len(names[1]) // 6))
@@ -90,22 +93,23 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     causes = a.causes()
-    for cause, color in CAUSES.items():
+    for width, (cause, color) in zip((3.6, 3.0, 2.4, 1.8, 1.2), CAUSES.items(), strict=True):
         if cause in causes:
-            _curve(axes, a, causes[cause][:, k], color=color, label=cause.replace("_", " "))
+            line = {"color": color, "linewidth": width, "label": cause.replace("_", " ")}
+            _curve(axes, a, causes[cause][:, k], **line)
     if a.moving_water is not None:
         _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
-    _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.5, label="torque")
+    _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
     if a.motion.effort is not None:
         there = np.isfinite(a.motion.effort[:, k])
         recorded = thin(a.smooth.time[there], a.motion.effort[there, k])
         axes.plot(*recorded, color="#999999", zorder=1, label="recorded effort")
     _mark(axes, a.smooth.time, a.torque[:, k])
-    axes.set_ylabel("N" if a.smooth.joints[k] == "axis_a" else "N m")
+    axes.set_ylabel(f"{a.smooth.joints[k]} [{'N' if k == 4 else 'N·m'}]")
 
 
 def _current(axes: Any, a: Analysis, k: int) -> None:
-    axes.set_ylabel("A")
+    axes.set_ylabel(f"{a.smooth.joints[k]} [A]")
     current = a.current[:, k]
     if not np.isfinite(current).all():
         missing = "the lead of the jaw's screw is not published"
@@ -124,17 +128,19 @@ def _power(axes: Any, a: Analysis) -> None:
     electrical, mechanical = np.nansum(a.electrical_power, axis=1), a.mechanical_power.sum(axis=1)
     _curve(axes, a, electrical, color=Color.BLUE, linewidth=1.1, label="electrical")
     _curve(axes, a, mechanical, color=Color.VERMILION, linewidth=1.1, label="mechanical")
-    axes.set(title="power of all motors", xlabel="time [s]", ylabel="W")
+    most = f"at most {number(electrical.max())} W, {number(mechanical.max())} W mechanical"
+    axes.set(title=f"power of all motors, {most}", xlabel="time [s]", ylabel="power [W]")
     axes.legend()
 
 
 def _mount(axes: Any, a: Analysis) -> None:
     force, moment = np.linalg.norm(a.base_wrench[:, :3], axis=1), a.base_wrench[:, 3:].T
     colors = (Color.VERMILION, Color.GREEN, Color.BLUE)
-    for name, color, values in zip("xyz", colors, moment, strict=True):
-        _curve(axes, a, values, color=color, linewidth=1.2, label=f"moment {name}")
-    title = f"moment on the mount (force {force.min():.2f} to {force.max():.2f} N)"
-    axes.set(title=title, xlabel="time [s]", ylabel="N m")
+    for name, color, width, values in zip("xyz", colors, (2.6, 1.8, 1.0), moment, strict=True):
+        _curve(axes, a, values, color=color, linewidth=width, label=f"moment {name}")
+    most = number(np.linalg.norm(moment, axis=0).max())
+    title = f"moment on the mount, at most {most} N·m (force {number(force.max())} N)"
+    axes.set(title=title, xlabel="time [s]", ylabel="moment [N·m]")
     axes.legend()
 
 
@@ -148,7 +154,12 @@ def _path(axes: Any, a: Analysis) -> None:
         axes.plot(x[-1], other[-1], "o", color=Color.BLACK, markersize=5)
     axes.plot(0, 0, "+", color=Color.VERMILION, markersize=10, label="base_link")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(title="path of the TCP, from ○ to ●", xlabel="x [mm]", ylabel="z or y [mm]")
+    length = np.linalg.norm(np.diff(a.tcp, axis=0), axis=1).sum()
+    axes.set(
+        title=f"path of the TCP, {number(1e3 * length)} mm from ○ to ●",
+        xlabel="x [mm]",
+        ylabel="z or y [mm]",
+    )
     axes.legend()
 
 
@@ -166,13 +177,12 @@ def _band(axes: Any, a: Analysis, one: FloatArray, other: FloatArray) -> None:
 
 def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
     """The largest value, with its number."""
-    _widen(axes, 1e-3)
     at = int(np.abs(values).argmax())
     value = values[at]
     axes.margins(y=0.18)
     axes.plot(time[at], value, "o", color=Color.BLACK, markersize=4)
     offset = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points"}
-    axes.annotate(f"{value:.3g}", (time[at], value), ha="center", fontsize=8, **offset)
+    axes.annotate(number(value), (time[at], value), ha="center", fontsize=8, **offset)
 
 
 def _bounds(axes: Any, *bounds: float) -> None:
@@ -182,6 +192,19 @@ def _bounds(axes: Any, *bounds: float) -> None:
     for bound in bounds:
         if low <= bound <= high:
             axes.axhline(bound, color=Color.VERMILION, linestyle="--")
+
+
+def _most(a: Analysis, values: FloatArray, unit: str) -> str:
+    """The largest value (N, n) of the arm's joints, and whose it is."""
+    sizes = np.nanmax(np.abs(values[:, :4]), axis=0)
+    return f"at most {number(sizes.max())} {unit} ({a.smooth.joints[int(sizes.argmax())]})"
+
+
+def _same_scale(panels: list[Any]) -> None:
+    """What is small beside another joint's stays small to see: noise fills no panel."""
+    ends = np.array([axes.get_ylim() for axes in panels if axes.has_data()])
+    for axes in panels:
+        axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
 
 
 def _widen(axes: Any, least: float) -> None:

@@ -97,8 +97,8 @@ def figure() -> Any:
         draw(axes)
         legend(axes, 0.08)
         axes.set(aspect="equal", xlim=(0.0, 370.0), ylim=(-310.0, 400.0))
-        axes.set_xlabel("distance from the yaw axis R (mm)")
-    panels[0].set_ylabel("height above the base z (mm)")
+        axes.set_xlabel("distance from the yaw axis R [mm]")
+    panels[0].set_ylabel("height above the base z [mm]")
     return page
 
 
@@ -139,7 +139,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         axes.add_collection(PolyCollection(faces, color=Color.BLACK, linewidth=0.3))
         axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
         span = (-390, 390)
-        axes.set(aspect="equal", xlim=span, ylim=span, xlabel="x (mm)", ylabel=f"{name} (mm)")
+        axes.set(aspect="equal", xlim=span, ylim=span, xlabel="x [mm]", ylabel=f"{name} [mm]")
     views[0].set_title("from above: share of the reached heights")
     views[1].set_title("from the side: share of the reached widths")
     line = {"arrowstyle": "-", "lw": 0.6}
@@ -148,7 +148,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     hit = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
     title = f"{hit} of the reachable volume is reached only in self-collision"
     page.suptitle(title, fontsize=11)
-    page.colorbar(image, ax=views, shrink=0.8, pad=0.02, label="reached only in self-collision (%)")
+    page.colorbar(image, ax=views, shrink=0.8, pad=0.02, label="reached only in self-collision [%]")
     return page
 
 
@@ -167,7 +167,8 @@ def _draw_exact(axes: Any) -> None:
     plane = arm_plane()
     shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
     axes.plot(*shoulder, "+", color=Color.BLACK)
-    axes.annotate("shoulder", shoulder, (-14, 6), textcoords="offset points", fontsize=7)
+    leader = {"arrowstyle": "-", "lw": 0.6}
+    axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
     for color, line, text in (
         (Color.BLUE, "-", "underarm: the arm faces the point"),
         (Color.ORANGE, "-", "overarm: the arm turns its back to it"),
@@ -178,7 +179,7 @@ def _draw_exact(axes: Any) -> None:
         axes.plot([], [], line, color=color, label=text)
     area, volume = workspace.cross_section_area() * 1e4, workspace.volume() * 1e3
     size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
-    axes.set_title(f"Reachable within the joint limits\n{size}")
+    axes.set_title(f"What is reached within the joint limits\n{size}")
 
 
 def _draw_published(axes: Any) -> None:
@@ -188,14 +189,14 @@ def _draw_published(axes: Any) -> None:
         points[points[:, 0] < 0] = np.nan
         axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
     e = workspace.published_errors()
-    wrong = f"published, not reachable: {e.unreachable_area / e.published_area:.1%}"
-    missed = f"reachable, not published: {e.missed_area / e.reachable_area:.1%}"
+    wrong = f"not reachable: {e.unreachable_area / e.published_area:.1%} of the published area"
+    missed = f"not published: {e.missed_area / e.reachable_area:.1%} of the reachable area"
     _fill(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
     _fill(axes, workspace.published_but_unreachable(), Color.VERMILION, alpha=0.55, label=wrong)
     _fill(axes, workspace.reachable_but_unpublished(), Color.GREEN, alpha=0.55, label=missed)
-    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached"
-    missed = f"it misses {e.missed_volume / e.reachable_volume:.1%}"
-    axes.set_title(f"The document's workspace (Section 1.2)\n{wrong}, {missed}")
+    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume is not reached"
+    missed = f"{e.missed_volume / e.reachable_volume:.1%} of what is reached is missing"
+    axes.set_title(f"The document's workspace (Section 1.2):\n{wrong},\n{missed}")
 
 
 def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArray]:
@@ -222,4 +223,4 @@ def _gap(end: FloatArray, start: FloatArray) -> float:
 
 def _fill(axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any) -> None:
     """Fill what arcs bound, in mm."""
-    fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.5, **options)
+    fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)
