@@ -85,21 +85,16 @@ def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) ->
     return np.array([values[name] for name in BASE_PARAMETERS])
 
 
-def moments(
-    mass: Any,
-    com: Any,
-    inertia: Any,
-    volume: Any,
-    cob: Any,
-    density: Any,
-    *,
-    stack: Any = np.append,
-) -> tuple[Any, Any]:
+def moments(*body: Any, stack: Any = np.append) -> tuple[Any, Any]:
     """Mass, first and second moments of a body and of its net mass in one matrix each, (4, 4).
 
-    They are P; with T the body's pose in another frame they are ``T P T^T`` there. Numbers are NumPy's, or
-    CasADi's with its ``vertcat`` to stack them.
+    They are P; with T the body's pose in another frame they are ``T P T^T`` there.
+
+    Args:
+        body: Mass, COM, inertia, volume, COB, and density of the fluid, NumPy's or CasADi's.
+        stack: Puts one number below others.
     """
+    mass, com, inertia, volume, cob, density = body
     centre, centroid = stack(com, 1.0).reshape((4, 1)), stack(cob, 1.0).reshape((4, 1))
     total = mass * (centre @ centre.T)
     net = total - density * volume * (centroid @ centroid.T)

@@ -22,7 +22,7 @@ from alpha5_model.consistency.lecture import PRINTED_TABLE
 from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.dh.dexterity import spatial_conditions
 from alpha5_model.errors import OutputError
-from alpha5_model.kinematics.approach import approach_directions
+from alpha5_model.kinematics.ik.pose import approach_directions
 from alpha5_model.view.planar_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2

@@ -21,7 +21,7 @@ from alpha5_model.dh.dexterity import (
     spatial_dexterity,
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
-from alpha5_model.kinematics.approach import approach_directions
+from alpha5_model.kinematics.ik.pose import approach_directions
 
 Q = math.pi / 2
 X, Y, Z = np.eye(3)

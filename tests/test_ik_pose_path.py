@@ -429,7 +429,7 @@ def test_a_jump_on_the_axis_and_what_lies_behind_it() -> None:
 @pytest.mark.parametrize("noise", [1e-15, 1e-12, 4e-10])
 def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
     """One tolerance: within a nanometre a target is on the axis, for flags, poses and paths alike."""
-    from alpha5_model.kinematics.approach import approach_directions
+    from alpha5_model.kinematics.ik.pose import approach_directions
 
     target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32, 0.33])
     target[1:-1, :2] += np.random.default_rng(85).uniform(-noise, noise, (4, 2))
@@ -444,7 +444,7 @@ def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
 
 
 def test_beyond_the_tolerance_a_target_is_off_the_axis() -> None:
-    from alpha5_model.kinematics.approach import approach_directions
+    from alpha5_model.kinematics.ik.pose import approach_directions
 
     target = np.array([[1.1e-9, 0.0, 0.3], [0.0, 0.9e-9, 0.3]])
     assert a5.inverse_kinematics(target).singular.tolist() == [False, True]

@@ -11,8 +11,8 @@ import casadi
 import numpy as np
 import pytest
 
-from alpha5_model.symbolic.c_source import kernels
 from alpha5_model.symbolic.program import program
+from alpha5_model.symbolic.sources import kernels
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]

@@ -23,8 +23,8 @@ import pytest
 from alpha5_model.checks import LARGEST
 from alpha5_model.kernels import numpy_kernels
 from alpha5_model.symbolic import functions
-from alpha5_model.symbolic.c_source import PARAMETERS
 from alpha5_model.symbolic.program import Program, program
+from alpha5_model.symbolic.sources import PARAMETERS
 
 if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
     compiled = importlib.import_module("alpha5_model.kernels._compiled")

@@ -37,7 +37,7 @@ from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics
-from alpha5_model.kinematics import approach
+from alpha5_model.kinematics.ik.pose import ApproachDirections, approach_directions
 
 # Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
 _Algorithm = Callable[..., FloatArray]
@@ -186,13 +186,13 @@ class Arm:
         index = self._frame(frame)
         return _jacobian(self._model, self._own.data, q, index, reference_frame)
 
-    def approach_directions(self, position: ArrayLike) -> approach.ApproachDirections:
-        """From which directions the arm reaches points; see `kinematics.approach`.
+    def approach_directions(self, position: ArrayLike) -> ApproachDirections:
+        """From which directions the arm reaches points; see `kinematics.ik.pose`.
 
         Args:
             position: tcp in ``base_link``, (..., 3) [m].
         """
-        return approach.approach_directions(position)
+        return approach_directions(position)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
         """Torque that holds the weight, g(q) on the left side of the equation of motion.

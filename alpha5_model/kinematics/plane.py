@@ -87,7 +87,6 @@ class ArmPlane(NamedTuple):
         longest, shortest: Distance from shoulder to tcp of the stretched and of the folded arm [m];
             the folded one is beyond the limits of theta_2.
         squares: Of the two [m^2].
-        k: ``(l_2 - l_1) / (l_2 + l_1)``, of the law of tangents.
     """
 
     a_0: float
@@ -104,7 +103,6 @@ class ArmPlane(NamedTuple):
     longest: float
     shortest: float
     squares: tuple[float, float]
-    k: float
 
 
 @cache
@@ -142,7 +140,6 @@ def arm_plane() -> ArmPlane:
         longest=longest,
         shortest=shortest,
         squares=(longest**2, shortest**2),
-        k=(l_2 - l_1) / longest,
     )
 
 

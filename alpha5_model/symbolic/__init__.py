@@ -19,7 +19,7 @@ except ImportError:
     what = "making code of the equations"
     raise MissingDependencyError("casadi", what, "pip install casadi") from None
 
-from alpha5_model.symbolic.dynamics import dynamics, in_moving_water
+from alpha5_model.symbolic.dynamics import dynamics, in_moving_water, tcp
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
 from alpha5_model.symbolic.program import WORDS, folded
 
@@ -46,21 +46,16 @@ def products() -> dict[str, casadi.Function]:
 
 def _with_payload() -> casadi.Function:
     """Parameters are linear in the moments of the bodies."""
-    poses = functions()
-    link = np.array(poses["link_poses"](q=casadi.DM.zeros(4))["link_4"])
-    tip = np.linalg.inv(link) @ np.array(poses["forward_kinematics"](q=casadi.DM.zeros(4))["tcp"])
-    tip = tip.round(15)  # turns by multiples of pi/2
+    tip = np.array(casadi.evalf(tcp().pose()))
     names = ("mass", "com", "inertia", "volume", "cob", "fluid_density")
     shapes = ((1, 1), (3, 1), (3, 3), (1, 1), (3, 1), (1, 1))
     given = [casadi.SX.sym(name, *shape) for name, shape in zip(names, shapes, strict=True)]
-    p = added = casadi.SX.sym("parameters", len(BASE_PARAMETERS))
-    nothing = np.zeros((2, 4, 4))
-    for which, matrix in enumerate(moments(*given, stack=casadi.vertcat)):
-        for row, column in zip(*np.triu_indices(4), strict=True):
-            unit = nothing.copy()
-            unit[which, row, column] = unit[which, column, row] = 1.0
-            share = regrouped([nothing] * 4 + [tip @ unit @ tip.T], np.zeros(3))
-            added = added + casadi.DM(share.round(15)) * matrix[int(row), int(column)]
+    p, nothing = casadi.SX.sym("parameters", len(BASE_PARAMETERS)), np.zeros((2, 4, 4))
+    units = (tip @ unit @ tip.T for unit in np.eye(32).reshape(32, 2, 4, 4))
+    shares = np.array([regrouped([nothing] * 4 + [unit], np.zeros(3)) for unit in units])
+    added = p + casadi.DM(shares.T.round(15)) @ casadi.veccat(
+        *moments(*given, stack=casadi.vertcat)
+    )
     return casadi.Function(
         "with_payload", [p, *given], [added], ["parameters", *names], ["parameters_with_payload"]
     )

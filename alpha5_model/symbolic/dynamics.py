@@ -58,6 +58,11 @@ class Turn(NamedTuple):
         x, y = self.cosine * x - self.sine * y, self.sine * x + self.cosine * y
         return vertcat(x, self.along * y - self.across * z, self.across * y + self.along * z)
 
+    def pose(self) -> SX:
+        """Of the link in the frame before, (4, 4)."""
+        turned = horzcat(*(self.inward(axis) for axis in casadi.horzsplit(SX.eye(3))))
+        return vertcat(horzcat(turned, self.origin), SX([[0.0, 0.0, 0.0, 1.0]]))
+
 
 def turns(q: SX) -> list[Turn]:
     """Base to link 1, ..., link 3 to link 4."""
@@ -158,8 +163,7 @@ def link_poses(q: SX) -> list[SX]:
     """Poses in base_link of link 1 to link 4 and of the tcp, (4, 4) each."""
     pose, out = SX.eye(4), []
     for step in [*turns(q), tcp()]:
-        turned = horzcat(*(step.inward(axis) for axis in casadi.horzsplit(SX.eye(3))))
-        pose = pose @ vertcat(horzcat(turned, step.origin), SX([[0.0, 0.0, 0.0, 1.0]]))
+        pose = pose @ step.pose()
         out.append(pose)
     return out
 

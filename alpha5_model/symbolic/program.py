@@ -17,21 +17,17 @@ import casadi
 
 from alpha5_model.errors import InputError
 
-#: Operations of two arguments, of one, and those that are neither.
-BINARY = ("add", "sub", "mul", "div", "atan2", "fmin", "fmax")
-UNARY = ("neg", "twice", "sq", "sqrt", "inv", "sin", "cos", "atan", "fabs", "floor")
-#: Operations that make truth values, 0 or 1, and what else decides; two ``if_else_zero`` become an ``if_else``.
-TRUTHS = ("lt", "le", "and", "or", "not")
-DECISIONS = (*TRUTHS, "if_else_zero")
-_OTHERS = ("const", "input", "output", "assign")
-_NAMES = {getattr(casadi, f"OP_{o.upper()}"): o for o in (*BINARY, *UNARY, *DECISIONS, *_OTHERS)}
-_COMMUTATIVE = ("add", "mul")
-
 #: What goes in and comes out, and what computes it, by name; how languages write an operation.
 WORDS, _LANGUAGES = (
     tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
     for name in ("words.toml", "languages.toml")
 )
+#: Operations that make truth values, 0 or 1; two ``if_else_zero`` become an ``if_else``, which CasADi has not.
+TRUTHS = ("lt", "le", "and", "or", "not")
+OPERATIONS = [name for name in _LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")]
+_OTHERS = ("const", "input", "output", "assign")
+_NAMES = {getattr(casadi, f"OP_{name.upper()}"): name for name in (*OPERATIONS, *_OTHERS)}
+_COMMUTATIVE = ("add", "mul")
 
 
 @dataclass(frozen=True)
@@ -107,24 +103,16 @@ def program(function: casadi.Function) -> Program:
     Raises:
         InputError: A sparse input or output, or an instruction that emitters do not know.
     """
-    inputs, outputs = (
-        tuple(_slot(name, sparsity(name)) for name in names())
-        for names, sparsity in (
-            (function.name_in, function.sparsity_in),
-            (function.name_out, function.sparsity_out),
-        )
-    )
+    inputs = tuple(_slot(name, function.sparsity_in(name)) for name in function.name_in())
+    outputs = tuple(_slot(name, function.sparsity_out(name)) for name in function.name_out())
     steps: dict[tuple[object, ...], Step] = {}
     arguments: tuple[int, ...]
     register: dict[int, int] = {}  # CasADi's work elements, which it writes again and again
     for i in range(function.n_instructions()):
         op = _NAMES.get(function.instruction_id(i))
         if op is None:
-            raise InputError(
-                f"instruction {i} of {function.name()}",
-                function.instruction_id(i),
-                f"one of {', '.join(_NAMES.values())}",
-            )
+            name, known = f"instruction {i} of {function.name()}", ", ".join(_NAMES.values())
+            raise InputError(name, function.instruction_id(i), f"one of {known}")
         read, written = function.instruction_input(i), function.instruction_output(i)
         value = None
         if op == "const":
@@ -132,11 +120,8 @@ def program(function: casadi.Function) -> Program:
         elif op == "input":
             arguments = read[0], _by_rows(inputs[read[0]].shape, read[1])
         elif op == "output":
-            arguments = (
-                written[0],
-                _by_rows(outputs[written[0]].shape, written[1]),
-                register[read[0]],
-            )
+            slot, element = written
+            arguments = slot, _by_rows(outputs[slot].shape, element), register[read[0]]
         else:
             arguments = tuple(register[element] for element in read)
         if op == "assign":
