@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, TILTED
+from pages import generated_text
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
@@ -492,6 +493,29 @@ def test_identification_does_not_see_what_no_data_show() -> None:
     )
     same = u.identify(replace(at_rest, effort=y + more), heavy, method="interpolate")
     np.testing.assert_allclose(same.estimate, found.estimate, atol=1e-9)
+
+
+def test_table_of_the_documentation() -> None:
+    """Torques by the tests' own Newton-Euler; link 2's weight is half a unit of its last digit at its lever."""
+    cells = [
+        [cell.strip() for cell in line.strip("| \n").split("|")]
+        for line in generated_text.TEXTS["torque_intervals"]().splitlines()[2:]
+    ]
+    assert len(cells) == 12
+    for k, (pose, _, torque, interval, worst, digits) in enumerate(cells):
+        q = a5.named_pose(pose.strip("`"))
+        exact = 1e3 * second.newton_euler(q[None], Z[None], Z[None], 1025.0)[0][0, k % 4]
+        low, high = map(float, interval.split(" to "))
+        assert float(torque) == pytest.approx(exact, abs=0.006)
+        assert low <= float(torque) <= high
+        assert float(worst) >= (high - low) / 2 - 0.01
+        sizes = [float(part.split()[-1]) for part in digits.split(",") if part != "none"]
+        assert sizes == sorted(sizes, reverse=True)
+        assert sum(sizes) <= float(worst) + 0.03
+    name, effect = cells[1][5].split(",")[0].split()
+    assert name == "`link_2.mass`"
+    lever = abs(second_lever(a5.named_pose("reach")))
+    assert float(effect) == pytest.approx(5.0 * 9.81 * lever, abs=0.006)
 
 
 WRONG: dict[str, Callable[[], Any]] = {

@@ -24,6 +24,8 @@ from alpha5_model.corrections import CORRECTIONS
 
 PAGES = Path(__file__).resolve().parents[1]
 MARK = re.compile(r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE)
+#: Effects of a printed digit that are not shown [N m].
+LEAST_EFFECT = 5e-6
 RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
 
@@ -96,6 +98,31 @@ def corrections() -> str:
     return table(["name", "what it does", "evidence", "effect"], rows)
 
 
+# --- what the digits leave open ----------------------------------------------------------------
+
+#: Poses of the table of torques; names of `alpha5_model.named_pose`.
+SHOWN_POSES = ("reach", "home", "stow")
+
+
+def torque_intervals() -> str:
+    """Torque of each joint at rest in sea water, its guaranteed interval, and the printed digits that matter most."""
+    u, still, lines = a5.uncertainty, [0.0] * 4, []
+    for name in SHOWN_POSES:
+        q = a5.named_pose(name)
+        found = u.sensitivity(lambda p, q=q: u.arm(p).hydrostatic_torque(q))
+        lower, upper = u.torque_bounds(q, still, still)
+        for k, joint in enumerate(a5.load().joint_names):
+            most = [(of, x) for of, x in found.most(k) if abs(x) >= LEAST_EFFECT]
+            digits = ", ".join(f"`{of}` {1e3 * abs(x):.2f}" for of, x in most)
+            torque, low, high, worst = (
+                f"{1e3 * x:z.2f}"
+                for x in (found.nominal[k], lower[k], upper[k], found.half_width[k])
+            )
+            lines.append([f"`{name}`", joint, torque, f"{low} to {high}", worst, digits or "none"])
+    head = ["pose", "joint", "torque", "Tables 2, 3", "all, ±", "digits that matter most, ±"]
+    return table(head, lines)
+
+
 # --- the command line --------------------------------------------------------------------------
 
 
@@ -159,6 +186,7 @@ TEXTS: dict[str, Callable[[], str]] = {
     "observations": lambda: audit_table("observation"),
     "corrections": corrections,
     "commands": commands,
+    "torque_intervals": torque_intervals,
 }
 
 
