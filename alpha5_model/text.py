@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
+from typing import Any, TypeAlias
+
+Rows: TypeAlias = Iterable[Sequence[str]]
 
 
 def readable(text: str) -> str:
@@ -22,21 +25,12 @@ def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:
     spaces = len(line) - len(line.lstrip()) + 2 if hang is None else hang
     if len(line) <= width:
         return [line]
-    return textwrap.wrap(
-        line,
-        width,
-        subsequent_indent=" " * spaces,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+    return textwrap.wrap(line, width, subsequent_indent=" " * spaces, **whole)
 
 
 def table(
-    rows: Iterable[Sequence[str]],
-    align: str = "<>",
-    indent: int = 0,
-    width: int = 0,
-    gap: int = 2,
+    rows: Rows, align: str = "<>", indent: int = 0, width: int = 0, gap: int = 2
 ) -> list[str]:
     """Rows of cells as lines; each column is as wide as its widest cell.
 

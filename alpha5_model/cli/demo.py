@@ -52,24 +52,24 @@ def _describe(output: Path) -> bool:
     say("1. Description: the document's tables become URDF")
     for name, content in mesh_assets(".obj", ".mtl", ".glb").items():
         atomic_write(output / "meshes" / name, content)
-    passed = True
+    failed = 0
     for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
         text = variants.urdf(variants.Variant(gripper=gripper, mesh_prefix="meshes/"))
-        path = atomic_write(output / name, text)
-        rows = verify_urdf(path)
-        failed = [row for row in rows if row.verdict == "failed"]
-        count = Counter(row.verdict for row in rows)
-        skipped = f", {count['not run']} not run" if count["not run"] else ""
-        bad = f", {len(failed)} FAILED" if failed else ""
-        say(f"   {name}: {count['passed']} checks against the tables passed{skipped}{bad}")
-        for row in failed:
-            say(f"     {row.check}: {row.finding}")
+        rows = verify_urdf(atomic_write(output / name, text))
+        count = Counter(row.verdict.replace("failed", "FAILED") for row in rows)
+        found = ", ".join(f"{n} {verdict}" for verdict, n in count.items())
+        say(f"   {name}: checks against the tables: {found}")
         for row in rows:
+            if row.verdict == "failed":
+                say(f"     {row.check}: {row.finding}")
             if row.measured is not None:
-                off = f"{row.measured:.1e} {row.unit}".rstrip()
-                say(f"     {row.check}: off by {off} at most")
-        passed = passed and not failed
-    return passed
+                say(
+                    f"     {row.check}: off by {row.measured:.1e} {row.unit} at most".replace(
+                        "  ", " "
+                    )
+                )
+        failed += count["FAILED"]
+    return not failed
 
 
 def _audit() -> None:
@@ -77,9 +77,8 @@ def _audit() -> None:
     beyond = [row for row in rows if row.verdict != "agrees"]
     agree = len(rows) - len(beyond)
     say("2. The document against itself")
-    say(
-        f"   {len(rows)} claims measured, {agree} agree, {len(beyond)} do not; `alpha5 check` says more:"
-    )
+    counts = f"{len(rows)} claims measured, {agree} agree, {len(beyond)} do not"
+    say(f"   {counts}; `alpha5 check` says more:")
     for topic in dict.fromkeys(row.topic for row in beyond):
         same, *others = alike(row for row in beyond if row.topic == topic)
         more = sum(map(len, others))

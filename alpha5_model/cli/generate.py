@@ -35,72 +35,46 @@ _FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
 }
 #: Why an option is not for the format that was asked for, where that needs a word.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
+_MOVING_WATER = "mjcf: drag, sdf: drag and added mass of moving water; estimated, not published."
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
 
 def generate(
     context: Context,
-    output: Annotated[
-        Path | None,
-        Option(
-            help="File, meshes go beside it; for mjcf, sdf, c a folder. Standard output if none."
-        ),
-    ] = None,
-    description_format: Annotated[
-        str, Option("--format", help="urdf, mjcf (MuJoCo), sdf (Gazebo) or c (C99 library).")
-    ] = "urdf",
-    gripper: Annotated[str, Option(help="locked or jaws.")] = "locked",
+    output: Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")] = None,
+    description_format: Annotated[str, Option("--format", help="urdf, mjcf, sdf or c.")] = "urdf",
+    gripper: options.Gripper = "locked",
     prefix: Annotated[str, Option(help="Before every link and joint name.")] = "",
     parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
     xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
     rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")] = "0 0 0",
     mesh_uri: Annotated[
-        str, Option(help="relative (copies the meshes beside the file), package or file.")
+        str, Option(help="relative (meshes beside it), package, file.")
     ] = "relative",
     collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
     dh_frames: Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")] = False,
-    ros2_control: Annotated[
-        bool, Option("--ros2-control", help="Add interfaces and device ids.")
-    ] = False,
-    ros2_control_plugin: Annotated[
-        str, Option(help="Hardware plugin.")
-    ] = "mock_components/GenericSystem",
-    corrections: Annotated[
-        str | None, Option(help="Recorded ones, with commas; '' is the document to the letter.")
-    ] = None,
+    ros2_control: Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")] = False,
+    ros2_control_plugin: Annotated[str, Option(help="Hardware.")] = "mock_components/GenericSystem",
+    corrections: Annotated[str | None, Option(help="With commas; '' is to the letter.")] = None,
     fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")] = "sea",
-    gravity: Annotated[
-        str, Option(help="c: in base_link (m/s^2); tilts the mount.")
-    ] = options.DOWN,
+    gravity: Annotated[str, Option(help="c: in base_link (m/s^2).")] = options.DOWN,
     real: Annotated[str, Option(help="c: double or float.")] = "double",
-    parameters: Annotated[
-        str, Option(help="c: masses and water folded into the code, or in a struct.")
-    ] = "folded",
+    parameters: Annotated[str, Option(help="c: masses and water folded, or a struct.")] = "folded",
     actuators: Annotated[str, Option(help="mjcf: position, velocity or motor.")] = "position",
-    buoyancy: Annotated[
-        str, Option(help="mjcf: bodies, or none for tools without gravcomp (brax).")
-    ] = "bodies",
-    sdf_version: Annotated[
-        str, Option(help="sdf: 1.9, or 1.11, in which the fingers follow the rod (mimic).")
-    ] = "1.9",
-    drag: Annotated[
-        bool, Option("--drag", help="mjcf: MuJoCo's own drag, not from the document.")
-    ] = False,
-    hydrodynamics: Annotated[
-        bool,
-        Option(
-            "--hydrodynamics",
-            help="mjcf: drag, sdf: drag and added mass of moving water; estimated, not published.",
-        ),
-    ] = False,
-    check: Annotated[
-        bool, Option("--check", help="Compare the committed files; status 1 if stale.")
-    ] = False,
-    update: Annotated[
-        bool, Option("--update", help="Write the committed files of this checkout anew.")
-    ] = False,
+    buoyancy: Annotated[str, Option(help="mjcf: bodies, or none, for brax.")] = "bodies",
+    sdf_version: Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")] = "1.9",
+    drag: Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")] = False,
+    hydrodynamics: Annotated[bool, Option("--hydrodynamics", help=_MOVING_WATER)] = False,
+    check: Annotated[bool, Option("--check", help="Compare the committed files.")] = False,
+    update: Annotated[bool, Option("--update", help="Write the committed files anew.")] = False,
 ) -> int:
     """Write the description of any variant of the arm.
+
+    urdf, mjcf (a folder for MuJoCo), sdf (a folder for Gazebo) or c (a C99 library); without
+    --output the main file goes to standard output. Meshes are copied beside a URDF unless --mesh-uri says
+    where they are. mjcf without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers
+    follow the jaw rod by mimic. C holds masses and water as numbers, or takes them in a struct.
+    --check ends with status 1 if a committed file is stale.
 
     At joint position 0, where many tools start, it is out of its limits and in
     collision: start at home of the SRDF, the first key frame of mjcf.
@@ -111,16 +85,16 @@ def generate(
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     alpha5 generate --format c --real float --output out/controller
     """
-    given = {
-        name: value
-        for name, value in context.params.items()
-        if getattr(context.get_parameter_source(name), "name", None) == "COMMANDLINE"
-    }
-    if check or update:
-        alone = "check" if check else "update"
-        for name, value in given.items():
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    given = [
+        name for name, source in sources.items() if getattr(source, "name", "") == "COMMANDLINE"
+    ]
+    for alone in ("check", "update"):
+        for name in given if context.params[alone] else ():
             if name != alone:
+                value = context.params[name]
                 raise InputError(_option(name), value, f"nothing beside --{alone}")
+    if check or update:
         return _committed(check)
 
     choice("format", description_format, tuple(_FORMATS))

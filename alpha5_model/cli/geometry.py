@@ -23,17 +23,15 @@ from alpha5_model.view.figures import FORMATS, write_figure
 from alpha5_model.view.planar_plot import plot_planar, save
 from alpha5_model.view.workspace_plot import figure, self_collision_figure
 
+_COLLISION = "Also what is reached in self-collision only; --plot draws it."
+_POSITION = "Joint position (rad or m); the drawn one if left out."
+_LIMITS = "'LOWER UPPER' (rad or m) or none, once per joint in order."
 _LINK = "'THETA D A ALPHA SIGMA'"
 
 
 def workspace(
     plot: Plot = None,
-    self_collision: Annotated[
-        bool,
-        Option(
-            "--self-collision", help="Also what is reached in self-collision only; --plot draws it."
-        ),
-    ] = False,
+    self_collision: Annotated[bool, Option("--self-collision", help=_COLLISION)] = False,
     samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
     as_json: Json = False,
 ) -> None:
@@ -50,17 +48,13 @@ def workspace(
         with spinner("drawing"):
             page = self_collision_figure(samples=samples) if self_collision else figure()
             write_figure(page, plot, dpi=150)
-    sampled = {} if share is None else {"without_self_collision": share._asdict()}
-    record = {
-        **sampled,
-        "errors_of_the_published_region": asdict(space.published_errors()),
-        "cross_section_area": {side: space.cross_section_area(side) for side in space.SIDES},
-        "volume": space.volume(),
-        "volume_without_limits": space.volume(limits=False),
-        "boundary": {side: [arc._asdict() for arc in space.boundary(side)] for side in space.SIDES},
-        "published_tori": [torus._asdict() for torus in space.published_tori()],
-        "singular_theta_2": space.singular_elbow_angles(),
-    }
+    record: dict[str, Any] = {} if share is None else {"without_self_collision": share._asdict()}
+    record["errors_of_the_published_region"] = asdict(space.published_errors())
+    record["cross_section_area"] = {side: space.cross_section_area(side) for side in space.SIDES}
+    record["volume"], record["volume_without_limits"] = space.volume(), space.volume(limits=False)
+    record["boundary"] = {s: [arc._asdict() for arc in space.boundary(s)] for s in space.SIDES}
+    record["published_tori"] = [torus._asdict() for torus in space.published_tori()]
+    record["singular_theta_2"] = space.singular_elbow_angles()
     show(as_json, record, _regions(share), plot)
 
 
@@ -98,13 +92,8 @@ def _regions(share: SampledShare | None) -> Lines:
 
 
 def dh(
-    q: Annotated[
-        list[str] | None,
-        Argument(help="Joint position (rad or m); the drawn one if left out.", metavar="[Q]..."),
-    ] = None,
-    link: Annotated[
-        list[str] | None, Option("--link", help=f"{_LINK} of another arm, once per link.")
-    ] = None,
+    q: Annotated[list[str] | None, Argument(help=_POSITION, metavar="[Q]...")] = None,
+    link: Annotated[list[str] | None, Option("--link", help=f"{_LINK}, once per link.")] = None,
     urdf: Annotated[Path | None, Option(help="Assign the frames to the arm of this URDF.")] = None,
     frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
     as_json: Json = False,
@@ -120,19 +109,14 @@ def dh(
     frames = chain.frames(position)
     kind, task = classify(chain), task_capability(chain)
     names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
-    record: dict[str, Any] = {
-        "name": chain.name,
-        "links": [  # JSON has no infinity: no limit is null
-            {"joint": name, **{k: v if math.isfinite(v) else None for k, v in vars(row).items()}}
-            for name, row in zip(chain.joint_names, chain.links, strict=True)
-        ],
-        "base": chain.base.tolist(),
-        "tool": chain.tool.tolist(),
-        "type": vars(kind),
-        "tasks": vars(task),
-        "q": [*map(float, position)],
-        "frames": {name: f.tolist() for name, f in zip(names, frames, strict=True)},
-    }
+    links = [  # JSON has no infinity: no limit is null
+        {"joint": name, **{k: v if math.isfinite(v) else None for k, v in vars(row).items()}}
+        for name, row in zip(chain.joint_names, chain.links, strict=True)
+    ]
+    ends = {"base": chain.base.tolist(), "tool": chain.tool.tolist()}
+    record = {"name": chain.name, "links": links, **ends, "type": vars(kind), "tasks": vars(task)}
+    record["q"] = [*map(float, position)]
+    record["frames"] = {name: f.tolist() for name, f in zip(names, frames, strict=True)}
     show(as_json, record, _frames(chain, record))
 
 
@@ -143,13 +127,8 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
         raise InputError("--frame", frame, "--urdf with it")
     if urdf is not None:
         return DHChain.from_urdf(urdf, frame)
-    if link:
-        return DHChain(
-            tuple(
-                DHLink.from_vector(numbers("--link", text, (), "rad or m", _LINK)) for text in link
-            )
-        )
-    return DHChain.alpha5()
+    rows = (numbers("--link", text, (), "rad or m", _LINK) for text in link or ())
+    return DHChain(tuple(map(DHLink.from_vector, rows))) if link else DHChain.alpha5()
 
 
 def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
@@ -166,25 +145,18 @@ def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
     insertion = task["vertical_insertion"]
     yield f"vertical insertion: {answer[insertion]}, {task['insertion_reason']}"
     yield f"\nframes at q = ({', '.join(f'{x:.6g}' for x in record['q'])}): axes x, y, z and origin (m)"
-    rows = []
-    for name, matrix in record["frames"].items():
-        for i, row in enumerate(matrix[:3]):
-            rows.append(["" if i else name, *(f"{x:z.6f}" for x in row)])
-    yield from table(rows)
+    yield from table(
+        ["" if i else name, *(f"{x:z.6f}" for x in row)]
+        for name, matrix in record["frames"].items()
+        for i, row in enumerate(matrix[:3])
+    )
 
 
 def planar(
     lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
-    joints: Annotated[
-        str | None, Option(help="R (turns) or P (slides along its link) per link; all R.")
-    ] = None,
-    limits: Annotated[
-        list[str] | None,
-        Option("--limits", "-l", help="'LOWER UPPER' (rad or m) or none, once per joint in order."),
-    ] = None,
-    radius: Annotated[
-        float | None, Option(help="Distance of the pinned tip from the base, l_4 (m).")
-    ] = None,
+    joints: Annotated[str | None, Option(help="R (turns) or P (slides) per link; all R.")] = None,
+    limits: Annotated[list[str] | None, Option("--limits", "-l", help=_LIMITS)] = None,
+    radius: Annotated[float | None, Option(help="Of the pinned tip, l_4 (m).")] = None,
     plot: Plot = None,
     as_json: Json = False,
 ) -> None:
@@ -209,8 +181,7 @@ def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
         radii, area = library.dexterous_radii(arm), library.dexterous_area(arm)
         dexterous = {"radii": radii, "area": area, "resolution": None}
         three = arm.joints == "RRR"
-        if three:
-            theorem = {"l_4": library.theorem_radii(*arm.lengths)}
+        theorem = {"l_4": library.theorem_radii(*arm.lengths)} if three else None
         if radius is not None:
             holds = library.lecture_theorem(*(*arm.lengths, radius)) if three else None
             exact = library.turns_fully(arm, radius)
@@ -221,15 +192,11 @@ def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
         found = library.dexterity_map(arm)
         grid = {"spacing": found.spacing, "orientations": found.orientations}
         dexterous = {"radii": None, "area": found.area, "resolution": grid}
-    return {
-        "joints": arm.joints,
-        "lengths": arm.lengths,
-        "workspace": {"shape": space.shape, "radii": space.radii, "area": space.area},
-        "necessary_conditions": {"satisfied": needed.satisfied, "missing": needed.reasons},
-        "dexterous_workspace": dexterous,
-        "theorem": theorem,
-        "at_radius": at_radius,
-    }
+    result: dict[str, Any] = {"joints": arm.joints, "lengths": arm.lengths}
+    result["workspace"] = {"shape": space.shape, "radii": space.radii, "area": space.area}
+    needs = {"satisfied": needed.satisfied, "missing": needed.reasons}
+    found_out = {"dexterous_workspace": dexterous, "theorem": theorem, "at_radius": at_radius}
+    return {**result, "necessary_conditions": needs, **found_out}
 
 
 def _answers(result: dict[str, Any]) -> Lines:
@@ -237,6 +204,7 @@ def _answers(result: dict[str, Any]) -> Lines:
     low, high = space["radii"]
     area = f", area {space['area']:.6g} m^2" if space["area"] else ""
     yield f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
+    text = "empty"
     if dexterous is None:
         text = (
             "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
@@ -246,9 +214,7 @@ def _answers(result: dict[str, Any]) -> Lines:
             f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m and "
             f"with {grid['orientations']} orientations"
         )
-    elif not dexterous["radii"]:
-        text = "empty"
-    else:
+    elif dexterous["radii"]:
         spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
         text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
     yield f"dexterous workspace  {text}"

@@ -199,13 +199,7 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def arm_in(
-    fluid: str = "sea",
-    gravity: str = DOWN,
-    gripper: str = "locked",
-    mount: str = "0 0 0",
-    payload: str | None = None,
-) -> Arm:
+def arm_in(fluid: str, gravity: str, gripper: str, mount: str, payload: str | None) -> Arm:
     """The arm, from the text of the options."""
     from alpha5_model.dynamics import load
     from alpha5_model.fluids import gravity_in_base

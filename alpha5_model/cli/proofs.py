@@ -34,25 +34,19 @@ _TITLES = {
 
 
 def check(
-    urdf: Annotated[
-        Path | None, Option(help="Check this file and nothing else.", metavar="FILE")
-    ] = None,
+    urdf: Annotated[Path | None, Option(help="Check this file alone.", metavar="FILE")] = None,
     corrections: Annotated[
-        str | None,
-        Option(help="With --urdf: corrections it was made with, with commas; '' for none."),
+        str | None, Option(help="Of that file, with commas; '' for none.")
     ] = None,
     verbose: Annotated[
-        bool,
-        Option(
-            "--verbose", "-v", "--all", help="Also rows that agree, the claims' words, all reasons."
-        ),
+        bool, Option("--verbose", "-v", "--all", help="All rows and reasons.")
     ] = False,
     as_json: Json = False,
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
     Where the document differs from itself that is a finding: the exit status is 1 only if a
-    generated file (or the one given) fails.
+    generated file (or the one given) fails. --verbose also shows what agrees, and the claims' words.
 
     Example: alpha5 check --urdf my_arm.urdf
     """
@@ -157,17 +151,11 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
 
 def compare(
     other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
-    joints: Annotated[
-        str, Option("--map", help="Our joints and theirs: axis_e=joint1,axis_d=joint2,...")
-    ] = "",
-    base: Annotated[
-        str | None, Option(help="First link of the arm, if a vehicle carries it.")
-    ] = None,
-    package: Annotated[
-        list[str] | None, Option(help="Folder of a package of a xacro file: NAME=FOLDER.")
-    ] = None,
-    arg: Annotated[list[str] | None, Option(help="Argument of a xacro file: NAME:=VALUE.")] = None,
-    samples: Annotated[int, Option(help="Random configurations.", min=1, max=100_000)] = 500,
+    joints: Annotated[str, Option("--map", help="axis_e=joint1,axis_d=joint2,...")] = "",
+    base: Annotated[str | None, Option(help="First link of an arm on a vehicle.")] = None,
+    package: Annotated[list[str] | None, Option(help="Of a xacro file: NAME=FOLDER.")] = None,
+    arg: Annotated[list[str] | None, Option(help="Of a xacro file: NAME:=VALUE.")] = None,
+    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     as_json: Json = False,
     plot: Plot = None,
 ) -> int:

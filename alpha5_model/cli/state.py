@@ -17,7 +17,7 @@ from alpha5_model.cli import options
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.files import check_outputs
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rpy_from_rotation, wrap
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
 _JOINTS = "axis_e, axis_d, axis_c, axis_b"
 
+_PLOT = "Load on the mount over the direction of a level current as fast as --current, .png, .pdf or .svg."
+
 
 def fk(
-    q: Annotated[
-        list[str], Argument(help=f"{_JOINTS} (rad); with a fifth, axis_a (m), the jaws'.")
-    ],
+    q: Annotated[list[str], Argument(help=f"{_JOINTS} (rad), or also axis_a (m).")],
     as_json: options.Json = False,
 ) -> None:
     """Where the tcp and the links are at a joint position, in base_link.
@@ -42,15 +42,13 @@ def fk(
     Example: alpha5 fk 180 70 100 0 deg
     """
     position = options.joint_numbers("q", " ".join(q), "rad", (4, 5))
-    arm = options.arm_in(gripper="locked" if len(position) == 4 else "jaws")
+    gripper = "locked" if len(position) == 4 else "jaws"
+    arm = options.arm_in("sea", options.DOWN, gripper, "0 0 0", None)
     names = [f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"]
     frames = {name: arm.forward_kinematics(position, name) for name in names}
     beyond = _beyond(arm, position)
-    record = {
-        "q": position,
-        "beyond_limits": beyond,
-        "frames": {name: pose.homogeneous.tolist() for name, pose in frames.items()},
-    }
+    poses = {name: pose.homogeneous.tolist() for name, pose in frames.items()}
+    record = {"q": position, "beyond_limits": beyond, "frames": poses}
     rows = [["frame", "x", "y", "z", "roll", "pitch", "yaw"], ["", *["mm"] * 3, *["deg"] * 3]]
     for name, pose in frames.items():
         place = [f"{1e3 * x:z.3f}" for x in pose.translation]
@@ -67,14 +65,10 @@ def _beyond(arm: Arm, q: Sequence[float]) -> list[str]:
 
 
 def ik(
-    x: Annotated[
-        float, Argument(help="tcp in base_link (m, or mm behind it).", parser=options.metres)
-    ],
+    x: Annotated[float, Argument(help="tcp in base_link (m).", parser=options.metres)],
     y: Annotated[float, Argument(help="(m)", parser=options.metres)],
     z: Annotated[float, Argument(help="(m)", parser=options.metres)],
-    wrist: Annotated[
-        float, Option(help="Wrist angle theta_3 (rad, or deg behind it).", parser=options.radians)
-    ] = 0.0,
+    wrist: Annotated[float, Option(help="theta_3 (rad).", parser=options.radians)] = 0.0,
     as_json: options.Json = False,
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
@@ -85,32 +79,19 @@ def ik(
     """
     solutions = inverse_kinematics([x, y, z], wrist)
     best = solutions.best(arm_plane().middle).tolist()
-    record = {
-        "position": solutions.position.tolist(),
-        "singular": bool(solutions.singular),
-        "best": best,
-        "branches": [
-            {
-                "name": name,
-                "exists": bool(solutions.exists[i]),
-                "within_limits": bool(solutions.within_limits[i]),
-                "q": solutions.q[i].tolist() if solutions.exists[i] else None,
-                "same_as": _same(solutions, i),
-            }
-            for i, name in enumerate(BRANCHES)
-        ],
-    }
+    branches = []
+    for i, name in enumerate(BRANCHES):
+        exists, within = bool(solutions.exists[i]), bool(solutions.within_limits[i])
+        q = solutions.q[i].tolist() if exists else None
+        # At singular targets branches meet.
+        met = np.abs(wrap(solutions.q[i] - solutions.q[:i])).max(axis=-1, initial=0.0) < 1e-6
+        same = BRANCHES[int(met.argmax())] if met.any() else None
+        branches.append(
+            {"name": name, "exists": exists, "within_limits": within, "q": q, "same_as": same}
+        )
+    singular = bool(solutions.singular)
+    record = {"position": [x, y, z], "singular": singular, "best": best, "branches": branches}
     options.show(as_json, record, _solutions(record))
-
-
-def _same(solutions: Solutions, i: int) -> str | None:
-    """An earlier branch with the same joint position: at singular targets branches meet."""
-    for j in range(i):
-        if solutions.exists[[i, j]].all():
-            apart = np.abs(wrap(solutions.q[i] - solutions.q[j])).max()
-            if apart < 1e-6:
-                return BRANCHES[j]
-    return None
 
 
 def _solutions(record: dict[str, Any]) -> options.Lines:
@@ -132,13 +113,9 @@ def _solutions(record: dict[str, Any]) -> options.Lines:
 
 
 def torque(
-    q: Annotated[
-        str, Option("--q", help=f"Positions of {_JOINTS} (rad; 180 70 100 0 deg), jaw rod (m).")
-    ],
-    v: Annotated[str, Option("--v", help="Velocities (rad/s, or deg), jaw rod (m/s).")] = "0 0 0 0",
-    a: Annotated[
-        str, Option("--a", help="Accelerations (rad/s^2, or deg), jaw rod (m/s^2).")
-    ] = "0 0 0 0",
+    q: Annotated[str, Option("--q", help=f"Positions: {_JOINTS} (rad).")],
+    v: Annotated[str, Option("--v", help="Velocities (rad/s).")] = "0 0 0 0",
+    a: Annotated[str, Option("--a", help="Accelerations (rad/s^2).")] = "0 0 0 0",
     degrees: Annotated[bool, Option("--degrees", help="--q, --v, --a in degrees.")] = False,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
@@ -147,12 +124,7 @@ def torque(
     payload: options.Payload = None,
     current: options.Current = None,
     constants: options.Constants = "printed",
-    plot: Annotated[
-        Path | None,
-        Option(
-            help="Load on the mount over the direction of a level current as fast as --current, .png, .pdf or .svg."
-        ),
-    ] = None,
+    plot: Annotated[Path | None, Option(help=_PLOT)] = None,
     as_json: options.Json = False,
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
@@ -165,21 +137,19 @@ def torque(
     alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
     """
     check_outputs((), plot=(plot, figures.FORMATS))
-    arm, flow = (
-        options.arm_in(fluid, gravity, gripper, mount, payload),
-        options.current_vector(current),
-    )
+    arm = options.arm_in(fluid, gravity, gripper, mount, payload)
+    flow = options.current_vector(current)
     n = len(arm.joint_names)
     state: list[Any] = []
     for name, text, unit in (("--q", q, "rad"), ("--v", v, "rad/s"), ("--a", a, "rad/s^2")):
         row = options.joint_numbers(name, f"{text} deg" if degrees else text, unit, (4, n))
-        closed = arm.limits.lower[4:].tolist() if text is q else [0.0]
+        closed = arm.limits.lower[4:].tolist() if name == "--q" else [0.0]
         state.append([*row, *closed] if len(row) < n else row)
     result = _result(arm, constants, flow, *state)
     if plot is not None:
-        if not any(flow or ()):
+        if not (speed := math.hypot(*(flow or ()))):
             raise InputError("plot", plot, "a --current that flows, with it")
-        page = figures.mount_load_figure(arm, state[0], math.hypot(*(flow or ())))
+        page = figures.mount_load_figure(arm, state[0], speed)
         figures.write_figure(page, plot, dpi=110)
     options.show(as_json, result, _text(result), plot)
 
@@ -203,27 +173,15 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
             span = motor.current_interval(*moving) if v[i] else motor.holding_current(total[i])
             flows["current"] = float(motor.current(*moving))
             flows["current_range"] = [*map(float, span)]
-        joints.append(
-            {
-                "joint": name,
-                "position": q[i],
-                "velocity": v[i],
-                "acceleration": a[i],
-                **{term: float(getattr(terms, term)[0, i]) for term in TERMS},
-                **({} if water is None else _share(water.torque[0, :, i])),
-                "torque": float(total[i]),
-                **flows,
-                "within_limits": name not in beyond,
-            }
-        )
-    return {
-        "fluid_density": arm.fluid_density,
-        "gravity": arm.model.gravity.linear.tolist(),
-        **({} if current is None else {"water_current": list(current)}),
-        "constants": constants,
-        "joints": joints,
-        "mount": {**_wrench(wrench), **load},
-    }
+        state = {"position": q[i], "velocity": v[i], "acceleration": a[i]}
+        by_cause = {term: float(getattr(terms, term)[0, i]) for term in TERMS}
+        by_cause |= {} if water is None else _share(water.torque[0, :, i])
+        flows |= {"within_limits": name not in beyond}
+        joints.append({"joint": name, **state, **by_cause, "torque": float(total[i]), **flows})
+    around = {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear.tolist()}
+    around |= {} if current is None else {"water_current": list(current)}
+    mount = {**_wrench(wrench), **load}
+    return {**around, "constants": constants, "joints": joints, "mount": mount}
 
 
 def _share(levels: FloatArray) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated
 
 from rich.console import Console
 from rich.progress import Progress
@@ -30,22 +30,13 @@ _GRIPPER = (
     "locked leaves axis_a out; jaws needs it."
 )
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
-#: Shorter files are done before a bar of progress could be read.
-_PROGRESS_SAMPLES = 50_000
 
 
 def trajectory(
     file: Annotated[Path, Argument(help=_FILE)],
-    topic: Annotated[
-        str | None, Option(help="Of a bag, if several topics name the arm's joints.")
-    ] = None,
-    prefix: Annotated[
-        str | None, Option(help="Before the joints' names, if there are several: left_.")
-    ] = None,
-    output: Annotated[
-        Path | None,
-        Option("--output", "-o", help="Table of every quantity over time, .csv or .json."),
-    ] = None,
+    topic: Annotated[str | None, Option(help="Of a bag with several arms.")] = None,
+    prefix: Annotated[str | None, Option(help="Before the joints' names: left_.")] = None,
+    output: Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
     fluid: options.Fluid = "sea",
@@ -54,25 +45,20 @@ def trajectory(
     payload: options.Payload = None,
     current: options.Current = None,
     gripper: Annotated[str, Option(help=_GRIPPER)] = "auto",
-    smoothing: Annotated[
-        str, Option(help="spline, savgol, or interpolate for planned motions without noise.")
-    ] = "spline",
+    smoothing: Annotated[str, Option(help="spline, savgol or interpolate (no noise).")] = "spline",
     bandwidth: Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
-    velocities: Annotated[
-        str, Option(help="file, positions (their slope), or auto: those of the file if it has any.")
-    ] = "auto",
+    velocities: Annotated[str, Option(help="file, positions (their slope) or auto.")] = "auto",
     constants: options.Constants = "printed",
-    supply_voltage: Annotated[float | None, Option(help="For margins (V); not published.")] = None,
-    current_limit: Annotated[
-        float | None, Option(help="Of each motor, for margins (A); not published.")
-    ] = None,
-    screw_lead: Annotated[
-        float | None, Option(help="Of the jaw rod, for its current (m per turn); not published.")
-    ] = None,
+    supply_voltage: Annotated[float | None, Option(help="For limits (V); not published.")] = None,
+    current_limit: Annotated[float | None, Option(help="Of each motor (A); not published.")] = None,
+    screw_lead: Annotated[float | None, Option(help="Jaw rod (m per turn); not published.")] = None,
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
-    Recorded efforts are compared with the torques.
+    Recorded efforts are compared with the torques. The table (--output) has every quantity over
+    time. Planned motions without noise need no smoothing but interpolate; velocities are those
+    of the file if it has any (auto), or the slope of its positions. With --supply-voltage and --current-limit
+    the answer says what is left to the motors' limits, with --screw-lead the jaw rod's current.
 
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
     """
@@ -81,12 +67,17 @@ def trajectory(
     choice("gripper", gripper, ("auto", *GRIPPERS))
     flow = options.current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
-    with _Bar() as progress:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+
+        def progress(stage: str, done: float) -> None:
+            if stage not in (task.description for task in bar.tasks):
+                bar.add_task(stage, total=1.0)
+            bar.update(bar.tasks[-1].id, completed=done)
+
         motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
-        progress.long = len(motion.time) > _PROGRESS_SAMPLES
         if gripper == "auto":
             gripper = "jaws" if "axis_a" in motion.joints else "locked"
-        arm = options.arm_in(fluid, gravity, gripper, mount, payload)
         motors = {}
         if screw_lead is not None:
             motors["axis_a"] = actuator("axis_a", constants, screw_lead=screw_lead)
@@ -95,7 +86,7 @@ def trajectory(
                 raise InputError("screw-lead", screw_lead, expected)
         analysis = library.analyse(
             motion,
-            arm,
+            options.arm_in(fluid, gravity, gripper, mount, payload),
             method=smoothing,
             bandwidth=bandwidth,
             use_velocity=use_velocity,
@@ -112,24 +103,3 @@ def trajectory(
         if plot is not None:
             figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
     options.show(as_json, summary, [library.text(summary)], output, plot)
-
-
-class _Bar(Progress):
-    """Progress on long files, on stderr if that is a terminal."""
-
-    def __init__(self) -> None:
-        console = Console(stderr=True)
-        super().__init__(console=console, transient=True, disable=not console.is_terminal)
-        self.long = False
-
-    def __enter__(self) -> Self:
-        return self  # it starts at the first report of a long file
-
-    def __call__(self, stage: str, done: float) -> None:
-        # Reading reports after each block: more than one block is a long file.
-        if not self.long and (stage != "read" or done >= 1.0):
-            return
-        if not self.tasks or self.tasks[-1].description != stage:
-            self.start()
-            self.add_task(stage, total=1.0)
-        self.update(self.tasks[-1].id, completed=done)

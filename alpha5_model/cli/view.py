@@ -21,50 +21,37 @@ from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import picture_png
 from alpha5_model.view.scene import check_size, framed
 
+_GROUPS = (
+    "Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
+    "buoyancy, workspace, surface, ghosts, collision, current."
+)
+_CURRENT = "Velocity of the water (m/s): an arrow, and its estimated load in the torques."
+
 
 def view(
-    pose: Annotated[
-        str, Option(help="stow, home, reach, or joint positions (rad; 180 70 100 0 deg).")
-    ] = "home",
-    target: Annotated[
-        str | None, Option(help="x y z (m): show every solution of its inverse kinematics.")
-    ] = None,
-    motion: Annotated[
-        Path | None, Option(help="Recording (CSV, Parquet, ROS bag) to play.")
-    ] = None,
-    show: Annotated[
-        str | None,
-        Option(
-            help="Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
-            "buoyancy, workspace, surface, ghosts, collision, current."
-        ),
-    ] = None,
+    pose: Annotated[str, Option(help="stow, home, reach, or joint positions (rad).")] = "home",
+    target: Annotated[str | None, Option(help="x y z (m): show all solutions of its IK.")] = None,
+    motion: Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")] = None,
+    show: Annotated[str | None, Option(help=_GROUPS)] = None,
     gripper: options.Gripper = "jaws",
     fluid: options.Fluid = "sea",
-    current: Annotated[
-        str | None,
-        Option(
-            help="Velocity of the water (m/s): an arrow, and its estimated load in the torques."
-        ),
-    ] = None,
-    html: Annotated[
-        Path | None, Option(help="Write one page that works from disk, and end.")
-    ] = None,
-    image: Annotated[Path | None, Option(help="Draw a PNG without a screen, and end.")] = None,
+    current: Annotated[str | None, Option(help=_CURRENT)] = None,
+    html: Annotated[Path | None, Option(help="Write a page that works from disk.")] = None,
+    image: Annotated[Path | None, Option(help="Draw a PNG without a screen.")] = None,
     size: Annotated[str, Option(help="Pixels of the PNG.")] = "1600x1000",
     port: Annotated[int, Option(help="Of the live viewer; 0 for a free one.")] = 0,
-    serve: Annotated[
-        bool, Option("--serve", help="Serve the live viewer without opening a browser.")
-    ] = False,
+    serve: Annotated[bool, Option("--serve", help="Do not open a browser.")] = False,
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
+
+    With --html or --image it writes these and ends; else it serves the live viewer.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     pixels = _size(size)
     check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
 
-    arm = options.arm_in(fluid, gripper=gripper)
+    arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
     if pose.endswith(("deg", "mm")):
         pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
     scene = build_scene(

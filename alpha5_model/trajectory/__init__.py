@@ -11,17 +11,5 @@ from alpha5_model.trajectory.report import columns, summary, write
 from alpha5_model.trajectory.report_text import text
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 
-__all__ = [
-    "Analysis",
-    "Motion",
-    "MotionWarning",
-    "SmoothMotion",
-    "analyse",
-    "columns",
-    "motion",
-    "read_motion",
-    "smooth",
-    "summary",
-    "text",
-    "write",
-]
+__all__ = ["Analysis", "Motion", "MotionWarning", "SmoothMotion", "analyse", "columns", "motion"]
+__all__ += ["read_motion", "smooth", "summary", "text", "write"]

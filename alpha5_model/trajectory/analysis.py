@@ -13,13 +13,9 @@ from alpha5_model.actuators import Actuator, Interval, actuator
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
+from alpha5_model.trajectory import smoothing
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Progress
-from alpha5_model.trajectory.smoothing import (
-    DEFAULT_BANDWIDTH,
-    LEAST_BANDWIDTH,
-    SmoothMotion,
-    smooth,
-)
+from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -105,7 +101,7 @@ def analyse(
     arm: Arm | None = None,
     *,
     method: str = "spline",
-    bandwidth: float = DEFAULT_BANDWIDTH,
+    bandwidth: float = smoothing.DEFAULT_BANDWIDTH,
     use_velocity: bool | None = None,
     constants: str = "printed",
     actuators: Mapping[str, Actuator] | None = None,
@@ -200,15 +196,13 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
-    return replace(
-        motion,
-        joints=wanted,
-        position=motion.position[:, :4],
-        velocity=None if motion.velocity is None else motion.velocity[:, :4],
-        effort=None if motion.effort is None else motion.effort[:, :4],
-        warnings=tuple(w for w in motion.warnings if "axis_a" not in w.text),
-        ignored=(*motion.ignored, "axis_a"),
-    )
+    fewer: dict[str, Any] = {}
+    for name in ("position", "velocity", "effort"):
+        table = getattr(motion, name)
+        fewer[name] = None if table is None else table[:, :4]
+    warnings = tuple(w for w in motion.warnings if "axis_a" not in w.text)
+    ignored = (*motion.ignored, "axis_a")
+    return replace(motion, joints=wanted, warnings=warnings, ignored=ignored, **fewer)
 
 
 def _motor_side(
@@ -249,7 +243,7 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     if motion.velocity is None:
         return ()
     rate = 1 / float(np.median(np.diff(motion.time)))
-    bandwidth = max(min(0.5, 0.1 * rate), LEAST_BANDWIDTH * rate)
+    bandwidth = max(min(0.5, 0.1 * rate), smoothing.LEAST_BANDWIDTH * rate)
     slope = smooth(motion, "spline", bandwidth, use_velocity=False).velocity
     given = smooth(motion, "spline", bandwidth, use_velocity=True).velocity
     found = []

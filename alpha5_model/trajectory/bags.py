@@ -9,13 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model import errors
 from alpha5_model.checks import FloatArray, choice
-from alpha5_model.errors import (
-    Alpha5Error,
-    FileFormatError,
-    MissingDependencyError,
-    MissingFileError,
-)
 from alpha5_model.files import PathLike
 from alpha5_model.trajectory.motion import JOINTS, MotionWarning, Progress
 from alpha5_model.trajectory.tables import Table, only, prefixes, seconds
@@ -112,10 +107,10 @@ def _streams(
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         remedy = "python -m pip install 'alpha5-model[bags]'"
-        raise MissingDependencyError("rosbags", f"reading {path}", remedy) from None
+        raise errors.MissingDependencyError("rosbags", f"reading {path}", remedy) from None
     file, streams = Path(path), dict[str, list[_Received]]()
     if not file.exists():
-        raise MissingFileError(path, "a ROS bag")
+        raise errors.MissingFileError(path, "a ROS bag")
     first = file.suffix.lower() == ".bag"
     # The message is the same in every release: no need for the definitions in the bag.
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.LATEST)
@@ -125,7 +120,9 @@ def _streams(
             here = [c for c in bag.connections if c.msgtype == _TYPE]
             if not here:
                 got = ", ".join(sorted(f"{c.topic} ({c.msgtype})" for c in bag.connections))
-                raise FileFormatError(path, f"no sensor_msgs/JointState, but {got or 'nothing'}")
+                raise errors.FileFormatError(
+                    path, f"no sensor_msgs/JointState, but {got or 'nothing'}"
+                )
             if topic is not None:
                 choice("topic", topic, sorted({c.topic for c in here}))
                 here = [c for c in here if c.topic == topic]
@@ -137,11 +134,11 @@ def _streams(
                 streams.setdefault(c.topic, []).append((publisher, received, stamp, m))
                 if progress and count % _CHUNK == 0:
                     progress("read", count / max(total, count))
-    except Alpha5Error:
+    except errors.Alpha5Error:
         raise
     except Exception as error:  # whatever a damaged bag makes rosbags raise
         problem = f"cannot be read as a ROS bag ({type(error).__name__}: {error}); {_HINT}"
-        raise FileFormatError(path, problem) from None
+        raise errors.FileFormatError(path, problem) from None
     if progress:
         progress("read", 1.0)
     return streams
@@ -160,7 +157,7 @@ def _chosen(
     if not found:
         got = "; ".join(sorted(f"{topic}: {', '.join(names)}" for topic, names in named))[:400]
         joints = ", ".join((asked or "") + joint for joint in JOINTS[:4])
-        raise FileFormatError(path, f"no message has all of {joints}, but {got}")
+        raise errors.FileFormatError(path, f"no message has all of {joints}, but {got}")
     topic = only("topic", sorted({topic for topic, *_ in found}))
     before = only("prefix", sorted({before for t, _, before in found if t == topic}))
     most = max((key for key in found if key[::2] == (topic, before)), key=found.__getitem__)

@@ -12,16 +12,9 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
+from alpha5_model.trajectory import tables
 from alpha5_model.trajectory.bags import bag_table, is_bag
 from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Progress, checked
-from alpha5_model.trajectory.tables import (
-    PARQUET,
-    PER_SECOND,
-    csv_table,
-    only,
-    parquet_table,
-    prefixes,
-)
 
 _TIME = ("time_secs", "time")
 #: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
@@ -75,13 +68,13 @@ def read_motion(
         table, before = bag_table(path, topic, prefix, progress)
     elif topic is not None:
         raise InputError("topic", topic, "no value: only a ROS bag has topics")
-    elif Path(str(path)).suffix.lower() in PARQUET:
-        table = parquet_table(path)
+    elif Path(str(path)).suffix.lower() in tables.PARQUET:
+        table = tables.parquet_table(path)
     else:
-        table = csv_table(path, progress)
+        table = tables.csv_table(path, progress)
     header = table.header
     # Without any that names all joints, the message below says what is missing.
-    before = only("prefix", prefixes(header, _POSITION, before) or [before or ""])
+    before = tables.only("prefix", tables.prefixes(header, _POSITION, before) or [before or ""])
 
     def there(joint: str, suffixes: Sequence[str]) -> list[str]:
         return [before + joint + suffix for suffix in suffixes if before + joint + suffix in header]
@@ -135,7 +128,7 @@ def read_motion(
         effort[:, [bool(names) for names in recorded]] = numbers[:, known:]
         needed += efforts
     raw = Motion(
-        time / PER_SECOND[unit],
+        time / tables.PER_SECOND[unit],
         joints,
         position,
         numbers[:, 1 + n : known] if known > 1 + n else None,
@@ -158,7 +151,7 @@ def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     steps = steps[steps > 0]
     if not steps.size or float(np.median(steps)) < 1.0:
         return "s"
-    unit = next((u for u, n in PER_SECOND.items() if float(np.median(steps)) < n), "ns")
+    unit = next((u for u, n in tables.PER_SECOND.items() if float(np.median(steps)) < n), "ns")
     rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
-    fast = path / (steps / PER_SECOND[unit]).sum() > 2 * rated
+    fast = path / (steps / tables.PER_SECOND[unit]).sum() > 2 * rated
     return "s" if fast.any() else unit

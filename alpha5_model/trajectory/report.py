@@ -42,66 +42,49 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     path = np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
     power = np.nansum(a.electrical_power, axis=1)
     known = [(k, m) for k, m in enumerate(a.actuators) if np.isfinite(a.current[:, k]).all()]
-    ends = [  # of the power, over the printed tolerance of friction
+    powers = [  # over the printed tolerance of friction
         np.stack([m.voltage(i[:, k], velocity[:, k]) * i[:, k] for k, m in known])
         for i in (a.current_lower, a.current_upper)
     ]
-    interval = [end(*ends).sum(axis=0) for end in (np.minimum, np.maximum)]
+    interval = [end(*powers).sum(axis=0) for end in (np.minimum, np.maximum)]
     contradiction = sum(
         (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * velocity[:, k]
         for k, m in known
     )
+    time, arm = s.time, a.arm
+    out: dict[str, Any] = {"source": a.motion.source, "samples": int(time.size)}
+    out |= {"start_s": float(time[0]), "duration_s": float(time[-1] - time[0])}
+    out["time_unit_of_file"] = a.motion.time_unit
+    out["sample_time_s"] = {"median": float(np.median(steps)), "longest": float(steps.max())}
+    model: dict[str, Any] = {"gripper": "jaws" if "axis_a" in s.joints else "locked"}
+    model |= {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear.tolist()}
+    if a.moving_water is not None:
+        model["water_current"] = a.moving_water.current.tolist()
+    out["model"] = model
+    derivatives = {"derivatives_from": "velocities" if s.from_velocity else "positions"}
+    out["smoothing"] = {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives}
+    drive = {"supply_voltage": a.supply_voltage, "current_limit": a.current_limit}
+    ratios = {m.joint: m.constants_ratio for m in a.actuators}
+    out["motors"] = {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive}
     joints = parameters().joints[: len(s.joints)]
-    return {
-        "source": a.motion.source,
-        "samples": int(s.time.size),
-        "start_s": float(s.time[0]),
-        "duration_s": float(s.time[-1] - s.time[0]),
-        "time_unit_of_file": a.motion.time_unit,
-        "sample_time_s": {"median": float(np.median(steps)), "longest": float(steps.max())},
-        "model": {
-            "gripper": "jaws" if "axis_a" in s.joints else "locked",
-            "fluid_density": a.arm.fluid_density,
-            "gravity": a.arm.model.gravity.linear.tolist(),
-            **(
-                {} if a.moving_water is None else {"water_current": a.moving_water.current.tolist()}
-            ),
-        },
-        "smoothing": {
-            "method": s.method,
-            "bandwidth_hz": s.bandwidth,
-            "derivatives_from": "velocities" if s.from_velocity else "positions",
-        },
-        "motors": {
-            "constants": a.actuators[0].constants,
-            "constants_ratio": {m.joint: m.constants_ratio for m in a.actuators},
-            "supply_voltage": a.supply_voltage,
-            "current_limit": a.current_limit,
-        },
-        "joints": {joint.name: _joint(a, k, joint) for k, joint in enumerate(joints)},
-        "energy": {
-            "electrical_peak_w": float(power.max()),
-            "drawn_j": _drawn(power, s.time),
-            "drawn_interval_j": [_drawn(end, s.time) for end in interval],
-            "fed_back_j": _drawn(-power, s.time),
-            "mechanical_j": _integral(a.mechanical_power.sum(axis=1), s.time),
-            "contradiction_j": _integral(np.asarray(contradiction), s.time),
-        },
-        "mount": {
-            "force_peak_n": _peak(np.linalg.norm(a.base_wrench[:, :3], axis=1), s.time),
-            "moment_peak_nm": _peak(np.linalg.norm(a.base_wrench[:, 3:], axis=1), s.time),
-            **_water_on_mount(a),
-        },
-        "tcp": {
-            "first_m": a.tcp[0].tolist(),
-            "last_m": a.tcp[-1].tolist(),
-            "lowest_m": a.tcp.min(axis=0).tolist(),
-            "highest_m": a.tcp.max(axis=0).tolist(),
-            "path_length_m": float(path.sum()),
-        },
-        "warnings": [asdict(w) for w in a.warnings],
-        "ignored_columns": list(a.motion.ignored),
+    out["joints"] = {joint.name: _joint(a, k, joint) for k, joint in enumerate(joints)}
+    out["energy"] = {
+        "electrical_peak_w": float(power.max()),
+        "drawn_j": _drawn(power, time),
+        "drawn_interval_j": [_drawn(end, time) for end in interval],
+        "fed_back_j": _drawn(-power, time),
+        "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
+        "contradiction_j": _integral(np.asarray(contradiction), time),
     }
+    sizes = np.linalg.norm(a.base_wrench.reshape(-1, 2, 3), axis=2)
+    out["mount"] = {"force_peak_n": _peak(sizes[:, 0], time)}
+    out["mount"] |= {"moment_peak_nm": _peak(sizes[:, 1], time), **_water_on_mount(a)}
+    ends = {"first_m": a.tcp[0], "last_m": a.tcp[-1]}
+    ends |= {"lowest_m": a.tcp.min(axis=0), "highest_m": a.tcp.max(axis=0)}
+    out["tcp"] = {name: point.tolist() for name, point in ends.items()}
+    out["tcp"]["path_length_m"] = float(path.sum())
+    out["warnings"] = [asdict(w) for w in a.warnings]
+    return {**out, "ignored_columns": list(a.motion.ignored)}
 
 
 def _water_on_mount(a: Analysis) -> dict[str, Any]:
@@ -115,11 +98,9 @@ def _water_on_mount(a: Analysis) -> dict[str, Any]:
 
 def _water_peak(levels: FloatArray, time: FloatArray) -> dict[str, Any]:
     """The largest nominal value, and its interval from all numbers low to all high; levels are (N, 3)."""
-    at = int(np.abs(levels[:, 1]).argmax())
-    return {
-        **_peak(levels[:, 1], time),
-        "interval": [float(levels[at].min()), float(levels[at].max())],
-    }
+    nominal, at = levels[:, 1], int(np.abs(levels[:, 1]).argmax())
+    interval = [float(levels[at].min()), float(levels[at].max())]
+    return {**_peak(nominal, time), "interval": interval}
 
 
 def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
@@ -129,33 +110,29 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     if -LIMIT_SLACK * (joint.upper - joint.lower) <= margin < 0:
         margin = 0.0  # at the limit, as the warnings have it
     speed = np.abs(s.velocity[:, k])
-    out: dict[str, Any] = {
-        "units": dict(SLIDING if joint.name == "axis_a" else TURNING),
-        "position_range": [float(q.min()), float(q.max())],
-        "position_margin": margin,
-        "velocity_peak": _peak(s.velocity[:, k], s.time),
-        "velocity_margin": float(joint.velocity - speed.max()),
-        "beyond_rated_velocity": int(np.count_nonzero(speed > joint.velocity)),
-        "acceleration_peak": _peak(s.acceleration[:, k], s.time),
+    out: dict[str, Any] = {"units": dict(SLIDING if joint.name == "axis_a" else TURNING)}
+    out |= {"position_range": [float(q.min()), float(q.max())], "position_margin": margin}
+    out["velocity_margin"] = float(joint.velocity - speed.max())
+    out["beyond_rated_velocity"] = int(np.count_nonzero(speed > joint.velocity))
+    over_time = {"velocity": s.velocity, "acceleration": s.acceleration, "torque": a.torque}
+    out |= {f"{name}_peak": _peak(table[:, k], s.time) for name, table in over_time.items()}
+    out |= {
         "smoothing_deviation": float(s.deviation[k]),
-        "torque_peak": _peak(a.torque[:, k], s.time),
         "torque_rms": _rms(a.torque[:, k], s.time),
-        # Against the effort that every public model copies; no rating is published.
-        "torque_margin": float(joint.effort - np.abs(a.torque[:, k]).max()),
-        "causes_peak": {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()},
-        "effort": _effort(a, k),
-        **dict.fromkeys(_BY_MOTOR + _BY_DRIVE),
     }
+    # Against the effort that every public model copies; no rating is published.
+    out["torque_margin"] = float(joint.effort - np.abs(a.torque[:, k]).max())
+    out["causes_peak"] = {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()}
+    out |= {"effort": _effort(a, k), **dict.fromkeys(_BY_MOTOR + _BY_DRIVE)}
     if a.moving_water is not None:
         out["moving_water_peak"] = _water_peak(a.moving_water.torque[:, :, k], s.time)
     if not np.isfinite(a.current[:, k]).all():
         return out
+    over_time = {"current": a.current, "voltage": a.voltage, "power": a.electrical_power}
+    out |= {f"{name}_peak": _peak(table[:, k], s.time) for name, table in over_time.items()}
     at = int(np.abs(a.current[:, k]).argmax())
-    interval = [float(a.current_lower[at, k]), float(a.current_upper[at, k])]
-    out["current_peak"] = {**_peak(a.current[:, k], s.time), "interval": interval}
+    out["current_peak"]["interval"] = [float(a.current_lower[at, k]), float(a.current_upper[at, k])]
     out["current_rms"] = _rms(a.current[:, k], s.time)
-    out["voltage_peak"] = _peak(a.voltage[:, k], s.time)
-    out["power_peak"] = _peak(a.electrical_power[:, k], s.time)
     out["energy_drawn_j"] = _drawn(a.electrical_power[:, k], s.time)
     if a.torque_limits and a.current_limit and a.supply_voltage:
         worst = np.maximum(np.abs(a.current_lower[:, k]), np.abs(a.current_upper[:, k])).max()
@@ -177,16 +154,13 @@ def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
     torque, friction = a.torque[there, k], a.friction[there, k]
     difference = effort - torque
     varied = min(np.ptp(effort), np.ptp(torque)) > ROUNDING
-    return {
-        "samples": int(effort.size),
-        "peak": _peak(effort, time),
-        "rms": float(np.sqrt(np.mean(effort**2))),
-        "difference_mean": float(difference.mean()),
-        "difference_rms": float(np.sqrt(np.mean(difference**2))),
-        "difference_peak": _peak(difference, time),
-        "difference_rms_with_friction": _finite(np.sqrt(np.mean((difference - friction) ** 2))),
-        "correlation": float(np.corrcoef(effort, torque)[0, 1]) if varied else None,
-    }
+    left = _finite(np.sqrt(np.mean((difference - friction) ** 2)))
+    out = {"samples": int(effort.size), "peak": _peak(effort, time)}
+    out |= {"rms": float(np.sqrt(np.mean(effort**2))), "difference_mean": float(difference.mean())}
+    out["difference_rms"] = float(np.sqrt(np.mean(difference**2)))
+    out |= {"difference_peak": _peak(difference, time), "difference_rms_with_friction": left}
+    correlation = float(np.corrcoef(effort, torque)[0, 1]) if varied else None
+    return {**out, "correlation": correlation}
 
 
 def _peak(values: FloatArray, time: FloatArray) -> dict[str, Any]:

@@ -136,18 +136,10 @@ def smooth(
     position = value[:, :n]
     slow = slope[:, :n] if method == "interpolate" else _mean_velocity(t, motion.position)
     velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
-    return SmoothMotion(
-        time=t,
-        joints=motion.joints,
-        position=frozen(position),
-        velocity=frozen(velocity),
-        acceleration=frozen(acceleration),
-        direction=frozen(_direction(slow)),
-        method=method,
-        bandwidth=reached,
-        from_velocity=use_velocity,
-        deviation=frozen(np.abs(position - motion.position).max(axis=0)),
-    )
+    deviation = frozen(np.abs(position - motion.position).max(axis=0))
+    position, velocity, acceleration = map(frozen, (position, velocity, acceleration))
+    moving = (position, velocity, acceleration, frozen(_direction(slow)))
+    return SmoothMotion(t, motion.joints, *moving, method, reached, use_velocity, deviation)
 
 
 def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:

@@ -92,14 +92,6 @@ def parquet_table(path: PathLike) -> Table:
         raise MissingDependencyError("pyarrow", f"reading {path}", remedy) from None
     content = read_named(path, "a Parquet file of joint motion")
 
-    @contextmanager
-    def errors_of_the_file() -> Iterator[None]:
-        try:
-            yield
-        except Exception as error:
-            problem = f"cannot be read as a table of numbers: {error}"
-            raise FileFormatError(path, problem) from None
-
     def place(row: int, column: int) -> str:
         return f"row {row + 1} ({header[column]})"
 
@@ -111,7 +103,7 @@ def parquet_table(path: PathLike) -> Table:
 
     def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, str | None]:
         names = [header[k] for k in (*needed, *efforts)]
-        with errors_of_the_file():
+        with _errors_of(path):
             data = file.read(names)
             table = np.stack([numbers(data[name]) for name in names], axis=1)
         for row, k in np.argwhere(~np.isfinite(table[:, : len(needed)])):
@@ -119,10 +111,18 @@ def parquet_table(path: PathLike) -> Table:
             raise FileFormatError(path, problem, place(int(row), needed[k]))
         return table, "s" if types.is_temporal(data[names[0]].type) else None
 
-    with errors_of_the_file():
+    with _errors_of(path):
         file = parquet.ParquetFile(BufferReader(content))
         header = file.schema_arrow.names
     return Table(header, read, place)
+
+
+@contextmanager
+def _errors_of(path: PathLike) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:
+        raise FileFormatError(path, f"cannot be read as a table of numbers: {error}") from None
 
 
 def csv_table(path: PathLike, progress: Progress | None) -> Table:
