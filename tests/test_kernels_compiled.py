@@ -219,6 +219,35 @@ def test_a_batch_of_unfit_arrays_is_refused():
             compiled.bind(*arguments)
 
 
+@pytest.mark.parametrize("name", [name for name, of in PROGRAMS.items() if len(of.inputs) > 2])
+def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
+    parameters, inputs, outputs = case(PROGRAMS[name])
+    for place in range(len(inputs)):
+        given, repeated = [*inputs], [*inputs]
+        repeated[place] = np.broadcast_to(inputs[place][3], inputs[place].shape)
+        given[place] = repeated[place].copy()
+        for width in WIDTHS:
+            any_width(width)
+            for got, want in zip(
+                by_batch(name, parameters, repeated, outputs),
+                by_batch(name, parameters, given, outputs),
+                strict=True,
+            ):
+                assert np.array_equal(got, want)
+        by_numpy = [np.full_like(x, np.nan) for x in outputs]
+        assert numpy_kernels.batch(name, parameters, *repeated, *by_numpy)
+        assert all(
+            np.allclose(x, y, 1e-9, 1e-9)
+            for x, y in zip(by_numpy, by_batch(name, parameters, given, outputs), strict=True)
+        )
+        for wrong in (np.nan, 2 * LARGEST):
+            row = inputs[place][3].copy()
+            row[-1] = wrong
+            repeated[place] = np.broadcast_to(row, inputs[place].shape)
+            for kernels in (compiled, numpy_kernels):
+                assert not kernels.batch(name, parameters, *repeated, *by_numpy)
+
+
 def test_what_goes_out_may_take_the_place_of_what_came_in():
     parameters, (q, v, a), (tau,) = case(PROGRAMS["inverse_dynamics"])
     assert compiled.batch("inverse_dynamics", parameters, q, v, a, tau)

@@ -280,7 +280,7 @@ class HydrodynamicArm:
         flows = bounded("current", float_array("current", given, (3,)))
         if flows.ndim > 2 or (flows.ndim == 2 and len(flows) not in (1, n)):
             raise ShapeError("current", flows.shape, f"shape (3,) or ({n}, 3)")
-        return np.ascontiguousarray(np.broadcast_to(flows, (n, 3)))
+        return np.broadcast_to(flows, (n, 3))
 
     def _rows_of_kernel(
         self, name: str, threads: int | None, current: Flow, **states: Rows
@@ -288,12 +288,11 @@ class HydrodynamicArm:
         """A kernel's output for each row, (N, 4), None where there is none for this arm."""
         if self._numbers is None:
             return None
-        plain = all(type(x) is np.ndarray and x.shape == (len(x), 4) for x in states.values())
-        given: Any = (
-            states if plain else dict(zip(states, rows(self._model, **states), strict=True))
-        )
-        flows = self._flows(current, len(given["q"]))
-        return kernel_rows(self.still, name, 4, threads, self._numbers, **given, current=flows)
+        given: list[Any] = [*states.values()]
+        if not all(type(x) is np.ndarray and x.shape == (len(x), 4) for x in given):
+            given = rows(self._model, **states)
+        state = dict(zip(states, given, strict=True), current=self._flows(current, len(given[0])))
+        return kernel_rows(self.still, name, 4, threads, self._numbers, **state)
 
     @cached_property
     def _numbers(self) -> FloatArray | None:

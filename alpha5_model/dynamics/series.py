@@ -7,20 +7,17 @@ Pinocchio, or the difference of two.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import kernel_rows
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import LEVELS
-
-if TYPE_CHECKING:
-    from alpha5_model.dynamics.arm import Arm
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,14 @@ static int plain(PyObject *object, int flags)
            && PyArray_ISNOTSWAPPED((PyArrayObject *)object);
 }
 
+/* One row for all, as numpy.broadcast_to makes it. */
+static int repeated(PyObject *object)
+{
+    PyArrayObject *array = (PyArrayObject *)object;
+    return plain(object, NPY_ARRAY_ALIGNED) && PyArray_NDIM(array) == 2 && PyArray_DIM(array, 0) > 1
+           && PyArray_STRIDE(array, 0) == 0 && PyArray_STRIDE(array, 1) == sizeof(double);
+}
+
 /* The kernel of a name and the constants that its parameters make, in k. */
 static const Kernel *prepared(PyObject *name, PyObject *parameters, double *k)
 {
@@ -182,6 +190,7 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
     double k[MOST_CONSTANTS];
     const double *in[MOST_SLOTS];
     double *out[MOST_SLOTS];
+    ptrdiff_t step[MOST_SLOTS];
     npy_intp n = 0;
     int good;
     if (count < 3)
@@ -193,8 +202,8 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
         Py_RETURN_FALSE;
     for (int i = 0; i < count - 2; i++) {
         PyArrayObject *array = (PyArrayObject *)arguments[i + 2];
-        int given = i < kernel->inputs;
-        if (!plain(arguments[i + 2], given ? NPY_ARRAY_CARRAY_RO : NPY_ARRAY_CARRAY)
+        int given = i < kernel->inputs, same = given && repeated(arguments[i + 2]);
+        if (!(same || plain(arguments[i + 2], given ? NPY_ARRAY_CARRAY_RO : NPY_ARRAY_CARRAY))
             || PyArray_NDIM(array) < 1)
             Py_RETURN_FALSE;
         if (i == 0)
@@ -202,12 +211,12 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
         if (PyArray_DIM(array, 0) != n || PyArray_SIZE(array) != n * kernel->slots[i].size)
             Py_RETURN_FALSE;
         if (given)
-            in[i] = PyArray_DATA(array);
+            in[i] = PyArray_DATA(array), step[i] = same ? 0 : kernel->slots[i].size;
         else
             out[i - kernel->inputs] = PyArray_DATA(array);
     }
     Py_BEGIN_ALLOW_THREADS
-    good = rows(kernel, k, in, out, n);
+    good = rows(kernel, k, in, step, out, n);
     Py_END_ALLOW_THREADS
     return PyBool_FromLong(good);
 }
@@ -249,9 +258,10 @@ static PyMethodDef methods[] = {
      "computed with. Its attributes, name and documentation included, are those of fallback."},
     {"batch", (PyCFunction)(void (*)(void))batch, METH_FASTCALL,
      "batch(name, parameters, *inputs, *outputs) -> bool\n\n"
-     "Each array holds one state in each row, outputs are written. False, and nothing in the outputs\n"
-     "to rely on, if an array is not C-contiguous float64 with n rows of the right size, or an entry\n"
-     "is not finite or too large. Other threads run meanwhile."},
+     "Each array holds one state in each row, outputs are written; an input may be one row for all, by\n"
+     "numpy.broadcast_to. False, and nothing in the outputs to rely on, if an array is not C-contiguous\n"
+     "float64 with n rows of the right size, or an entry is not finite or too large. Other threads run\n"
+     "meanwhile."},
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
      "is_state(nq, nv, q, *rates) -> whether q is a C-contiguous float64 array (nq,), the others are (nv,),\n"
      "and all entries are finite and of a size that can be computed with."},

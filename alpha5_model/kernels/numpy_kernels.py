@@ -68,7 +68,8 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     Args:
         name: Of a kernel.
         parameters: Its last input, for all rows; empty where it takes none.
-        arrays: The other inputs, then the outputs, one state in each row.
+        arrays: The other inputs, then the outputs, one state in each row; inputs may be repeated by
+            `numpy.broadcast_to`.
 
     Returns:
         False, with nothing in the outputs to rely on, unless all are C-contiguous float64 arrays of as many
@@ -79,7 +80,7 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     given = len(inputs) - len(last)
     shapes, n = (*inputs[:given], *outputs), len(arrays[-1])
     if len(arrays) != len(shapes) or not all(
-        _plain(x) and len(x) == n and x.size == n * math.prod(shape)
+        _plain(x, rows=True) and len(x) == n and x.size == n * math.prod(shape)
         for x, shape in zip(arrays, shapes, strict=True)
     ):
         return False
@@ -135,10 +136,12 @@ def is_state(nq: int, nv: int, *state: Any) -> bool:
     return all(map(_clean, state, [(nq,)] + [(nv,)] * len(state)))
 
 
-def _plain(x: Any) -> bool:
+def _plain(x: Any, rows: bool = False) -> bool:
     if type(x) is not np.ndarray or x.dtype != np.float64:
         return False
-    return x.flags.c_contiguous and x.flags.aligned
+    if rows and x.ndim == 2 and x.strides[0] == 0:
+        x = x[:1]
+    return bool(x.flags.c_contiguous and x.flags.aligned)
 
 
 def _clean(x: Any, shape: tuple[int, ...]) -> bool:

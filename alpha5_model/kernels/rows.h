@@ -106,15 +106,23 @@ static int row(const Kernel *kernel, const double *k, const double *const *in, d
 #if WIDEST >= 2
 typedef double Columns[PANEL] __attribute__((aligned(64)));
 
-/* PANEL rows by a level. */
-static int panel(const Kernel *kernel, int at, const double *k, const double *const *in, double *const *out)
+/* PANEL rows by a level; an input that steps by 0 is one row for all. */
+static int panel(const Kernel *kernel, int at, const double *k, const double *const *in, const ptrdiff_t *step,
+                 double *const *out)
 {
     Columns x[MOST_INPUTS], y[MOST_OUTPUTS];
     const Level *by = &levels[at];
     const Slot *slot = kernel->slots;
     int good = 1, inputs = 0, outputs = 0;
-    for (int i = 0; i < kernel->inputs; inputs += slot++->size)
-        good &= by->to_columns(in[i++], slot->size, x[inputs]);
+    for (int i = 0; i < kernel->inputs; inputs += slot++->size, i++) {
+        if (step[i] > 0) {
+            good &= by->to_columns(in[i], slot->size, x[inputs]);
+            continue;
+        }
+        good &= clean(in[i], slot->size);
+        for (int j = 0; j < slot->size * PANEL; j++)
+            x[inputs + j / PANEL][j % PANEL] = in[i][j / PANEL];
+    }
     if (!good)
         return 0;
     for (int i = 0; i < kernel->outputs; i++)
@@ -138,15 +146,16 @@ static int panel(const Kernel *kernel, int at, const double *k, const double *co
 }
 #endif
 
-/* n rows of each input and output. */
-static int rows(const Kernel *kernel, const double *k, const double **in, double **out, ptrdiff_t n)
+/* n rows of each input, which steps by its size or by 0, and output. */
+static int rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
+                ptrdiff_t n)
 {
-    const Slot *slots = kernel->slots, *results = slots + kernel->inputs;
+    const Slot *results = kernel->slots + kernel->inputs;
     while (n > 0) {
         ptrdiff_t done = 1;
 #if WIDEST >= 2
         if (level > 0 && n >= PANEL) {
-            if (!panel(kernel, level, k, in, out))
+            if (!panel(kernel, level, k, in, step, out))
                 return 0;
             done = PANEL;
         } else
@@ -159,7 +168,7 @@ static int rows(const Kernel *kernel, const double *k, const double **in, double
                 memcpy(out[i], end, results[i].size * sizeof(double));
         }
         for (int i = 0; i < kernel->inputs; i++)
-            in[i] += done * slots[i].size;
+            in[i] += done * step[i];
         for (int i = 0; i < kernel->outputs; i++)
             out[i] += done * results[i].size;
         n -= done;
