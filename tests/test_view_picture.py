@@ -203,6 +203,49 @@ def test_every_group_changes_the_picture(arm: a5.Arm) -> None:
         assert (np.abs(shown - plain).max(axis=2) > 8).sum() > 60, group
 
 
+def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> None:
+    """100 mm, and 5 N at 15 mm/N, in the lower left corner, by similar triangles."""
+    scale = SIZE[1] / 2 / math.tan(math.radians(15)) / 1.6
+    plain = pixels_of(arm, POSE, ("bodies",), SIDE)
+    shown = pixels_of(arm, POSE, ("bodies", "labels", "weight"), SIDE)
+    corner = (np.abs(shown - plain).max(axis=2) > 60)[-45:, : SIZE[0] // 3]
+    lengths = []
+    for row in corner:
+        edges = np.diff(np.flatnonzero(np.diff(np.pad(row, 1).astype(int))).reshape(-1, 2)).ravel()
+        lengths += [length for length in edges if length > 15]
+    assert min(lengths) == pytest.approx(5 * 0.015 * scale + 2, abs=1.5)
+    assert max(lengths) == pytest.approx(0.1 * scale + 2, abs=1.5), "and its two ends"
+
+
+def test_a_motion_stays_in_its_video(
+    tmp_path: Path, arm: a5.Arm, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "motion.csv"
+    names = ",".join(arm.joint_names)
+    rows = [f"{t:g},{0.3 + 2 * t},1.2,2.2,1.5,0.0013" for t in np.arange(0, 1.21, 0.1)]
+    path.write_text("\n".join([f"time,{names}", *rows]))
+    made = ["view", "--motion", str(path), "--show", "bodies", "--size", "160x100"]
+    assert main([*made, "--video", str(tmp_path / "arm.gif")]) == 0
+    assert "arm.gif" in capsys.readouterr().out
+    with Image.open(tmp_path / "arm.gif") as video:
+        assert video.n_frames == 31, "1.2 s, 25 a second, both ends"
+        frames = []
+        for k in range(video.n_frames):
+            video.seek(k)
+            frames.append(dark(np.asarray(video.convert("RGB")).astype(int)))
+    for frame in frames:
+        rows, columns = np.nonzero(frame)
+        assert rows.min() > 0
+        assert rows.max() < 99
+        assert columns.min() > 0
+        assert columns.max() < 159
+    assert (frames[0] != frames[-1]).sum() > 100
+    assert main(["view", "--video", str(tmp_path / "arm.gif")]) == 2
+    assert "--motion" in capsys.readouterr().err
+    assert main([*made, "--video", str(tmp_path / "arm.avi")]) == 2
+    assert ".mp4, .gif" in capsys.readouterr().err
+
+
 def test_png(arm: a5.Arm) -> None:
     scene = build_scene(arm)
     data = picture_png(scene, (320, 200))

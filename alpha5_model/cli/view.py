@@ -9,16 +9,20 @@ import threading
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+from rich.console import Console
+from rich.progress import track as progress
 from typer import Option, echo
 
 from alpha5_model.cli import options
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
-from alpha5_model.view.arm_poses import pose_of
+from alpha5_model.view.arm_poses import pose_of, posed, resampled, with_base
 from alpha5_model.view.build import build_scene
 from alpha5_model.view.page import static_page
-from alpha5_model.view.picture import picture_png
+from alpha5_model.view.picture import VIDEO_FORMATS, picture, picture_png
+from alpha5_model.view.picture import video as video_file
 from alpha5_model.view.scene import check_size, framed
 
 _GROUPS = (
@@ -26,6 +30,8 @@ _GROUPS = (
     "buoyancy, workspace, surface, ghosts, collision, current."
 )
 _CURRENT = "Velocity of the water (m/s): an arrow, and its estimated load in the torques."
+#: Frames per second of a video.
+_FPS = 25.0
 
 
 def view(
@@ -38,18 +44,26 @@ def view(
     current: Annotated[str | None, Option(help=_CURRENT)] = None,
     html: Annotated[Path | None, Option(help="Write a page that works from disk.")] = None,
     image: Annotated[Path | None, Option(help="Draw a PNG without a screen.")] = None,
-    size: Annotated[str, Option(help="Pixels of the PNG.")] = "1600x1000",
+    video: Annotated[Path | None, Option(help="Write the motion as .mp4 or .gif.")] = None,
+    size: Annotated[str, Option(help="Pixels of PNG and video.")] = "1600x1000",
     port: Annotated[int, Option(help="Of the live viewer; 0 for a free one.")] = 0,
     serve: Annotated[bool, Option("--serve", help="Do not open a browser.")] = False,
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
-    With --html or --image it writes these and ends; else it serves the live viewer.
+    With --html, --image or --video it writes these and ends; else it serves the live viewer.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     pixels = _size(size)
-    check_outputs([motion], html=(html, (".html", ".htm")), image=(image, (".png",)))
+    check_outputs(
+        [motion],
+        html=(html, (".html", ".htm")),
+        image=(image, (".png",)),
+        video=(video, VIDEO_FORMATS),
+    )
+    if video is not None and motion is None:
+        raise InputError("video", str(video), "a --motion to show in it")
 
     arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
     if pose.endswith(("deg", "mm")):
@@ -62,18 +76,27 @@ def view(
         show=None if show is None else options.names(show),
         current=options.current_vector(current),
     )
-    if html is None and image is None and not serve and not _has_display():
+    if not (html or image or video or serve or _has_display()):
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         raise NoDisplayError(remedy)
+    played = scene.motion
+    track = np.array([with_base(arm, q) for q in played.q]) if played else np.zeros((0, 4))
+    along = [posed(scene, arm, q).poses for q in track[:: 1 + len(track) // 24]]
+    seen = framed(scene, pixels, along)
     files: dict[Path, str | bytes] = {}
     if html is not None:
         files[html] = static_page(scene)
     if image is not None:
-        files[image] = picture_png(framed(scene, pixels), pixels)
-    if files:
-        atomic_write_all(files)
-        with options.messages_beside(*files):
-            options.print_written(*files)
+        files[image] = picture_png(seen, pixels)
+    atomic_write_all(files)
+    if video is not None and played is not None:
+        with video_file(video, _FPS) as (rate, add):
+            shown = list(resampled(arm, played.time, track, rate))
+            for q in progress(shown, "drawing", console=Console(stderr=True), transient=True):
+                add(picture(posed(seen, arm, q), pixels))
+    if written := [path for path in (*files, video) if path is not None]:
+        with options.messages_beside(*written):
+            options.print_written(*written)
         return
     from alpha5_model.view.visualizer import ArmVisualizer
 

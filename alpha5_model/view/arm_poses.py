@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array
@@ -63,6 +64,16 @@ def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
     """A scene with its arm at joint positions q (nq,)."""
     joints = q[len(q) - len(scene.sliders) :]
     return replace(scene, q=joints, poses=link_poses(arm, scene.tree, q))
+
+
+def resampled(arm: Arm, time: FloatArray, q: FloatArray, rate: float) -> Iterator[FloatArray]:
+    """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
+    at = time[0] + np.arange(0.0, time[-1] - time[0] + 0.999 / rate, 1.0 / rate)
+    first = np.searchsorted(time, at, side="right") - 1
+    after = np.minimum(first + 1, len(time) - 1)
+    share = np.minimum((at - time[first]) / np.maximum(time[after] - time[first], 1e-12), 1.0)
+    for i, k, part in zip(first, after, share, strict=True):
+        yield pin.interpolate(arm.model, q[i], q[k], float(part))
 
 
 def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:

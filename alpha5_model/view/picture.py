@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model.checks import FloatArray, real
 from alpha5_model.errors import InputError, MissingDependencyError
 from alpha5_model.files import PathLike, atomic_write, output_format
-from alpha5_model.view.scene import SEE_THROUGH, Camera, Scene, Shape, check_size
+from alpha5_model.view.scene import ARROWS, SEE_THROUGH, Camera, Scene, Shape, check_size
 from alpha5_model.view.shapes import Mesh
 
 VIDEO_FORMATS = (".mp4", ".gif")
@@ -28,6 +28,7 @@ Pixels = NDArray[np.uint8]
 _FINER = 2
 #: Pixels processed at once.
 _BLOCK = 1 << 21
+_INK = (38, 43, 51)
 #: Least distance from an edge that counts, in pixels.
 _EDGE = 1e-7
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
@@ -101,13 +102,6 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
         atomic_write(path, whole.read_bytes())
 
 
-def frame_rows(time: FloatArray, fps: float) -> NDArray[np.intp]:
-    """The sample shown at each frame of a video: the last one before it, (N,) from times [s]."""
-    frames = time[0] + np.arange(0.0, time[-1] - time[0] + 1.0 / fps, 1.0 / fps)
-    rows: NDArray[np.intp] = np.searchsorted(time, frames + 1e-9, side="right") - 1
-    return rows
-
-
 def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
     """What is shown, in the world, with its opacity.
 
@@ -152,6 +146,19 @@ def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
         draw.rounded_rectangle(box, radius=4, fill=(255, 255, 255, 205))
         color = tuple(round(255 * c) for c in label.color)
         draw.text((left, top + step / 2 - 1), label.text, fill=color, font=font, anchor="lm")
+    # How long things are, at the distance of the point that is looked at.
+    size = canvas.pixels_per_metre() / _FINER
+    bars = {"100 mm": 0.1}
+    if {"weight", "buoyancy"} & {*scene.show}:
+        bars["force 5 N"] = 5 * ARROWS["force"]
+    if "current" in scene.show:
+        bars["current 1 m/s"] = ARROWS["current"]
+    for row, (text, length) in enumerate(bars.items()):
+        x, y = step, canvas.height / _FINER - step * (len(bars) - row)
+        draw.line((x, y, x + length * size, y), fill=_INK, width=max(2, text_height // 6))
+        for end in (x, x + length * size):
+            draw.line((end, y - step / 4, end, y + step / 4), fill=_INK, width=2)
+        draw.text((x + length * size + step / 2, y), text, fill=_INK, font=font, anchor="lm")
     return np.asarray(image)
 
 
@@ -178,6 +185,10 @@ class Canvas:
         scale = self._focal / ahead
         column, row = self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale
         return np.stack([column, row, ahead], axis=1)
+
+    def pixels_per_metre(self) -> float:
+        """Scale at the distance of the point that the camera looks at."""
+        return float(self._focal / np.linalg.norm(self._camera.eye - self._camera.target))
 
     def clear_depth(self) -> None:
         """Let what follows be drawn over everything so far."""

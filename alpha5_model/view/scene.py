@@ -41,6 +41,8 @@ DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
 SEE_THROUGH = 0.4
 #: The fixed frame at the root of the scene.
 WORLD = "world"
+#: Length of an arrow per force [m/N], and of the current's per speed [s].
+ARROWS = {"force": 0.015, "current": 0.12}
 #: Directions from which the arm is seen, by name; home is the side on which Figure 1 shows it, a little
 #: from above. Exactly from above there would be no telling which way is up.
 VIEWS = {
@@ -273,6 +275,7 @@ def framing(
     show: Collection[str],
     aspect: float = 1.15,
     view: str = "home",
+    also: Iterable[Mapping[str, FloatArray]] = (),
 ) -> Camera:
     """The nearest camera that sees every corner of the bodies and of what is shown.
 
@@ -282,8 +285,10 @@ def framing(
         show: Groups that are shown; the bodies count in any case.
         aspect: Width over height of the part of the frame that may be used.
         view: One of `VIEWS`.
+        also: Poses of the links elsewhere in a motion, to be seen too.
     """
-    seen = [shape.placed(poses) for shape in shapes if shape.group in {"bodies", *show}]
+    drawn = [shape for shape in shapes if shape.group in {"bodies", *show}]
+    seen = [shape.placed(at) for at in (poses, *also) for shape in drawn]
     points = np.concatenate([mesh.vertices for mesh in seen])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
@@ -311,8 +316,11 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     return size
 
 
-def framed(scene: Scene, size: tuple[int, int]) -> Scene:
-    """A scene whose camera fits a picture of this size."""
+def framed(
+    scene: Scene, size: tuple[int, int], also: Iterable[Mapping[str, FloatArray]] = ()
+) -> Scene:
+    """A scene whose camera fits a picture of this size, and what it shows at other poses too."""
     check_size(size)
-    camera = framing(scene.shapes, scene.poses, scene.show, 0.95 * size[0] / size[1])
+    aspect = 0.95 * size[0] / size[1]
+    camera = framing(scene.shapes, scene.poses, scene.show, aspect, also=also)
     return replace(scene, camera=camera)

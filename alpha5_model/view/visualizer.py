@@ -41,8 +41,8 @@ from alpha5_model.checks import FloatArray, choice, float_array, real, shaped
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
 from alpha5_model.files import PathLike
 from alpha5_model.view import page
-from alpha5_model.view.arm_poses import posed
-from alpha5_model.view.picture import Pixels, frame_rows, picture, video
+from alpha5_model.view.arm_poses import posed, resampled
+from alpha5_model.view.picture import Pixels, picture, video
 from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framing
 
 if TYPE_CHECKING:
@@ -300,9 +300,10 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         start, row = time.perf_counter(), -1
         if self._video is not None:
             fps, size, add = self._video
-            for row in frame_rows(np.arange(float(len(track))) * step, fps):
-                self.display(track[row])
+            for position in resampled(self.arm, np.arange(float(len(track))) * step, track, fps):
+                self.display(position)
                 add(self.captureImage(*size))
+            return time.perf_counter() - start
         while row < len(track) - 1:
             passed = time.perf_counter() - start
             due = min(int(passed / step), len(track) - 1)
