@@ -18,7 +18,7 @@ from alpha5_model import __version__
 from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error
 
-#: Command -> module of this package with a function of that name, in the order of ``alpha5 --help``.
+#: Command -> module of this package with its function, in the order of ``alpha5 --help``.
 COMMANDS: dict[str, str] = {
     **{"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"},
     **{"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"},
@@ -63,9 +63,8 @@ def application(*commands: str) -> typer.Typer:
 
 
 def _loaded(name: str) -> Callable[..., Any]:
-    function: Callable[..., Any] = getattr(
-        import_module(f"alpha5_model.cli.{COMMANDS[name]}"), name
-    )
+    module = import_module(f"alpha5_model.cli.{COMMANDS[name]}")
+    function: Callable[..., Any] = getattr(module, name)
     return function
 
 
@@ -125,10 +124,6 @@ def run() -> None:
 
 def _complain(message: str) -> int:
     # A file name may hold bytes that are not UTF-8, which stderr may refuse.
-    line = (
-        " ".join("; ".join([message, *hints[:1]]).split())
-        .encode(errors="backslashreplace")
-        .decode()
-    )
-    print(f"alpha5: {line}", file=sys.stderr)
+    line = " ".join("; ".join([message, *hints[:1]]).split())
+    print("alpha5:", line.encode(errors="backslashreplace").decode(), file=sys.stderr)
     return 2

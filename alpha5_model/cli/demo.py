@@ -63,11 +63,8 @@ def _describe(output: Path) -> bool:
             if row.verdict == "failed":
                 say(f"     {row.check}: {row.finding}")
             if row.measured is not None:
-                say(
-                    f"     {row.check}: off by {row.measured:.1e} {row.unit} at most".replace(
-                        "  ", " "
-                    )
-                )
+                off = f"{row.measured:.1e} {row.unit}".rstrip()
+                say(f"     {row.check}: off by {off} at most")
         failed += count["FAILED"]
     return not failed
 

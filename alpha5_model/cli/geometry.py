@@ -26,6 +26,7 @@ from alpha5_model.view.workspace_plot import figure, self_collision_figure
 _COLLISION = "Also what is reached in self-collision only; --plot draws it."
 _POSITION = "Joint position (rad or m); the drawn one if left out."
 _LIMITS = "'LOWER UPPER' (rad or m) or none, once per joint in order."
+_NO_MAP = "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
 _LINK = "'THETA D A ALPHA SIGMA'"
 
 
@@ -144,7 +145,8 @@ def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
     yield f"general tasks: {answer[task['general']]}, {task['general_reason']}"
     insertion = task["vertical_insertion"]
     yield f"vertical insertion: {answer[insertion]}, {task['insertion_reason']}"
-    yield f"\nframes at q = ({', '.join(f'{x:.6g}' for x in record['q'])}): axes x, y, z and origin (m)"
+    at = ", ".join(f"{x:.6g}" for x in record["q"])
+    yield f"\nframes at q = ({at}): axes x, y, z and origin (m)"
     yield from table(
         ["" if i else name, *(f"{x:z.6f}" for x in row)]
         for name, matrix in record["frames"].items()
@@ -206,14 +208,10 @@ def _answers(result: dict[str, Any]) -> Lines:
     yield f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     text = "empty"
     if dexterous is None:
-        text = (
-            "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
-        )
+        text = _NO_MAP
     elif grid := dexterous["resolution"]:
-        text = (
-            f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m and "
-            f"with {grid['orientations']} orientations"
-        )
+        text = f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m"
+        text += f" and with {grid['orientations']} orientations"
     elif dexterous["radii"]:
         spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
         text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"

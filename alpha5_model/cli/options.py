@@ -1,4 +1,4 @@
-"""Options that several commands share, how numbers and vectors are read, and how results are printed."""
+"""Options that commands share, how numbers are read, and how results are printed."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ Gripper = Annotated[str, Option(help="locked (4 joints) or jaws (adds the jaw ro
 Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")]
 _PAYLOAD = "At the tcp: mass (kg); behind it, if wanted, its COM (x y z, m), and its volume (m^3)."
 Payload = Annotated[str | None, Option(help=_PAYLOAD)]
-_CURRENT = "Velocity of the water in base_link (x y z, m/s): adds drag and added mass, which are estimated, not published."
+_CURRENT = (
+    "Of the water in base_link (x y z, m/s): adds drag and added mass, estimated, not published."
+)
 Current = Annotated[str | None, Option(help=_CURRENT)]
 _CONSTANTS = (
-    "Table 4's K_t and K_v of one motor should agree and do not (`alpha5 trajectory` shows their "
-    "ratios). printed: K_t for torque, K_v for voltage, powers do not balance; torque: K_t for "
-    "both; voltage: K_v for both."
+    "Of motors, which contradict each other: printed, torque (K_t for both) or voltage (K_v)."
 )
 Constants = Annotated[str, Option(help=_CONSTANTS)]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
@@ -55,10 +55,9 @@ _NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:{'|'.join(_UNIT
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
 #: Options with vectors -> how many numbers they take at most; those with 0 take whatever stands
 #: before the next option, since their commands have no arguments.
-_VECTORS = {"--link": 5, "--limits": 2, "-l": 2} | dict.fromkeys(
-    ("--gravity", "--current", "--mount", "--payload"), 9
-)
-_VECTORS |= dict.fromkeys(("--q", "--v", "--a", "--xyz", "--rpy", "--target", "--pose"), 0)
+_VECTORS = {"--link": 5, "--limits": 2, "-l": 2, "--gravity": 9, "--current": 9, "--mount": 9}
+_VECTORS |= {"--payload": 9, "--q": 0, "--v": 0, "--a": 0, "--xyz": 0, "--rpy": 0}
+_VECTORS |= {"--target": 0, "--pose": 0}
 _COLOURS = {"agrees": "green", "passed": "green", "differs": "yellow", "not run": "yellow"}
 _COLOURS |= {"impossible": "red", "failed": "red", "✗": "red", "·": "yellow"}
 _FIRST = re.compile(rf"( *)({'|'.join(_COLOURS)})(?= )")
@@ -159,21 +158,17 @@ def gravity_vector(text: str) -> list[float]:
     return numbers("gravity", text, (3,), "m/s^2", most=1e4)
 
 
-def metres(text: Any) -> float:
+def metres(text: Any, unit: str = "m") -> float:
     """A length as the parser of one argument."""
-    return _scalar(text, "m")
-
-
-def radians(text: Any) -> float:
-    """An angle as the parser of one argument or option."""
-    return _scalar(text, "rad")
-
-
-def _scalar(text: Any, unit: str) -> float:
     try:
         return numbers("", str(text), (1,), unit)[0]
     except InputError as error:
         raise BadParameter(f"expected {error.expected}, got {text!r}") from None
+
+
+def radians(text: Any) -> float:
+    """An angle as the parser of one argument or option."""
+    return metres(text, "rad")
 
 
 def fluid_density(text: str) -> float:

@@ -1,4 +1,4 @@
-"""``alpha5 check`` and ``compare``: documents, generated files and other models held to one another."""
+"""``alpha5 check`` and ``compare``: documents, files and other models held to one another."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ def check(
     """Check the manufacturer's document against itself and the generated files against it.
 
     Where the document differs from itself that is a finding: the exit status is 1 only if a
-    generated file (or the one given) fails. --verbose also shows what agrees, and the claims' words.
+    generated file (or the one given) fails. --verbose also shows what agrees, and the claims'
+    words.
 
     Example: alpha5 check --urdf my_arm.urdf
     """
@@ -82,11 +83,8 @@ def _report(document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: b
             if verbose or row.verdict != "passed"
         ]
         yield from table(cells, "<", 4, width()) if cells else ()
-    yield from (
-        ()
-        if verbose
-        else ["\n--verbose adds the rows in agreement, the claims' words and all reasons"]
-    )
+    if not verbose:
+        yield "\n--verbose adds the rows in agreement, the claims' words and all reasons"
 
 
 def alike(rows: Iterable[AuditRow]) -> Iterable[Sequence[AuditRow]]:
@@ -95,7 +93,11 @@ def alike(rows: Iterable[AuditRow]) -> Iterable[Sequence[AuditRow]]:
 
 
 def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
-    """What was measured and where, of rows that read the same; also what is claimed there, and why it differs."""
+    """What was measured and where, of rows that read the same.
+
+    Args:
+        verbose: Also what is claimed there, and why it differs.
+    """
     row = rows[0]
     # the common beginning of the places, comma by comma
     parts = zip(*(r.place.split(", ") for r in rows), strict=False)
@@ -167,14 +169,12 @@ def compare(
     """
     check_outputs([other], plot=(plot, FORMATS))
     with spinner("comparing"):
-        comparison = run(
-            other,
+        pairs, folders = (
             _pairs("map", joints.split(","), "="),
-            samples,
-            base,
             _pairs("package", package or [], "="),
-            _pairs("arg", arg or [], ":="),
         )
+        words = _pairs("arg", arg or [], ":=")
+        comparison = run(other, pairs, samples, base, folders, words)
     if not comparison.joints:
         plot = None  # another arm has no errors to draw
     if plot is not None:

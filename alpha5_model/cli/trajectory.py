@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -57,8 +57,9 @@ def trajectory(
 
     Recorded efforts are compared with the torques. The table (--output) has every quantity over
     time. Planned motions without noise need no smoothing but interpolate; velocities are those
-    of the file if it has any (auto), or the slope of its positions. With --supply-voltage and --current-limit
-    the answer says what is left to the motors' limits, with --screw-lead the jaw rod's current.
+    of the file if it has any (auto), or the slope of its positions. With --supply-voltage and
+    --current-limit the answer says what is left to the motors' limits, with --screw-lead the jaw
+    rod's current.
 
     Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
     """
@@ -84,19 +85,11 @@ def trajectory(
             if gripper != "jaws":
                 expected = "no value: the jaw rod is not part of the motion"
                 raise InputError("screw-lead", screw_lead, expected)
-        analysis = library.analyse(
-            motion,
-            options.arm_in(fluid, gravity, gripper, mount, payload),
-            method=smoothing,
-            bandwidth=bandwidth,
-            use_velocity=use_velocity,
-            constants=constants,
-            actuators=motors,
-            supply_voltage=supply_voltage,
-            current_limit=current_limit,
-            progress=progress,
-            current=flow,
-        )
+        arm = options.arm_in(fluid, gravity, gripper, mount, payload)
+        how: dict[str, Any] = {"method": smoothing, "bandwidth": bandwidth}
+        how |= {"use_velocity": use_velocity, "constants": constants, "actuators": motors}
+        how |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
+        analysis = library.analyse(motion, arm, progress=progress, current=flow, **how)
         summary = library.summary(analysis)
         if output is not None:
             library.write(analysis, output, progress)

@@ -635,11 +635,8 @@ class Arm:
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"
-        held = (
-            f", {frame.name} {frame.inertia.mass:g} kg"
-            for frame in self._model.frames
-            if frame.name.startswith("payload")
-        )
+        bodies = (f for f in self._model.frames if f.name.startswith("payload"))
+        held = (f", {f.name} {f.inertia.mass:g} kg" for f in bodies)
         return (
             f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
             f"fluid {self.fluid_density:g} kg/m^3{''.join(held)})"

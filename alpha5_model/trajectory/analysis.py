@@ -172,18 +172,10 @@ def analyse(
         out["base_wrench"] += moving.wrench[:, 1]
     out["mechanical_power"] = out["torque"] * s.velocity
     by_motor, limits = _motor_side(motors, s, out["torque"], drive)
-    return Analysis(
-        motion=motion,
-        smooth=s,
-        actuators=motors,
-        arm=arm,
-        **{name: frozen(column) for name, column in (out | by_motor).items()},
-        torque_limits=limits,
-        supply_voltage=supply_voltage,
-        current_limit=current_limit,
-        warnings=motion.warnings + _velocity_warnings(motion),
-        moving_water=moving,
-    )
+    columns: dict[str, Any] = {name: frozen(x) for name, x in (out | by_motor).items()}
+    columns |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
+    columns["warnings"] = motion.warnings + _velocity_warnings(motion)
+    return Analysis(motion, s, motors, arm, **columns, torque_limits=limits, moving_water=moving)
 
 
 def _for_arm(motion: Motion, arm: Arm) -> Motion:

@@ -24,6 +24,7 @@ _CHUNK = 10_000
 _SOON = 10**11
 #: Publisher, time of recording and stamp [ns], message.
 _Received = tuple[str, int, int, Any]
+_Streams = dict[str, list[_Received]]
 
 
 def is_bag(path: Any) -> bool:
@@ -69,25 +70,25 @@ def bag_table(
     whole = np.isfinite(table[:, 0]).all(axis=1)
     holes, numbers, table = numbers[~whole], numbers[whole], table[whole]
     slow = numbers[~np.isfinite(table[:, 1]).all(axis=1)]
-    lacking = f"no position of each of {', '.join(wanted)}"
-    found: tuple[tuple[str, Any, str], ...] = (
-        ("missing_joints", partial, f"{lacking}, message left out"),
-        ("not_finite", holes, "positions that are not finite, message left out"),
-        ("no_stamp", unstamped, "no stamp; all times are those of recording"),
-        ("out_of_order", back, "time runs back, messages sorted"),
-        ("publishers", [*publishers.values()][1:], f"publishers: {', '.join(sorted(publishers))}"),
-        ("velocity", slow if slow.size < numbers.size else [], "no velocities, so none is used"),
-    )
+    warnings: list[MotionWarning] = []
+
+    def warn(kind: str, at: Any, text: str) -> None:
+        if len(at):
+            warnings.append(MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text))
+
+    warn("missing_joints", partial, f"no position of each of {', '.join(wanted)}, message left out")
+    warn("not_finite", holes, "positions that are not finite, message left out")
+    warn("no_stamp", unstamped, "no stamp; all times are those of recording")
+    warn("out_of_order", back, "time runs back, messages sorted")
+    others = [*publishers.values()][1:]
+    warn("publishers", others, f"publishers: {', '.join(sorted(publishers))}")
+    if slow.size < numbers.size:
+        warn("velocity", slow, "no velocities, so none is used")
     kinds = {"": 0, "_effort": 2} if slow.size else {"": 0, "_vel": 1, "_effort": 2}
     header = ["time", *(name + kind for kind in kinds for name in wanted)]
     time = seconds(ns[whole].tolist(), 10**9)
     columns = np.column_stack([time, *(table[:, k] for k in kinds.values())])
-    warnings = (
-        MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
-        for kind, at, text in found
-        if len(at)
-    )
-    others = {name for *_, m in streams[topic] for name in m.name} - {*wanted}
+    unused = {name for *_, m in streams[topic] for name in m.name} - {*wanted}
 
     def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, str]:
         return columns[:, [*needed, *efforts]], "s"
@@ -95,12 +96,10 @@ def bag_table(
     def place(row: int, column: int) -> str:
         return f"message {numbers[row]} of {topic}" + (f" ({header[column]})" if column else "")
 
-    return Table(header, read, place, "", tuple(warnings), tuple(sorted(others))), before
+    return Table(header, read, place, "", tuple(warnings), tuple(sorted(unused))), before
 
 
-def _streams(
-    path: PathLike, topic: str | None, progress: Progress | None
-) -> dict[str, list[_Received]]:
+def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _Streams:
     """All joint states of a bag by topic, or those of one topic."""
     try:
         from rosbags import rosbag1, rosbag2
@@ -108,7 +107,7 @@ def _streams(
     except ImportError:
         remedy = "python -m pip install 'alpha5-model[bags]'"
         raise errors.MissingDependencyError("rosbags", f"reading {path}", remedy) from None
-    file, streams = Path(path), dict[str, list[_Received]]()
+    file, streams = Path(path), _Streams()
     if not file.exists():
         raise errors.MissingFileError(path, "a ROS bag")
     first = file.suffix.lower() == ".bag"
@@ -144,10 +143,8 @@ def _streams(
     return streams
 
 
-def _chosen(
-    path: PathLike, streams: dict[str, list[_Received]], asked: str | None
-) -> tuple[str, str, list[str]]:
-    """The only topic that names the arm's joints, their only prefix, and the joints in most messages."""
+def _chosen(path: PathLike, streams: _Streams, asked: str | None) -> tuple[str, str, list[str]]:
+    """The only topic of the arm's joints, their only prefix, and the joints in most messages."""
     named = Counter((topic, tuple(m.name)) for topic, got in streams.items() for *_, m in got)
     found = {
         (*key, before): count

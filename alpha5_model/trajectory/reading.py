@@ -127,17 +127,10 @@ def read_motion(
         effort = np.full_like(position, np.nan)
         effort[:, [bool(names) for names in recorded]] = numbers[:, known:]
         needed += efforts
-    raw = Motion(
-        time / tables.PER_SECOND[unit],
-        joints,
-        position,
-        numbers[:, 1 + n : known] if known > 1 + n else None,
-        warnings=warnings,
-        source=str(path),
-        ignored=(*(name for k, name in enumerate(header) if k not in needed), *table.ignored),
-        time_unit=unit,
-        effort=effort,
-    )
+    ignored = (*(name for k, name in enumerate(header) if k not in needed), *table.ignored)
+    velocity = numbers[:, 1 + n : known] if known > 1 + n else None
+    state = time / tables.PER_SECOND[unit], joints, position, velocity
+    raw = Motion(*state, warnings, str(path), ignored, unit, effort)
     return checked(raw, place, refuse)
 
 

@@ -116,10 +116,8 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     out["beyond_rated_velocity"] = int(np.count_nonzero(speed > joint.velocity))
     over_time = {"velocity": s.velocity, "acceleration": s.acceleration, "torque": a.torque}
     out |= {f"{name}_peak": _peak(table[:, k], s.time) for name, table in over_time.items()}
-    out |= {
-        "smoothing_deviation": float(s.deviation[k]),
-        "torque_rms": _rms(a.torque[:, k], s.time),
-    }
+    out["smoothing_deviation"] = float(s.deviation[k])
+    out["torque_rms"] = _rms(a.torque[:, k], s.time)
     # Against the effort that every public model copies; no rating is published.
     out["torque_margin"] = float(joint.effort - np.abs(a.torque[:, k]).max())
     out["causes_peak"] = {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()}

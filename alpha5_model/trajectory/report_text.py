@@ -26,12 +26,8 @@ def _lines(record: dict[str, Any]) -> Iterator[str]:
     yield f"  model: {model['gripper']} gripper, {fluid}, gravity ({gravity}) m/s^2"
     method = smoothing["method"] + ("" if width is None else f", {width:.3g} Hz (-3 dB)")
     yield f"  smoothing: {method}; derivatives from {smoothing['derivatives_from']}"
-    heads = {
-        "torque": "torque",
-        "current": "A",
-        "by friction's tolerance": "A",
-        "speed": "velocity",
-    }
+    heads = {"torque": "torque", "current": "A", "by friction's tolerance": "A"}
+    heads["speed"] = "velocity"
     yield from _by_joint("peaks", joints, heads, _peaks)
     heads = {"torque": "torque", "current": "A", "speed": "velocity", "range": "position"}
     yield from _by_joint("left to the limits, negative beyond them", joints, heads, _left)
@@ -76,7 +72,7 @@ def _by_joint(
     heads: dict[str, str],
     cells: Callable[[dict[str, Any]], Sequence[str]],
 ) -> Iterator[str]:
-    """A table of joints, the jaw rod under its own units; ``heads`` are column -> unit, or quantity."""
+    """A table of joints, the jaw rod under its units; ``heads`` are column -> unit or quantity."""
     yield f"\n  {title}"
     rows = [["", *heads]]
     for units in (TURNING, SLIDING):

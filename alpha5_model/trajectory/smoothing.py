@@ -226,10 +226,8 @@ def savitzky_golay(
         most = f"a window of at most the motion's {grid.size} samples (it takes {window})"
         raise InputError("bandwidth", bandwidth, most)
     even = _columns(grid, time, signals)
-    value, slope, bend = (
-        _columns(time, grid, savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0))
-        for k in range(3)
-    )
+    by_order = (savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0) for k in range(3))
+    value, slope, bend = (_columns(time, grid, even) for even in by_order)
     return value, slope, bend, reached / dt
 
 

@@ -1,4 +1,4 @@
-"""Tables of joint motion: columns of CSV and Parquet files by their names, read when they are needed."""
+"""Tables of joint motion: columns of CSV and Parquet files, read when they are needed."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ def prefixes(
     joint, there = JOINTS[0], set(names)
     ends = [joint + suffix for suffix in suffixes]
     found = {name.removesuffix(end) for name in names for end in ends if name.endswith(end)}
-    return sorted(
-        before
-        for before in (found if asked is None else {asked})
-        if all(any(before + j + s in there for s in suffixes) for j in JOINTS[:4])
-    )
+
+    def whole(before: str) -> bool:
+        return all(any(before + j + s in there for s in suffixes) for j in JOINTS[:4])
+
+    return sorted(filter(whole, found if asked is None else {asked}))
 
 
 def only(what: str, found: Sequence[str]) -> str:
