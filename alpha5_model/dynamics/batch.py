@@ -192,8 +192,6 @@ def kernel_rows(
     parameters = arm._kernel_parameters if parameters is None else parameters
     if parameters is None:
         return None
-    if name == "forward_kinematics":
-        parameters = np.empty(0)
     states: list[Any] = [*given.values()]
     run = kernels.module().batch
     plain = type(states[0]) is np.ndarray and states[0].ndim == 2

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial, update_wrapper
 from itertools import product
+from struct import pack
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
 
     Args:
         name: Of a kernel.
-        parameters: Its last input, for all rows; empty where it takes none.
+        parameters: Its last input, for all rows; not looked at where it takes none.
         arrays: The other inputs, then the outputs, one state in each row; inputs may be repeated by
             `numpy.broadcast_to`.
 
@@ -76,7 +77,7 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
         rows of the right size, and the entries of the inputs can be computed with.
     """
     formula, inputs, outputs = _KERNELS[name]
-    last = ([np.array(x) for x in parameters],) if len(parameters) else ()
+    last = ([np.array(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
     given = len(inputs) - len(last)
     shapes, n = (*inputs[:given], *outputs), len(arrays[-1])
     if len(arrays) != len(shapes) or not all(
@@ -125,8 +126,8 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
     if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
         return None
     q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
-    angles, target = np.array(q).reshape(4, 4), np.array(x)
-    angles.flags.writeable = target.flags.writeable = False
+    # Arrays of bytes are read-only.
+    angles, target = np.ndarray((4, 4), float, pack("16d", *q)), np.frombuffer(pack("3d", *x))
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
     return tuple.__new__(kind, answer)
 
