@@ -38,7 +38,6 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "jaws",
         "hydrodynamics",
         "base_parameters",
-        "water_parameters",
     ),
     ("planar", "actuators", "meshing"),
     ("dh",),

@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
+from alpha5_model.base_parameters import water_parameters
 from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree, JointWater
@@ -23,7 +24,6 @@ from alpha5_model.dynamics.states import forces, rows, vector
 from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
-from alpha5_model.water_parameters import water_parameters
 
 #: One state in each row, or one for all.
 Rows = ArrayLike

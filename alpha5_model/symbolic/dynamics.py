@@ -20,9 +20,8 @@ import casadi
 import numpy as np
 from casadi import SX, cross, horzcat, vertcat, vertsplit
 
-from alpha5_model.base_parameters import BASE_PARAMETERS
+from alpha5_model.base_parameters import BASE_PARAMETERS, STRIPS, WATER_PARAMETERS
 from alpha5_model.parameters import parameters
-from alpha5_model.water_parameters import STRIPS, WATER_PARAMETERS
 
 JOINTS = 4
 #: Gauss's points on a strip, as many as `alpha5_model.hydrodynamics.gauss_points`.
