@@ -27,14 +27,15 @@ def solve_batch(
     """
     lead, run = position.shape[:-1], module().batch
     target = np.ascontiguousarray(position.reshape(-1, 3))
-    theta_3 = np.broadcast_to(wrist, lead if wrist.ndim else ()).reshape(-1)
+    theta_3 = np.broadcast_to(wrist, lead if wrist.ndim else len(target))
+    if wrist.ndim:
+        theta_3 = np.ascontiguousarray(theta_3).reshape(-1)
     n, block = len(target), min(len(target), BLOCK) or 1
     q = np.empty((n if angles else block, 4, 4))
     flags = [np.empty((n, size), np.bool_) for size in (4, 4, 1)]
     for start in range(0, n, block):
         rows = target[start : start + block]
-        turn = np.broadcast_to(theta_3[start : start + block] if wrist.ndim else wrist, len(rows))
-        given = rows, np.ascontiguousarray(turn)
+        given = rows, theta_3[start : start + block]
         numbers = [np.empty((len(rows), flag.shape[1])) for flag in flags]
         out = q[start : start + block] if angles else q[: len(rows)], *numbers
         if not run("inverse_kinematics", np.empty(0), *given, *out):
