@@ -11,7 +11,7 @@ import alpha5_model as a5
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.inertia import flip_products, second_moments
 from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.view.figures import Color, new_figure, style
+from alpha5_model.view.figures import Color, new_figure, number, style
 from alpha5_model.view.planar_plot import new_axes, plot_planar
 from alpha5_model.view.shapes import read_obj
 
@@ -60,8 +60,8 @@ def _label(axes: Any, text: str, at: Any, shift: tuple[int, int], **look: Any) -
     axes.annotate(text, at, shift, textcoords="offset points", **given)
 
 
-def _look(axes: Any, x: tuple[float, float], z: tuple[float, float], name: str = "z (mm)") -> None:
-    axes.set(aspect="equal", xlim=x, ylim=z, xlabel="x (mm)", ylabel=name)
+def _look(axes: Any, x: tuple[float, float], z: tuple[float, float], name: str = "z [mm]") -> None:
+    axes.set(aspect="equal", xlim=x, ylim=z, xlabel="x [mm]", ylabel=name)
 
 
 @style()
@@ -92,7 +92,7 @@ def frames_figure() -> Any:
         at, along = poses[link].translation[[0, 2]] * 1e3, poses[link].rotation[[0, 2], 2]
         axes.plot(*np.array([at + s * along for s in reach]).T, **line)
         _label(axes, f"{joint}: in the plane", at + reach[1] * along, (8, 0), style="italic")
-    for joint, link, shift in (("axis_d", "link_2", (52, 34)), ("axis_c", "link_3", (-62, -30))):
+    for joint, link, shift in (("axis_d", "link_2", (92, 30)), ("axis_c", "link_3", (-84, -26))):
         at = poses[link].translation[[0, 2]] * 1e3
         axes.plot(*at, "o", ms=15, mfc="none", mec=Color.BLACK, mew=0.8, zorder=4)
         _label(axes, f"{joint}: square to it", at, shift, style="italic", ha="center")
@@ -100,7 +100,9 @@ def frames_figure() -> Any:
         axes.plot([], [], color=color, label=text)
     axes.legend(loc="upper left", ncols=3, title="axes that lie in the picture", fontsize=9)
     angles = ", ".join(f"{x:.0f}°" for x in np.degrees(SIDE))
-    axes.set_title(f"q = ({angles}), seen along y")
+    axes.set_title(
+        f"frames at q = ({angles}), seen along y: the arm moves in a plane that axis_e turns"
+    )
     _look(axes, (-150, 330), (-115, 185))
     return page
 
@@ -127,9 +129,9 @@ def products_figure() -> Any:
             axes.plot(*ends.T, color=color, lw=1.0, ls="--", zorder=4)
         axes.plot(*centre * 1e3, "o", color=Color.BLACK, ms=5, zorder=5)
         _label(axes, "COM", centre * 1e3, (8, -10))
-        axes.set_title(f"{title}\nixy = {inertia[0, 1] * 1e6:+.2f} kg mm²")
-        _look(axes, (-45, 65), (-65, 40), "y of link_3 (mm)")
-        axes.set_xlabel("x of link_3 (mm)")
+        axes.set_title(f"{title}\nixy = {number(inertia[0, 1] * 1e6)} kg·mm²")
+        _look(axes, (-45, 65), (-65, 40), "y of link_3 [mm]")
+        axes.set_xlabel("x of link_3 [mm]")
     panels[1].set_ylabel("")
     return page
 
@@ -171,7 +173,11 @@ def buoyancy_figure() -> Any:
     right.invert_yaxis()
     right.axvline(0, color=Color.BLACK, lw=0.8)
     right.legend(fontsize=8, loc="lower right")
-    right.set_title("torque at rest [N m]")
+    held, weight = (
+        np.abs(torque(q)).max() for torque in (arm.hydrostatic_torque, arm.gravity_torque)
+    )
+    right.set_title(f"torque at rest: {number(held)} N·m are left to hold of {number(weight)} N·m")
+    right.set_xlabel("[N·m]")
     return page
 
 
@@ -183,6 +189,8 @@ def branches_figure() -> Any:
     along = target[:2] / np.linalg.norm(target[:2])
     view = np.array([[*along, 0.0], [0.0, 0.0, 1.0]])  # the vertical plane through the target
     found, arm = a5.inverse_kinematics(target), a5.load()
+    ways = f"{found.exists.sum()} ways to one target, {found.within_limits.sum()} within the limits"
+    page.suptitle(ways, fontsize=11)
     for axes, name, q, allowed in zip(
         page.subplots(2, 2).flat, a5.BRANCHES, found.q, found.within_limits, strict=True
     ):
@@ -199,7 +207,7 @@ def branches_figure() -> Any:
         verdict = "within the limits" if allowed else "beyond a joint limit"
         axes.set_title(f"{name}: ({angles})\n{verdict}")
         _look(axes, (-200, 260), (-120, 280))
-        axes.set_xlabel("distance from the yaw axis, towards the target (mm)", fontsize=8)
+        axes.set_xlabel("distance from the yaw axis, towards the target [mm]", fontsize=8)
     return page
 
 

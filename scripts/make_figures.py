@@ -17,6 +17,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from concept_figures import FIGURES
 
 import alpha5_model as a5
@@ -24,7 +25,7 @@ from alpha5_model.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
 from alpha5_model.view import trajectory_plot, workspace_plot
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.figures import Color, new_figure, style
+from alpha5_model.view.figures import Color, new_figure, number, style
 from alpha5_model.view.picture import picture_png
 from alpha5_model.view.scene import framed
 
@@ -90,16 +91,24 @@ def torque_figure() -> bytes | None:
     # The pool is fresh water.
     a = analyse(read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws"))
     figure = new_figure(9.6, 5.2)
-    rows = figure.subplots(2, 1, sharex=True)
+    rows, sizes = figure.subplots(2, 1, sharex=True, sharey=True), []
     for axes, name in zip(rows, ("axis_d", "axis_c"), strict=True):
         k = a.smooth.joints.index(name)
         causes = a.causes()
-        for term in (name for name in trajectory_plot.CAUSES if name in causes):
+        # The first are drawn widest, so that none hides another.
+        drawn = [name for name in trajectory_plot.CAUSES if name in causes]
+        for term, width in zip(drawn, (3.8, 3.2, 2.9, 1.3), strict=True):
             color, values = trajectory_plot.CAUSES[term], causes[term][:, k]
-            axes.plot(a.smooth.time, values, color=color, linewidth=1.2, label=term)
-        axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.6, label="torque")
-        axes.set_ylabel(f"{name} [N m]")
+            axes.plot(a.smooth.time, values, color=color, linewidth=width, label=term)
+        axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
+        axes.set_ylabel(f"{name} [N·m]")
         axes.margins(x=0.01)
+        sizes.append(
+            [np.abs(causes[term][:, k]).max() for term in ("weight", "buoyancy", "inertia")]
+        )
+    weight, lift, inertia = map(number, np.max(sizes, axis=0))
+    most = f"weight up to {weight}, buoyancy {lift}, inertia {inertia} N·m"
+    figure.suptitle(f"Torque over a recorded motion: {most}", fontsize=11)
     rows[0].legend(ncols=5, fontsize=9, loc="lower left", bbox_to_anchor=(0, 1.0))
     rows[-1].set_xlabel(f"time [s]   ({found[0].name}, fresh water)")
     return _png(figure)

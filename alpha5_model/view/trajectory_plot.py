@@ -93,7 +93,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
     causes = a.causes()
-    for width, (cause, color) in zip((3.6, 3.0, 2.4, 1.8, 1.2), CAUSES.items(), strict=True):
+    for width, (cause, color) in zip((3.8, 3.2, 2.9, 1.3, 1.3), CAUSES.items(), strict=True):
         if cause in causes:
             line = {"color": color, "linewidth": width, "label": cause.replace("_", " ")}
             _curve(axes, a, causes[cause][:, k], **line)
