@@ -19,6 +19,8 @@ from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.workspace import SampledShare, sampled_share
 from alpha5_model.text import table
+from alpha5_model.uncertainty import reach, sensitivity
+from alpha5_model.uncertainty.effects import Sensitivity
 from alpha5_model.view.figures import FORMATS, write_figure
 from alpha5_model.view.planar_plot import plot_planar, save
 from alpha5_model.view.workspace_plot import figure, self_collision_figure
@@ -49,17 +51,19 @@ def workspace(
         with spinner("drawing"):
             page = self_collision_figure(samples=samples) if self_collision else figure()
             write_figure(page, plot, dpi=150)
+    farthest = sensitivity(reach)
     record: dict[str, Any] = {} if share is None else {"without_self_collision": share._asdict()}
     record["errors_of_the_published_region"] = asdict(space.published_errors())
     record["cross_section_area"] = {side: space.cross_section_area(side) for side in space.SIDES}
+    record["reach"] = {"value": float(farthest.nominal), "digits": float(farthest.half_width)}
     record["volume"], record["volume_without_limits"] = space.volume(), space.volume(limits=False)
     record["boundary"] = {s: [arc._asdict() for arc in space.boundary(s)] for s in space.SIDES}
     record["published_tori"] = [torus._asdict() for torus in space.published_tori()]
     record["singular_theta_2"] = space.singular_elbow_angles()
-    show(as_json, record, _regions(share), plot)
+    show(as_json, record, _regions(share, farthest), plot)
 
 
-def _regions(share: SampledShare | None) -> Lines:
+def _regions(share: SampledShare | None, farthest: Sensitivity) -> Lines:
     e = space.published_errors()
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
     for name, area, volume in (
@@ -74,6 +78,8 @@ def _regions(share: SampledShare | None) -> Lines:
         f"{e.unreachable_area / e.published_area:.1%} of the published area and "
         f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
     )
+    value, half = 1e3 * farthest.nominal, 1e3 * farthest.half_width
+    yield f"The tcp gets {value:.1f} mm +-{half:.1f} from the shoulder, by the digits of Table 1."
     yield "\nboundary where both poses can turn; R from the axis of axis_e, z above base_link"
     rows = [["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"]]
     rows.append(["", "", "mm", "mm", "mm", "mm"])

@@ -157,6 +157,7 @@ def torque(
 def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
     """The result as it goes to JSON, SI units."""
     from alpha5_model.dynamics.series import torque_terms, water_terms
+    from alpha5_model.uncertainty.effects import torque_margin
 
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
     wrench = arm.base_wrench(q, v, a).vector
@@ -166,6 +167,7 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
         total, wrench = total + water.torque[0, 1], wrench + water.wrench[0, 1]
         load = {"moving_water": dict(zip(LEVELS, map(_wrench, water.wrench[0]), strict=True))}
     joints, beyond = [], _beyond(arm, q)
+    ends = total + torque_margin(arm, q, v, a)
     for i, name in enumerate(arm.joint_names):
         motor, moving = actuator(name, constants), (total[i], v[i])
         flows: dict[str, Any] = {"current": None, "current_range": None}
@@ -176,8 +178,9 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
         state = {"position": q[i], "velocity": v[i], "acceleration": a[i]}
         by_cause = {term: float(getattr(terms, term)[0, i]) for term in TERMS}
         by_cause |= {} if water is None else _share(water.torque[0, :, i])
+        by_cause |= {"torque": float(total[i]), "torque_range": ends[:, i].tolist()}
         flows |= {"within_limits": name not in beyond}
-        joints.append({"joint": name, **state, **by_cause, "torque": float(total[i]), **flows})
+        joints.append({"joint": name, **state, **by_cause, **flows})
     around = {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear.tolist()}
     around |= {} if current is None else {"water_current": list(current)}
     mount = {**_wrench(wrench), **load}
@@ -211,6 +214,8 @@ def _text(result: Any) -> options.Lines:
     gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in result["gravity"])
     yield f"\nfluid {density:g} kg/m^3; {sum_of}{' + water' if water else ''} = torque"
     yield f"gravity ({gravity}) m/s^2 in base_link"
+    halves = (_cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4])
+    yield f"digits of Tables 2 and 3: torques +-({', '.join(halves)}) N m"
     yield "current of a moving joint: with friction and gear loss;"
     yield "                           range: friction's printed tolerance"
     yield "current of a joint at rest: without losses; range: where friction keeps it still"

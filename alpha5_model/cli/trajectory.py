@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 from typer import Argument, Option
@@ -17,6 +18,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.trajectory.report import FORMATS
+from alpha5_model.uncertainty.effects import torque_margin
 from alpha5_model.view import figures, trajectory_plot
 
 _FILE = (
@@ -91,6 +93,12 @@ def trajectory(
         how |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
         analysis = library.analyse(motion, arm, progress=progress, current=flow, **how)
         summary = library.summary(analysis)
+        s = analysis.smooth
+        for k, joint in enumerate(summary["joints"].values()):
+            at = np.abs(analysis.torque[:, k]).argmax()
+            state = (x[at] for x in (s.position, s.velocity, s.acceleration))
+            ends = analysis.torque[at, k] + torque_margin(arm, *state)[:, k]
+            joint["torque_peak"]["interval"] = ends.tolist()
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:

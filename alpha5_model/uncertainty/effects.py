@@ -97,6 +97,21 @@ def torque_bounds(
     return bounds(q, v, a, **{"arm": load(fluid_density), **options}).torque
 
 
+def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatArray:
+    """How far the digits move the torques of any arm on a fixed base, lowest and highest, (2, nv) or (2, N, nv).
+
+    Payload, moving water and the jaws, which are taken out of link 4, are as known.
+    """
+    bare, out = (
+        load(arm.fluid_density, gravity=arm.model.gravity.linear),
+        np.zeros((2, *np.shape(q))),
+    )
+    q, v, a = (np.asarray(x)[..., :4] for x in (q, v, a))
+    nominal = bare.inverse_dynamics_batch(q, v, a)
+    out[..., :4] = np.array(bounds(q, v, a, bare).torque) - nominal.reshape(q.shape)
+    return out
+
+
 def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, ...]) -> Interval:
     """Of quantities that are linear in the base parameters, rows (N, ..., 38): (N, ...), (...) of one state."""
     density, to_links = arm.fluid_density, printed.link_map(alternatives)

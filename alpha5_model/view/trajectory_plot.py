@@ -24,6 +24,8 @@ CAUSES = {
 }
 #: Most points of a curve; longer ones are thinned and keep the extremes of each stretch.
 _POINTS = 4000
+#: Points at which the band of the printed digits is computed, at most.
+_BAND_POINTS = 500
 
 
 @style(
@@ -92,6 +94,8 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
+    from alpha5_model.uncertainty.effects import torque_margin
+
     causes = a.causes()
     for width, (cause, color) in zip((3.8, 3.2, 2.9, 1.3, 1.3), CAUSES.items(), strict=True):
         if cause in causes:
@@ -99,6 +103,10 @@ def _torque(axes: Any, a: Analysis, k: int) -> None:
             _curve(axes, a, causes[cause][:, k], **line)
     if a.moving_water is not None:
         _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
+    s, few = a.smooth, slice(None, None, -(-len(a.smooth.time) // _BAND_POINTS))
+    state = (x[few] for x in (s.position, s.velocity, s.acceleration))
+    low, high = a.torque[few, k] + torque_margin(a.arm, *state)[..., k]
+    axes.fill_between(s.time[few], low, high, color="#999999", linewidth=0, label="printed digits")
     _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
     if a.motion.effort is not None:
         there = np.isfinite(a.motion.effort[:, k])
