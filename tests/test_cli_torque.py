@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from newton_euler import newton_euler
 
+import alpha5_model as a5
 from alpha5_model.cli import main
 
 Q = (3.1, 1.2, 1.8, 0.4)
@@ -51,6 +52,10 @@ def test_json_equals_own_newton_euler(capsys, fluid, density):
     for name, expected in terms.items():
         ours = [joint[name] for joint in result["joints"]]
         assert np.abs(ours - expected[0]).max() < 1e-12
+    ends = a5.uncertainty.torque_bounds(Q, V, A, density)
+    for joint, low, high in zip(result["joints"], *ends, strict=True):
+        assert joint["torque_range"] == pytest.approx([low, high], rel=1e-9, abs=1e-12)
+        assert low < joint["torque"] < high
     assert np.abs(result["mount"]["force"] - force[0]).max() < 1e-12
     assert np.abs(result["mount"]["moment"] - moment[0]).max() < 1e-12
 

@@ -67,6 +67,12 @@ def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFi
         *("--smoothing", "savgol", "--bandwidth", "3", "--constants", "torque"),
         *("--supply-voltage", "18", "--current-limit", "0.5"),
     )
+    # What the printed digits leave of the peaks is the command's to add.
+    state = expected.smooth.position, expected.smooth.velocity, expected.smooth.acceleration
+    bounds = a5.uncertainty.bounds(*state, arm).torque
+    for k, joint in enumerate(got["joints"].values()):
+        ends, at = joint["torque_peak"].pop("interval"), np.abs(expected.torque[:, k]).argmax()
+        assert ends == pytest.approx([end[at, k] for end in bounds], rel=1e-9, abs=1e-12)
     assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
 
 
@@ -75,6 +81,9 @@ def test_defaults_are_those_of_the_library(
 ) -> None:
     expected = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file))
     got = summary_of(capsys, str(motion_file))
+    for joint in got["joints"].values():
+        low, high = joint["torque_peak"].pop("interval")
+        assert low <= joint["torque_peak"]["value"] <= high
     assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
     assert (got["smoothing"]["method"], got["smoothing"]["bandwidth_hz"]) == ("spline", 2.0)
 

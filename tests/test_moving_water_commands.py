@@ -192,7 +192,10 @@ def test_the_plot_shows_the_cause_with_a_band(file):
     assert "moving water" in [text.get_text() for text in figure.legends[0].get_texts()]
     assert "current (0.4, -0.7, 0.3) m/s, its effect estimated" in figure.get_suptitle()
     for k in range(len(a.smooth.joints)):
-        (band,) = figure.axes[3 * k + 1].collections
+        band, digits = figure.axes[3 * k + 1].collections
+        assert digits.get_label() == "printed digits"
+        reach = digits.get_paths()[0].vertices[:, 1]
+        assert reach.min() <= a.torque[0, k] <= reach.max()
         corners = band.get_paths()[0].vertices[:, 1]
         ends = a.moving_water.torque[:, [0, 2], k]
         assert corners.min() == pytest.approx(ends.min())

@@ -20,10 +20,13 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.base_parameters import base_parameters, regrouped
+from alpha5_model.dynamics.hydrostatics import displacements
 from alpha5_model.dynamics.regressor import regressor_rows
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.inertia import pseudo_inertia
+from alpha5_model.jaws import split_link_4
 from alpha5_model.uncertainty import printed
+from alpha5_model.uncertainty.effects import torque_margin
 
 u = a5.uncertainty
 TOML = Path(a5.__file__).with_name("published") / "reach_alpha_mk2_v7.toml"
@@ -332,6 +335,27 @@ def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
     p = replace(u.sample(1, 1, alternatives=other).parameters(0), dh=a5.parameters().dh)
     tau = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
     assert ((tau < ours.torque.lower) | (tau > ours.torque.upper)).any(), "all would be held"
+
+
+def test_margin_of_an_arm_with_jaws() -> None:
+    """Each sample's wrist is what its link 4 leaves beside the fingers, which are not printed."""
+    q, v, a = (np.hstack([x, np.full((4, 1), 0.005)]) for x in states(4, 6))
+    jaws = a5.load(gripper="jaws").with_payload(**PAYLOAD)
+    low, high = jaws.inverse_dynamics_batch(q, v, a) + torque_margin(jaws, q, v, a)
+    drawn = u.sample(30, 14)
+    for k in range(30):
+        p = replace(drawn.parameters(k), dh=a5.parameters().dh)
+        base = a5.load(gripper="jaws")
+        model = base._arguments[0].copy()
+        for link in (*p.links[1:4], split_link_4(p).wrist):
+            joint = model.frames[model.getFrameId(link.name)].parentJoint
+            model.inertias[joint] = pin.Inertia(link.mass, link.com, link.inertia)
+        other = type(base)(model, displacements(model, p, "jaws"), 1025.0, *base._arguments[3:])
+        tau = other.with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
+        assert (low <= tau + 1e-12).all()
+        assert (tau - 1e-12 <= high).all()
+    assert ((high - low)[:, 1] > 1e-3).all()
+    assert np.array_equal(low[:, 4], high[:, 4])
 
 
 def test_bounds_of_one_state_are_those_of_many() -> None:

@@ -79,7 +79,7 @@ def _regions(share: SampledShare | None, farthest: Sensitivity) -> Lines:
         f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
     )
     value, half = 1e3 * farthest.nominal, 1e3 * farthest.half_width
-    yield f"The tcp gets {value:.1f} mm +-{half:.1f} from the shoulder, by the digits of Table 1."
+    yield f"The tcp gets {value:.1f} mm ±{half:.1f} from the shoulder, by the digits of Table 1."
     yield "\nboundary where both poses can turn; R from the axis of axis_e, z above base_link"
     rows = [["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"]]
     rows.append(["", "", "mm", "mm", "mm", "mm"])

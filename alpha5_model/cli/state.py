@@ -215,7 +215,7 @@ def _text(result: Any) -> options.Lines:
     yield f"\nfluid {density:g} kg/m^3; {sum_of}{' + water' if water else ''} = torque"
     yield f"gravity ({gravity}) m/s^2 in base_link"
     halves = (_cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4])
-    yield f"digits of Tables 2 and 3: torques +-({', '.join(halves)}) N m"
+    yield f"digits of Tables 2 and 3: torques ±({', '.join(halves)}) N m"
     yield "current of a moving joint: with friction and gear loss;"
     yield "                           range: friction's printed tolerance"
     yield "current of a joint at rest: without losses; range: where friction keeps it still"

@@ -97,7 +97,7 @@ def trajectory(
         for k, joint in enumerate(summary["joints"].values()):
             at = np.abs(analysis.torque[:, k]).argmax()
             state = (x[at] for x in (s.position, s.velocity, s.acceleration))
-            ends = analysis.torque[at, k] + torque_margin(arm, *state)[:, k]
+            ends = analysis.torque[at, k] + torque_margin(analysis.arm, *state)[:, k]
             joint["torque_peak"]["interval"] = ends.tolist()
         if output is not None:
             library.write(analysis, output, progress)

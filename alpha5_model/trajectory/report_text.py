@@ -30,9 +30,9 @@ def _lines(record: dict[str, Any]) -> Iterator[str]:
     heads["speed"] = "velocity"
     yield from _by_joint("peaks", joints, heads, _peaks)
     if "interval" in joints["axis_d"]["torque_peak"]:
-        ends = (j["torque_peak"]["interval"] for j in [*joints.values()][:4])
-        halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in ends)
-        yield f"  digits of Tables 2, 3: torque peaks +-({halves}) N m"
+        peaks = (j["torque_peak"]["interval"] for j in [*joints.values()][:4])
+        halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in peaks)
+        yield f"  digits of Tables 2, 3: torque peaks ±({halves}) N m"
     heads = {"torque": "torque", "current": "A", "speed": "velocity", "range": "position"}
     yield from _by_joint("left to the limits, negative beyond them", joints, heads, _left)
     causes = next(iter(joints.values()))["causes_peak"]
