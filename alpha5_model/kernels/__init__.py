@@ -27,13 +27,14 @@ def module() -> Any:
     """The module with ``bind(name, parameters)`` and ``batch(name, parameters, *inputs, *outputs)``.
 
     ``bind`` returns a function that keeps the constants of its parameters, takes the kernel's inputs
-    and returns a new array, or a tuple of them where there are several outputs; None, or what a third
-    argument makes of them, if an input is not a C-contiguous float64 array of the right shape with
-    finite numbers of at most `LARGEST`. ``is_state(nq, nv, q, *rates)`` asks just that.
+    and returns a new array, or a tuple of them where there are several outputs. Where an input is not a
+    C-contiguous float64 array of the right shape with finite numbers of at most `LARGEST`, it returns
+    what a third argument makes of them, whose name, signature and documentation it has; None without
+    one. ``is_state(nq, nv, q, *rates)`` asks just that of arrays (nq,), (nv,), ...
 
-    ``batch`` takes arrays with one state in each row and writes the outputs; False, and nothing in
-    them to rely on, in the same cases. Threads that compute at the same time do not wait for each
-    other.
+    ``batch`` takes arrays with one state in each row, inputs also with one row for all by
+    `numpy.broadcast_to`, and writes the outputs; False, and nothing in them to rely on, in the same
+    cases. Threads that compute at the same time do not wait for each other.
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.

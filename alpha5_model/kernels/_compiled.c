@@ -130,6 +130,13 @@ static PyObject *attribute(PyObject *self, PyObject *name)
     return fallback ? PyObject_GetAttr(fallback, name) : PyObject_GenericGetAttr(self, name);
 }
 
+static PyObject *shown(PyObject *self)
+{
+    PyObject *fallback = ((Bound *)self)->fallback;
+    return fallback ? PyObject_Repr(fallback) : PyUnicode_FromFormat("<kernel %s>", ((Bound *)self)->kernel->name);
+}
+
+/* A circle goes through objects that can be cleared: those that own the fallback. */
 static int traverse(PyObject *self, visitproc visit, void *arg)
 {
     Py_VISIT(Py_TYPE(self));
@@ -137,17 +144,11 @@ static int traverse(PyObject *self, visitproc visit, void *arg)
     return 0;
 }
 
-static int clear(PyObject *self)
-{
-    Py_CLEAR(((Bound *)self)->fallback);
-    return 0;
-}
-
 static void release(PyObject *self)
 {
     PyTypeObject *type = Py_TYPE(self);
     PyObject_GC_UnTrack(self);
-    clear(self);
+    Py_XDECREF(((Bound *)self)->fallback);
     PyObject_GC_Del(self);
     Py_DECREF(type);
 }
@@ -157,8 +158,8 @@ static PyMemberDef members[] = {
     {NULL, 0, 0, 0, NULL},
 };
 static PyType_Slot slots[] = {
-    {Py_tp_members, members}, {Py_tp_call, fall_back}, {Py_tp_getattro, attribute}, {Py_tp_traverse, traverse},
-    {Py_tp_clear, clear},     {Py_tp_dealloc, release}, {0, NULL},
+    {Py_tp_members, members},     {Py_tp_call, fall_back},    {Py_tp_getattro, attribute}, {Py_tp_repr, shown},
+    {Py_tp_traverse, traverse}, {Py_tp_dealloc, release}, {0, NULL},
 };
 /* 1 << 11: calls come with an array. Known by this name to the limited API since 3.12 only. */
 static PyType_Spec bound_spec = {
@@ -251,20 +252,11 @@ static PyObject *width(PyObject *module, PyObject *most)
 
 static PyMethodDef methods[] = {
     {"bind", (PyCFunction)(void (*)(void))bind, METH_FASTCALL,
-     "bind(name, parameters=None, fallback=None) -> function of one state that keeps the constants of the parameters.\n\n"
-     "It takes the kernel's inputs and returns a new array, or a tuple of them where the kernel has\n"
-     "several outputs; what fallback makes of the arguments, or None without one, unless they are\n"
-     "C-contiguous float64 arrays of the right shape with finite entries of a size that can be\n"
-     "computed with. Its attributes, name and documentation included, are those of fallback."},
+     "bind(name, parameters=None, fallback=None) -> function of one state: see `alpha5_model.kernels.module`."},
     {"batch", (PyCFunction)(void (*)(void))batch, METH_FASTCALL,
-     "batch(name, parameters, *inputs, *outputs) -> bool\n\n"
-     "Each array holds one state in each row, outputs are written; an input may be one row for all, by\n"
-     "numpy.broadcast_to. False, and nothing in the outputs to rely on, if an array is not C-contiguous\n"
-     "float64 with n rows of the right size, or an entry is not finite or too large. Other threads run\n"
-     "meanwhile."},
+     "batch(name, parameters, *inputs, *outputs) -> whether it was computed: see `alpha5_model.kernels.module`."},
     {"is_state", (PyCFunction)(void (*)(void))is_state, METH_FASTCALL,
-     "is_state(nq, nv, q, *rates) -> whether q is a C-contiguous float64 array (nq,), the others are (nv,),\n"
-     "and all entries are finite and of a size that can be computed with."},
+     "is_state(nq, nv, q, *rates) -> bool: see `alpha5_model.kernels.module`."},
     {"inverse_kinematics", (PyCFunction)(void (*)(void))inverse_kinematics, METH_FASTCALL,
      "inverse_kinematics(kind, position, wrist) -> kind, a named tuple of the five arrays of Solutions.\n\n"
      "None where position is not a float64 array (3,) or a list or tuple of three floats, wrist not a\n"
