@@ -12,7 +12,7 @@ import alpha5_model as a5
 from alpha5_model import planar
 from alpha5_model.dh import arm_types, dexterity, dh_transform, frame_assignment, urdf
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
-from alpha5_model.kinematics import approach
+from alpha5_model.kinematics.ik import pose
 
 space = a5.workspace
 CHAIN = a5.dh.DHChain.alpha5()
@@ -55,7 +55,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (space.singularities, {"q": Q}),
     (space.singularities(Q).near, {"angle": 1e-6, "distance": 1e-6}),
     (space.boundary()[0].points, {"angle": 0.3}),
-    (approach.approach_directions, {"position": P}),
+    (pose.approach_directions, {"position": P}),
     (
         a5.dh.DHChain,
         {"links": (LINK,), "base": POSE, "tool": POSE, "name": "x", "joint_names": "j"},
