@@ -6,6 +6,7 @@ After a change that is meant: ``ALPHA5_UPDATE_PRINTED=1 python -m pytest tests/t
 from __future__ import annotations
 
 import fcntl
+import inspect
 import io
 import json
 import os
@@ -24,7 +25,7 @@ import pytest
 from demo_run import demo_run
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, generate, main, options, proofs
+from alpha5_model.cli import COMMANDS, _loaded, generate, main, options, proofs
 from alpha5_model.description.verification import verify_urdf
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -156,6 +157,19 @@ def test_the_demo() -> None:
 def test_every_command_is_looked_at() -> None:
     assert {words[0] for words in ANSWERS.values()} | {"demo"} == set(COMMANDS)
     assert {path.stem for path in FOLDER.iterdir()} == {*ANSWERS, "demo"}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_fits_80_columns(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    status, text, said = answer(name, "--help")
+    assert (status, said) == (0, "")
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text
+    # Lines of the docstring are those of the help: longer ones would break twice.
+    first, *others = (inspect.getdoc(_loaded(name)) or "").splitlines()
+    assert first.endswith(".")
+    assert max(len(line) for line in others if "xample" not in line) <= 78
 
 
 @pytest.mark.parametrize("columns", [80, 120])

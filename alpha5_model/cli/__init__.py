@@ -19,11 +19,9 @@ from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error
 
 #: Command -> module of this package with its function, in the order of ``alpha5 --help``.
-COMMANDS: dict[str, str] = {
-    **{"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"},
-    **{"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"},
-    **{"workspace": "geometry", "dh": "geometry", "planar": "geometry", "view": "view"},
-}
+COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}
+COMMANDS |= {"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"}
+COMMANDS |= {"workspace": "geometry", "dh": "geometry", "planar": "geometry", "view": "view"}
 #: With numbers as arguments, which may be negative: what is no option is an argument.
 _NUMBERS = {name: {"ignore_unknown_options": True} for name in ("fk", "ik", "dh", "planar")}
 

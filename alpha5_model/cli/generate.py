@@ -70,10 +70,11 @@ def generate(
 ) -> int:
     """Write the description of any variant of the arm.
 
-    urdf, mjcf (a folder for MuJoCo), sdf (a folder for Gazebo) or c (a C99 library); without
-    --output the main file goes to standard output. Meshes are copied beside a URDF unless
-    --mesh-uri says where they are. mjcf without gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers
-    follow the jaw rod by mimic. C holds masses and water as numbers, or takes them in a struct.
+    urdf, mjcf (a folder for MuJoCo), sdf (a folder for Gazebo) or c (a C99
+    library); without --output the main file goes to standard output. Meshes are
+    copied beside a URDF unless --mesh-uri says where they are. mjcf without
+    gravcomp (--buoyancy none) is for brax; in sdf 1.11 the fingers follow the jaw
+    rod by mimic. C holds masses and water as numbers, or takes them in a struct.
     --check ends with status 1 if a committed file is stale.
 
     At joint position 0, where many tools start, it is out of its limits and in

@@ -45,9 +45,9 @@ def check(
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
-    Where the document differs from itself that is a finding: the exit status is 1 only if a
-    generated file (or the one given) fails. --verbose also shows what agrees, and the claims'
-    words.
+    Where the document differs from itself that is a finding: the exit status is
+    1 only if a generated file (or the one given) fails. --verbose also shows what
+    agrees, and the claims' words.
 
     Example: alpha5 check --urdf my_arm.urdf
     """
@@ -153,7 +153,7 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
 
 def compare(
     other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
-    joints: Annotated[str, Option("--map", help="axis_e=joint1,axis_d=joint2,...")] = "",
+    joints: Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")] = "",
     base: Annotated[str | None, Option(help="First link of an arm on a vehicle.")] = None,
     package: Annotated[list[str] | None, Option(help="Of a xacro file: NAME=FOLDER.")] = None,
     arg: Annotated[list[str] | None, Option(help="Of a xacro file: NAME:=VALUE.")] = None,
@@ -163,7 +163,8 @@ def compare(
 ) -> int:
     """Compare another URDF of this arm with the tables.
 
-    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot be read.
+    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
+    be read.
 
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """

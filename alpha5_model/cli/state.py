@@ -107,7 +107,7 @@ def _solutions(record: dict[str, Any]) -> options.Lines:
         rows.append([branch["name"], *angles, said])
     yield from table(rows, "<>>>><")
     nearest = ",".join(f"{angle:.9g}" for angle in record["best"])
-    yield f"nearest to the middle of the ranges: --q={nearest}"
+    yield f"nearest to mid-range: --q={nearest}"
     if record["singular"]:
         yield "The target is singular: on the yaw axis, or the arm is stretched or folded."
 
@@ -129,11 +129,13 @@ def torque(
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
 
-    With --gripper jaws a fifth number is the jaw rod's; left out, the jaws are closed and at rest.
+    With --gripper jaws a fifth number is the jaw rod's; left out, the jaws are
+    closed and at rest. Table 4's K_t and K_v of one motor should agree and do
+    not: --constants printed takes K_t for torque and K_v for voltage.
 
     Examples:
     alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
-    alpha5 torque --q 180 70 100 0 deg --gripper jaws --payload 0.5 --mount 180 0 0 deg
+    alpha5 torque --q 180 70 100 0 deg --payload 0.5 --mount 180 0 0 deg
     alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
     """
     check_outputs((), plot=(plot, figures.FORMATS))

@@ -57,13 +57,15 @@ def trajectory(
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
-    Recorded efforts are compared with the torques. The table (--output) has every quantity over
-    time. Planned motions without noise need no smoothing but interpolate; velocities are those
-    of the file if it has any (auto), or the slope of its positions. With --supply-voltage and
-    --current-limit the answer says what is left to the motors' limits, with --screw-lead the jaw
-    rod's current.
+    Recorded efforts are compared with the torques. The table (--output) has every
+    quantity over time. Planned motions without noise need no smoothing but
+    interpolate; velocities are those of the file if it has any (auto), or the
+    slope of its positions. With --supply-voltage and --current-limit the answer
+    says what is left to the motors' limits, with --screw-lead the jaw rod's
+    current. Table 4's K_t and K_v of one motor should agree and do not: printed
+    takes K_t for torque and K_v for voltage, and powers do not balance.
 
-    Example: alpha5 trajectory recording.csv --fluid fresh --output torques.csv --plot page.png
+    Example: alpha5 trajectory recording.csv --output torques.csv --plot page.png
     """
     # What cannot be written or chosen is refused before the work, not after it.
     check_outputs([file], output=(output, FORMATS), plot=(plot, figures.FORMATS))

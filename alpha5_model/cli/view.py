@@ -51,7 +51,8 @@ def view(
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
-    With --html, --image or --video it writes these and ends; else it serves the live viewer.
+    With --html, --image or --video it writes these and ends; else it serves the
+    live viewer.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
