@@ -4,9 +4,15 @@
 `sensitivity` do for any result; `identify` is for recordings.
 """
 
-from alpha5_model.uncertainty.effects import arm, bounds, reach, sensitivity, spread, torque_bounds
-from alpha5_model.uncertainty.identification import identify
-from alpha5_model.uncertainty.printed import ALTERNATIVES, Sample, printed_numbers, sample
+from alpha5_model.uncertainty.effects import bounds, identify, sensitivity, spread, torque_bounds
+from alpha5_model.uncertainty.printed import (
+    ALTERNATIVES,
+    Sample,
+    arm,
+    printed_numbers,
+    reach,
+    sample,
+)
 
 __all__ = [
     "ALTERNATIVES",
