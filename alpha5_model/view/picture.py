@@ -80,7 +80,7 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
 
     Raises:
         UnknownNameError, InputError: Another suffix; a rate or number of frames that makes no video.
-        MissingDependencyError: imageio is not installed.
+        MissingDependencyError: imageio or imageio-ffmpeg is not installed.
         OutputError: It cannot be written.
     """
     gif = output_format("video format", path, VIDEO_FORMATS) == ".gif"
@@ -89,10 +89,11 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
     # Of the whole, H.264 takes even sizes only.
     form: Any = {"duration": 1e3 / rate, "loop": 0} if gif else {"fps": rate, "macro_block_size": 2}
     try:
+        import imageio_ffmpeg  # noqa: F401 (what imageio writes MP4 with)
         from imageio.v2 import get_writer
-    except ImportError:
+    except ImportError as error:
         remedy = "pip install 'alpha5-model[video]'"
-        raise MissingDependencyError("imageio", "a video", remedy) from None
+        raise MissingDependencyError(str(error.name), "a video", remedy) from None
     with tempfile.TemporaryDirectory() as folder:
         whole = Path(folder, "video").with_suffix(".gif" if gif else ".mp4")
         with get_writer(whole, **form) as writer:

@@ -88,7 +88,10 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
     samples = thin(a.motion.time, scale * a.motion.position[:, k])
     axes.plot(*samples, ".", color="#999999", markersize=4, label="samples")
     _curve(axes, a, scale * a.smooth.position[:, k], color=Color.BLUE)
-    _widen(axes, 0.04 * scale * (joint.upper - joint.lower))
+    # What rests does not fill the panel with its noise.
+    (low, high), least = axes.get_ylim(), 0.04 * scale * (joint.upper - joint.lower)
+    spare = max(0.0, least - (high - low)) / 2
+    axes.set_ylim(low - spare, high + spare)
     _bounds(axes, scale * joint.lower, scale * joint.upper)
     axes.set_ylabel(f"{joint.name} [{unit}]")
 
@@ -213,14 +216,6 @@ def _same_scale(panels: list[Any]) -> None:
     ends = np.array([axes.get_ylim() for axes in panels if axes.has_data()])
     for axes in panels:
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
-
-
-def _widen(axes: Any, least: float) -> None:
-    """Keep rounding noise from filling the panel."""
-    low, high = axes.get_ylim()
-    if high - low < least:
-        middle = (low + high) / 2
-        axes.set_ylim(middle - least / 2, middle + least / 2)
 
 
 def thin(time: Any, values: Any) -> tuple[Any, Any]:

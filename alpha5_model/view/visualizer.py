@@ -10,7 +10,6 @@ from __future__ import annotations
 import errno
 import json
 import logging
-import os
 import queue
 import socket
 import tempfile
@@ -212,8 +211,7 @@ def _open(port: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortInUseError(port) from None
-        reason = os.strerror(error.errno or 0)
-        raise InputError("port", port, f"one that may be opened ({reason})") from None
+        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
     opened.setblocking(False)
     return opened
 
