@@ -52,7 +52,9 @@ class Tab:
     def open(self, url: str) -> None:
         """Open and wait until the page's script has run and drawn."""
         self.page.goto(url)
-        self.page.wait_for_selector("html[data-ready=true]", state="attached")
+        while not self.run("() => document.documentElement.dataset.ready"):
+            assert not self.complaints, self.complaints
+            self.page.wait_for_timeout(20)
         self.settle()
 
     def settle(self) -> None:
@@ -77,15 +79,30 @@ class Tab:
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixels (N, 2) of points (N, 3) in the world, through the camera's own matrices."""
+        clip = np.column_stack([points, np.ones(len(points))]) @ self.projection().T
+        return (clip[:, :2] / clip[:, 3:] * [1, -1] + 1) / 2 * self.size()
+
+    def shifted(self, point: np.ndarray, pixels: tuple[float, float]) -> np.ndarray:
+        """The point (3,) that lies pixels beside another, at the same depth of the picture."""
+        matrix = self.projection()
+        clip = matrix @ [*point, 1.0]
+        clip[:2] += clip[3] * 2 * np.array([1, -1]) * pixels / self.size()
+        found = np.linalg.solve(matrix, clip)
+        return found[:3] / found[3]
+
+    def size(self) -> np.ndarray:
+        """Width and height of the window, in pixels."""
+        return np.array([self.page.viewport_size[side] for side in ("width", "height")])
+
+    def projection(self) -> np.ndarray:
+        """World to clip coordinates, (4, 4)."""
         matrices = self.run(
             "() => { const v = alpha5.viewer; v.camera.updateMatrixWorld(); v.scene.updateMatrixWorld(); "
             "return [v.camera.projectionMatrix, v.camera.matrixWorldInverse, v.scene.matrixWorld]"
             ".map((m) => m.elements); }"
         )
         projection, camera, scene = (np.reshape(m, (4, 4)).T for m in matrices)
-        clip = np.column_stack([points, np.ones(len(points))]) @ (projection @ camera @ scene).T
-        ndc = clip[:, :2] / clip[:, 3:]
-        return np.column_stack([(ndc[:, 0] + 1) / 2 * SIZE[0], (1 - ndc[:, 1]) / 2 * SIZE[1]])
+        return np.asarray(projection @ camera @ scene)
 
 
 @contextmanager
@@ -101,9 +118,9 @@ def browser() -> Iterator[Any]:
             running.close()
 
 
-def new_tab(running: Any) -> Tab:
-    """An empty page that is watched."""
-    page = running.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
+def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
+    """An empty page that is watched; Playwright's options, such as ``color_scheme="dark"``."""
+    page = running.new_page(viewport={"width": size[0], "height": size[1]}, **options)
     tab = Tab(page)
     page.on(
         "console",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import SIZE, Tab, browser, needs_browser, new_tab
+from browser import SIZE, Tab, needs_browser, new_tab
 from demo_run import demo_run
 from reference import LOWER, UPPER
 
@@ -22,12 +22,6 @@ from alpha5_model.view.arm_poses import pose_of
 pytestmark = needs_browser
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as running:
-        yield running
 
 
 @pytest.fixture(scope="module")

@@ -35,7 +35,7 @@ _FPS = 25.0
 
 
 def view(
-    pose: Annotated[str, Option(help="stow, home, reach, or joint positions (rad).")] = "home",
+    pose: Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")] = None,
     target: Annotated[str | None, Option(help="x y z (m): show all solutions of its IK.")] = None,
     motion: Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")] = None,
     show: Annotated[str | None, Option(help=_GROUPS)] = None,
@@ -67,11 +67,11 @@ def view(
         raise InputError("video", str(video), "a --motion to show in it")
 
     arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
-    if pose.endswith(("deg", "mm")):
+    if pose and pose.endswith(("deg", "mm")):
         pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
     scene = build_scene(
         arm,
-        pose_of(arm, pose),
+        None if pose is None else pose_of(arm, pose),
         target=None if target is None else options.numbers("target", target, (3,), "m"),
         motion=None if motion is None else read_motion(motion),
         show=None if show is None else options.names(show),

@@ -17,7 +17,9 @@ from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.errors import InputError
 from alpha5_model.parameters import parameters
+from alpha5_model.trajectory.analysis import analyse
 from alpha5_model.trajectory.motion import Motion, motion
+from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
 from alpha5_model.view.scene import WORLD, MotionTrack, Scene
 
 if TYPE_CHECKING:
@@ -88,13 +90,26 @@ def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
     return tuple(placed)
 
 
-def motion_track(motion: Motion, sliders: Sequence[str], q: FloatArray) -> MotionTrack:
-    """A motion of the sliders' joints, both base to tip; joints that it lacks stay where they are."""
-    time = motion.time - motion.time[0]
-    track = np.tile(q[len(q) - len(sliders) :], (len(time), 1))
-    both = min(len(sliders), len(motion.joints))
-    track[:, :both] = motion.position[:, :both]
-    return MotionTrack(Path(motion.source).name, time, track)
+def motion_track(
+    moved: Motion, arm: Arm, q: FloatArray, current: ArrayLike | None = None
+) -> MotionTrack:
+    """A motion of the arm's joints, base to tip, with its torques and its load on the mount.
+
+    Joints that it lacks stay where they are. An arm on a vehicle has no mount.
+    """
+    time, n = moved.time - moved.time[0], len(arm.joint_names)
+    track, both = np.tile(q[len(q) - n :], (len(time), 1)), min(n, len(moved.joints))
+    track[:, :both] = moved.position[:, :both]
+    loads: dict[str, FloatArray] = {}
+    if not arm.floating_base:
+        known, rest = moved.velocity, ((0, 0), (0, n - both))
+        velocity = None if known is None else np.pad(known[:, :both], rest)
+        # Too few samples a second for a bandwidth.
+        method = "spline" if np.median(np.diff(time)) < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
+        analysis = analyse(motion(time, track, velocity), arm, method=method, current=current)
+        loads = {**analysis.causes(), "mount": analysis.base_wrench}
+        del loads["friction"]  # at the motor
+    return MotionTrack(Path(moved.source).name, time, track, loads)
 
 
 def tour(waypoints: ArrayLike) -> Motion:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import product
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,11 +17,12 @@ from alpha5_model.checks import FloatArray, bounded, choice, shaped
 from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
 from alpha5_model.view import scene
 from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
-from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Statics, Stream
+from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Stream
 from alpha5_model.view.shapes import arrow, ball, drawn, triad
 from alpha5_model.view.workspace_plot import workspace_shapes
 
@@ -30,9 +31,7 @@ if TYPE_CHECKING:
     from alpha5_model.trajectory.motion import Motion
 
 #: Length of an arrow per force [m/N].
-ARROW_SCALE = 0.015
-#: Of the current's arrow per speed [s].
-CURRENT_SCALE = 0.12
+ARROW_SCALE = scene.ARROWS["force"]
 #: Current that a page offers if none is given [m/s].
 _FLOW = (1.0, 0.0, 0.0)
 #: Length of the axes of a frame [m].
@@ -67,8 +66,9 @@ def build_scene(
 
     Args:
         arm: What to show.
-        q: Joint positions, (nq,); the pose ``home`` if None.
-        target: Position, (3,) [m]; every solution of its inverse kinematics is shown as a ghost.
+        q: Joint positions, (nq,). If None: the solution for the target that is nearest to ``home``,
+            or, where nothing reaches the target, for the nearest point that is reached; else ``home``.
+        target: Position in base_link, (3,) [m]; the solutions of its inverse kinematics are ghosts.
         motion: Played in real time.
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on. If
             None: bodies, labels, centres, the ghosts if there is a target, the current if it is given.
@@ -82,9 +82,15 @@ def build_scene(
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
     text, folder = source.read_text(encoding="utf-8"), str(source.parent)
     tree, sliders, named = tree_of(arm, text), arm.joint_names, named_poses(arm)
-    position = shaped("q", with_base(arm, named["home"]) if q is None else q, (arm.model.nq,))
+    goal = None if target is None else shaped("target", target, (3,))
+    home = named["home"].copy()
+    if goal is not None:
+        home[:4] = inverse_kinematics(nearest_reachable(goal), home[3]).best(home[:4])
+    position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
     flow = bounded("current", shaped("current", _FLOW if current is None else current, (3,)))
+    inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
+    beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
     loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
     if show is None:
         given = {"ghosts": target, "current": current}
@@ -93,14 +99,14 @@ def build_scene(
     bodies = list(_bodies(text, folder))
     things: list[Shape | Label] = [
         *bodies,
-        *_frames(tree, sliders),
+        *_frames(tree, dict(zip(sliders, beyond, strict=True))),
         *_centers(gravity, loads),
         *_collision(text, folder),
         *workspace_shapes(),
         *_current(flow),
     ]
-    if target is not None:
-        things += _ghosts(arm, tree, bodies, position, shaped("target", target, (3,)))
+    if goal is not None:
+        things += _ghosts(arm, tree, bodies, position, goal)
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
@@ -112,7 +118,7 @@ def build_scene(
         ),
         tree=tree,
         sliders=sliders,
-        q=position[arm.model.nq - len(sliders) :],
+        q=position[-len(sliders) :],
         poses=poses,
         shapes=shapes,
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
@@ -123,7 +129,8 @@ def build_scene(
         camera=scene.framing(shapes, poses, shown),
         show=shown,
         named_poses=named,
-        motion=None if motion is None else motion_track(motion, sliders, position),
+        motion=None if motion is None else motion_track(motion, arm, position, current),
+        target=goal,
     )
 
 
@@ -162,7 +169,7 @@ def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
     return tuple(loads)
 
 
-def _statics(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
+def _statics(arm: Arm, loads: Sequence[Load], base: str) -> dict[str, Any]:
     moments, beyond = np.zeros((5, 2, 4, 4)), []
     links = [base, *(f"link_{i}" for i in range(1, 5))]
     for load in loads:
@@ -175,10 +182,11 @@ def _statics(arm: Arm, loads: Sequence[Load], base: str) -> Statics:
     units = np.zeros((4, 5, 2, 4, 4))
     units[range(4), 4, 1, range(4), 3] = 1.0
     share = np.stack([regrouped(unit, np.zeros(3)) for unit in units], axis=-1)
-    return Statics(regrouped(moments, arm.model.gravity.linear), share, tuple(beyond))
+    parameters = regrouped(moments, arm.model.gravity.linear)
+    return {"parameters": parameters, "share": share, "beyond": beyond}
 
 
-def _frames(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> Iterator[Shape | Label]:
+def _frames(tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]) -> Iterator[Shape | Label]:
     """Axes of every link frame, over the bodies; names of joints, frames and the tcp."""
     axes = triad(_AXES, 0.0013)
     beside = transform(translation=(_AXES, 0.0, 0.0))  # the tip of x
@@ -188,8 +196,10 @@ def _frames(tree: Sequence[UrdfJoint], sliders: Sequence[str]) -> Iterator[Shape
         yield Shape("frames", link, Rigid(link), axes, on_top=1)
         if link != "tcp":
             yield Label("frames", link, Rigid(link, beside), (0.1, 0.3, 0.6))
-        if joint.name in sliders or link == "tcp":
-            yield Label("bodies", "tcp" if link == "tcp" else joint.name, Rigid(link))
+        if joint.name in beyond or link == "tcp":
+            out = beyond.get(joint.name, False)
+            text = "tcp" if link == "tcp" else joint.name + ", beyond its limit" * out
+            yield Label("bodies", text, Rigid(link), _RED if out else Label.color)
 
 
 def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
@@ -217,31 +227,25 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
 
 def _current(flow: FloatArray) -> Iterator[Shape | Label]:
     """An arrow beside the base along the current."""
-    tip, at = CURRENT_SCALE * flow, Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
+    tip = scene.ARROWS["current"] * flow
+    at = Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
     speed = float(np.linalg.norm(flow))
-    yield Shape(
-        "current",
-        "arrow",
-        at,
-        arrow(tip, 0.004) if speed else _ball(0.004, _TEAL, _TEAL),
-        _TEAL,
-        on_top=1,
-    )
+    mesh = arrow(tip, 0.004) if speed else _ball(0.004, _TEAL, _TEAL)
+    yield Shape("current", "arrow", at, mesh, _TEAL, on_top=1)
     yield Label("current", f"current {speed:.3g} m/s, load estimated", at, _TEAL)
 
 
 def _streams(arm: Arm) -> tuple[Stream, ...]:
     """What a current does to each link, at the arm's fluid density."""
     streams = []
-    density = arm.fluid_density
     for link, water in hydrodynamics("jaws" if "axis_a" in arm.joint_names else "locked").items():
         strips = []
         for s in water.strips:
             line = s.end - s.start
             length = float(np.linalg.norm(line))
-            face = density / 2 * s.diameter * length
+            face = arm.fluid_density / 2 * s.diameter * length
             strips.append(((s.start + s.end) / 2, line / length, face * s.across, face * s.along))
-        added = water.added_mass[:3, :3] * (density / WATER_DENSITY)
+        added = water.added_mass[:3, :3] * (arm.fluid_density / WATER_DENSITY)
         streams.append(Stream(link, tuple(strips), added))
     return tuple(streams)
 
@@ -251,10 +255,9 @@ def _ghosts(
 ) -> Iterator[Shape | Label]:
     """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
     solutions = inverse_kinematics(target)
-    first = len(q) - len(arm.joint_names)
     for i in np.flatnonzero(solutions.exists):
         branch, color, solution = BRANCHES[i], _GHOSTS[i], q.copy()
-        solution[first : first + 4] = solutions.q[i]
+        solution[len(q) - len(arm.joint_names) :][:4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
             if isinstance(body.anchor, Rigid) and body.anchor.link not in _STILL:
@@ -266,4 +269,6 @@ def _ghosts(
     base = arm.forward_kinematics(q, frame="base_link")
     at = Rigid(WORLD, transform(translation=base.act(target)))
     yield Shape("ghosts", "target", at, ball(0.008, _PINK, _WHITE), on_top=2)
-    yield Label("ghosts", "target", at, (0.75, 0.05, 0.4))
+    away = float(distance_to_reach(target))
+    text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
+    yield Label("ghosts", text, at, (0.75, 0.05, 0.4))

@@ -9,7 +9,6 @@ import base64
 import json
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,36 +20,18 @@ from numpy.typing import NDArray
 
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.view.scene import DRAWN, GROUPS, SEE_THROUGH, Mean, Rigid, Scene, Shape
+from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.view import scene as scenes
+from alpha5_model.view.scene import DRAWN, GROUPS, Mean, MotionTrack, Rigid, Scene, Shape
 
-#: meshcat's viewer in its package.
-_VIEWER = "viewer/dist/main.min.js"
 #: Fields of a scene that go to the page unchanged.
-_AS_IT_STANDS = (
-    "title",
-    "notes",
-    "sliders",
-    "labels",
-    "statics",
-    "current",
-    "streams",
-    "camera",
-)
+_AS_IT_STANDS = "title notes sliders labels statics current streams camera target"
+#: Most samples of a motion in a page.
+_SAMPLES = 2000
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
 #: MessagePack extension codes by which meshcat sends typed arrays.
 _CODES = {"f": ("Float32Array", 0x17), "u": ("Uint32Array", 0x16)}
-#: Path, property and value: the backdrop; more light than meshcat's own scene, for dark bodies.
-_SURROUNDINGS: tuple[tuple[str, str, Any], ...] = (
-    ("/Background", "top_color", [1.0, 1.0, 1.0]),
-    ("/Background", "bottom_color", [0.80, 0.86, 0.90]),
-    ("/Lights/AmbientLight/<object>", "intensity", 0.75),
-    ("/Lights/PointLightNegativeX/<object>", "intensity", 0.5),
-    ("/Lights/PointLightPositiveX/<object>", "intensity", 0.5),
-    ("/Lights/FillLight/<object>", "intensity", 0.5),
-    ("/Grid", "visible", False),
-    ("/Axes", "visible", False),
-)
 
 
 class Command(dict[str, Any]):
@@ -77,22 +58,22 @@ def link_path(link: str) -> str:
 
 def _anchors(scene: Scene) -> dict[str, Rigid | Mean]:
     """Path -> anchor of every shape that does not move with the node of its link."""
-    return {shape_path(s): s.anchor for s in scene.shapes if s.group != "bodies"}
+    return {shape_path(s): s.anchor for s in scene.shapes if s.group not in ("bodies", "ghosts")}
 
 
 def scene_commands(scene: Scene) -> Iterator[Command]:
     """Commands that build a scene from nothing.
 
-    A mesh that several shapes share is sent with the first of them; the page remembers it.
+    A mesh that several shapes share is sent with the first of them; the page remembers it. Ghosts it
+    makes of the bodies: they follow the hand.
     """
     sent: dict[int, str] = {}
     for shape in scene.shapes:
-        yield _set_object(shape, sent)
+        if shape.group != "ghosts":
+            yield _set_object(shape, sent)
     yield from pose_commands(scene)
     for group in DRAWN:
         yield set_visible(group, group in scene.show)
-    for path, name, value in _SURROUNDINGS:
-        yield _set_property(path, name, value)
 
 
 def pose_commands(scene: Scene) -> Iterator[Command]:
@@ -105,11 +86,7 @@ def pose_commands(scene: Scene) -> Iterator[Command]:
 
 def set_visible(group: str, visible: bool) -> Command:
     """Show or hide a group."""
-    return _set_property(f"{ROOT}/{group}", "visible", visible)
-
-
-def _set_property(path: str, name: str, value: Any) -> Command:
-    return Command(type="set_property", path=path, property=name, value=value)
+    return Command(type="set_property", path=f"{ROOT}/{group}", property="visible", value=visible)
 
 
 def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
@@ -170,8 +147,7 @@ def static_page(scene: Scene, commands: Iterable[bytes] | None = None) -> str:
         commands: Packed meshcat commands to draw instead of the scene's own.
     """
     packed = (c.packed() for c in scene_commands(scene)) if commands is None else commands
-    encoded = [base64.b64encode(command).decode("ascii") for command in packed]
-    return _page(scene, live=False, commands=encoded)
+    return _page(scene, live=False, commands=[base64.b64encode(c).decode("ascii") for c in packed])
 
 
 def live_page(scene: Scene) -> str:
@@ -181,10 +157,9 @@ def live_page(scene: Scene) -> str:
 
 def page_data(scene: Scene) -> dict[str, Any]:
     """What the page's script knows about the scene; arrays become nested lists, records objects."""
-    drawn = {shape.group for shape in scene.shapes}
-    track = scene.motion
+    drawn = {"ghosts", *(shape.group for shape in scene.shapes)}
     return {
-        **{name: getattr(scene, name) for name in _AS_IT_STANDS},
+        **{name: getattr(scene, name) for name in _AS_IT_STANDS.split()},
         "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
         "root": pose_message(scene)["root"],
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
@@ -195,10 +170,13 @@ def page_data(scene: Scene) -> dict[str, Any]:
             for name, title in GROUPS.items()
             if name in drawn or name not in DRAWN
         ],
-        "seeThrough": SEE_THROUGH,
+        "seeThrough": scenes.SEE_THROUGH,
         "branches": BRANCHES,
         "poses": scene.named_poses,
-        "motion": track and replace(track, time=track.time.round(4), q=track.q.round(5)),
+        "views": scenes.VIEWS,
+        "plane": arm_plane()._asdict(),
+        "arrows": scenes.ARROWS,
+        "motion": scene.motion and _track(scene.motion),
     }
 
 
@@ -209,11 +187,20 @@ def pose_message(scene: Scene) -> Command:
     return Command(type="pose", q=scene.q.tolist(), root=root)
 
 
+def _track(motion: MotionTrack) -> dict[str, Any]:
+    """A motion of at most `_SAMPLES` samples, in digits that can be seen."""
+    count = len(motion.time)
+    rows = np.linspace(0, count - 1, min(count, _SAMPLES)).round().astype(int)
+    columns = {"time": motion.time, "q": motion.q, **motion.loads}
+    return {"name": motion.name} | {key: one[rows].round(6) for key, one in columns.items()}
+
+
 @cache
 def meshcat_script() -> str:
     """meshcat's viewer with three.js inside, from the installed package."""
     found = find_spec("meshcat")
-    script = Path(found.origin if found and found.origin else "").parent / _VIEWER
+    origin = found.origin if found and found.origin else ""
+    script = Path(origin).parent / "viewer/dist/main.min.js"
     if not script.is_file():
         raise MissingDependencyError("meshcat", "the viewer", "pip install meshcat")
     return script.read_text(encoding="utf-8")
@@ -223,13 +210,12 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
     # With this policy the browser itself refuses any request that would leave the machine.
     policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
     data = {**page_data(scene), "live": live, "commands": commands}
-    text = json.dumps(data, separators=(",", ":"), default=_plain)
     parts = {
         "policy": policy + ("; connect-src 'self' ws: wss:" if live else ""),
         "title": scene.title,
         "meshcat": meshcat_script(),
         # "<" cannot close the script element that holds the data.
-        "data": text.replace("<", "\\u003c"),
+        "data": json.dumps(data, separators=(",", ":"), default=_plain).replace("<", "\\u003c"),
     }
     page = re.sub(
         r"{{([\w/]+\.(?:css|js))}}", lambda named: _read(named[1]), _read("web/page.html")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -166,21 +167,6 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False)
-class Statics:
-    """What the torque that holds the arm still is computed from.
-
-    Attributes:
-        parameters: `alpha5_model.base_parameters` without what moves beyond link_4, (41,).
-        share: Of them by the net first moment and net mass of what does, in link_4, (41, 4).
-        beyond: Link, and net first moment [kg m] and net mass [kg] in its frame, (4,), of each such body.
-    """
-
-    parameters: FloatArray
-    share: FloatArray
-    beyond: tuple[tuple[str, FloatArray], ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Stream:
     """What a steady current does to one link at rest; estimated.
 
@@ -224,11 +210,14 @@ class MotionTrack:
         name: What the page calls it.
         time: (N,) [s], from 0.
         q: Positions of the sliders' joints, (N, n) [rad or m].
+        loads: Torque by cause, (N, n) each [N m; jaw rod N], and as ``mount`` force and moment on the
+            mount at base_link, (N, 6) [N, N m]; nothing for an arm on a vehicle.
     """
 
     name: str
     time: FloatArray
     q: FloatArray
+    loads: Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,12 +232,16 @@ class Scene:
         q: Their positions.
         poses: Pose of every link in the world at ``q``, (4, 4).
         shapes, labels, loads: What to draw.
-        statics: The same for what holds them.
+        statics: What the torque that holds the arm still is computed from: ``parameters``,
+            `alpha5_model.base_parameters` without what moves beyond link_4, (41,); ``share`` of them by
+            the net first moment and net mass of what does, in link_4, (41, 4); ``beyond``, link, and
+            net first moment [kg m] and net mass [kg] in its frame, (4,), of each such body.
         camera: From where the scene is seen.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
         current, streams: Velocity of the water, (3,) [m/s], and what it does to the links.
+        target: Where the tcp should be, in base_link, (3,) [m], or None.
     """
 
     title: str
@@ -260,13 +253,14 @@ class Scene:
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
-    statics: Statics
+    statics: Mapping[str, Any]
     camera: Camera
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
     current: FloatArray = field(default_factory=lambda: np.zeros(3))
     streams: tuple[Stream, ...] = ()
+    target: FloatArray | None = None
 
 
 def framing(

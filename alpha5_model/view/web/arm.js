@@ -1,7 +1,7 @@
 // Where the joints stand, and what follows: the pose of every link, the torque that holds it still.
 //
 // setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` says who
-// moved it: "hand", "motion" or "python".
+// moved it: "hand", "motion", "python" or "page".
 const q = { ...data.q };
 let poses = {};
 const listeners = [];
@@ -11,16 +11,19 @@ for (const joint of data.tree) {
   joint.matrix = matrix(joint.transform);
   joint.direction = vector(joint.axis).normalize();
 }
+const joints = data.tree.filter((joint) => data.sliders.includes(joint.name));
 const angles = () => data.sliders.slice(0, 4).map((name) => q[name]);
+const amount = (joint, value) => joint.kind === "prismatic" ? `${mm(value)} mm` : `${fixed(value * 180 / Math.PI, 1)}\u00b0`;
+// The limit that a joint is beyond, or undefined; its last digit is rounding.
+const limit = (joint) => [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1) * (q[joint.name] - end) > 1e-9);
 
 function setPose(values, by = "hand") {
   data.sliders.forEach((name, i) => { q[name] = values[i]; });
   place(by);
 }
-function setJoint(name, value) {
-  q[name] = value;
-  place("hand");
-}
+const setJoint = (name, value) => setPose(data.sliders.map((each) => each === name ? value : q[each]));
+const named = (values) => Object.fromEntries(data.sliders.map((name, i) => [name, values[i]]));
+const withJaws = (turned) => [...turned, ...data.sliders.slice(4).map((name) => q[name])];
 
 // Everything to where it is now.
 function place(by) {
@@ -32,18 +35,19 @@ function place(by) {
 }
 
 // ---- kinematics: the arm by the generated formulas, what is fixed to it or beyond it joint by joint
-function forwardKinematics() {
+function forwardKinematics(at = q) {
   const found = {};
   for (const link in data.root) found[link] = matrix(data.root[link]);
-  const placed = { ...formulas.link_poses(angles()), tcp: formulas.forward_kinematics(angles()) };
+  const turned = data.sliders.slice(0, 4).map((name) => at[name]);
+  const placed = { ...formulas.link_poses(turned), tcp: formulas.forward_kinematics(turned) };
   for (const link in placed) found[link] = found.base_link.clone().multiply(matrix(placed[link]));
   for (const joint of data.tree) {
-    if (!(joint.child in placed)) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint));
+    if (!(joint.child in placed)) found[joint.child] = found[joint.parent].clone().multiply(joint.matrix).multiply(motion(joint, at));
   }
   return found;
 }
-function motion(joint) {
-  const position = joint.multiplier * (q[joint.source] || 0) + joint.offset;
+function motion(joint, at) {
+  const position = joint.multiplier * (at[joint.source] || 0) + joint.offset;
   if (joint.kind === "revolute") return new THREE.Matrix4().makeRotationAxis(joint.direction, position);
   const step = joint.kind === "prismatic" ? position : 0;
   return new THREE.Matrix4().makeTranslation(...joint.direction.clone().multiplyScalar(step).toArray());

@@ -9,10 +9,21 @@ try {
   document.querySelector("#panel h1").textContent = "This page needs WebGL, which this browser does not offer.";
   throw error;
 }
+const narrow = matchMedia("(max-width: 760px)");
+const dark = matchMedia("(prefers-color-scheme: dark)");
 
 const split = (path) => path.split("/").filter((part) => part);
 const matrix = (rows) => new THREE.Matrix4().set(...rows.flat());
 const vector = (elements) => new THREE.Vector3().fromArray(elements);
+const origin = (pose) => new THREE.Vector3().setFromMatrixPosition(pose);
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+const wrapped = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+// What is drawn under a path of meshcat's tree.
+function meshes(path) {
+  const found = [];
+  viewer.scene_tree.find(split(path)).object.traverse((part) => part.isMesh && found.push(part));
+  return found;
+}
 
 // A new element inside another, with its properties.
 function added(parent, tag, properties = {}) {

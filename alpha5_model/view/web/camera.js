@@ -1,16 +1,161 @@
-// The camera. meshcat's camera sits in a frame turned so that its y axis is up.
+// The camera: views from named sides, framed around all that will be seen, in the part of the window that is free.
+//
+// meshcat's camera sits in a frame turned so that its y axis is up.
+const KEYS = new Map([["h", "home"], ["f", "fit"], ["1", "front"], ["2", "side"], ["3", "top"]]);
 const swap = ([x, y, z]) => [x, z, -y];
+const unswap = ({ x, y, z }) => new THREE.Vector3(x, -z, y);
 viewer.camera.fov = data.camera.field_of_view;
-// A little further away than a picture: the arm will move.
-const eye = vector(data.camera.eye).sub(vector(data.camera.target)).multiplyScalar(1.15).add(vector(data.camera.target));
-viewer.camera.position.set(...swap(eye.toArray()));
-viewer.controls.target.set(...swap(data.camera.target));
-// Centre the arm in what the panel leaves free.
+viewer.controls.minDistance = 0.05;
+viewer.controls.maxDistance = 12;
+let chosen = "home"; // the view that a change of the window keeps; null once a hand has turned it
+let gliding = 0; // which flight of the camera is on
+viewer.controls.addEventListener("start", () => {
+  chosen = null;
+  gliding++;
+});
+
+for (const [key, name] of KEYS) {
+  const title = name[0].toUpperCase() + name.slice(1);
+  added(byId("views"), "button", { textContent: title, title: `${title} view (key ${key.toUpperCase()})`, onclick: () => look(name) });
+}
+document.addEventListener("keydown", (event) => {
+  const name = KEYS.get(event.key.toLowerCase());
+  if (name && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.closest("input[type=number], select")) look(name);
+});
+
+// The part of the window that nothing covers: [left, top, right, bottom] in pixels.
+function free() {
+  const box = (id) => byId(id).getBoundingClientRect();
+  const bottom = byId("strip").hidden ? window.innerHeight : box("strip").top;
+  const top = box("views").bottom;
+  if (narrow.matches) return [0, top, window.innerWidth, Math.max(Math.min(bottom, box("panel").top), top + 120)];
+  const folded = byId("panel").classList.contains("folded");
+  return [folded ? 0 : box("panel").right, top, window.innerWidth, bottom];
+}
+
+// Pixels (from the window's corner) and depth of a point of the world, and back. meshcat's scene is turned, too.
+function onScreen(point) {
+  const at = point.clone().applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
+  return [(at.x + 1) / 2 * window.innerWidth, (1 - at.y) / 2 * window.innerHeight, at.z];
+}
+function fromScreen(x, y, depth) {
+  const at = new THREE.Vector3(2 * x / window.innerWidth - 1, 1 - 2 * y / window.innerHeight, depth);
+  return at.unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert());
+}
+
+// ---- what will be seen: corners of the bodies at the poses to come, and of all else that is shown
+const corners = {};
+// The corners of a mesh that lie furthest out, in 26 directions.
+function outermost(geometry) {
+  if (corners[geometry.uuid]) return corners[geometry.uuid];
+  const points = geometry.attributes.position;
+  const far = [];
+  for (let k = 0; k < 27; k++) {
+    const [x, y, z] = [k % 3 - 1, (k / 3 | 0) % 3 - 1, (k / 9 | 0) - 1];
+    let [best, at] = [-Infinity, 0];
+    for (let i = 0; i < points.count; i++) {
+      const along = x * points.getX(i) + y * points.getY(i) + z * points.getZ(i);
+      if (along > best) [best, at] = [along, i];
+    }
+    far.push(new THREE.Vector3().fromBufferAttribute(points, at));
+  }
+  return corners[geometry.uuid] = far;
+}
+function bodiesAt(found) {
+  return Object.keys(data.links).flatMap((link) => meshes(data.links[link]).flatMap(
+    (part) => outermost(part.geometry).map((point) => point.clone().applyMatrix4(found[link]))));
+}
+function toBeSeen(all) {
+  const points = bodiesAt(poses);
+  const coming = data.motion ? data.motion.q : Object.values(data.poses);
+  const step = Math.ceil(coming.length / 40);
+  if (all) for (let i = 0; i < coming.length; i += step) points.push(...bodiesAt(forwardKinematics(named(coming[i]))));
+  if (aim) points.push(toWorld(aim));
+  for (const group of data.groups) {
+    if (!shown[group.name] || ["bodies", "labels", "see-through"].includes(group.name)) continue;
+    const parts = meshes(`/meshcat/alpha5/${group.name}`);
+    points.push(...parts.flatMap((part) => outermost(part.geometry).map((point) => unswap(point.clone().applyMatrix4(part.matrixWorld)))));
+  }
+  return points;
+}
+
+// ---- moving the camera
+function place3d(eye, target) {
+  viewer.camera.position.set(...swap(eye.toArray()));
+  viewer.controls.target.set(...swap(target.toArray()));
+  viewer.controls.update();
+  viewer.scene.updateMatrixWorld();
+  viewer.set_dirty();
+}
+// Centre the picture in the free part of the window.
+function center() {
+  const folded = byId("panel").classList.contains("folded");
+  document.documentElement.style.setProperty("--left", folded ? "12px" : "352px");
+  const [left, top, right, bottom] = free();
+  const [w, h] = [window.innerWidth, window.innerHeight];
+  document.documentElement.style.setProperty("--floor", `${h - bottom + 10}px`);
+  viewer.camera.setViewOffset(w, h, (w - left - right) / 2, (h - top - bottom) / 2, w, h);
+}
+// The nearest camera that looks one way and sees all points in the free part of the window.
+function framing(points, back) {
+  const [left, top, right, bottom] = free();
+  const tangent = Math.tan(viewer.camera.fov * Math.PI / 360) / (window.innerHeight / 2); // per pixel
+  const margin = narrow.matches ? 14 : 32;
+  const [wide, high] = [(right - left) / 2 - margin, (bottom - top) / 2 - margin].map((pixels) => Math.max(pixels, 40) * tangent);
+  const across = new THREE.Vector3(0, 0, 1).cross(back).normalize();
+  const up = back.clone().cross(across);
+  const target = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
+  let distance = 0;
+  for (let i = 0; i < 4; i++) { // the middle of the corners in space is not their middle in the picture
+    const seen = points.map((point) => point.clone().sub(target)).map((p) => [p.dot(across), p.dot(up), p.dot(back)]);
+    distance = Math.max(...seen.map(([x, y, z]) => z + Math.max(Math.abs(x) / wide, Math.abs(y) / high)));
+    [across, up].forEach((axis, k) => {
+      const tangents = seen.map((p) => p[k] / (distance - p[2]));
+      target.addScaledVector(axis, (Math.max(...tangents) + Math.min(...tangents)) / 2 * distance);
+    });
+  }
+  return { eye: target.clone().addScaledVector(back, distance), target };
+}
+const backwards = () => unswap(viewer.camera.position).sub(unswap(viewer.controls.target)).normalize();
+
+function look(name, slowly = true) {
+  const back = name in data.views ? vector(data.views[name]).normalize() : backwards();
+  chosen = name in data.views ? name : null;
+  center();
+  const points = toBeSeen(name !== "fit");
+  if (!points.length) return;
+  const to = framing(points, back);
+  if (slowly && !matchMedia("(prefers-reduced-motion: reduce)").matches) glide(to);
+  else place3d(to.eye, to.target);
+}
+function glide(to) {
+  const from = { eye: unswap(viewer.camera.position), target: unswap(viewer.controls.target) };
+  const began = performance.now();
+  const mine = ++gliding;
+  const [near, far] = [from, to].map((at) => at.eye.distanceTo(at.target));
+  const [start, end] = [from, to].map((at) => at.eye.clone().sub(at.target).normalize());
+  function step(now) {
+    if (mine !== gliding || held) return;
+    const part = clamp((now - began) / 350, 0, 1);
+    const eased = part * part * (3 - 2 * part);
+    const target = from.target.clone().lerp(to.target, eased);
+    const way = start.clone().lerp(end, eased).normalize();
+    place3d(target.clone().addScaledVector(way, near + eased * (far - near)), target);
+    if (part < 1) requestAnimationFrame(step);
+  }
+  requestAnimationFrame(step);
+}
+// After a hand has let go: step back if the arm has left the picture.
+function keepInSight() {
+  const [left, top, right, bottom] = free();
+  const seen = [...bodiesAt(poses), ...(aim ? [toWorld(aim)] : [])].map(onScreen);
+  if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(toBeSeen(true), backwards()));
+}
+
 const resize = viewer.set_3d_pane_size.bind(viewer);
 viewer.set_3d_pane_size = (...size) => {
   resize(...size);
-  const [w, h] = [window.innerWidth, window.innerHeight];
-  viewer.camera.setViewOffset(w, h, w > 760 ? -160 : 0, data.motion ? 20 : 0, w, h);
+  center();
+  if (chosen && poses[root]) look(chosen, false);
   viewer.set_dirty();
 };
-viewer.set_3d_pane_size();

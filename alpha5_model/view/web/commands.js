@@ -1,5 +1,6 @@
 // The scene, command by command: from this file, or over the connection.
 const geometries = {}; // a mesh that several shapes share comes with the first of them
+let unframed = false; // something came after the camera was placed
 const handle = viewer.handle_command.bind(viewer);
 
 viewer.handle_command = (command) => {
@@ -7,10 +8,18 @@ viewer.handle_command = (command) => {
     if (geometry.data) geometries[geometry.uuid] = geometry.data;
     else geometry.data = geometries[geometry.uuid];
   }
+  // What is seen through lies on a body in places: there it is the nearer one.
+  for (const each of command.type === "set_object" ? command.object.materials : []) {
+    Object.assign(each, { polygonOffset: each.opacity < 1, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
+  }
   handle(command);
   if (command.type === "set_property" && command.property === "visible") {
     const group = split(command.path)[2];
     if (group in shown) setGroup(group, command.value);
+  }
+  if (command.type === "set_object" && globalThis.alpha5 && !unframed) {
+    unframed = true;
+    requestAnimationFrame(() => { unframed = false; if (chosen) look(chosen, false); });
   }
   heard(command);
 };

@@ -15,18 +15,27 @@ function setGroup(name, on) {
   shown[name] = on;
   if (name === "see-through") seeThrough(on);
   else if (name !== "labels") viewer.set_property(split(`/meshcat/alpha5/${name}`), "visible", on);
-  const box = document.querySelector(`#groups input[name="${name}"]`);
-  if (box) box.checked = on;
-  if (name === "current") showTorques();
+  document.querySelector(`#groups input[name="${name}"]`).checked = on;
+  if (name === "current" && poses[root]) showTorques();
+  if (name === "ghosts" && poses[root]) showWays();
   viewer.set_dirty();
 }
 
 function seeThrough(on) {
-  viewer.scene_tree.find(split("/meshcat/alpha5/bodies")).object.traverse((object) => {
-    if (!object.material) return;
-    object.material.transparent = on;
-    object.material.opacity = on ? data.seeThrough : 1;
-    object.material.depthWrite = !on;
-    object.material.needsUpdate = true;
-  });
+  for (const { material } of meshes("/meshcat/alpha5/bodies")) {
+    Object.assign(material, { transparent: on, opacity: on ? data.seeThrough : 1, depthWrite: !on, needsUpdate: true });
+  }
 }
+
+// The backdrop follows the scheme: lighter than the dark bodies and, where it is light, darker than the jaws.
+function backdrop() {
+  const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.93, 0.95, 0.96], [0.70, 0.77, 0.82]];
+  viewer.set_property(["Background"], "top_color", top);
+  viewer.set_property(["Background"], "bottom_color", bottom);
+}
+// More light than in meshcat's own scene, for dark bodies.
+for (const [name, strength] of [["AmbientLight", 0.75], ["PointLightNegativeX", 0.5], ["PointLightPositiveX", 0.5], ["FillLight", 0.5]]) {
+  viewer.set_property(["Lights", name, "<object>"], "intensity", strength);
+}
+for (const name of ["Grid", "Axes"]) viewer.set_property([name], "visible", false);
+dark.addEventListener("change", backdrop);

@@ -1,29 +1,85 @@
-// Labels, laid over the canvas.
-for (const label of data.labels) {
-  label.element = added(byId("labels"), "div", { textContent: label.text });
-  label.element.style.color = `rgb(${label.color.map((c) => Math.round(255 * c))})`;
+// Labels, laid over the canvas beside what they name, each with a line to it; none lies on another.
+const GAP = 10;
+const ROW = 20;
+// Where a label may stand, the best first: right or left of its point [1 or -1], rows below it; up is better than down.
+const STEPS = [1, -1].flatMap((side) => Array.from({ length: 31 }, (_, k) => [side, k - 15]));
+const cost = ([side, step]) => Math.abs(step) + (side < 0 ? 2.5 : 0) + (step > 0 ? 1.2 : 0);
+STEPS.sort((one, other) => cost(one) - cost(other));
+const labels = [
+  ...data.labels.filter((label) => label.group !== "ghosts").map((label) => ({ ...label, where: () => origin(anchor(label.anchor)) })),
+  ...ghosts.map((ghost, i) => ghost.label = {
+    group: "ghosts",
+    text: "",
+    color: new THREE.Color(GHOSTS[i]).multiplyScalar(0.8).toArray(),
+    where: () => ghost.group.visible && origin(ghost.poses.link_3),
+    choose: () => ghost.open && take(i),
+  }),
+  { group: "ghosts", text: "target", color: [0.75, 0.05, 0.4], where: () => aim && toWorld(aim) },
+];
+for (const label of labels) {
+  label.element = added(byId("labels"), label.choose ? "button" : "div", { onclick: label.choose });
+  label.element.style.setProperty("--own", `rgb(${label.color.map((c) => Math.round(255 * c))})`);
+  label.line = added(byId("leaders"), "i");
+}
+const mark = added(byId("leaders"), "b");
+const gap = added(byId("leaders"), "i", { id: "gap" });
+
+const place2d = (element, x, y) => { element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`; };
+// A line is a thin element, turned: a drawing of the whole window would cost more than the picture.
+function drawLine(line, x1, y1, x2, y2) {
+  line.ends = [x1, y1, x2, y2];
+  line.style.display = "";
+  line.style.width = `${Math.hypot(x2 - x1, y2 - y1).toFixed(1)}px`;
+  line.style.transform = `translate(${x1.toFixed(1)}px, ${y1.toFixed(1)}px) rotate(${Math.atan2(y2 - y1, x2 - x1).toFixed(4)}rad)`;
 }
 
 function drawLabels() {
-  const pane = byId("pane");
-  const placed = [];
-  viewer.scene.updateMatrixWorld();
-  for (const label of data.labels) {
-    const point = new THREE.Vector3().setFromMatrixPosition(anchor(label.anchor));
-    point.applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
-    const visible = shown.labels && shown[label.group] && point.z < 1;
-    label.element.style.display = visible ? "" : "none";
-    if (visible) placed.push({ label, x: (point.x + 1) / 2 * pane.clientWidth + 10, y: (1 - point.y) / 2 * pane.clientHeight - 9 });
+  const [left, top, right, bottom] = free();
+  const [tipX, tipY] = onScreen(origin(poses.tcp));
+  const placed = [{ left: tipX - 10, right: tipX + 7, top: tipY - 10 }]; // the handle stays clear
+  const points = [];
+  for (const label of labels) {
+    const where = shown.labels && shown[label.group] && label.where();
+    const [x, y, depth] = where ? onScreen(where) : [0, 0, 2];
+    const seen = depth < 1 && x > left && x < right && y > top && y < bottom;
+    label.element.style.display = seen ? "" : "none";
+    label.line.style.display = "none";
+    if (!seen) continue;
+    if (label.element.textContent !== label.text) [label.element.textContent, label.width] = [label.text, 0];
+    label.width = label.width || label.element.offsetWidth;
+    points.push({ label, x, y });
   }
-  placed.sort((a, b) => a.y - b.y);
-  const width = (item) => item.label.element.offsetWidth;
-  placed.forEach((item, i) => {
-    for (const above of placed.slice(0, i)) {
-      const beside = item.x > above.x + width(above) || item.x + width(item) < above.x;
-      if (!beside && item.y < above.y + 18) item.y = above.y + 18;
-    }
-    item.label.element.style.transform = `translate(${item.x.toFixed(1)}px, ${item.y.toFixed(1)}px)`;
-  });
+  points.sort((a, b) => b.y - a.y);
+  for (const { label, x, y } of points) {
+    const fits = ([at, row]) => at > left && at + label.width < right && row > top && row + ROW < bottom && placed.every(
+      (box) => at >= box.right + 2 || at + label.width <= box.left - 2 || row >= box.top + ROW || row + ROW <= box.top);
+    const [at, row] = STEPS.map(([side, step]) => [x + (side > 0 ? GAP : -GAP - label.width), y - 9 + step * ROW]).find(fits) || [x + GAP, y - 9];
+    placed.push({ left: at, right: at + label.width, top: row });
+    place2d(label.element, at, row);
+    const end = [clamp(x, at, at + label.width), clamp(y, row + 2, row + ROW - 4)];
+    if (Math.hypot(end[0] - x, end[1] - y) > GAP + 3) drawLine(label.line, x, y, ...end);
+  }
+  drawTip();
 }
+
+// The handle on the tip, the target and, between them, what is missing.
+function drawTip() {
+  const from = onScreen(origin(poses.tcp));
+  place2d(tip, from[0], from[1]);
+  tip.style.display = from[2] < 1 ? "" : "none";
+  const to = aim ? onScreen(toWorld(aim)) : [0, 0, 2];
+  const away = to[2] < 1 && Math.hypot(to[0] - from[0], to[1] - from[1]) > 1;
+  mark.style.display = to[2] < 1 && (away || shown.ghosts) ? "" : "none";
+  place2d(mark, to[0], to[1]);
+  if (away && missed) drawLine(gap, ...from.slice(0, 2), ...to.slice(0, 2));
+  else gap.style.display = "none";
+}
+
 const render = viewer.render.bind(viewer);
-viewer.render = () => { render(); drawLabels(); };
+viewer.render = () => {
+  render();
+  if (!poses[root]) return;
+  drawLabels();
+  drawScale();
+  rendered();
+};

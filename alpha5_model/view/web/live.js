@@ -9,6 +9,7 @@ function heard(command) {
     viewer.camera.position.set(...swap(command.eye));
     viewer.controls.target.set(...swap(command.target));
     viewer.controls.update();
+    chosen = null;
   }
 }
 

@@ -1,8 +1,11 @@
 // A motion, played by the clock: a slow browser drops frames, not time.
 let started = null;
-const last = data.motion ? data.motion.time[data.motion.time.length - 1] : 0;
-function seek(time) {
-  const times = data.motion.time;
+const times = data.motion ? data.motion.time : [0];
+const last = times[times.length - 1];
+let now = 0;
+
+// Rows of numbers over the motion's time, between its samples on straight lines.
+function between(columns, time) {
   let i = 1;
   let high = times.length - 1;
   while (i < high) {
@@ -10,31 +13,41 @@ function seek(time) {
     if (times[middle] < time) i = middle + 1; else high = middle;
   }
   const span = times[i] - times[i - 1];
-  const part = span > 0 ? Math.min(Math.max((time - times[i - 1]) / span, 0), 1) : 1;
-  setPose(data.motion.q[i].map((after, j) => data.motion.q[i - 1][j] + part * (after - data.motion.q[i - 1][j])), "motion");
-  byId("time").value = time;
-  byId("clock").textContent = `${time.toFixed(1)} / ${last.toFixed(1)} s  ${data.motion.name}`;
+  const part = span > 0 ? clamp((time - times[i - 1]) / span, 0, 1) : 1;
+  return columns[i].map((after, j) => columns[i - 1][j] + part * (after - columns[i - 1][j]));
 }
-function tick(now) {
+
+function seek(time) {
+  now = clamp(time, 0, last);
+  setPose(between(data.motion.q, now), "motion");
+  showTime();
+}
+function showTime() {
+  byId("time").value = now;
+  byId("clock").firstChild.textContent = `${now.toFixed(1)} / ${last.toFixed(1)} s`;
+  showStrip();
+}
+function tick(clock) {
   if (started === null) return;
-  seek(((now - started) / 1e3) % last);
+  seek(((clock - started) / 1e3) % last);
   requestAnimationFrame(tick);
 }
 function play() {
-  started = performance.now() - 1e3 * (Number(byId("time").value) % last);
-  byId("play").textContent = "\u2016";
+  start(performance.now() - 1e3 * (now % last));
   requestAnimationFrame(tick);
 }
-function pause() {
-  started = null;
-  byId("play").textContent = "\u25b6";
+const pause = () => start(null);
+function start(clock) {
+  started = clock;
+  byId("play").textContent = started === null ? "\u25b6" : "\u275a\u275a";
+  byId("play").setAttribute("aria-label", started === null ? "Play" : "Pause");
 }
-onPose((by) => { if (by !== "motion") pause(); });
+onPose((by) => { if (by !== "motion" && started !== null) pause(); });
+
 if (data.motion) {
-  byId("player").hidden = false;
+  byId("strip").hidden = false;
   byId("time").max = last;
-  byId("time").value = 0;
-  byId("clock").textContent = `0.0 / ${last.toFixed(1)} s  ${data.motion.name}`;
+  byId("clock").append("", added(byId("clock"), "span", { textContent: data.motion.name, title: data.motion.name }));
   byId("play").onclick = () => (started === null ? play() : pause());
-  byId("time").oninput = () => { pause(); seek(Number(byId("time").value)); };
+  byId("time").oninput = () => { pause(); seek(byId("time").valueAsNumber); };
 }

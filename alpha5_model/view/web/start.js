@@ -1,5 +1,12 @@
-// All is there: place the arm, and hand out what a script may use.
+// All is there: place the arm, frame it, and hand out what a script may use.
+backdrop();
 place("page");
-if (shown["see-through"]) setGroup("see-through", true);
-globalThis.alpha5 = { viewer, data, q, holding, setJoint, setPose, onPose, setGroup, seek, play, pause, poses: () => poses };
+for (const name in shown) setGroup(name, shown[name]);
+fold(narrow.matches);
+unfold(narrow.matches || window.innerHeight > 720);
+look("home", false);
+globalThis.alpha5 = {
+  viewer, data, q, holding, setJoint, setPose, onPose, setGroup, seek, play, pause, poses: () => poses,
+  look, free, reach, follow, setAim, aim: () => aim, ghosts, picture, record,
+};
 document.documentElement.dataset.ready = "true";

@@ -1,0 +1,60 @@
+// The other ways to the target, or to where the tcp is, as ghosts; a click on one takes it.
+const GHOSTS = ["#0d8c80", "#d9730d", "#734dbf", "#8c801a"];
+const ghosts = data.branches.map((name, i) => {
+  const solid = { color: GHOSTS[i], transparent: true, depthWrite: true, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
+  return { material: new THREE.MeshPhongMaterial(solid), group: new THREE.Group(), links: {}, label: null, open: false };
+});
+
+// Copies of the bodies, made when they are first needed: they share the bodies' geometries.
+function haunt(ghost) {
+  for (const link in data.links) {
+    if (link === root || link === "link_0") continue;
+    const copy = new THREE.Group();
+    for (const part of meshes(data.links[link])) copy.add(new THREE.Mesh(part.geometry, ghost.material));
+    if (!copy.children.length) continue;
+    copy.matrixAutoUpdate = false;
+    ghost.group.add(copy);
+    ghost.links[link] = copy;
+  }
+  if (Object.keys(ghost.links).length) viewer.scene_tree.find(split("/meshcat/alpha5/ghosts")).object.add(ghost.group);
+}
+
+// What equals the arm, or another ghost, is not drawn.
+function drawGhosts(found) {
+  const drawn = [poses];
+  ghosts.forEach((ghost, i) => {
+    ghost.open = found.within_limits[i];
+    ghost.group.visible = shown.ghosts && found.exists[i] && apart(found.q[i], angles()) > 1e-6;
+    ghost.label.text = `${wayNames[i]}${ghost.open ? "" : ", beyond the limits"}`;
+    if (!ghost.group.visible) return;
+    if (!ghost.group.parent) haunt(ghost);
+    ghost.material.opacity = ghost.open ? 0.42 : 0.16;
+    ghost.poses = forwardKinematics(named(withJaws(found.q[i])));
+    for (const link in ghost.links) {
+      const pose = ghost.poses[link];
+      ghost.links[link].matrix.copy(pose);
+      ghost.links[link].visible = !drawn.some((other) => apart(pose.elements, other[link].elements) < 1e-6);
+    }
+    drawn.push(ghost.poses);
+  });
+}
+
+// A click, not the end of a turn of the view.
+let pressed = null;
+byId("pane").addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
+byId("pane").addEventListener("click", (event) => {
+  if (!pressed || Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > 5) return;
+  const chosen = ghostAt(event.clientX, event.clientY);
+  if (chosen >= 0) take(chosen);
+});
+function ghostAt(x, y) {
+  const caster = new THREE.Raycaster();
+  const pane = byId("pane");
+  caster.setFromCamera({ x: 2 * x / pane.clientWidth - 1, y: 1 - 2 * y / pane.clientHeight }, viewer.camera);
+  const seen = ghosts.map((ghost, i) => {
+    const hit = ghost.group.visible && ghost.open && caster.intersectObject(ghost.group, true).find((each) => each.object.parent.visible);
+    return hit ? hit.distance : Infinity;
+  });
+  const nearest = Math.min(...seen);
+  return nearest < Infinity ? seen.indexOf(nearest) : -1;
+}

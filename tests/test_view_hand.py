@@ -1,0 +1,536 @@
+"""The page under a hand, in a real browser: drag, ghosts, views, limits, strip, layout; two windows, two schemes."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Tab, needs_browser, new_tab
+from PIL import Image
+
+import alpha5_model as a5
+from alpha5_model.description.urdf_reading import urdf_shapes
+from alpha5_model.paths import JAWS_URDF_PATH
+from alpha5_model.trajectory import analyse
+from alpha5_model.trajectory.motion import Motion
+from alpha5_model.view.arm_poses import pose_of, tour
+from alpha5_model.view.build import build_scene
+from alpha5_model.view.page import static_page
+from alpha5_model.view.shapes import drawn
+
+pytestmark = needs_browser
+
+WINDOWS = {
+    "wide light": ((1400, 900), "light"),
+    "wide dark": ((1400, 900), "dark"),
+    "phone light": ((400, 800), "light"),
+    "phone dark": ((400, 800), "dark"),
+}
+#: Where all four branches reach.
+OPEN = np.array([0.06, 0.05, 0.36])
+
+
+@pytest.fixture(scope="module")
+def arm() -> a5.Arm:
+    return a5.load(gripper="jaws")
+
+
+@pytest.fixture(scope="module")
+def moved(arm: a5.Arm) -> Motion:
+    """A raised pose, and back, in less than two seconds."""
+    home = pose_of(arm, "home")
+    return tour([home, home + np.array([0.2, 0.25, -0.2, 0.4, 0.0]), home])
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory, arm: a5.Arm, moved: Motion) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("pages")
+    scenes = {
+        "motion": build_scene(arm, motion=moved),
+        "reached": build_scene(arm, target=OPEN),
+        "far": build_scene(arm, target=[0.3, -0.4, 0.5]),
+        "beyond": build_scene(arm, pose_of(arm, "3,1,1,9")),
+    }
+    for name, scene in scenes.items():
+        (folder / f"{name}.html").write_text(static_page(scene), encoding="utf-8")
+    return {name: folder / f"{name}.html" for name in scenes}
+
+
+@pytest.fixture(scope="module")
+def tabs(chromium: Any, files: dict[str, Path]) -> Iterator[dict[str, Tab]]:
+    """A page with a motion in every window."""
+    out = {}
+    for name, (size, scheme) in WINDOWS.items():
+        out[name] = new_tab(chromium, size, color_scheme=scheme, reduced_motion="reduce")
+        out[name].open(files["motion"].as_uri())
+    yield out
+    for name, tab in out.items():
+        assert tab.complaints == [], name
+        assert tab.requests == [files["motion"].as_uri()], name
+        tab.page.close()
+
+
+@pytest.fixture
+def tab(tabs: dict[str, Tab], request: pytest.FixtureRequest) -> Tab:
+    """That window, as it was opened."""
+    one = tabs[getattr(request, "param", "wide light")]
+    one.run(
+        "() => { alpha5.pause(); alpha5.setAim(null); alpha5.setPose(alpha5.data.poses.home);"
+        "for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.shown); alpha5.look('home', false); }"
+    )
+    one.settle()
+    return one
+
+
+every_window = pytest.mark.parametrize("tab", list(WINDOWS), indirect=True)
+
+
+def joints(tab: Tab) -> np.ndarray:
+    return np.array(list(tab.run("() => alpha5.q").values()))
+
+
+def drag(tab: Tab, pixels: tuple[float, float], release: bool = True) -> np.ndarray:
+    """Drag the tip by its handle; the point that the pointer asks for, by the camera's matrices."""
+    start = np.array(tab.run("() => alpha5.poses().tcp.elements.slice(12, 15)"))
+    goal = tab.shifted(start, pixels)
+    box = tab.page.locator("#tip").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    np.testing.assert_allclose([x, y], tab.project(start[None])[0], atol=0.2)
+    tab.page.mouse.move(x, y)
+    tab.page.mouse.down()
+    tab.page.mouse.move(x + pixels[0], y + pixels[1], steps=3)
+    if release:
+        tab.page.mouse.up()
+    return goal
+
+
+@every_window
+def test_the_tip_follows_the_pointer_on_its_branch(tab: Tab, arm: a5.Arm) -> None:
+    before = joints(tab)
+    branch = a5.inverse_kinematics(arm.forward_kinematics(before).translation, before[3])
+    kept = int(np.nanargmin(np.abs(branch.q - before[:4]).max(axis=1)))
+    wide = tab.size()[0] > 1000
+    goal = drag(tab, (-60, -70) if wide else (-20, -25))
+    q = joints(tab)
+    assert np.linalg.norm(arm.forward_kinematics(q).translation - goal) < 1e-4
+    assert np.linalg.norm(goal - arm.forward_kinematics(before).translation) > 0.03
+    np.testing.assert_allclose(q[:4], a5.inverse_kinematics(goal, q[3]).q[kept], atol=1e-3)
+    assert q[4] == before[4], "the jaws stay as they are"
+    assert tab.run("() => document.querySelector('#message').textContent") == ""
+
+
+def test_outside_the_reach_the_tip_stops_at_the_nearest_point(tab: Tab, arm: a5.Arm) -> None:
+    goal = drag(tab, (420, -60))
+    place = arm.forward_kinematics(joints(tab)).translation
+    away = float(a5.distance_to_reach(goal))
+    assert away > 0.02
+    assert np.linalg.norm(place - goal) == pytest.approx(away, abs=1e-4)
+    said = tab.run("() => document.querySelector('#message').textContent")
+    assert "out of reach" in said
+    assert float(re.findall(r"[\d.]+(?= mm)", said)[0]) == pytest.approx(1e3 * away, abs=0.11)
+
+
+def test_nearest_points_of_all_branches_are_the_nearest_of_the_reach(tab: Tab, arm: a5.Arm) -> None:
+    rng = np.random.default_rng(3)
+    targets = np.concatenate(
+        [
+            rng.normal((0, 0, 0.1), 0.35, (40, 3)),
+            rng.normal((0, 0, 0.05), 0.06, (40, 3)),  # near the axis and the folded arm
+            np.outer(
+                rng.uniform(-1.5, 1.5, 20), [0.4, -0.025, 0.1]
+            ),  # azimuths that theta_0 leaves out
+        ]
+    )
+    found = tab.run(
+        "(targets) => targets.map((p) => [0, 1, 2, 3].map((i) => alpha5.reach(p, i)))",
+        targets.tolist(),
+    )
+    away = np.array([[way["away"] for way in ways] for ways in found])
+    expected = a5.distance_to_reach(targets)
+    assert (expected > 0).sum() > 30
+    np.testing.assert_allclose(away.min(axis=1), expected, atol=1e-9)
+    for target, ways in zip(targets, found, strict=True):
+        for i, way in enumerate(ways):
+            q = np.array(way["q"])
+            place = arm.forward_kinematics(np.append(q, 0.002)).translation
+            assert np.linalg.norm(place - target) == pytest.approx(way["away"], abs=1e-9)
+            limits = a5.parameters().joints[:4]
+            assert all(
+                j.lower - 1e-9 <= x <= j.upper + 1e-9 for j, x in zip(limits, q, strict=True)
+            )
+            again = a5.inverse_kinematics(place, q[3])
+            assert np.abs(again.q[i] - q)[1:3].max() < 2e-4 or again.singular, "on its own branch"
+
+
+def outline(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
+    """Points along the arm, shoulder to tcp."""
+    ends = [arm.forward_kinematics(q, frame=f).translation for f in ("link_2", "link_3", "tcp")]
+    t = np.linspace(0.1, 0.9, 15)[:, None]
+    return np.concatenate([a + t * (b - a) for a, b in pairwise(ends)])
+
+
+@pytest.mark.parametrize("tab", ["wide light", "wide dark"], indirect=True)
+def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
+    tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
+    tab.run("() => { alpha5.setGroup('labels', false); alpha5.look('side', false); }")
+    tab.settle()
+    q = joints(tab)
+    ways = a5.inverse_kinematics(OPEN, q[3])
+    assert ways.within_limits.all()
+    pixels = [tab.project(outline(arm, np.append(way, q[4]))) for way in ways.q]
+    # the point of a ghost that lies furthest from the rest
+    clear = [
+        min(np.linalg.norm(pixels[i][:, None] - other, axis=-1).min(axis=1) for other in
+            [np.concatenate([pixels[j] for j in range(4) if j != i])])
+        for i in range(4)
+    ]  # fmt: skip
+    chosen = 1 + int(np.argmax([c.max() for c in clear[1:]]))
+    x, y = pixels[chosen][clear[chosen].argmax()]
+    tab.page.mouse.click(x, y)
+    after = joints(tab)
+    np.testing.assert_allclose(after[:4], ways.q[chosen], atol=1e-9)
+    # what equals the arm is not drawn any more, the way that it left is
+    seen = tab.run(
+        "() => alpha5.ghosts.map((g) => g.group.visible && Object.values(g.links).some((l) => l.visible))"
+    )
+    assert seen == [i != chosen for i in range(4)]
+    tab.page.mouse.click(float(tab.size()[0]) - 5, 450)  # where there is no ghost
+    np.testing.assert_array_equal(joints(tab), after)
+
+
+@pytest.mark.parametrize("tab", ["phone light", "phone dark"], indirect=True)
+def test_a_tap_on_a_ghosts_label_takes_its_way(tab: Tab) -> None:
+    tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
+    tab.settle()
+    tab.page.get_by_role("button", name="overarm flipped").and_(
+        tab.page.locator("#labels *")
+    ).click()
+    expected = a5.inverse_kinematics(OPEN, joints(tab)[3]).q[3]
+    np.testing.assert_allclose(joints(tab)[:4], expected, atol=1e-9)
+
+
+def body_points(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
+    """Corners of all bodies in the world."""
+    folder = str(Path(JAWS_URDF_PATH).parent)
+    parts = []
+    for shape in urdf_shapes(Path(JAWS_URDF_PATH).read_text()):
+        pose = arm.forward_kinematics(q, frame=shape.link).homogeneous
+        parts.append(drawn(shape, folder).vertices[::7] @ pose[:3, :3].T + pose[:3, 3])
+    return np.concatenate(parts)
+
+
+@every_window
+def test_views_by_button_and_key_frame_the_whole_motion(
+    tab: Tab, arm: a5.Arm, moved: Motion
+) -> None:
+    track = tab.run("() => alpha5.data.motion.q")
+    points = np.concatenate([body_points(arm, np.array(q)) for q in track[:: len(track) // 4]])
+    for key, name, back in (
+        ("1", "Front", (1, 0, 0)),
+        ("2", "Side", (0, -1, 0)),
+        ("3", "Top", (0, 0, 1)),
+        ("h", "Home", np.array([0.35, -1, 0.42]) / np.linalg.norm([0.35, -1, 0.42])),
+    ):
+        for act in (
+            lambda key=key: tab.page.keyboard.press(key),
+            lambda name=name: tab.page.get_by_role("button", name=name, exact=True).click(),
+        ):
+            tab.run("() => { alpha5.viewer.camera.position.set(2, 1, 1); }")
+            act()
+            tab.settle()
+            x, y, z = tab.run(
+                "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target)"
+                ".normalize().toArray()"
+            )
+            np.testing.assert_allclose([x, -z, y], back, atol=2e-4)
+            left, top, right, bottom = tab.run("() => alpha5.free()")
+            seen = tab.project(points)
+            assert (seen > [left, top]).all(), name
+            assert (seen < [right, bottom]).all(), name
+            share = np.ptp(seen, axis=0) / [right - left, bottom - top]
+            assert share.max() > 0.6, f"{name}: the picture is filled"
+
+
+def test_a_view_turned_by_hand_is_fitted_as_it_looks(tab: Tab) -> None:
+    tab.page.mouse.move(900, 200)
+    tab.page.mouse.down()
+    tab.page.mouse.move(1000, 260, steps=2)
+    tab.page.mouse.up()
+    back = "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target).normalize().toArray()"
+    before = tab.run(back)
+    tab.page.keyboard.press("f")
+    np.testing.assert_allclose(tab.run(back), before, atol=1e-9)
+
+
+def test_the_scale_bar_is_as_long_as_it_says(tab: Tab) -> None:
+    tab.run("() => { alpha5.setGroup('weight', true); alpha5.look('side', false); }")
+    tab.settle()
+    x, _, z = tab.run("() => alpha5.viewer.controls.target.toArray()")
+    middle = np.array([x, 0.0, 0.0])
+    y = -z
+    bars = tab.run(
+        "() => [...document.querySelectorAll('#scale div:not([hidden])')].map((d) => [d.textContent, "
+        "Number(d.dataset.size), d.querySelector('i').getBoundingClientRect().width])"
+    )
+    assert [text.split()[1] for text, *_ in bars] == ["mm", "N"]
+    for (_, size, width), metres in zip(bars, (1e-3, 0.015), strict=True):
+        ends = np.array([[middle[0], y, 0.0], [middle[0] + size * metres, y, 0.0]])
+        (one, other) = tab.project(ends)
+        assert width == pytest.approx(other[0] - one[0], rel=2e-3)
+
+
+def beyond(tab: Tab) -> tuple[str, list[str]]:
+    return tab.run(
+        "() => [document.querySelector('#message').textContent, "
+        "[...document.querySelectorAll('.joint.beyond label')].map((l) => l.textContent)]"
+    )
+
+
+def red(pixels: np.ndarray) -> int:
+    """Pixels of a red body."""
+    r, g, b = np.moveaxis(pixels, -1, 0)
+    return int(((r > 120) & (r > 1.8 * g) & (r > 1.8 * b)).sum())
+
+
+def test_joints_beyond_their_limits_are_marked(chromium: Any, files: dict[str, Path]) -> None:
+    tab = new_tab(chromium, (1400, 900))
+    tab.open(files["beyond"].as_uri())
+    said, rows = beyond(tab)
+    assert said == "axis_b at 515.7° is above its upper limit, 355.2°."
+    assert rows == ["axis_b"]
+    tab.run(
+        "() => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.name === 'bodies'); }"
+    )
+    assert red(tab.pixels()) > 1500
+    # typed in radians, within its limits
+    tab.page.get_by_role("button", name="rad", exact=True).click()
+    field = tab.page.locator("#axis_b-value")
+    assert field.input_value() == "9.0000"
+    field.fill("1.25")
+    field.press("Enter")
+    assert beyond(tab) == ["", []]
+    assert tab.run("() => alpha5.q.axis_b") == 1.25
+    assert red(tab.pixels()) == 0
+    # typed in degrees, below a lower limit
+    tab.page.get_by_role("button", name="deg", exact=True).click()
+    tab.page.locator("#axis_d-value").fill("-10")
+    tab.page.locator("#axis_d-value").press("Enter")
+    said, rows = beyond(tab)
+    assert said == "axis_d at \u221210.0° is below its lower limit, 1.0°."
+    assert rows == ["axis_d"]
+    assert tab.complaints == []
+    tab.page.close()
+
+
+@pytest.mark.parametrize("name", ["reached", "far"])
+def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
+    chromium: Any, files: dict[str, Path], arm: a5.Arm, name: str
+) -> None:
+    tab = new_tab(chromium, (1400, 900))
+    tab.open(files[name].as_uri())
+    target = np.array(tab.run("() => alpha5.data.target"))
+    place = arm.forward_kinematics(joints(tab)).translation
+    away = float(a5.distance_to_reach(target))
+    assert np.linalg.norm(place - target) == pytest.approx(away, abs=1e-9)
+    said = beyond(tab)[0]
+    assert said == (
+        f"Target out of reach: the tip stops {1e3 * away:.1f} mm from it." if away else ""
+    )
+    assert bool(away) == (name == "far")
+    typed = [tab.page.locator(f"#target input[name={axis}]").input_value() for axis in "xyz"]
+    np.testing.assert_allclose(np.array(typed, float), 1e3 * target, atol=0.051)
+    # another one, typed
+    for axis, value in zip("xyz", (-180, 60, 160), strict=True):
+        tab.page.fill(f"#target input[name={axis}]", str(value))
+    tab.page.press("#target input[name=z]", "Enter")
+    place = arm.forward_kinematics(joints(tab)).translation
+    np.testing.assert_allclose(place, [-0.18, 0.06, 0.16], atol=1e-9)
+    assert beyond(tab)[0] == ""
+    tab.page.close()
+
+
+@pytest.mark.parametrize("tab", ["wide dark", "phone light"], indirect=True)
+def test_the_strip_shows_what_python_computes_there(tab: Tab, arm: a5.Arm, moved: Motion) -> None:
+    analysis = analyse(moved, arm)
+    time = analysis.smooth.time
+    causes = {"Coriolis" if k == "coriolis" else k: v for k, v in analysis.causes().items()}
+    causes["total"] = analysis.torque
+    del causes["friction"]
+    read = (
+        "() => [...document.querySelectorAll('#charts figure')].map((f) => Object.fromEntries("
+        "[...f.querySelectorAll('.item')].map((i) => [i.dataset.curve, "
+        "Number(i.querySelector('output').dataset.value)])))"
+    )
+    for joint, at in ((1, 0.3), (2, 0.62), (4, 0.8)):
+        tab.page.select_option("#torque-of", index=joint)
+        tab.run("(t) => alpha5.seek(t)", at * time[-1])
+        torque, force, moment = tab.run(read)
+        now = tab.run("() => Number(document.getElementById('time').value)")
+        assert now == pytest.approx(at * time[-1])
+        assert set(torque) == set(causes)
+        for name, value in torque.items():
+            expected = np.interp(now, time, causes[name][:, joint])
+            assert value == pytest.approx(expected, abs=1e-5), name
+        for values, first in ((force, 0), (moment, 3)):
+            expected = [np.interp(now, time, analysis.base_wrench[:, first + k]) for k in range(3)]
+            np.testing.assert_allclose([values[axis] for axis in "xyz"], expected, atol=1e-5)
+    # a hand in the strip moves arm, player and cursor alike
+    box = tab.page.locator("#charts svg").first.bounding_box()
+    tab.page.mouse.move(box["x"] + 3, box["y"] + 20)
+    tab.page.mouse.down()
+    tab.page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 20, steps=2)
+    tab.page.mouse.up()
+    now = tab.run("() => Number(document.getElementById('time').value)")
+    assert now == pytest.approx(0.4 * time[-1], rel=0.02)
+    expected = [np.interp(now, moved.time, column) for column in moved.position.T]
+    np.testing.assert_allclose(joints(tab), expected, atol=2e-5)
+    cursor = tab.page.locator("#charts .plot i").first.bounding_box()
+    assert cursor["x"] + 1 == pytest.approx(box["x"] + 0.4 * box["width"], abs=1.5)
+
+
+def test_picture_and_film_hold_what_is_seen(tab: Tab, moved: Motion) -> None:
+    picture = tab.run("() => alpha5.picture()").split(",")[1]
+    shot = np.asarray(Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")).astype(int)
+    left, top, right, bottom = tab.run("() => alpha5.free()")
+    assert abs(shot.shape[1] - (right - left)) <= 2
+    assert abs(shot.shape[0] - (bottom - top)) <= 2
+    assert 0.01 < (shot.max(axis=2) < 90).mean() < 0.4, "the arm"
+    x, y = tab.project(np.array([tab.run("() => alpha5.poses().tcp.elements.slice(12, 15)")]))[0]
+    label = shot[
+        round(y - top) - 8 : round(y - top) + 8, round(x - left) + 12 : round(x - left) + 32
+    ]
+    assert label.max() > 225, "the label's paper beside the tcp"
+    assert label.min() < 130, "and its letters"
+    with tab.page.expect_download(timeout=30_000) as film:
+        tab.page.locator("#video").click()
+    assert film.value.suggested_filename == "alpha5.webm"
+    content = Path(film.value.path()).read_bytes()
+    assert content.startswith(b"\x1a\x45\xdf\xa3"), "EBML, of which WebM is made"
+    assert len(content) > 5000
+    with tab.page.expect_download() as kept:
+        tab.page.get_by_role("button", name="PNG").click()
+    with Image.open(kept.value.path()) as image:
+        assert image.size == shot.shape[1::-1]
+
+
+_CLIPPED = """() => {
+  const bad = [];
+  for (const element of document.querySelectorAll("body *")) {
+    if (element.closest("#pane, script, .dg, #labels, option") || !element.checkVisibility()) continue;
+    const texts = [...element.childNodes].filter((n) => n.nodeType === 3 && n.textContent.trim());
+    if (!texts.length && element.tagName !== "SELECT") continue;
+    const box = element.getBoundingClientRect();
+    const range = document.createRange();
+    range.selectNodeContents(element);
+    const ink = element.tagName === "SELECT" ? box : range.getBoundingClientRect();
+    const scroll = element.closest("#panel");
+    const edge = scroll ? scroll.getBoundingClientRect() : { left: 0, right: innerWidth };
+    if (element.scrollWidth > element.clientWidth + 1 && getComputedStyle(element).display !== "inline")
+      bad.push(["cut", element.textContent]);
+    if (ink.left < edge.left - 0.5 || ink.right > edge.right + 0.5) bad.push(["outside", element.textContent]);
+    for (const other of document.querySelectorAll("figcaption *, #player > *, .joint > *, #target > *, header > *")) {
+      if (other.contains(element) || element.contains(other) || other.parentElement !== element.parentElement) continue;
+      const b = other.getBoundingClientRect();
+      if (b.width && ink.left < b.right - 1 && ink.right > b.left + 1 && ink.top < b.bottom - 1 && ink.bottom > b.top + 1)
+        bad.push(["over", element.textContent, other.textContent]);
+    }
+  }
+  return bad;
+}"""
+
+
+@every_window
+def test_no_text_is_cut_and_nothing_lies_on_it(tab: Tab) -> None:
+    phone = tab.size()[0] < 760
+    folded = tab.page.locator("#fold").get_attribute("aria-expanded") == "false"
+    assert folded == phone, "on a phone the sheet is folded at first"
+    assert tab.run("() => document.documentElement.scrollWidth <= innerWidth")
+    assert tab.run(_CLIPPED) == []
+    if phone:
+        tab.page.locator("#fold").click()
+        assert tab.page.locator("#fold").get_attribute("aria-expanded") == "true"
+        tab.settle()
+        assert tab.run(_CLIPPED) == []
+        box = tab.page.locator("#panel").bounding_box()
+        assert box["y"] > 200, "the arm stays in sight"
+        assert box["y"] + box["height"] == pytest.approx(tab.size()[1], abs=1)
+        small = tab.run(
+            "() => [...document.querySelectorAll('button, input, select, #groups label')]"
+            ".filter((e) => e.checkVisibility() && !e.closest('#labels, .dg') && e.type !== 'checkbox')"
+            ".map((e) => [e.id || e.name || e.textContent, e.getBoundingClientRect()])"
+            ".filter(([, b]) => b.width < 40 || b.height < 40).map(([name, b]) => [name, b.width, b.height])"
+        )
+        assert small == []
+        tab.page.locator("#fold").click()
+    # the measure sees a text that is cut
+    tab.run(
+        "() => { document.querySelector('h1').style.cssText = 'width: 20px; overflow: hidden; white-space: nowrap'; }"
+    )
+    assert ["cut", "Reach Alpha 5"] in tab.run(_CLIPPED)
+    tab.run("() => { document.querySelector('h1').style.cssText = ''; }")
+
+
+@every_window
+def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(tab: Tab, arm: a5.Arm) -> None:
+    dark = tab.run("() => matchMedia('(prefers-color-scheme: dark)').matches")
+    ink, paper = (
+        [float(x) for x in re.findall(r"[\d.]+", text)][:3]
+        for text in tab.run(
+            "() => { const s = getComputedStyle(document.getElementById('panel')); return [s.color, s.backgroundColor]; }"
+        )
+    )
+    assert (sum(ink) > sum(paper)) == dark
+    assert abs(sum(ink) - sum(paper)) > 450, "enough to read"
+    tab.run(
+        "() => { for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.name === 'bodies'); alpha5.look('fit', false); }"
+    )
+    with_jaws = tab.pixels()
+    tab.run("() => alpha5.setGroup('bodies', false)")
+    without = tab.pixels()
+    tcp = arm.forward_kinematics(joints(tab)).translation
+    x, y = tab.project(tcp[None])[0].round().astype(int)
+    near = slice(y - 40, y + 40), slice(x - 40, x + 40)
+    difference = np.abs(with_jaws[near] - without[near]).max(axis=2)
+    there = difference > 4
+    assert there.mean() > 0.03
+    assert np.median(difference[there]) > 20
+
+
+def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(tab: Tab) -> None:
+    tab.run(
+        "() => { for (const g of ['frames', 'weight', 'buoyancy', 'ghosts']) alpha5.setGroup(g, true); }"
+    )
+    tab.settle()
+    boxes, lines = tab.run(
+        "() => [[...document.querySelectorAll('#labels > *')].filter((e) => e.style.display !== 'none')"
+        ".map((e) => e.getBoundingClientRect()).map((b) => [b.left, b.top, b.right, b.bottom]),"
+        "[...document.querySelectorAll('#leaders i')].filter((e) => e.style.display !== 'none' && e.ends).length]"
+    )
+    assert len(boxes) > 15
+    assert lines > 0
+    for i, (l, t, r, b) in enumerate(boxes):  # noqa: E741
+        for left, top, right, bottom in boxes[:i]:
+            assert r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+
+
+def test_what_is_seen_through_does_not_fight_with_what_it_lies_on(tab: Tab) -> None:
+    """Collision bodies lie nearer, ghosts further than the bodies, by polygon offset."""
+    offsets = tab.run(
+        "() => { const out = {}; alpha5.setGroup('ghosts', true); alpha5.follow([0.06, 0.05, 0.36], 0);"
+        "for (const group of ['bodies', 'collision', 'ghosts']) alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', group])"
+        ".object.traverse((o) => { if (o.isMesh) (out[group] = out[group] || new Set())"
+        ".add(o.material.polygonOffset ? Math.sign(o.material.polygonOffsetFactor) : 0); });"
+        "return Object.fromEntries(Object.entries(out).map(([k, v]) => [k, [...v]])); }"
+    )
+    assert offsets == {"bodies": [0], "collision": [-1], "ghosts": [1]}
+
+
+def test_the_page_is_small(files: dict[str, Path]) -> None:
+    assert all(path.stat().st_size < 4e6 for path in files.values())
