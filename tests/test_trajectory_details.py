@@ -247,6 +247,21 @@ def test_parts_are_put_together_in_order(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert (tmp_path / "parts.csv").read_text() == (tmp_path / "whole.csv").read_text()
 
 
+def test_positions_in_another_unit_are_said() -> None:
+    t, q = resting()
+    for column, size, words in (
+        (1, 180 / math.pi, "(is it in degrees?)"),
+        (4, 1e3, "(is it in mm?)"),
+    ):
+        other = q.copy()
+        other[:, column] *= size
+        [warning] = [w for w in a5.trajectory.motion(t, other).warnings if "outside" in w.text]
+        assert warning.text.endswith(words)
+        other[:, column] = 1.1 * RANGES[column][1]
+        [warning] = a5.trajectory.motion(t, other).warnings
+        assert "is it in" not in warning.text
+
+
 def test_reading_reports_progress_by_blocks(tmp_path: Path) -> None:
     assert CHUNK == 50_000
     t, q = resting(60)

@@ -187,6 +187,8 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
         slack = LIMIT_SLACK * span
         outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
         text = f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}"
+        if np.abs(q[:, column]).max() > 4 * bound.upper:
+            text += f" (is it in {'mm' if unit == 'm' else 'degrees'}?)"
         warn("outside_limits", samples[outside], name, text)
     v, e = (None if table is None else frozen(table[keep]) for table in (velocity, effort))
     return replace(

@@ -29,8 +29,8 @@ def _lines(record: dict[str, Any]) -> Iterator[str]:
     heads = {"torque": "torque", "current": "A", "by friction's tolerance": "A"}
     heads["speed"] = "velocity"
     yield from _by_joint("peaks", joints, heads, _peaks)
-    if "interval" in joints["axis_d"]["torque_peak"]:
-        peaks = (j["torque_peak"]["interval"] for j in [*joints.values()][:4])
+    peaks = [j["torque_peak"].get("interval") for j in [*joints.values()][:4]]
+    if all(peaks):
         halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in peaks)
         yield f"  digits of Tables 2, 3: torque peaks ±({halves}) N m"
     heads = {"torque": "torque", "current": "A", "speed": "velocity", "range": "position"}
