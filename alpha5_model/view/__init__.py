@@ -30,8 +30,9 @@ def view(
 
     Args:
         arm: What to show.
-        q: Joint positions, (nq,); the pose ``home`` if None.
-        target: Position, (3,) [m]; every solution of its inverse kinematics is shown as a ghost.
+        q: Joint positions, (nq,). If None: with the tcp at the target, or at the nearest point that it
+            reaches; the pose ``home`` without one.
+        target: Position in base_link, (3,) [m]; the other solutions of its inverse kinematics are ghosts.
         motion: Played in real time by the page.
         show: Groups to show, of `alpha5_model.view.scene.GROUPS`; the others can be switched on.
         port: Of the page on this machine; 0 for a free one.
