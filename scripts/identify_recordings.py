@@ -30,7 +30,7 @@ import numpy as np
 import validate_recordings as recordings
 
 import alpha5_model as a5
-from alpha5_model.dynamics.regressor import NAMES, regressor_rows
+from alpha5_model.dynamics.batch import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.uncertainty import printed
 

@@ -14,13 +14,11 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import GRAVITY, AuditRow, audited, figure
-from alpha5_model.dh import DHChain
+from alpha5_model.consistency.row import AuditRow, audited, figure
 from alpha5_model.fluids import AIR, FRESH_WATER
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import ActuatorRow, Published
-from alpha5_model.spatial import rotation_about
 
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
@@ -45,23 +43,15 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
     The torque is ``A cos(theta_1) + B sin(theta_1)``; the range of theta_1 spans more than half a
     turn, so ``sqrt(A^2 + B^2)`` is reached, and only theta_2 and theta_3 are searched.
     """
-    chain = DHChain.alpha5()
+    from alpha5_model.dynamics import arm_of  # late: Pinocchio
+
     grid = np.meshgrid(*(np.linspace(j.lower, j.upper, 121) for j in p.joints[2:4]), indexing="ij")
     q = np.zeros((2, grid[0].size, 4))
     q[..., 2], q[..., 3] = grid[0].ravel(), grid[1].ravel()
     q[1, :, 1] = np.pi / 2
-    frames = chain.frames(q)
-    points, axes = chain.joint_axes(q)
-    torque = np.zeros(q.shape[:-1])
-    for i in (2, 3, 4):
-        link, pose = p.links[i], frames[..., i - 1, :, :]
-        moment = link.mass * link.com - fluid_density * link.volume * link.cob
-        weight = link.mass - fluid_density * link.volume
-        # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z (Section 2).
-        turn = rotation_about((0, 0, 1), q[..., i - 1] + chain.links[i - 1].offset)
-        arm = pose[..., :3, :3] @ turn @ moment + weight * (pose[..., :3, 3] - points[..., 1, :])
-        torque += np.einsum("...i,...i->...", axes[..., 1, :], np.cross(arm, [0, 0, -GRAVITY]))
-    return float(np.hypot(torque[0], torque[1]).max())
+    still, arm = np.zeros(4), arm_of(p, fluid_density)
+    one, other = (arm.inverse_dynamics_batch(rows, still, still)[:, 1] for rows in q)
+    return float(np.hypot(one, other).max())
 
 
 def _turning(printed: Published) -> AuditRow:

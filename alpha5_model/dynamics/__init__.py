@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
@@ -21,8 +22,9 @@ from alpha5_model.dynamics.variants import JawArm, KernelArm, mimicking
 from alpha5_model.files import read_named
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.parameters import parameters
+from alpha5_model.parameters import Alpha5Parameters, parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.spatial import pose
 
 #: What can compute single calls.
 BACKENDS = ("pinocchio", "kernels")
@@ -70,6 +72,28 @@ def load(
     if mimics:
         return JawArm(tree, displaced, fluid_density, mimics)
     return kind(tree, displaced, fluid_density)
+
+
+def arm_of(
+    parameters: Alpha5Parameters, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+) -> Arm:
+    """The arm of a parameter set, lengths of Table 1 included, on a fixed base with locked jaws.
+
+    Args:
+        parameters: From `alpha5_model.parameters`, or a set of `alpha5_model.uncertainty.sample`.
+        fluid_density, gravity: See `alpha5_model.load`.
+    """
+    model, p = load(fluid_density, gravity=gravity).model, parameters
+    frames = base_placement(p), *joint_placements(p), tcp_placement(p)
+    base, first, *places, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in frames)
+    for joint, place in enumerate((base * first, *places), 1):
+        model.jointPlacements[joint] = place
+    for name, place in (("link_0", base), ("tcp", tip)):
+        model.frames[model.getFrameId(name)].placement = place
+    for link in p.links:
+        frame, own = model.frames[model.getFrameId(link.name)], (link.mass, link.com, link.inertia)
+        model.inertias[frame.parentJoint] = frame.placement.act(pin.Inertia(*own))
+    return Arm(model, displacements(model, p, "locked"), fluid_density)
 
 
 def robot_wrapper(

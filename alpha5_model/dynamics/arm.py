@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, frozen, instance, listed, real
 from alpha5_model.dynamics import batch
-from alpha5_model.dynamics.batch import kernel_parameters, kernel_rows
+from alpha5_model.dynamics.batch import Regressor, kernel_parameters, kernel_rows, regressor
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
@@ -31,7 +31,6 @@ from alpha5_model.dynamics.hydrostatics import (
     on_free_flyer,
     with_body,
 )
-from alpha5_model.dynamics.regressor import Regressor, regressor
 from alpha5_model.dynamics.states import forces, rows, state_check
 from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError

@@ -15,6 +15,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -23,7 +24,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
-from alpha5_model.base_parameters import base_parameters
+from alpha5_model.base_parameters import BASE_PARAMETERS, base_parameters
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.description.bodies import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
@@ -35,6 +36,8 @@ from alpha5_model.spatial import pose
 
 #: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
 STATES_PER_THREAD = 5000
+#: Base parameters that are no gravity.
+NAMES = tuple(BASE_PARAMETERS)[:-3]
 #: How far a frame may be from where the kernels have it: what rounding does to the numbers of a URDF.
 _ROUNDING = 1e-14
 _PROCESS = os.getpid()
@@ -213,3 +216,44 @@ def arm_parameters(arm: Any) -> FloatArray:
     if arm._kernel_parameters is None:
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
     return np.array(arm._kernel_parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Regressor:
+    """``tau = matrix @ parameters`` [Khalil2002], see `alpha5_model.base_parameters`.
+
+    Attributes:
+        matrix: (nv, 38), or (N, nv, 38) of many states; columns are derivatives by the parameters.
+        parameters: Base parameters of the arm in its fluid, payloads included, (38,).
+        names, units: Of the parameters; those of link_0 load the mount only.
+    """
+
+    matrix: FloatArray
+    parameters: FloatArray
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+
+def regressor(arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
+    """See `alpha5_model.dynamics.arm.Arm.regressor`."""
+    parameters = arm_parameters(arm)
+    single = max(map(np.ndim, (q, v, a))) < 2
+    q, v, a = rows(arm._model, q=q, v=v, a=a)
+    matrix = regressor_rows(q, v, a, parameters[-3:])[:, :4]
+    units = tuple(BASE_PARAMETERS[name] for name in NAMES)
+    return Regressor(matrix[0] if single else matrix, parameters[:-3], NAMES, units)
+
+
+def regressor_rows(q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLike) -> FloatArray:
+    """Of joint torques, then force and moment on the mount in base_link, (N, 10, 38).
+
+    Args:
+        q, v, a: (N, 4) each, checked; gravity: In base_link, (3,) [m/s^2].
+    """
+    out = np.empty((len(q), 10, len(NAMES)))
+    tau, wrench = np.empty((len(q), 4)), np.empty((len(q), 6))
+    for k in range(len(NAMES)):
+        one = np.concatenate([np.arange(len(NAMES)) == k, gravity])
+        kernels.module().batch("inverse_dynamics_with_base_wrench", one, q, v, a, tau, wrench)
+        out[:, :4, k], out[:, 4:, k] = tau, wrench
+    return out

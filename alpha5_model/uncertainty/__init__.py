@@ -4,15 +4,9 @@
 `sensitivity` do for any result; `identify` is for recordings.
 """
 
+from alpha5_model.dynamics import arm_of as arm
 from alpha5_model.uncertainty.effects import bounds, identify, sensitivity, spread, torque_bounds
-from alpha5_model.uncertainty.printed import (
-    ALTERNATIVES,
-    Sample,
-    arm,
-    printed_numbers,
-    reach,
-    sample,
-)
+from alpha5_model.uncertainty.printed import ALTERNATIVES, Sample, printed_numbers, reach, sample
 
 __all__ = [
     "ALTERNATIVES",

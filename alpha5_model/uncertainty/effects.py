@@ -24,8 +24,7 @@ from alpha5_model.base_parameters import base_parameters
 from alpha5_model.checks import FloatArray, count, float_array, instance, shaped
 from alpha5_model.dynamics import load
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import arm_parameters
-from alpha5_model.dynamics.regressor import NAMES, regressor_rows
+from alpha5_model.dynamics.batch import NAMES, arm_parameters, regressor_rows
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import SEA_WATER

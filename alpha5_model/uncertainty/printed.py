@@ -13,17 +13,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.base_parameters import regrouped
 from alpha5_model.checks import FloatArray, choice, count, frozen, generator, named, real
 from alpha5_model.consistency.bodies import implied_mass
 from alpha5_model.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
-from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
-from alpha5_model.dynamics import load
-from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.hydrostatics import displacements
 from alpha5_model.dynamics.states import vector
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.inertia import second_moments
@@ -31,7 +26,6 @@ from alpha5_model.parameters import Alpha5Parameters, convert
 from alpha5_model.published import published
 from alpha5_model.published.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.published.tables import Published
-from alpha5_model.spatial import pose
 
 #: Where the documents contradict themselves: name -> what is believed in place of the plain reading.
 ALTERNATIVES: dict[str, str] = {
@@ -257,28 +251,6 @@ def possible(links: FloatArray) -> Any:
     """
     spread = np.linalg.eigvalsh(links[..., 4 + SYMMETRIC])[..., 0] > 0
     return (spread & (links[..., 0] > 0) & (links[..., 10] >= 0)).all(axis=-1)
-
-
-def arm(
-    parameters: Alpha5Parameters, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
-) -> Arm:
-    """The arm of a parameter set, lengths of Table 1 included, on a fixed base with locked jaws.
-
-    Args:
-        parameters: As of `Sample.parameters`, or of `alpha5_model.parameters`.
-        fluid_density, gravity: See `alpha5_model.load`.
-    """
-    model, p = load(fluid_density, gravity=gravity).model, parameters
-    frames = base_placement(p), *joint_placements(p), tcp_placement(p)
-    base, first, *places, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in frames)
-    for joint, place in enumerate((base * first, *places), 1):
-        model.jointPlacements[joint] = place
-    for name, place in (("link_0", base), ("tcp", tip)):
-        model.frames[model.getFrameId(name)].placement = place
-    for link in p.links:
-        frame, own = model.frames[model.getFrameId(link.name)], (link.mass, link.com, link.inertia)
-        model.inertias[frame.parentJoint] = frame.placement.act(pin.Inertia(*own))
-    return Arm(model, displacements(model, p, "locked"), fluid_density)
 
 
 def reach(parameters: Alpha5Parameters) -> float:
