@@ -192,8 +192,9 @@ def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
     value = values[at]
     axes.margins(y=0.18)
     axes.plot(time[at], value, "o", color=Color.BLACK, markersize=4)
-    offset = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points"}
-    axes.annotate(number(value), (time[at], value), ha="center", fontsize=8, **offset)
+    look = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points", "fontsize": 8}
+    box = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.5}
+    axes.annotate(number(value), (time[at], value), ha="center", bbox=box, **look)
 
 
 def _bounds(axes: Any, *bounds: float) -> None:
