@@ -62,16 +62,14 @@ def load(
     """
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
-    kind = (
-        Arm if choice("backend", backend, BACKENDS) == "pinocchio" or floating_base else KernelArm
-    )
+    on_kernels = choice("backend", backend, BACKENDS) == "kernels" and not floating_base
     g = vector("gravity", gravity, 3)
     parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
         return JawArm(tree, displaced, fluid_density, mimics)
-    return kind(tree, displaced, fluid_density)
+    return (KernelArm if on_kernels else Arm)(tree, displaced, fluid_density)
 
 
 def arm_of(

@@ -273,10 +273,8 @@ class Arm:
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
         """Centre of mass of the whole arm, link_0 included, in base_link, (3,) [m]."""
-        out: FloatArray = pin.centerOfMass(self._model, self._own.data, self._in_base(q))
-        out *= self._moving_fraction
-        out += self._fixed_fraction
-        return out
+        moving = pin.centerOfMass(self._model, self._own.data, self._in_base(q))
+        return np.asarray(moving * self._moving_fraction + self._fixed_fraction)
 
     def center_of_buoyancy(self, q: ArrayLike) -> FloatArray:
         """Centroid of the whole arm's displaced volume, link_0 included, in base_link, (3,) [m].
@@ -318,8 +316,7 @@ class Arm:
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """C(q, v), (nv, nv): C v is Coriolis and centrifugal, and ``dM/dt - 2 C`` skew-symmetric."""
-        q, v = self._clean_qv(q, v)
-        return _coriolis(self._model, self._own.data, q, v)
+        return _coriolis(self._model, self._own.data, *self._clean_qv(q, v))
 
     def nonlinear_effects(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """``C(q, v) v + hydrostatic_torque(q)``, (nv,) [N m]."""
@@ -343,10 +340,8 @@ class Arm:
         """
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
-        if fext is None:
-            tau = _rnea(self._model, own.data, q, v, a)
-        else:
-            tau = _rnea(self._model, own.data, q, v, a, forces(fext, self._model.njoints))
+        outside = () if fext is None else (forces(fext, self._model.njoints),)
+        tau = _rnea(self._model, own.data, q, v, a, *outside)
         tau -= _gravity(self._fluid, own.fluid_data, q)
         return tau
 
@@ -478,8 +473,8 @@ class Arm:
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
-        q, v = self._clean_qv(q, v)
-        return float(pin.computeKineticEnergy(self._model, self._own.data, q, v))
+        state = self._clean_qv(q, v)
+        return float(pin.computeKineticEnergy(self._model, self._own.data, *state))
 
     def inverse_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None

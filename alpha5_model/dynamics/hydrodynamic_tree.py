@@ -17,7 +17,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -49,19 +49,17 @@ class HydrodynamicTree:
     def __init__(self, still: Any, bodies: Iterable[JointWater]) -> None:
         tree, displaced, density = still._arguments[:3]
         fluid = displaced_fluid_model(tree, displaced, density)
-        self.g, self._g_q, self._g_0 = still._embedding
+        self.g, g_q, g_0 = still._embedding
         if not still.floating_base:
             tree, fluid = on_free_flyer(tree), on_free_flyer(fluid)
             self.g = np.vstack([np.zeros((6, self.g.shape[1])), self.g])
-            self._g_q = np.vstack([np.zeros((7, self._g_q.shape[1])), self._g_q])
-            self._g_0 = np.concatenate([pin.neutral(tree)[:7], self._g_0])
+            g_q = np.vstack([np.zeros((7, g_q.shape[1])), g_q])
+            g_0 = np.concatenate([pin.neutral(tree)[:7], g_0])
+        #: States (..., n) of the tree.
+        self.expand = partial(expanded, (self.g, g_q, g_0))
         self._tree, self._fluid, self._joints = tree, fluid, range(1, tree.njoints)
         self.water = MovingWater(list(tree.names)[1:], bodies, density)
         self._own = _Memory(tree, fluid)
-
-    def expand(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
-        """States (..., n) of the tree."""
-        return expanded((self.g, self._g_q, self._g_0), q, *rates)
 
     def jacobians(self, q: FloatArray) -> FloatArray:
         """Twist of each of the tree's joints, in its frame, by the arm's velocities, (joints, 6, nv)."""
@@ -115,8 +113,7 @@ class HydrodynamicTree:
         force = self.water.force(*self.motion(state, current))[..., 0]
         if outside is not None:
             force += outside
-        for view, one in zip(own.force_views, force, strict=True):
-            view[:] = one
+        own.press(force)
         tau: FloatArray = pin.rnea(self._tree, own.data, *state, own.forces)
         tau -= pin.computeGeneralizedGravity(self._fluid, own.fluid_data, state[0])
         return tau
@@ -190,8 +187,7 @@ class HydrodynamicTree:
         own, water, tree, data = self._own, self.water, self._tree, self._own.data
         nu, dnu = self.motion(state, current)
         stream = current @ np.array(own.rotations)
-        for view, one in zip(own.force_views, water.force(nu, dnu)[..., 0], strict=True):
-            view[:] = one
+        own.press(water.force(nu, dnu)[..., 0])
         dq, dv, da = (x.copy() for x in pin.computeRNEADerivatives(tree, data, *state, own.forces))
         dq -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, state[0])
         # Next, how each joint's velocity and acceleration in its frame change with the state.
@@ -226,7 +222,12 @@ class _Memory(threading.local):
         self.accelerations = [data.a[i].vector for i in joints]
         self.rotations = [data.oMi[i].rotation for i in joints]
         self.forces = pin.StdVec_Force([pin.Force.Zero()] * tree.njoints)
-        self.force_views = [self.forces[i].vector for i in joints]
+        self._views = [self.forces[i].vector for i in joints]
+
+    def press(self, forces: FloatArray) -> None:
+        """Set the forces on the joints, (joints, 6)."""
+        for view, one in zip(self._views, forces, strict=True):
+            view[:] = one
 
 
 @dataclass(frozen=True, eq=False)

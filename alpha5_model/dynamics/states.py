@@ -24,11 +24,11 @@ def state_check(model: Any, *rates: str) -> Callable[..., Any]:
 
     It returns them, converted if need be: q alone, or all of them.
     """
-    nq, nv, plain = model.nq, model.nv, kernels.module().is_state
-    normalized = pin.isNormalized if nq > nv else lambda *_: True
+    nq, nv, fixed, plain = model.nq, model.nv, model.nq == model.nv, kernels.module().is_state
 
     def check(*state: Any) -> Any:
-        if plain(nq, nv, *state) and normalized(model, state[0], ROTATION_TOLERANCE):
+        good = plain(nq, nv, *state)
+        if good and (fixed or pin.isNormalized(model, state[0], ROTATION_TOLERANCE)):
             return state if rates else state[0]
         clean = state_vectors(model, state[0], **dict(zip(rates, state[1:], strict=True)))
         return clean if rates else clean[0]

@@ -22,6 +22,7 @@ BLOCK = 4096
 #: Fewer targets of the inverse kinematics take less time one by one.
 FEW = 25
 _KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
+_FLOAT64 = np.dtype(np.float64)
 #: The formulas that hold for Python's numbers.
 _ONE: dict[str, tuple[Any, ...]] = {**formulas.KERNELS, **numbers.KERNELS}
 _SOLVE: Callable[..., Any] = numbers.inverse_kinematics
@@ -133,8 +134,15 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
 
 
 def is_state(nq: int, nv: int, *state: Any) -> bool:
-    """Whether q is a C-contiguous float64 array (nq,), the others are (nv,), and all can be computed with."""
-    return all(map(_clean, state, [(nq,)] + [(nv,)] * len(state)))
+    """Whether q is a float64 array (nq,), the others are (nv,), and all can be computed with; near the largest, no."""
+    n = nq
+    for x in state:
+        if type(x) is not np.ndarray or x.dtype is not _FLOAT64 or x.shape != (n,):
+            return False
+        if not math.hypot(*x.tolist()) < LARGEST:
+            return False
+        n = nv
+    return True
 
 
 def _plain(x: Any, rows: bool = False) -> bool:
