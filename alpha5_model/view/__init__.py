@@ -26,7 +26,8 @@ def view(
 
     The page has a slider for each joint, switches for everything that can be shown, and a player
     for the motion. ``open()`` shows it in a browser, ``url()`` is its address, ``display(q)`` and
-    ``play(q, dt)`` move the arm, ``static_html()`` is the same page as one file.
+    ``play(q, dt)`` move the arm in every page, ``on_change(function)`` calls back when a page moves it,
+    ``captureImage()`` is a picture, ``static_html()`` is the same page as one file.
 
     Args:
         arm: What to show.
