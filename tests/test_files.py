@@ -311,7 +311,7 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
 #: Command, its input {}, its outputs: option -> suffix; every path that any command takes is here.
 COMMANDS = {
     "trajectory": (["trajectory", "{}"], {"--output": ".csv", "--plot": ".png"}),
-    "view": (["view", "--motion", "{}"], {"--html": ".html", "--image": ".png"}),
+    "view": (["view", "--motion", "{}"], {"--html": ".html", "--image": ".png", "--video": ".mp4"}),
     "compare": (["compare", "{}"], {"--plot": ".png"}),
     "check": (["check", "--urdf", "{}"], {}),
     "dh": (["dh", "--urdf", "{}"], {}),
