@@ -466,10 +466,10 @@ def swing(n: int, seed: int = 0) -> tuple[Any, np.ndarray]:
 
 @pytest.mark.parametrize("kind", ["effort", "wrench"])
 def test_identification_finds_the_truth(kind: str) -> None:
-    """Made by the tests' own Newton-Euler; twelve trials here, 500 in the documentation."""
+    """Made by the tests' own Newton-Euler; six trials here, 500 in the documentation."""
     moved, (q, v, a) = swing(300)
-    truth, rng, hits = u.sample(12, 21), np.random.default_rng(3), []
-    for k in range(12):
+    truth, rng, hits = u.sample(6, 21), np.random.default_rng(3), []
+    for k in range(6):
         values = dict(zip(truth.names, truth.values[k], strict=True))
         exact = sum(of_link(i, values, q, v, a, 1025.0) for i in range(5))
         arm = a5.load(gravity=TILTED)
@@ -490,7 +490,7 @@ def test_identification_finds_the_truth(kind: str) -> None:
                 n = u.printed_numbers()[f"link_{i}.{name}"]
                 assert n.lower - 1e-12 <= x <= n.upper + 1e-12
     share = np.concatenate(hits).mean()
-    assert 0.85 < share < 0.999  # correlated hits: 95 % and four standard errors
+    assert 0.8 < share < 0.999  # correlated hits: half as wide intervals would hold 67 %
     assert found.gains[0] > 5
     assert (np.diff(found.gains) <= 0).all()
     assert found.combinations.shape == (found.gains.size, 38)

@@ -191,16 +191,15 @@ def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
         InputError: A result that is not finite numbers.
     """
     chosen = believed(alternatives)
-    middle = {name: x.value for name, x in printed.numbers(chosen).items()}
+    intervals = printed.numbers(chosen)
+    # The printed numbers stand by themselves.
+    middle = {name: x.value for name, x in intervals.items() if x.value != x.printed.si}
 
     def at(values: dict[str, float]) -> FloatArray:
-        return float_array("result", result(parameter_set(values, chosen)), ())
+        return float_array("result", result(parameter_set(middle | values, chosen)), ())
 
-    effects = [
-        (at({**middle, x.name: x.upper}) - at({**middle, x.name: x.lower})) / 2
-        for x in printed.numbers(chosen).values()
-    ]
-    return Sensitivity(tuple(middle), at(middle), np.array(effects))
+    effects = [(at({k: x.upper}) - at({k: x.lower})) / 2 for k, x in intervals.items()]
+    return Sensitivity(tuple(intervals), at({}), np.array(effects))
 
 
 class Spread(NamedTuple):

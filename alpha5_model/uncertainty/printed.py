@@ -126,13 +126,14 @@ def _changed(change: Callable[[str, Quantity], Quantity]) -> Published:
 
 def parameter_set(values: Mapping[str, float], alternatives: tuple[str, ...]) -> Alpha5Parameters:
     """The arm's parameters with other values of printed numbers, by name, SI units."""
+    known = numbers(alternatives)
     same = [name for name in alternatives if name.endswith("_constant")]
 
     def change(name: str, number: Quantity) -> Quantity:
         if same and name.endswith("_constant"):
             name = f"{name.partition('.')[0]}.{same[0]}"
         if name not in values:
-            return number
+            return known[name].printed if name in known else number
         digits = Decimal(repr(float(values[name]))).scaleb(-DECIMAL_SHIFT[number.unit])
         return Quantity(str(digits), number.unit)
 
