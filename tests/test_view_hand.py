@@ -209,6 +209,13 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
 def test_a_tap_on_a_ghosts_label_takes_its_way(tab: Tab) -> None:
     tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
     tab.settle()
+    tab.run(
+        "() => alpha5.follow([0.25, -0.004, 0.006], 0)"
+    )  # where the other ways are beyond the limits
+    tab.settle()
+    assert tab.page.locator("#labels button:enabled:visible").count() == 0
+    tab.run("(p) => alpha5.follow(p, 0)", OPEN.tolist())
+    tab.settle()
     tab.page.get_by_role("button", name="overarm flipped").and_(
         tab.page.locator("#labels *")
     ).click()

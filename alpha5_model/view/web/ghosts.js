@@ -23,7 +23,7 @@ function haunt(ghost) {
 function drawGhosts(found) {
   const drawn = [poses];
   ghosts.forEach((ghost, i) => {
-    ghost.open = found.within_limits[i];
+    ghost.label.element.disabled = !(ghost.open = found.within_limits[i]);
     ghost.group.visible = shown.ghosts && found.exists[i] && apart(found.q[i], angles()) > 1e-6;
     ghost.label.text = `${wayNames[i]}${ghost.open ? "" : ", beyond the limits"}`;
     if (!ghost.group.visible) return;
