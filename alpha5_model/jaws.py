@@ -159,8 +159,9 @@ def _finger(parameters: Alpha5Parameters, number: int) -> JawBody:
     # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
     # positive angle, so one multiplier and one range serve both.
     side = -1.0 if number == 1 else 1.0
-    thickness = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
-    mass = jaws.finger_density * jaws.finger_volume
+    volume = jaws.finger_volume if number == 1 else jaws.second_finger_volume
+    thickness = volume / (jaws.finger_length * jaws.finger_width)
+    mass = jaws.finger_density * volume
     x, y, z = thickness, jaws.finger_length, jaws.finger_width
     centre = frozen([-side * jaws.pivot_offset / 2, -side * jaws.finger_length / 2, 0.0])
     return JawBody(
@@ -170,6 +171,6 @@ def _finger(parameters: Alpha5Parameters, number: int) -> JawBody:
         mass=mass,
         com=centre,
         inertia=frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2])),
-        volume=jaws.finger_volume,
+        volume=volume,
         cob=centre,
     )

@@ -144,7 +144,7 @@ class JawParameters:
         pivot_height: Pivots above the collar's base [m].
         pivot_offset: Pivots to either side of the wrist axis [m].
         finger_length, finger_width: [m].
-        finger_volume: Of one finger [m^3].
+        finger_volume, second_finger_volume: Of finger_1 and of finger_2 [m^3].
         finger_density: Estimated [kg/m^3].
         rod_length, rod_diameter: Estimated [m].
         rod_density: Estimated [kg/m^3].
@@ -158,6 +158,7 @@ class JawParameters:
     finger_length: float
     finger_width: float
     finger_volume: float
+    second_finger_volume: float
     finger_density: float
     rod_length: float
     rod_diameter: float

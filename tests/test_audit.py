@@ -293,16 +293,16 @@ def test_the_jaws_lie_along_x(rows: dict[str, AuditRow]) -> None:
     assert 0.5 < row.bound < 0.51
     spread = rows["jaw_plane.spread"]
     assert spread.measured == pytest.approx(9.386)
-    finger = 2700 * 0.0061e-3
-    assert spread.expected == pytest.approx(2 * finger * 15.5**2)
+    fingers = 2700 * (0.0061e-3 + 0.0077e-3)
+    assert spread.expected == pytest.approx(fingers * 15.5**2)
     corners = [
-        2 * (2700 + d) * (0.0061 + v) * 1e-3 * (15.5 + x) ** 2
+        (2700 + d) * (0.0061 + 0.0077 + 2 * v) * 1e-3 * (15.5 + x) ** 2
         for d in (-0.5, 0.5)
         for v in (-5e-5, 5e-5)
         for x in (-0.05, 0.05)
     ]
     assert spread.bound == pytest.approx(max(corners) - spread.expected + 1e-3, rel=0.02)
-    assert f"fingers of {1000 * 9.386 / (2 * 15.5**2):.3g} g" in spread.finding
+    assert f"two of {1000 * 9.386 / (2 * 15.5**2):.3g} g" in spread.finding
 
 
 def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:

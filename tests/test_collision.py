@@ -441,7 +441,7 @@ def test_open_jaws_reach_farther():
         q[4] = rod
         collisions.in_collision(q)
         names = [o.name for o in collisions.geometry.geometryObjects]
-        tip = names.index("finger_1_5")
+        tip = names.index("finger_1_12")
         at[rod] = collisions.data.oMg[tip].translation.copy()
     assert np.linalg.norm(at[0.0133] - at[0.0013]) > 0.03
 

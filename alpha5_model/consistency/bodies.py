@@ -228,11 +228,9 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
 def _jaw_plane(printed: Published) -> list[AuditRow]:
     """The plane through the wrist axis that holds the closed fingers, and how much they weigh."""
     row, jaws = printed.table_2.rows[4], printed.supplementary.jaws
-    *finger, sdk = (
-        jaws[name].quantity
-        for name in ("pivot_offset", "finger_volume", "finger_density", "sdk_plane")
-    )
-    offset, volume, density = finger
+    names = ("pivot_offset", "finger_volume", "second_finger_volume", "finger_density", "sdk_plane")
+    *finger, sdk = (jaws[name].quantity for name in names)
+    offset, *volumes, density = finger
     xx, yy, xy = row.inertia_com[0][0], row.inertia_com[1][1], row.inertia_com[0][1]
 
     def direction(x: FloatArray) -> float:
@@ -240,13 +238,14 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
         return float(np.arctan2(2 * x[2], x[1] - x[0]) / 2)
 
     def points(x: FloatArray) -> float:
-        """I_yy - I_xx of two points of a finger's mass at the pivots."""
-        return float(2 * x[0] ** 2 * x[1] * x[2])
+        """I_yy - I_xx of two points of the fingers' masses at the pivots."""
+        return float(x[0] ** 2 * (x[1] + x[2]) * x[3])
 
     angle, rounding = figure(direction, [xx, yy, xy])
     spread, digits = figure(lambda x: x[1] - x[0], [xx, yy])
     expected, bound = figure(points, finger)
-    words: dict[str, Any] = {"offset": offset, "estimated": f"{1e3 * volume.si * density.si:.3g}"}
+    masses = (f"{1e3 * volume.si * density.si:.3g}" for volume in volumes)
+    words: dict[str, Any] = {"offset": offset, "estimated": " and ".join(masses)}
     words["implied"] = f"{1e3 * spread / (2 * offset.si**2):.3g}"
     return [
         audited("jaw_plane.direction", angle, sdk.si, rounding + sdk.rounding),

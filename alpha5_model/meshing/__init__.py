@@ -7,19 +7,20 @@ from dataclasses import dataclass
 from functools import cache
 
 from alpha5_model.errors import InputError
+from alpha5_model.jaws import split_link_4
 from alpha5_model.meshing import parts
 from alpha5_model.meshing.solid import Solid
 from alpha5_model.parameters import parameters
 
 #: Body, base to tip -> its part, the free dimension that is solved for, and its range [mm].
 _DRAWN: dict[str, tuple[Callable[[], parts.Part], str, float, float]] = {
-    "link_0": (parts.base, "depth of the connector recess", 10.0, 90.0),
+    "link_0": (parts.base, "depth of the bore under link 1", 1.0, 30.0),
     "link_1": (parts.shell, "bore radius of the half-shell", 5.0, 18.0),
     "link_2": (parts.upper_arm, "radius of the shaft holes", 0.5, 14.0),
     "link_3": (parts.shell, "bore radius of the half-shell", 5.0, 18.0),
     "link_4": (parts.wrist, "depth of the bearing seat", 0.5, 60.0),
-    "finger_1": (parts.finger, "radius of the perforation", 0.5, 3.6),
-    "finger_2": (parts.finger, "radius of the perforation", 0.5, 3.6),
+    "finger_1": (parts.finger, "radius of the largest holes", 2.0, 10.5),
+    "finger_2": (parts.finger, "radius of the largest holes", 2.0, 10.5),
 }
 
 
@@ -50,10 +51,8 @@ def bodies() -> dict[str, DrawnBody]:
         MissingDependencyError: manifold3d is not installed.
     """
     arm, frames = parameters(()), parts.frames_in_links()
-    finger = arm.jaws.finger_volume
-    volumes = {"finger_1": finger, "finger_2": finger}
-    volumes |= {link.name: link.volume for link in arm.links}
-    volumes["link_4"] -= 2 * finger  # Table 3's link 4 has the jaws in it
+    jaws = split_link_4(arm)  # Table 3's link 4 has the fingers in it
+    volumes = {link.name: link.volume for link in (*arm.links[:4], *jaws.bodies)}
     drawn = {}
     for name, (part, free_dimension, low, high) in _DRAWN.items():
         solid, outside, value = _solved(part, volumes[name] * 1e9, low, high)
@@ -67,7 +66,7 @@ def bodies() -> dict[str, DrawnBody]:
 def _solved(
     part: Callable[[], parts.Part], volume: float, low: float, high: float
 ) -> tuple[Solid, Solid, float]:
-    """The part with a volume [mm^3], its outside, and its free dimension [mm]; drawn once for both fingers."""
+    """The part with a volume [mm^3], its outside, and its free dimension [mm]; drawn once for links of one part."""
     outside, cut = part()
     solid, value = solve_volume(cut, volume, low, high)
     return solid, outside, value

@@ -3,20 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray, choice
 from alpha5_model.jaws import GRIPPERS, split_link_4
 from alpha5_model.meshing.dimensions import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST
-from alpha5_model.meshing.parts import STATIONS, frames_in_links, ribbon
+from alpha5_model.meshing.parts import frames_in_links, ribbon
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import Triple, pose, rpy_from_rotation
 
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
 _MARGIN = 0.1
+#: Heights of the slabs around an end that is cut at 45 deg [mm].
+_TUBE_SLABS = (-20.0, -17.9, -15.0, -11.5, -7.8, -4.0, 0.0, 4.0, 7.7, 11.0, 13.6, 15.8)
+_SHELL_SLABS = (
+    -20.0,
+    -18.5,
+    -16.2,
+    -13.4,
+    -10.2,
+    -6.8,
+    -3.8,
+    -1.6,
+    0.0,
+    4.1,
+    8.2,
+    11.6,
+    SHELL.cheek_inner,
+    17.6,
+    20.0,
+)
 #: Roll, pitch, yaw that turn z to an axis.
 _TO: dict[str, Triple] = {
     "x": (0.0, math.pi / 2, 0.0),
@@ -112,6 +133,12 @@ def _box(low: Triple, high: Triple) -> Primitive:
     return Primitive("box", tuple(b - a for a, b in zip(low, high, strict=True)), (x, y, z))
 
 
+def _slabs(heights: Sequence[float]) -> Iterator[tuple[float, float, float]]:
+    """Low, high, and half of the largest width between them of a circle of `RADIUS`."""
+    for low, high in pairwise(heights):
+        yield low, high, math.sqrt(RADIUS**2 - max(low, -high, 0.0) ** 2)
+
+
 def _base() -> list[Primitive]:
     d = BASE
     run, rise, depth = d.foot_slope - d.foot_front, d.foot_edge - d.foot_face, 7.0
@@ -119,45 +146,50 @@ def _base() -> list[Primitive]:
     x = d.foot_front + run / 2 - depth / 2 * math.sin(angle)
     y = d.foot_face + rise / 2 + depth / 2 * math.cos(angle)
     half = d.foot_half_width
-    neck = (d.neck_half_width, d.neck_half_height)
+    # The tube goes on to the hub below the latter's face.
+    neck = [(20.0, 9.2), (17.9, 13.3), (15.2, 16.9), (10.7, 19.85)]
     return [
-        _cylinder(RADIUS, d.rear, d.tube_front, "x"),
+        _cylinder(RADIUS, d.cap, d.tube_front, "x"),
+        _cylinder(d.plug_radius, d.rear, d.cap, "x"),
+        _cylinder(1.6 * d.plug_radius, d.cap - 5.0, d.cap, "x"),
         _cylinder(RADIUS, d.hub_low, d.hub_high, "z"),
-        _box((d.tube_front, -neck[0], -neck[1]), (-8.0, *neck)),
-        _box((d.rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
+        *(_box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high))) for y, z in neck),
+        _box((d.foot_rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
         _box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
         Primitive("box", (slope, depth, 2 * half), (x, y, 0.0), (0.0, 0.0, angle)),
     ]
 
 
 def _shell() -> list[Primitive]:
-    d = SHELL
-    # The half-shell's wall as staves, side by side around the collar's axis.
-    wall, count, opening = 10.0, 6, math.radians(176.0)
-    turn = opening / count
-    inner, outer = (RADIUS - wall) * math.cos(turn / 2), RADIUS
-    middle, width = (inner + outer) / 2, 2 * outer * math.tan(turn / 2)
-    staves = []
-    for i in range(count):
-        angle = (i + 0.5) * turn - opening / 2  # from +x of the shell towards +z
-        x, z = d.axes_apart + middle * math.cos(angle), middle * math.sin(angle)
-        size = (outer - inner, d.floor - d.rim, width)
-        staves.append(Primitive("box", size, (x, (d.floor + d.rim) / 2, z), (0.0, -angle, 0.0)))
+    d, y = SHELL, (0.0, 9.7, 13.3, 16.8, SHELL.floor)
+    # It closes round link 2's barrel where y is positive.
+    inner = [math.sqrt((RADIUS + 0.5) ** 2 - b**2) for b in y[1:3]]
+    slabs = []
+    for low, high, half in _slabs(_SHELL_SLABS):
+        near = inner[0] if high <= 0 else d.axes_apart + (0.5 if low < d.cheek_inner else -half)
+        slabs.append(_box((near, d.mitre - high, low), (d.axes_apart + half, d.floor, high)))
+    beside, top = d.axes_apart + 1.0, d.cheek_inner
     return [
         _cylinder(RADIUS, d.cheek_inner, d.cheek_outer, "z"),
         _cylinder(RADIUS, d.floor, d.collar_face, "y", (d.axes_apart, 0.0, 0.0)),
-        _box((5.5, d.rim, d.cheek_inner), (d.axes_apart + 1.0, d.floor, d.cheek_outer)),
-        *staves,
+        *slabs,
+        _box((inner[0], y[0], 0.0), (beside, y[1], top)),
+        _box((inner[1], y[1], d.mitre - y[2]), (beside, y[2], top)),
+        _box((d.inside, y[2], d.mitre - y[3]), (beside, y[4], top)),
+        _box((d.inside, y[3], -RADIUS), (beside, y[4], d.mitre - y[3])),
     ]
 
 
 def _upper_arm() -> list[Primitive]:
     d = UPPER_ARM
-    middle, start = d.drop / 2, d.tube_start - 1.5
+    middle, start = d.drop / 2, d.mitre + _TUBE_SLABS[-1]
     near = [
         _cylinder(RADIUS, d.barrel_low, d.barrel_high, "z"),
-        _box((11.0, 4.0, -19.0), (start, d.neck, d.barrel_high)),
-        _box((15.0, 11.5, d.barrel_high), (start, d.neck, 19.0)),
+        *(
+            _box((d.mitre + low, middle - half, low), (start + 1.0, middle + half, high))
+            for low, high, half in _slabs(_TUBE_SLABS)
+        ),
+        _box((14.0, 2.1, 3.0), (d.mitre + d.barrel_high, d.neck, d.barrel_high)),
     ]
     opposite = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
     return [
@@ -175,24 +207,20 @@ def _wrist() -> list[Primitive]:
 def _finger() -> list[Primitive]:
     thick, middle = JAWS["finger_width"] / 2, JAWS["pivot_offset"]
     hook, length = FINGER.hook, JAWS["finger_length"]
-    whole, low, high = (-thick, thick), (-thick, 0.2), (0.0, thick)
     shapes = [_cylinder(FINGER.lug_radius, -thick, thick, "z")]
-    # Near the tip, the half below the middle stops short of the plane where the fingers meet.
-    for start, stop, span, limit in (
-        (0.0, 0.2, whole, middle),
-        (0.2, 0.4, whole, middle),
-        (0.4, 0.6, whole, middle),
-        (0.6, 0.78, whole, middle),
-        (0.78, 1.0, high, middle + hook),
-        (0.78, 0.87, low, middle - hook),
-        (0.87, 0.95, low, middle - hook),
-    ):
-        outline = np.minimum(ribbon(start, stop), [limit, length])
-        ends = outline[[STATIONS - 1, STATIONS]].mean(0) - outline[[0, -1]].mean(0)
-        shapes.append(_around(outline, span, ends))
-    rest = ribbon(0.94, 1.0)
-    rest = np.minimum(rest[rest[:, 0] < middle - hook + 2.0], [middle - hook, length])
-    shapes.append(_around(rest, low, np.array([0.0, 1.0])))
+    steps = (0.0, 0.092, 0.108, 0.124, 0.28, 0.4, 0.5, 0.6, 0.7, 0.78)
+    pieces = [(start, stop, 0) for start, stop in pairwise(steps)]
+    pieces += [(0.78, 0.89, 1), (0.89, 1.0, 1), (0.78, 0.87, -1), (0.87, 0.95, -1), (0.94, 1.0, -1)]
+    for start, stop, side in pieces:
+        # Near the tip, the half below the middle stops short of the plane where the fingers meet.
+        outline, limit = ribbon(start, stop), middle + side * hook
+        outline = np.minimum(outline[outline[:, 0] < limit + 2.0], [limit, length])
+        half = float(np.interp(outline[:, 1], *np.array(FINGER.outline).T).max())
+        span = (-0.2 if side > 0 else -half, half if side >= 0 else 0.2)
+        last = len(outline) // 2
+        ends = outline[last - 1 : last + 1].mean(0) - outline[[0, -1]].mean(0)
+        tip = (start, side) == (0.94, -1)
+        shapes.append(_around(outline, span, np.array([0.0, 1.0]) if tip else ends))
     return shapes
 
 

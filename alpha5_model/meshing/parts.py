@@ -9,7 +9,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.meshing.dimensions import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST
-from alpha5_model.meshing.solid import Solid, box, circle_of, cylinder, loft, prism, union
+from alpha5_model.meshing.solid import Solid, box, circle_of, cylinder, kernel, loft, prism, union
 from alpha5_model.spatial import pose
 
 #: The outside of a part, and from the free dimension to the part.
@@ -36,26 +36,23 @@ def frames_in_links() -> dict[str, FloatArray]:
 
 
 def base() -> Part:
-    """The base in link_0; free: the depth of the connector recess."""
+    """The base in link_0; free: the depth of the bore under link 1."""
     d = BASE
     ring = (d.hub_high - 4, 1.6, 0.8)
-    hub = cylinder(RADIUS, d.hub_low, d.hub_high, edges=(1.5, 0.6), grooves=[ring])
-    rings = [(d.tube_front - x, 1.6, 0.8) for x in (13.0, 23.0)]
-    tube = cylinder(RADIUS, d.rear, d.tube_front, axis="x", edges=(1.5, 1.5), grooves=rings)
-    neck = box(
-        (d.tube_front - 2.0, -d.neck_half_width, -d.neck_half_height),
-        (-8.0, d.neck_half_width, d.neck_half_height),
-    )
-    bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 13.5, 30.0)
-    outside = union([hub, tube, neck, _foot()]) - bolts
-    without_shaft = outside - cylinder(d.shaft_radius, d.hub_high - d.shaft_depth, d.hub_high + 1)
+    hub = cylinder(RADIUS, d.hub_low, d.hub_high, edges=(d.hub_edge, 0.6), grooves=[ring])
+    rings = [(d.tube_front - x, 1.6, 0.8) for x in (6.0, 16.0)]
+    tube = cylinder(RADIUS, d.cap, d.tube_front, axis="x", edges=(d.cap_edge, 0.8), grooves=rings)
+    neck = cylinder(RADIUS - 0.2, d.tube_front - 2, 0.0, axis="x")
+    neck -= box((d.tube_front, -40, d.hub_high), (1, 40, 40))
+    nut = cylinder(1.6 * d.plug_radius, d.cap - 5, d.cap + 2, axis="x", edges=(0.8, 0), segments=6)
+    thread = [(d.rear + x, 2.0, 0.6) for x in (5.0, 8.0, 11.0)]
+    plug = cylinder(d.plug_radius, d.rear, d.cap, axis="x", edges=(1.2, 0), grooves=thread)
+    bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 10.5, 30.0)
+    outside = union([hub, tube, neck, nut, plug, _foot()]) - bolts
 
     def bored(depth: float) -> Solid:
-        at = [0, d.recess_offset, 0]
-        recess = cylinder(d.recess_radius, d.rear - 1, d.rear + depth, axis="x").translate(at)
-        start, end = d.rear + d.plug_start, d.rear + depth + 1
-        plug = cylinder(d.plug_radius, start, end, axis="x", edges=(0.8, 0)).translate(at)
-        return (without_shaft - recess) + plug
+        bore = cylinder(d.shaft_radius, d.hub_high - depth, d.hub_high + 1)
+        return outside - bore.translate([0, d.shaft_offset, 0])
 
     return outside, bored
 
@@ -64,41 +61,42 @@ def _foot() -> Solid:
     """A saddle under the tube, flat on y = foot_face, sloped towards the hub, with bolt holes."""
     d = BASE
     outline = [
-        (d.rear, d.foot_face),
+        (d.foot_rear, d.foot_face),
         (d.foot_front, d.foot_face),
         (d.foot_slope, d.foot_edge),
-        (d.foot_slope, 0.0),
-        (d.rear, 0.0),
+        (d.foot_slope, -8.0),
+        (d.foot_rear, -8.0),
     ]
     block = prism(outline, -d.foot_half_width, d.foot_half_width, edge=1.2)
-    inside = cylinder(RADIUS - 0.5, d.rear, d.foot_slope, axis="x")
-    inside ^= box((-200, -40, -40), (0, 40, 40))
     holes = [
         cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=16).translate([x, 0, z])
-        for x in (-119.0, -90.0)
+        for x in (d.foot_rear + 8.0, d.foot_front - 8.0)
         for z in (-13.0, 13.0)
     ]
-    return (block + inside) - union(holes)
+    return block - union(holes)
 
 
-# --- links 1 and 3: collar, half-shell and cheek, drawn once in the shell's own frame
+# --- links 1 and 3: collar, mitred half-shell and cheek, drawn once in the shell's own frame
 
 
 def shell() -> Part:
     """The shell in its own frame; free: the half-shell's bore about the collar's axis, above its floor."""
     d = SHELL
     groove = (d.floor + 1.6, 1.6, 0.8)
-    collar = cylinder(RADIUS, d.rim, d.collar_face, axis="y", edges=(0.8, 0.6), grooves=[groove])
+    collar = cylinder(RADIUS, -RADIUS, d.collar_face, axis="y", edges=(0, 0.6), grooves=[groove])
+    collar = collar.trim_by_plane((0, 1, 1), d.mitre / math.sqrt(2))
     body = (collar - _teeth()).translate([d.axes_apart, 0, 0])
-    body -= box((-40, -40, -40), (d.axes_apart + 0.6, d.floor, d.cheek_inner))
+    body -= cylinder(RADIUS + 0.6, -40, d.cheek_inner)
+    body -= box((-40, -40, -40), (d.inside, d.floor, d.cheek_inner))
+    body -= box((-40, -40, -40), (d.axes_apart + 0.6, 0, d.cheek_inner))
     cheek = cylinder(RADIUS, d.cheek_inner, d.cheek_outer, edges=(0, 1.2))
     bolts = circle_of(cylinder(1.4, d.cheek_outer - 1.6, 40, segments=12), 6, 14.0)
     ring = cylinder(9.5, d.cheek_outer - 0.8, 40) - cylinder(8.3, 0, 41)
     outside = union([body, cheek]) - bolts - ring
 
     def bored(radius: float) -> Solid:
-        bore = cylinder(radius, d.rim - 1, d.floor, axis="y")
-        bore ^= box((-40, -60, -40), (40, 60, d.cheek_inner - 1.0 - d.bore_shift))
+        bore = cylinder(radius, -40, d.floor, axis="y")
+        bore ^= box((0, -60, -40), (40, 60, d.cheek_outer - 2.5 - d.bore_shift))
         return outside - bore.translate([d.axes_apart, 0, d.bore_shift])
 
     return outside, bored
@@ -116,17 +114,16 @@ def _teeth() -> Solid:
 def upper_arm() -> Part:
     """The upper arm in its own frame; free: the shaft's hole in both barrels, under the cheeks."""
     d = UPPER_ARM
-    end = d.reach - d.tube_start
-    rings = [(x, 1.6, 0.8) for x in (d.tube_start + 9, d.tube_start + 19, end - 19, end - 9)]
-    tube = cylinder(RADIUS, d.tube_start, end, axis="x", edges=(1.2, 1.2), grooves=rings)
-    tube = tube.translate([0, d.drop / 2, 0])
+    rings = [(x, 1.6, 0.8) for x in (38.0, 48.0, d.reach - 48.0, d.reach - 38.0)]
+    tube = cylinder(RADIUS, -RADIUS, d.reach + RADIUS, axis="x", grooves=rings)
+    tube = tube.translate([0, d.drop / 2, 0]).trim_by_plane((1, 0, -1), d.mitre / math.sqrt(2))
+    tube = tube.trim_by_plane((-1, 0, -1), (d.mitre - d.reach) / math.sqrt(2))
     half = union([_barrel(), _neck()])
-    both = union([half, _opposite(half)])
-    reliefs = cylinder(d.cheek_relief, d.barrel_high, 40)
-    outside = union([tube, both]) - union([reliefs, _opposite(reliefs)])
+    relief = cylinder(d.cheek_relief, d.barrel_high, 40)
+    outside = union([tube, half, _opposite(half)]) - union([relief, _opposite(relief)])
 
     def bored(radius: float) -> Solid:
-        hole = cylinder(radius, d.barrel_high - 20.0, 40)
+        hole = cylinder(radius, d.barrel_low + 3, d.barrel_high + 1)
         return outside - union([hole, _opposite(hole)])
 
     return outside, bored
@@ -134,17 +131,17 @@ def upper_arm() -> Part:
 
 def _barrel() -> Solid:
     d = UPPER_ARM
-    barrel = cylinder(RADIUS, d.barrel_low, d.barrel_high, edges=(1.5, 0.6))
-    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 14.0)
-    ring = cylinder(9.5, -40, d.barrel_low + 0.8) - cylinder(8.3, -41, 0)
+    barrel = cylinder(RADIUS, d.barrel_low, d.barrel_high, edges=(d.barrel_edge, 0.6))
+    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 11.5)
+    ring = cylinder(9.0, -40, d.barrel_low + 0.8) - cylinder(7.8, -41, 0)
     return barrel - bolts - ring
 
 
 def _neck() -> Solid:
-    """The tube's lower part goes on past its flat end until it meets the barrel."""
+    """The tube's lower part goes on past its cut end until it meets the barrel."""
     d = UPPER_ARM
-    stub = cylinder(RADIUS - 0.2, 2.0, d.tube_start + 3.0, axis="x").translate([0, d.drop / 2, 0])
-    return stub ^ box((0, -1, -40), (60, d.neck, 40))
+    stub = cylinder(RADIUS - 0.2, 2.0, 24.0, axis="x").translate([0, d.drop / 2, 0])
+    return stub ^ box((0, -1, -40), (60, d.neck, d.barrel_high))
 
 
 def _opposite(solid: Solid) -> Solid:
@@ -160,7 +157,9 @@ def wrist() -> Part:
     d = WRIST
     collar, across = JAWS["collar_base"], JAWS["pivot_offset"]
     end, pivot = collar + d.collar_height, collar + JAWS["pivot_height"]
-    grooves = [*((-z, 1.6, 0.8) for z in d.rings), (0.6 - collar, 1.2, 1.0)]
+    near, far = d.waist
+    waist = (-(near + far) / 2, far - near, d.waist_depth)
+    grooves = [*((-z, 1.6, 0.8) for z in d.rings), waist, (0.6 - collar, 1.2, 1.0)]
     outside = cylinder(RADIUS, -end, -d.tube_start, edges=(2.5, 0.8), grooves=grooves)
     slot = box((-40, -d.slot_half_width, -end - 1), (40, d.slot_half_width, -end + d.slot_depth))
     rod = cylinder(d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36)
@@ -204,21 +203,29 @@ def ribbon(start: float = 0.0, stop: float = 1.0, inset: float = 0.0) -> FloatAr
 
 
 def finger() -> Part:
-    """The finger in finger_1; free: the radius of the holes along its centre line."""
-    d, edge = FINGER, 0.8
-    h, middle = JAWS["finger_width"] / 2, JAWS["pivot_offset"] - _GAP
+    """The finger in finger_1; free: the radius of the largest holes."""
+    d, edge = FINGER, 0.6
+    h, middle = d.width / 2, JAWS["pivot_offset"] - _GAP
     broken, full = ribbon(inset=edge), ribbon()
     blade = loft([broken, full, full, broken], [-h, edge - h, h - edge, h])
-    lug = cylinder(d.lug_radius, -h, h, edges=(0.5, 0.5), segments=36)
+    half = np.array(d.outline)
+    section = kernel().CrossSection([np.vstack([half * [1, -1], half[::-1]])])
+    for rounding in (-d.corner, d.corner):
+        section = section.offset(rounding, kernel().JoinType.Round, circular_segments=32)
+    across = np.array([[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float)  # along y, z and x
+    blade ^= section.extrude(200).transform(across)
+    thick = JAWS["finger_width"] / 2
+    lug = cylinder(d.lug_radius, -thick, thick, edges=(0.5, 0.5), segments=36)
     beyond = box((middle - d.hook, -50, -50), (50, 150, _GAP))
     beyond += box((middle + d.hook, -50, -50), (50, 150, 50))
     tip = box((-50, JAWS["finger_length"], -50), (50, 200, 50))
     pin = cylinder(d.pin_radius, -50, 50, segments=24)
     outside = union([blade, lug]) - beyond - tip - pin
-    points, _ = centre_line(np.array(d.holes))
 
     def perforated(radius: float) -> Solid:
-        hole = cylinder(radius, -50, 50, segments=24)
-        return outside - union(hole.translate([x, y, 0]) for x, y in points.tolist())
+        return outside - union(
+            cylinder(share * radius, -50, 50, axis="x", segments=40).translate([0, y, 0])
+            for y, share in d.holes
+        )
 
     return outside, perforated

@@ -17,7 +17,7 @@ from alpha5_model.errors import Alpha5Error, MissingDependencyError
 Solid = Any
 #: Corners of a full circle of 20 mm radius; the chord stays within 0.04 mm of the arc.
 SEGMENTS = 56
-_ROUND = 1.0  # smaller edges are broken by one chamfer, larger ones rounded in three steps
+_ROUND = 1.0  # smaller edges are broken by one chamfer, larger ones rounded in three steps or more
 #: Details below this size [mm] are merged away, so that rounding cannot fold a triangle.
 _SIMPLIFY = 0.01
 #: Coordinates are written in metres with this many decimals: 0.1 micrometre.
@@ -77,7 +77,7 @@ def _corner(radius: float, height: float, edge: float, side: float) -> list[tupl
     """Points of the outline's corner, from the face outwards."""
     if edge == 0.0:
         return [(radius, height)]
-    steps = 3 if edge > _ROUND else 1
+    steps = 1 if edge <= _ROUND else max(3, round(edge / 1.5))
     angles = [math.pi / 2 * i / steps for i in range(steps + 1)]
     r, h = radius - edge, height - side * edge
     return [(r + edge * math.sin(a), h + side * edge * math.cos(a)) for a in angles]

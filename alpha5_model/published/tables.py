@@ -19,6 +19,7 @@ JAW_UNITS: dict[str, str] = {
     **dict.fromkeys((*_LENGTHS, "rod_length", "rod_diameter"), "mm"),
     **dict.fromkeys(("finger_density", "rod_density"), "kg/m^3"),
     "finger_volume": "L",
+    "second_finger_volume": "L",
     "finger_turn": "rad/m",
     "sdk_plane": "deg",
 }

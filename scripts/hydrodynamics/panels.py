@@ -28,14 +28,12 @@ Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 
-def panels(solid: Any, size: float, fine: str = "", share: float = 1.0) -> tuple[Array, Faces]:
-    """Vertices (n, 3) [m] and triangles (m, 3), outward, of closed meshes around a solid.
+def panels(solid: Any, size: float) -> tuple[Array, Faces]:
+    """Vertices (n, 3) [m] and triangles (m, 3), outward, of a closed mesh around a solid.
 
     Args:
-        solid: A manifold3d solid [mm], of one part or several.
+        solid: A manifold3d solid [mm].
         size: Side of a triangle [mm].
-        fine: Where the triangles are smaller, a condition on a face's first corner in MeshLab's words (``z0 < -142``).
-        share: Their size over ``size``.
 
     Raises:
         ValueError: The mesh is not closed, or crosses itself: another size may do.
@@ -45,13 +43,14 @@ def panels(solid: Any, size: float, fine: str = "", share: float = 1.0) -> tuple
     drawn = pymeshlab.Mesh(*corners(solid.simplify(DETAIL)))
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(drawn)
-    if fine:  # first, while its details are there
-        meshes.compute_selection_by_condition_per_face(condselect=fine)
-        _remesh(meshes, size * share, selectedonly=True)
-        meshes.compute_selection_by_condition_per_face(condselect=f"({fine}) == 0")
-        _remesh(meshes, size, selectedonly=True)
-    else:
-        _remesh(meshes, size, selectedonly=False)
+    meshes.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(DETAIL))
+    meshes.meshing_isotropic_explicit_remeshing(
+        iterations=ROUNDS,
+        targetlen=pymeshlab.PureValue(size),
+        featuredeg=CREASE,
+        checksurfdist=False,
+    )
+    meshes.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(DETAIL))
     state = meshes.get_topological_measures()
     meshes.compute_selection_by_self_intersections_per_face()
     mesh = meshes.current_mesh()
@@ -72,18 +71,6 @@ def corners(solid: Any) -> tuple[Array, Faces]:
 def enclosed(vertices: Array, faces: Faces) -> float:
     """Volume inside a closed mesh."""
     return float(np.linalg.det(vertices[faces]).sum()) / 6
-
-
-def _remesh(meshes: Any, size: float, *, selectedonly: bool) -> None:
-    import pymeshlab
-
-    meshes.meshing_isotropic_explicit_remeshing(
-        iterations=ROUNDS,
-        targetlen=pymeshlab.PureValue(size),
-        featuredeg=CREASE,
-        checksurfdist=False,
-        selectedonly=selectedonly,
-    )
 
 
 def _fitted(vertices: Array, faces: Faces, drawn: Any, volume: float, size: float) -> Array:

@@ -45,7 +45,9 @@ def added_mass(
     # Green's identity for the potential ("direct") errs by a quarter of what a distribution of sources does. Without
     # a free surface there is no frequency, and the matrices are real.
     single, double = Delhommeau().evaluate_rankine_only(mesh, mesh, adjoint_double_layer=False)
-    potential = np.linalg.solve(double, single @ speeds)
+    sources = single @ speeds
+    del single  # a gigabyte and more
+    potential = np.linalg.solve(double, sources)
     return np.asarray(-DENSITY * (speeds * mesh.faces_areas[:, None]).T @ potential)
 
 
