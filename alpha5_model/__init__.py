@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from alpha5_model.errors import Alpha5Error, UnreachableError
 
-# Three functions that share their module's name: bound now, so that a later import of the module
+# Four functions that share their module's name: bound now, so that a later import of the module
 # cannot put itself in the function's place.
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
+from alpha5_model.sweep import sweep
 from alpha5_model.view import view
 
 __version__ = "0.1.0"
@@ -94,6 +95,7 @@ __all__ = [
     "__version__",
     "parameters",
     "published",
+    "sweep",
     "view",
     *sorted(_PUBLIC),
 ]

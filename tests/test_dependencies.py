@@ -45,7 +45,7 @@ USED_WITHOUT_IMPORT = {
 }
 #: Folder -> extras that stand behind it, beside the dependencies of everyone.
 FOLDERS = {
-    "alpha5_model": ("plot", "mesh", "check", "symbolic", "jax", "bags", "parquet"),
+    "alpha5_model": ("plot", "mesh", "check", "symbolic", "jax", "bags", "sweep", "video"),
     "tests": ("test", "conformance"),
     "scripts": ("bench", "conformance", "hydrodynamics", "mutation"),
     "examples": ("test",),

@@ -32,6 +32,7 @@ import public_models
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
 #: Commands of our own that take long, and what in the tests runs them.
 LONG = {
+    r"alpha5 sweep .* --workers": ("test_sweep.py", "cluster.scheduler_address"),
     r"alpha5 demo": ("test_demo.py", 'main(["demo"'),
     r"alpha5 check$": ("test_verification.py", 'main(["check"]) == 0'),
     r"alpha5 workspace --self-collision": (
@@ -150,6 +151,7 @@ def files_of_a_reader() -> None:
     time = np.linspace(0, 2, 101)
     q = a5.named_pose("home") + 0.1 * np.sin(time)[:, None]
     head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
+    shutil.copy(REPOSITORY / "examples" / "mount_map.toml", "study.toml")
     np.savetxt("recording.csv", np.column_stack([time, q]), delimiter=",", header=head, comments="")
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("my_arm.urdf").write_text(ours, "utf-8")

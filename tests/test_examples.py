@@ -135,3 +135,12 @@ def test_torque_margins(capsys: pytest.CaptureFixture[str]) -> None:
     assert margin == pytest.approx(
         2.0 - abs(arm.gravity_torque(q) - arm.buoyancy_torque(q))[1], abs=2e-3
     )
+
+
+@pytest.mark.parametrize("name", ["torque_map", "mount_map"])
+def test_maps_of_studies(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said(name, capsys)
+    assert (tmp_path / f"{name}.png").stat().st_size > 20_000

@@ -317,6 +317,7 @@ COMMANDS = {
     "dh": (["dh", "--urdf", "{}"], {}),
     "generate": (["generate"], {"--output": ".urdf"}),
     "demo": (["demo"], {}),  # its folder is not read
+    "sweep": (["sweep", "{}"], {}),  # a folder is written
     "planar": (["planar", "2", "1"], {"--plot": ".png"}),
     "workspace": (["workspace"], {"--plot": ".png"}),
     "torque": (
@@ -327,6 +328,7 @@ COMMANDS = {
 
 
 def test_no_command_has_a_path_that_is_not_tested_here() -> None:
+    read = {"file", "motion", "other", "urdf", "study"}
     for command in application(*COMMAND_NAMES).registered_commands:
         assert command.callback is not None
         parameters = inspect.signature(command.callback, eval_str=True).parameters
@@ -337,10 +339,11 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
             or getattr(p.annotation, "__origin__", None) is Path
         }
         words, outputs = COMMANDS.get(str(command.name), ([], {}))
-        known = {option.lstrip("-") for option in outputs} | {"file", "motion", "other", "urdf"}
-        assert paths <= known | ({"output"} if command.name == "demo" else set()), command.name
+        known = {option.lstrip("-") for option in outputs} | read
+        folder = {"output"} if command.name in ("demo", "sweep") else set()
+        assert paths <= known | folder, command.name
         assert bool(paths) == (command.name in COMMANDS)
-        assert bool(paths & {"file", "motion", "other", "urdf"}) == ("{}" in words)
+        assert bool(paths & read) == ("{}" in words)
 
 
 def spoiling() -> list[tuple[str, str, str]]:

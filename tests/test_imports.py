@@ -25,6 +25,9 @@ HEAVY = (
     "typer",
     "rich",
     "yaml",
+    "pyarrow",
+    "dask",
+    "distributed",
 )
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
@@ -48,6 +51,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("trajectory", "casadi", "jax", "c_library"),
     ("consistency",),
     ("uncertainty",),
+    ("sweep",),
     ("view",),
     ("cli",),
 )

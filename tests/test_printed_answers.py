@@ -47,6 +47,7 @@ ANSWERS = {
     "ik-singular": ("ik", "0", "0", "0.3"),
     "planar": ("planar", "5", "4", "1", "--radius", "3"),
     "planar-limits": ("planar", "5", "4", "-l", "none", "-l", "-1", "1"),
+    "sweep": ("sweep", "study.toml", "--output", "results"),
     "torque": ("torque", *POSE),
     "torque-jaws": ("torque", *POSE, "--gripper", "jaws", "--payload", "0.5", "--mount", "3,0,0"),
     "torque-water": ("torque", "--q", "3.1,1.2,1.8,7", "--current", "0", "1", "0"),
@@ -77,6 +78,17 @@ def folder_of_a_user() -> None:
     bodies = "".join(f'<link name="{x}"/>' for x in "ab")
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     Path("two.urdf").write_text(f'<robot name="two">{bodies}{joint}</robot>', "utf-8")
+    axes = "".join(f"axis_{x}_pos = [0, 1]\n" for x in "edcb")
+    map_by = '"axis_d_pos", "axis_c_pos", "axis_b_pos"'
+    forms = (
+        'as = "peak"',
+        'as = "quantile"\nlevels = [0.5, 1]',
+        f'as = "maximum"\nby = [{map_by}]',
+    )
+    outputs = "".join(
+        f'[outputs.{n}]\nquantity = "torque"\n{f}\n' for n, f in zip("abc", forms, strict=True)
+    )
+    Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
     time = np.arange(0, 12, 0.02)
     q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [0.007 + 0.0 * time]
     effort = 0.2 * np.cos(time)

@@ -22,6 +22,7 @@ from alpha5_model.errors import Alpha5Error
 COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}
 COMMANDS |= {"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"}
 COMMANDS |= {"workspace": "geometry", "dh": "geometry", "planar": "geometry", "view": "view"}
+COMMANDS |= {"sweep": "trajectory"}
 #: With numbers as arguments, which may be negative: what is no option is an argument.
 _NUMBERS = {name: {"ignore_unknown_options": True} for name in ("fk", "ik", "dh", "planar")}
 

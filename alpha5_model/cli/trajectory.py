@@ -1,7 +1,11 @@
-"""``alpha5 trajectory``: what a recorded or planned joint motion asks of the arm."""
+"""``alpha5 trajectory`` and ``sweep``: what a motion asks of the arm, and what many states, cases or recordings do."""
 
 from __future__ import annotations
 
+import math
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +14,7 @@ from rich.console import Console
 from rich.progress import Progress
 from typer import Argument, Option
 
+from alpha5_model import sweep as computed
 from alpha5_model import trajectory as library
 from alpha5_model.actuators import actuator
 from alpha5_model.checks import choice
@@ -17,6 +22,7 @@ from alpha5_model.cli import options
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
+from alpha5_model.text import table
 from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.uncertainty.effects import torque_margin
 from alpha5_model.view import figures, trajectory_plot
@@ -31,6 +37,10 @@ _GRIPPER = (
     "auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
     "locked leaves axis_a out; jaws needs it."
 )
+#: Values of an output of a study that are printed; its file has all, and where they come from.
+_PRINTED = 5
+#: What goes wrong on a cluster ends in one line of ours.
+_QUIET = "{'distributed': 'critical', 'distributed.client': 'critical'}"
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
 
@@ -72,14 +82,7 @@ def trajectory(
     choice("gripper", gripper, ("auto", *GRIPPERS))
     flow = options.current_vector(current)
     use_velocity = _USE_VELOCITY[choice("velocities", velocities, tuple(_USE_VELOCITY))]
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-
-        def progress(stage: str, done: float) -> None:
-            if stage not in (task.description for task in bar.tasks):
-                bar.add_task(stage, total=1.0)
-            bar.update(bar.tasks[-1].id, completed=done)
-
+    with _progress() as progress:
         motion = library.read_motion(file, progress, topic=topic, prefix=prefix)
         if gripper == "auto":
             gripper = "jaws" if "axis_a" in motion.joints else "locked"
@@ -106,3 +109,65 @@ def trajectory(
         if plot is not None:
             figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
     options.show(as_json, summary, [library.text(summary)], output, plot)
+
+
+def sweep(
+    study: Annotated[Path, Argument(help="TOML: axes and outputs; see the guide on studies.")],
+    output: Annotated[Path, Option("--output", "-o", help="Folder; goes on with what is there.")],
+    workers: Annotated[int, Option(help="Processes here; 0 for this one alone.", min=0)] = 0,
+    scheduler: Annotated[str | None, Option(help="Of a Dask cluster: tcp://host:8786.")] = None,
+    as_json: options.Json = False,
+) -> int:
+    """Torques, currents, loads over all that a study varies: extremes, maps, quantiles, tables.
+
+    Exit status: 1 if a recording could not be used.
+
+    Example: alpha5 sweep study.toml --output results
+    """
+    os.environ.setdefault("DASK_LOGGING", _QUIET)  # read when Dask is imported, by the workers, too
+    with _progress() as progress:
+        found = computed(study, output, workers=workers, scheduler=scheduler, progress=progress)
+    outputs = {
+        name: {key: [_plain(x) for x in column.tolist()] for key, column in columns.items()}
+        for name, columns in found.outputs.items()
+    }
+    units = {name: found.study.outputs[name].unit for name in outputs}
+    facts = {"rows": found.rows, "failures": found.failures}
+    record = {**facts, "units": units, "outputs": outputs}
+    options.show(as_json, record, _text(record), output)
+    return int(bool(found.failures))
+
+
+def _text(record: dict[str, Any]) -> options.Lines:
+    yield f"{record['rows']} rows"
+    for name, columns in record["outputs"].items():
+        count = max(map(len, columns.values()))
+        yield f"\n{name} [{record['units'][name]}]" + f": the first {_PRINTED} of {count}" * (
+            count > _PRINTED
+        )
+        shown = {key: x[:_PRINTED] for key, x in columns.items() if not key.endswith("_row")}
+        yield from table([[key, *map(_cell, x)] for key, x in shown.items()], "<>", 2)
+    for recording, problem in record["failures"].items():
+        yield f"\nnot used: {recording}: {problem}"
+
+
+def _cell(x: Any) -> str:
+    return f"{x:.4g}" if isinstance(x, float) else "-" if x is None else str(x)
+
+
+def _plain(x: Any) -> Any:
+    """As JSON has it; what is not a finite number is None."""
+    return None if isinstance(x, float) and not math.isfinite(x) else x
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, float], None]]:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+
+        def progress(stage: str, done: float) -> None:
+            if stage not in (task.description for task in bar.tasks):
+                bar.add_task(stage, total=1.0)
+            bar.update(bar.tasks[-1].id, completed=done)
+
+        yield progress

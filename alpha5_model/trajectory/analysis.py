@@ -171,7 +171,7 @@ def analyse(
         out["torque"] += moving.torque[:, 1]
         out["base_wrench"] += moving.wrench[:, 1]
     out["mechanical_power"] = out["torque"] * s.velocity
-    by_motor, limits = _motor_side(motors, s, out["torque"], drive)
+    by_motor, limits = motor_side(motors, s, out["torque"], drive)
     columns: dict[str, Any] = {name: frozen(x) for name, x in (out | by_motor).items()}
     columns |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
     columns["warnings"] = motion.warnings + _velocity_warnings(motion)
@@ -197,7 +197,7 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     return replace(motion, joints=wanted, warnings=warnings, ignored=ignored, **fewer)
 
 
-def _motor_side(
+def motor_side(
     motors: Sequence[Actuator], s: SmoothMotion, torque: FloatArray, drive: Sequence[float] | None
 ) -> tuple[dict[str, FloatArray], Interval | None]:
     """`BY_MOTOR`, and what the drive can give while the joint moves and hold where it rests."""

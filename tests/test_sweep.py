@@ -1,0 +1,428 @@
+"""Studies: the same rows as by hand, the same bytes in any number of chunks and processes, after any accident."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import resource
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.spatial import rotation_from_rpy
+from alpha5_model.trajectory import analyse, read_motion
+
+distributed = pytest.importorskip("distributed")
+parquet = pytest.importorskip("pyarrow.parquet")
+
+STATES = """
+axis_e_pos = {from = 0, to = 350, count = 3, unit = "deg"}
+axis_d_pos = {values = [0.3, 1.7]}
+axis_c_pos = [0.2, 1.4, 3.0]
+axis_b_pos = 0.5
+axis_d_vel = -0.4
+axis_b_acc = {values = 90, unit = "deg/s^2"}
+"""
+GRID = f"""
+[axes]
+{STATES}
+mount_pitch = {{from = -90, to = 90, count = 3, unit = "deg"}}
+payload_mass = {{values = [0, 250], unit = "g"}}
+payload_z = {{values = 30, unit = "mm"}}
+[outputs.torque]
+quantity = "torque"
+as = "peak"
+[outputs.least]
+quantity = "margin"
+as = "minimum"
+[outputs.map]
+quantity = "mount_moment"
+as = "maximum"
+by = ["payload_mass", "axis_d_pos"]
+[outputs.rows]
+quantity = "torque"
+as = "table"
+"""
+#: Five blocks in each of two cases.
+DRAWN = """
+seed = 7
+samples = 40000
+[axes]
+axis_e_pos = 0.1
+axis_d_pos = {random = [0, 200], unit = "deg"}
+axis_c_pos = {random = [0, 200], unit = "deg"}
+axis_b_pos = {random = [-3, 3]}
+axis_d_vel = {random = [-0.5, 0.5]}
+fluid_density = [1000, 1025]
+[outputs.peak]
+quantity = "torque"
+as = "peak"
+by = ["fluid_density"]
+[outputs.spread]
+quantity = "torque"
+as = "quantile"
+levels = [0.001, 0.5, 0.9, 1]
+[outputs.bars]
+quantity = "torque"
+as = "histogram"
+range = [-1, 1]
+bins = 8
+[outputs.all]
+quantity = "torque"
+as = "table"
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "study.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """All that must not depend on who computed it: results as bytes, rows as a table."""
+    files = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
+    rows = parquet.read_table(folder / "rows").to_pydict() if (folder / "rows").is_dir() else None
+    return {**files, "rows": rows}
+
+
+def columns(folder: Path, *names: str) -> np.ndarray:
+    table = parquet.read_table(folder / "rows")
+    return np.stack([table[name].to_numpy() for name in names], axis=1)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A study, and what one process makes of it in one chunk."""
+    folder = tmp_path_factory.mktemp("drawn")
+    study = written(folder, DRAWN)
+    a5.sweep(study, folder / "one")
+    return study, folder / "one"
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+        yield cluster
+
+
+def test_a_grid_against_single_calls_of_pinocchio(tmp_path: Path) -> None:
+    found = a5.sweep(written(tmp_path, GRID), tmp_path / "out")
+    pitches, loads = (-np.pi / 2, 0.0, np.pi / 2), (0.0, 0.25)
+    e, d, c = (0.0, np.radians(175), np.radians(350)), (0.3, 1.7), (0.2, 1.4, 3.0)
+    v, a = np.array([0, -0.4, 0, 0]), np.array([0, 0, 0, np.pi / 2])
+    torque, moment = [], []
+    for pitch, load in itertools.product(pitches, loads):
+        rotation = rotation_from_rpy([0.0, pitch, 0.0])
+        arm = a5.load(gravity=rotation.T @ [0, 0, -9.81]).with_payload(load, (0, 0, 0.03))
+        for q in itertools.product(e, d, c, (0.5,)):
+            torque.append(arm.inverse_dynamics(np.array(q), v, a))
+            moment.append((load, q[1], *arm.base_wrench(np.array(q), v, a).angular))
+    rows = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
+    assert found.rows == len(torque) == len(rows)
+    np.testing.assert_allclose(rows, torque, rtol=1e-12, atol=1e-14)
+    np.testing.assert_array_equal(columns(tmp_path / "out", "row")[:, 0], range(len(rows)))
+    peak = np.abs(torque).max(axis=0)
+    for k, joint in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
+        assert found.outputs["torque"][joint][0] == pytest.approx(peak[k], rel=1e-12)
+        effort = a5.parameters().joints[k].effort
+        assert found.outputs["least"][joint][0] == pytest.approx(effort - peak[k], rel=1e-12)
+        row = int(found.outputs["torque"][f"{joint}_row"][0])
+        behind = found.inputs(row)
+        assert abs(behind[f"torque.{joint}"]) == found.outputs["torque"][joint][0]
+        assert [behind["mount_pitch"], behind["payload_mass"]] == pytest.approx(
+            [pitches[row // 36], loads[row // 18 % 2]]
+        )
+    table = np.array(moment)
+    for k, (load, axis_d) in enumerate(itertools.product(loads, d)):
+        own = table[(table[:, 0] == load) & (table[:, 1] == axis_d), 2:]
+        assert found.outputs["map"]["payload_mass"][k] == load
+        assert found.outputs["map"]["axis_d_pos"][k] == axis_d
+        assert found.outputs["map"]["x"][k] == pytest.approx(own[:, 0].max(), abs=1e-13)
+        norm = np.linalg.norm(own, axis=1).max()
+        assert found.outputs["map"]["norm"][k] == pytest.approx(norm, rel=1e-12)
+
+
+def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> None:
+    study = f"""
+    [axes]
+    {STATES}
+    mount_roll = 0.7
+    current_speed = 0.6
+    current_azimuth = [0.4, 2.0]
+    current_elevation = 0.3
+    corrections = ["none", "base_frame+link3_cob"]
+    [outputs.t]
+    quantity = "torque"
+    as = "table"
+    [outputs.i]
+    quantity = "current"
+    as = "table"
+    [outputs.p]
+    quantity = "power"
+    as = "table"
+    [outputs.m]
+    quantity = "mount_force"
+    as = "table"
+    [outputs.r]
+    quantity = "reach"
+    as = "table"
+    """
+    a5.sweep(written(tmp_path, study), tmp_path / "out")
+    table = parquet.read_table(tmp_path / "out" / "rows").to_pylist()
+    rotation = rotation_from_rpy([0.7, 0.0, 0.0])
+    for row in (table[3], table[30], table[-1]):
+        names = tuple(x for x in row["corrections"].split("+") if x != "none")
+        level, up = np.cos(0.3), np.sin(0.3)
+        azimuth = row["current_azimuth"]
+        flow = 0.6 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), up])
+        still = a5.load(gravity=rotation.T @ [0, 0, -9.81], corrections=names)
+        arm = still.with_hydrodynamics(rotation.T @ flow)
+        q = np.array([row[f"axis_{x}_pos"] for x in "edcb"])
+        v, a = np.array([0, -0.4, 0, 0]), np.array([0, 0, 0, np.pi / 2])
+        tau = arm.inverse_dynamics(q, v, a)
+        force = arm.base_wrench(q, v, a).linear
+        np.testing.assert_allclose([row[f"torque.axis_{x}"] for x in "edcb"], tau, rtol=1e-9)
+        np.testing.assert_allclose([row[f"mount_force.{x}"] for x in "xyz"], force, rtol=1e-9)
+        tcp = arm.forward_kinematics(q).translation
+        np.testing.assert_allclose([row[f"reach.{x}"] for x in "xyz"], tcp, atol=1e-14)
+        motor = a5.actuators.actuator("axis_d")
+        assert row["current.axis_d"] == pytest.approx(float(motor.current(tau[1], -0.4)))
+        electrical = motor.power(tau[1], -0.4).electrical
+        assert row["power.axis_d"] == pytest.approx(float(electrical))
+        low, high = a5.actuators.actuator("axis_c").holding_current(tau[2])
+        assert row["current.axis_c"] == pytest.approx(float(np.clip(0.0, low, high)))
+
+
+def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
+    from alpha5_model.dynamics import arm_of
+    from alpha5_model.uncertainty import sample
+
+    study = f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n" + GRID[GRID.index("[outputs.rows") :]
+    a5.sweep(written(tmp_path, study), tmp_path / "out")
+    q = columns(tmp_path / "out", *(f"axis_{x}_pos" for x in "edcb"))
+    got = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
+    drawn = sample(4, 5)
+    for row in (0, 20, 50, 71):
+        arm = arm_of(drawn.parameters(row // 18))
+        tau = arm.inverse_dynamics(q[row], [0, -0.4, 0, 0], [0, 0, 0, np.pi / 2])
+        np.testing.assert_allclose(got[row], tau, rtol=1e-10, atol=1e-13)
+    assert np.ptp(got.reshape(4, 18, 4), axis=0).max() > 1e-4
+
+
+def test_what_is_drawn(drawn: tuple[Path, Path]) -> None:
+    names = ["axis_d_pos", "axis_c_pos", "axis_b_pos", "axis_d_vel"]
+    low, high = [0, 0, -3, -0.5], [np.radians(200), np.radians(200), 3, 0.5]
+    numbers = (columns(drawn[1], *names) - low) / np.subtract(high, low)
+    # Both fluids get the same states; these fill their range evenly, and no two axes go together.
+    np.testing.assert_array_equal(numbers[:40000], numbers[40000:])
+    one = numbers[:40000]
+    assert (one >= 0).all()
+    assert (one < 1).all()
+    for column in one.T:
+        assert np.abs(np.sort(column) - np.linspace(0, 1, 40000)).max() < 0.01
+    assert np.abs(np.corrcoef(one.T) - np.eye(4)).max() < 0.02
+    assert len(np.unique(one)) == one.size
+
+
+def test_quantiles_and_histograms_against_the_table(drawn: tuple[Path, Path]) -> None:
+    study, folder = drawn
+    found = a5.sweep(study, folder)  # nothing is left to do
+    torque = columns(folder, *(f"torque.axis_{x}" for x in "edcb"))
+    spread, bars = found.outputs["spread"], found.outputs["bars"]
+    for k, joint in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
+        exact = np.quantile(torque[:, k], spread["level"], method="inverted_cdf")
+        low, high = spread[f"{joint}_low"], spread[f"{joint}_high"]
+        assert (low <= exact).all()
+        assert (exact <= high).all()
+        assert (high - low <= np.maximum(np.abs(exact) / 256, 2.0**-19)).all()
+        edges = np.concatenate([[-np.inf], np.linspace(-1, 1, 9), [np.inf]])
+        counts = [
+            np.sum((torque[:, k] >= a) & (torque[:, k] < b)) for a, b in itertools.pairwise(edges)
+        ]
+        np.testing.assert_array_equal(bars[joint], counts)
+        peaks = np.abs(torque[:, k].reshape(2, -1))
+        np.testing.assert_array_equal(found.outputs["peak"][joint], peaks.max(axis=1))
+        first = np.add(peaks.argmax(axis=1), [0, 40000])
+        np.testing.assert_array_equal(found.outputs["peak"][f"{joint}_row"], first)
+
+
+@pytest.mark.parametrize("rows", [1, 20_000])
+def test_any_size_of_chunks(drawn: tuple[Path, Path], tmp_path: Path, rows: int) -> None:
+    a5.sweep(drawn[0], tmp_path, rows=rows)
+    assert len([*(tmp_path / "parts").iterdir()]) > 2
+    assert content(tmp_path) == content(drawn[1])
+
+
+def test_a_worker_killed_in_the_middle(
+    drawn: tuple[Path, Path], tmp_path: Path, cluster: Any
+) -> None:
+    """And two workers against one process, on a scheduler by its address."""
+    pids = [worker.pid for worker in cluster.workers.values()]
+
+    def accident(stage: str, done: float) -> None:
+        if pids:
+            os.kill(pids.pop(), signal.SIGKILL)
+            pids.clear()
+
+    a5.sweep(drawn[0], tmp_path, rows=1, scheduler=cluster.scheduler_address, progress=accident)
+    assert not pids
+    assert content(tmp_path) == content(drawn[1])
+
+
+def test_a_run_that_was_stopped_goes_on(drawn: tuple[Path, Path], tmp_path: Path) -> None:
+    def stop(stage: str, done: float) -> None:
+        if done > 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        a5.sweep(drawn[0], tmp_path, rows=1, progress=stop)
+    parts = sorted((tmp_path / "parts").iterdir())
+    assert len(parts) == 4
+    assert not (tmp_path / "summary.json").exists()
+    kept = {part: part.stat().st_mtime_ns for part in parts[1:]}
+    parts[0].write_bytes(parts[0].read_bytes()[:-100])  # by another accident
+    done: list[float] = []
+    a5.sweep(drawn[0], tmp_path, rows=1, progress=lambda _, part: done.append(part))
+    assert len(done) == 7
+    assert {part: part.stat().st_mtime_ns for part in kept} == kept
+    assert content(tmp_path) == content(drawn[1])
+
+
+def test_a_disk_that_is_full(drawn: tuple[Path, Path], tmp_path: Path) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
+    try:
+        with pytest.raises(a5.errors.OutputError, match=r"cannot write .*rows/part-000000"):
+            a5.sweep(drawn[0], tmp_path, rows=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert {p.name for p in tmp_path.rglob("*") if p.is_file()} == {"study.toml"}
+    a5.sweep(drawn[0], tmp_path, rows=1)
+    assert content(tmp_path) == content(drawn[1])
+
+
+def test_recordings_of_which_one_is_broken(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "season"
+    folder.mkdir()
+    time = np.linspace(0, 6, 150)
+    for k in range(3):
+        q = np.array([3.1, 1.2, 1.8, 0.0]) + (0.1 + 0.1 * k) * np.sin(time)[:, None]
+        head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
+        path = folder / f"dive_{k}.csv"
+        np.savetxt(path, np.column_stack([time, q]), delimiter=",", header=head, comments="")
+    good = (folder / "dive_1.csv").read_text()
+    (folder / "dive_1.csv").write_text(good.replace("1.8", "one.8", 1))
+    (folder / "notes.txt").write_text("no recording")
+    text = """
+    [axes]
+    recordings = "season"
+    fluid_density = [0, 1025]
+    [outputs.torque]
+    quantity = "torque"
+    as = "peak"
+    by = ["recording", "fluid_density"]
+    [outputs.current]
+    quantity = "current"
+    as = "table"
+    """
+    study, out = written(tmp_path, text), tmp_path / "out"
+    assert main(["sweep", str(study), "--output", str(out)]) == 1
+    printed = capsys.readouterr().out
+    assert "600 rows" in printed
+    assert "not used: season/dive_1.csv" in printed
+    assert "line 2" in printed
+    assert "season/dive_1.csv" in json.loads((out / "summary.json").read_text())["failures"]
+    (folder / "dive_1.csv").write_text(good)
+    found = a5.sweep(study, out)
+    assert (found.rows, found.failures) == (900, {})
+    table = parquet.read_table(out / "rows").to_pylist()
+    assert len(table) == 900
+    for k, density in itertools.product(range(3), (0.0, 1025.0)):
+        path = folder / f"dive_{k}.csv"
+        whole = analyse(read_motion(path), a5.load(density))
+        at = 2 * k + (density > 0)
+        peak = np.abs(whole.torque[:, 1]).max()
+        assert found.outputs["torque"]["axis_d"][at] == pytest.approx(peak, rel=1e-12)
+        key = f"season/{path.name}", density
+        own = [r for r in table if (r["recording"], r["fluid_density"]) == key]
+        current = [r["current.axis_c"] for r in own]
+        np.testing.assert_allclose(current, whole.current[:, 2], rtol=1e-9, atol=1e-12)
+        np.testing.assert_array_equal([r["time"] for r in own], whole.motion.time)
+        assert found.inputs(own[9]["row"])["sample"] == 9
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (("axis_b_pos = 0.5", "axis_b_position = 0.5"), "unknown axis 'axis_b_position'"),
+        (("axis_b_pos = 0.5", ""), "axes, states"),
+        (("axis_b_pos = 0.5", "axis_b_pos = []"), "axes.axis_b_pos"),
+        (("count = 3", "count = 0"), "axes.axis_e_pos.count"),
+        (("count = 3", "count = 3000000000000"), "axes.axis_e_pos"),
+        (("to = 350", "to = -350"), "axes.axis_e_pos"),
+        (('unit = "g"', 'unit = "m"'), "unit of axes.payload_mass 'm'; choose from kg, g"),
+        (("[0, 250]", "[0, -250]"), "axes.payload_mass"),
+        (("values = 30", "random = [0, 30]"), "axes.payload_z"),
+        (("[0.2, 1.4, 3.0]", "[0.2, nan]"), "axes.axis_c_pos"),
+        (("[0.2, 1.4, 3.0]", "[[0.2, 1.4], 3.0]"), "axes.axis_c_pos"),
+        (("[0.2, 1.4, 3.0]", "'0.2'"), "axes.axis_c_pos"),
+        (('"torque"', '"torques"'), "outputs.torque.quantity 'torques'; choose from torque,"),
+        (('"peak"', '"mean"'), "outputs.torque.as 'mean'; choose from peak,"),
+        (('"payload_mass", "axis_d_pos"', '"payload_x"'), "outputs.map.by 'payload_x'"),
+        (('as = "peak"', 'as = "histogram"'), "outputs.torque.bins"),
+        (('as = "peak"', 'as = "quantile"\nlevels = [0, 1]'), "outputs.torque.levels"),
+        (('as = "peak"', 'as = "peak"\nbins = 3'), "key of outputs.torque 'bins'"),
+        (("[outputs.torque]", '[outputs."../torque"]'), "outputs"),
+        (("[axes]", "samples = 4\n[axes]"), "samples"),
+        (("[axes]", "seed = -1\n[axes]"), "seed"),
+        (("[axes]", "sed = 1\n[axes]"), "unknown key 'sed'"),
+        (("[axes]", "[axes"), "line"),
+        (("[axes]", "[axes]\nrecordings = 'none.csv'"), "axes, states"),
+        (("[axes]", "[axes]\nrecordings = []"), "axes.recordings"),
+        (("[axes]", "[axes]\nparameters = 2\ncorrections = ['none']"), "axes"),
+        (("[axes]", "[axes]\ncorrections = ['link4_cob']"), "axes.corrections 'link4_cob'"),
+    ],
+)
+def test_a_bad_study_ends_in_one_line_with_the_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], place: str
+) -> None:
+    assert change[0] in GRID
+    study = written(tmp_path, GRID.replace(*change, 1))
+    assert main(["sweep", str(study), "--output", str(tmp_path / "out")]) == 2
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1
+    assert f"{study}" in printed
+    assert place in printed
+    assert not (tmp_path / "out").exists()
+
+
+def test_folders_and_schedulers_that_cannot_be(
+    drawn: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study, other = str(drawn[0]), written(tmp_path, GRID)
+    file = tmp_path / "file"
+    file.touch()
+    for arguments, problem in (
+        ([str(tmp_path / "no.toml"), "-o", str(tmp_path / "out")], "no.toml: no such file"),
+        ([study, "-o", str(file)], "cannot write"),
+        ([study, "-o", str(file / "inside")], "cannot write"),
+        ([study, "-o", "/proc/no"], "cannot write"),
+        ([str(other), "-o", str(drawn[1])], "a part of this study"),
+        ([study, "-o", str(tmp_path / "x"), "--scheduler", "nonsense://"], "scheduler"),
+    ):
+        assert main(["sweep", *arguments]) == 2
+        printed = capsys.readouterr().err
+        assert printed.count("\n") == 1
+        assert problem in printed
