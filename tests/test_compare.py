@@ -105,7 +105,7 @@ def too_much_water(root):
         for collision in element.findall("collision"):
             element.remove(collision)
     box = ET.SubElement(ET.SubElement(root.find("link"), "collision"), "geometry")
-    ET.SubElement(box, "box", size="0.1 0.1 0.076")
+    ET.SubElement(box, "box", size="0.1 0.1 0.08")
 
 
 def greedy_mimic(root):
@@ -146,7 +146,7 @@ DEFECTS: dict[Defect, tuple[str, str]] = {
     zeroed_products: ("link_2", "the products of inertia are zeroed"),
     guessed_cylinder: ("link_4", "a guess without products of inertia"),
     dummy_link: ("link_4", "more than the whole arm"),
-    too_much_water: ("volume", "0.760 L"),
+    too_much_water: ("volume", "0.800 L"),
     greedy_mimic: ("finger_joint", "beyond its own limit"),
     reversed_axis: ("axis_d", "turns the other way"),
     high_shoulder: ("axis_d", "up to 0.80 mm off"),

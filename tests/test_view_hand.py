@@ -176,6 +176,14 @@ def outline(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
     return np.concatenate([a + t * (b - a) for a, b in pairwise(ends)])
 
 
+def centres(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
+    """Points within upper arm and forearm: their centres of buoyancy; the line of `outline` leaves them at the elbow."""
+    links = a5.parameters().links
+    return np.array(
+        [arm.forward_kinematics(q, frame=f"link_{i}").act(links[i].cob) for i in (2, 4)]
+    )
+
+
 @pytest.mark.parametrize("tab", ["wide light", "wide dark"], indirect=True)
 def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
@@ -185,14 +193,16 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     ways = a5.inverse_kinematics(OPEN, q[3])
     assert ways.within_limits.all()
     pixels = [tab.project(outline(arm, np.append(way, q[4]))) for way in ways.q]
-    # the point of a ghost that lies furthest from the rest
+    aims = [tab.project(centres(arm, np.append(way, q[4]))) for way in ways.q]
+    # the body of a ghost that lies furthest from the rest
     clear = [
-        min(np.linalg.norm(pixels[i][:, None] - other, axis=-1).min(axis=1) for other in
-            [np.concatenate([pixels[j] for j in range(4) if j != i])])
+        np.linalg.norm(
+            aims[i][:, None] - np.concatenate([pixels[j] for j in range(4) if j != i]), axis=-1
+        ).min(axis=1)
         for i in range(4)
-    ]  # fmt: skip
+    ]
     chosen = 1 + int(np.argmax([c.max() for c in clear[1:]]))
-    x, y = pixels[chosen][clear[chosen].argmax()]
+    x, y = aims[chosen][clear[chosen].argmax()]
     tab.page.mouse.click(x, y)
     after = joints(tab)
     np.testing.assert_allclose(after[:4], ways.q[chosen], atol=1e-9)

@@ -29,7 +29,7 @@ function seeThrough(on) {
 
 // The backdrop follows the scheme: lighter than the dark bodies and, where it is light, darker than the jaws.
 function backdrop() {
-  const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.93, 0.95, 0.96], [0.70, 0.77, 0.82]];
+  const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.78, 0.83, 0.87], [0.56, 0.65, 0.71]];
   viewer.set_property(["Background"], "top_color", top);
   viewer.set_property(["Background"], "bottom_color", bottom);
 }
