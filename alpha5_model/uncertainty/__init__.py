@@ -5,12 +5,34 @@
 """
 
 from alpha5_model.dynamics import arm_of as arm
-from alpha5_model.uncertainty.effects import bounds, identify, sensitivity, spread, torque_bounds
-from alpha5_model.uncertainty.printed import ALTERNATIVES, Sample, printed_numbers, reach, sample
+from alpha5_model.uncertainty.effects import (
+    Bounds,
+    Identification,
+    Sensitivity,
+    Spread,
+    bounds,
+    identify,
+    sensitivity,
+    spread,
+    torque_bounds,
+)
+from alpha5_model.uncertainty.printed import (
+    ALTERNATIVES,
+    PrintedNumber,
+    Sample,
+    printed_numbers,
+    reach,
+    sample,
+)
 
 __all__ = [
     "ALTERNATIVES",
+    "Bounds",
+    "Identification",
+    "PrintedNumber",
     "Sample",
+    "Sensitivity",
+    "Spread",
     "arm",
     "bounds",
     "identify",
