@@ -27,7 +27,7 @@ def main() -> None:
         share = 100 * values / values.max()
         levels = np.linspace(80, 100, 11)
         image = axes.contourf(np.degrees(roll), np.degrees(pitch), share, levels)
-        title = f"{held:g} kg: up to {values.max():.1f} N m"
+        title = f"{held:g} kg: up to {values.max():.1f} N·m"
         axes.set(xlabel="roll of the mount (deg)", title=title)
     page.axes[0].set_ylabel("pitch of the mount (deg)")
     page.colorbar(image, ax=page.axes, label="of the panel's largest moment (%)")

@@ -28,12 +28,12 @@ def main() -> None:
         image = axes.hexbin(x, z, torque[joint], cmap="viridis", linewidths=0.1, **cells)
         k = torque[joint].argmax()
         axes.plot(x[k], z[k], "o", mfc="none", mec=figures.Color.VERMILION, ms=9, mew=2)
-        title = f"{joint}: {torque[joint][k]:.2f} N m"
+        title = f"{joint}: {torque[joint][k]:.2f} N·m"
         axes.set(aspect="equal", xlabel="in front of the yaw axis (mm)", title=title)
     page.axes[0].set_ylabel("height above the base (mm)")
-    page.colorbar(image, ax=page.axes, shrink=0.7, label="largest torque at rest (N m)")
+    page.colorbar(image, ax=page.axes, shrink=0.7, label="largest torque at rest (N·m)")
     page.suptitle(
-        f"Whatever wrist, mount and a current of 0.5 m/s: {most:.2f} N m hold the arm anywhere"
+        f"Whatever wrist, mount and a current of 0.5 m/s: {most:.2f} N·m hold the arm anywhere"
     )
     figures.write_figure(page, "torque_map.png", dpi=110)
 
