@@ -23,7 +23,7 @@ __version__ = "0.1.0"
 
 # `import alpha5_model.parameters as P` gives the function, too, which stands in the module's place:
 # it has the module's names.
-for _function in (parameters, published, view):
+for _function in (parameters, published, sweep, view):
     _names = vars(sys.modules[_function.__module__]).items()
     vars(_function).update({name: value for name, value in _names if name[:2] != "__"})
 

@@ -98,12 +98,11 @@ def trajectory(
         how |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
         analysis = library.analyse(motion, arm, progress=progress, current=flow, **how)
         summary = library.summary(analysis)
-        s = analysis.smooth
+        s, at = analysis.smooth, np.abs(analysis.torque).argmax(axis=0)
+        peaks = (x[at] for x in (s.position, s.velocity, s.acceleration))
+        ends = analysis.torque[at] + torque_margin(analysis.arm, *peaks)
         for k, joint in enumerate(summary["joints"].values()):
-            at = np.abs(analysis.torque[:, k]).argmax()
-            state = (x[at] for x in (s.position, s.velocity, s.acceleration))
-            ends = analysis.torque[at, k] + torque_margin(analysis.arm, *state)[:, k]
-            joint["torque_peak"]["interval"] = ends.tolist()
+            joint["torque_peak"]["interval"] = ends[:, k, k].tolist()
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:

@@ -279,7 +279,7 @@ def identify(
     """
     from scipy.optimize import lsq_linear
 
-    chosen = printed.believed(alternatives)
+    chosen = believed(alternatives)
     arm = load() if arm is None else instance("arm", arm, Arm)
     own, density = arm_parameters(arm), arm.fluid_density
     s = smooth(instance("motion", motion, Motion), **smoothing)
@@ -317,6 +317,6 @@ def identify(
     ends = extremes(np.eye(len(NAMES))[None], True, load(density), chosen)
     lower, upper = np.clip([found - wide, found + wide], *ends)
     values = dict(zip(printed.numbers(chosen), middle + z @ scaled, strict=True))
-    best, combinations = printed.parameter_set(values, chosen), _DEVIATION * ways[told] @ slope
+    best, combinations = parameter_set(values, chosen), _DEVIATION * ways[told] @ slope
     figures = found, lower, upper, covariance, supported, gains[told], combinations, noise
     return Identification(NAMES, *figures, best)
