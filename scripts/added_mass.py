@@ -35,8 +35,7 @@ from hydrodynamics.revolution import cylinder_across
 from alpha5_model.description.bodies import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.jaws import split_link_4
-from alpha5_model.meshing import bodies
-from alpha5_model.meshing.parts import frames_in_links
+from alpha5_model.meshing import bodies, frames_in_links
 from alpha5_model.meshing.solid import cylinder, kernel, union
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import cross_matrix, pose, rotation_about, transform

@@ -203,7 +203,7 @@ def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, nam
 
 def test_measured_dimensions_agree_with_the_recorded_bounds():
     from alpha5_model import parameters
-    from alpha5_model.meshing.dimensions import BASE, RADIUS, SHELL, SOURCES, WRIST
+    from alpha5_model.meshing import BASE, RADIUS, SHELL, SOURCES, WRIST
 
     bounds = [link.bounds * 1e3 for link in parameters().links]
     assert pytest.approx(bounds[0][0, 0]) == BASE.rear

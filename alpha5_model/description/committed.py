@@ -122,29 +122,18 @@ def update(repository: str = REPOSITORY_PATH) -> list[Path]:
 
 
 @cache
-def surfaces() -> dict[str, Surface]:
-    """Closed surface of each body in its link's frame, base to tip.
-
-    Raises:
-        MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
-    """
-    return {name: surface(body.solid) for name, body in bodies().items()}
-
-
 def mesh_files() -> dict[str, bytes]:
     """Name -> content of every file in ``meshes/``; the same bytes every time.
 
     Raises:
         MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
     """
-    return {
-        **{f"{name}.obj": obj(name, body) for name, body in surfaces().items()},
-        MTL_NAME: mtl(),
-        GLB_NAME: glb(list(_scene())),
-    }
+    surfaces = {name: surface(body.solid) for name, body in bodies().items()}
+    objects = {f"{name}.obj": obj(name, body) for name, body in surfaces.items()}
+    return {**objects, MTL_NAME: mtl(), GLB_NAME: glb(list(_scene(surfaces)))}
 
 
-def _scene() -> Iterator[Node]:
+def _scene(surfaces: Mapping[str, Surface]) -> Iterator[Node]:
     """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
     # glTF has y up, the base frame has z up.
     yield Node("base_link", rpy=(-math.pi / 2, 0.0, 0.0))
@@ -156,7 +145,7 @@ def _scene() -> Iterator[Node]:
         if body.joint is not None:
             yield Node(body.joint.name, parent, body.placement.xyz, turn)
             parent, turn = body.joint.name, (0.0, 0.0, next(angles, 0.0))
-        yield Node(body.name, parent, rpy=turn, surface=surfaces()[body.name])
+        yield Node(body.name, parent, rpy=turn, surface=surfaces[body.name])
 
 
 def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:

@@ -27,7 +27,8 @@ from alpha5_model.spatial import Triple, quaternion_from_rpy
 MTL_NAME = "alpha5.mtl"
 #: Type of an array's numbers -> its code in glTF.
 _COMPONENTS = {"<f4": 5126, "<u2": 5123, "<u4": 5125}
-_ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
+#: Type of an array's rows -> what it is bound to: points and normals, or indices.
+_TARGETS = {"VEC3": 34962, "SCALAR": 34963}
 
 
 @dataclass(frozen=True)
@@ -73,18 +74,14 @@ def obj(name: str, surface: Surface) -> bytes:
 
 def mtl() -> bytes:
     """The material library that the objects name."""
-    lines: list[str] = []
+    text = ""
     for m in MATERIALS:
         shine = 0.2 + 0.6 * m.metallic * (1.0 - m.roughness)
-        lines += [
-            f"newmtl {m.name}",
-            f"Kd {_numbers(m.rgba[:3], 3)}",
-            f"Ks {_numbers((shine,) * 3, 3)}",
-            f"Ns {10 ** (2.5 * (1.0 - m.roughness)):.1f}",
-            f"d {_numbers(m.rgba[3:], 3)}",
-            "illum 2",
-        ]
-    return ("\n".join(lines) + "\n").encode("ascii")
+        text += f"newmtl {m.name}\nKd {_numbers(m.rgba[:3], 3)}\nKs {_numbers([shine] * 3, 3)}\n"
+        text += (
+            f"Ns {10 ** (2.5 * (1.0 - m.roughness)):.1f}\nd {_numbers(m.rgba[3:], 3)}\nillum 2\n"
+        )
+    return text.encode("ascii")
 
 
 def _numbers(values: Iterable[float], decimals: int) -> str:
@@ -112,12 +109,20 @@ class Node:
 
 def glb(nodes: Sequence[Node]) -> bytes:
     """The scene as one GLB file; a parent stands before its children."""
-    blob = _Blob()
     children: dict[str, list[int]] = {}
     for i, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(i)
-    meshes: list[dict[str, Any]] = []
-    scene_nodes: list[dict[str, Any]] = []
+    scene: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "alpha5-model"},
+        "scene": 0,
+        "scenes": [{"nodes": children[""]}],
+        "nodes": [],
+        "meshes": [],
+        "materials": [_material(m) for m in MATERIALS],
+        "accessors": [],
+        "bufferViews": [],
+    }
+    blob = bytearray()
     for node in nodes:
         entry: dict[str, Any] = {"name": node.name}
         if any(node.xyz):
@@ -127,24 +132,14 @@ def glb(nodes: Sequence[Node]) -> bytes:
         if node.name in children:
             entry["children"] = children[node.name]
         if node.surface is not None:
-            entry["mesh"] = len(meshes)
-            material = MATERIALS.index(material_of(node.name))
-            primitive = {**blob.add_surface(node.surface), "material": material}
-            meshes.append({"name": node.name, "primitives": [primitive]})
-        scene_nodes.append(entry)
-    header = {
-        "asset": {"version": "2.0", "generator": "alpha5-model"},
-        "scene": 0,
-        "scenes": [{"nodes": children[""]}],
-        "nodes": scene_nodes,
-        "meshes": meshes,
-        "materials": [_material(m) for m in MATERIALS],
-        "accessors": blob.accessors,
-        "bufferViews": blob.views,
-        "buffers": [{"byteLength": len(blob.data)}],
-    }
-    text = json.dumps(header, separators=(",", ":")).encode("ascii")
-    chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", bytes(blob.data), b"\0")
+            entry["mesh"] = len(scene["meshes"])
+            primitive = _primitive(scene, blob, node.surface)
+            primitive["material"] = MATERIALS.index(material_of(node.name))
+            scene["meshes"].append({"name": node.name, "primitives": [primitive]})
+        scene["nodes"].append(entry)
+    scene["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(scene, separators=(",", ":")).encode("ascii")
+    chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", bytes(blob), b"\0")
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
@@ -155,51 +150,40 @@ def _chunk(kind: bytes, content: bytes, filler: bytes) -> bytes:
 
 def _material(material: Material) -> dict[str, Any]:
     # glTF wants linear light, MTL and URDF carry sRGB (IEC 61966-2-1).
-    linear = [
-        round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 6)
-        for c in material.rgba[:3]
-    ]
-    return {
-        "name": material.name,
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [*linear, material.rgba[3]],
-            "metallicFactor": material.metallic,
-            "roughnessFactor": material.roughness,
-        },
+    *srgb, alpha = material.rgba
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in srgb]
+    look = {
+        "baseColorFactor": [*(round(c, 6) for c in linear), alpha],
+        "metallicFactor": material.metallic,
+        "roughnessFactor": material.roughness,
     }
+    return {"name": material.name, "pbrMetallicRoughness": look}
 
 
-class _Blob:
-    """The binary part, and the tables that say what is where in it."""
+def _primitive(scene: dict[str, Any], blob: bytearray, surface: Surface) -> dict[str, Any]:
+    """Append a surface; glTF has one normal per vertex, so vertices split at creases."""
+    corners = np.column_stack([surface.faces.reshape(-1), surface.corner_normals.reshape(-1)])
+    pairs, place = np.unique(corners, axis=0, return_inverse=True)
+    positions = surface.vertices[pairs[:, 0]].astype("<f4")
+    normals = surface.normals[pairs[:, 1]]
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    indices = place.reshape(-1).astype("<u2" if len(pairs) < 2**16 - 1 else "<u4")
+    bounds = {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}
+    attributes = {
+        "POSITION": _accessor(scene, blob, positions, "VEC3", **bounds),
+        "NORMAL": _accessor(scene, blob, normals.astype("<f4"), "VEC3"),
+    }
+    return {"attributes": attributes, "indices": _accessor(scene, blob, indices, "SCALAR")}
 
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[dict[str, Any]] = []
-        self.accessors: list[dict[str, Any]] = []
 
-    def add_surface(self, surface: Surface) -> dict[str, Any]:
-        """Append a surface; glTF has one normal per vertex, so vertices split at creases."""
-        corners = np.column_stack([surface.faces.reshape(-1), surface.corner_normals.reshape(-1)])
-        pairs, place = np.unique(corners, axis=0, return_inverse=True)
-        positions = surface.vertices[pairs[:, 0]].astype("<f4")
-        normals = surface.normals[pairs[:, 1]]
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        indices = place.reshape(-1).astype("<u2" if len(pairs) < 2**16 - 1 else "<u4")
-        bounds = {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}
-        return {
-            "attributes": {
-                "POSITION": self._add(positions, "VEC3", _ARRAY_BUFFER, **bounds),
-                "NORMAL": self._add(normals.astype("<f4"), "VEC3", _ARRAY_BUFFER),
-            },
-            "indices": self._add(indices, "SCALAR", _ELEMENT_ARRAY_BUFFER),
-        }
-
-    def _add(self, array: NDArray[Any], kind: str, target: int, **bounds: list[float]) -> int:
-        """Append an array; returns the number of its accessor."""
-        self.data += b"\0" * (-len(self.data) % 4)
-        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}
-        self.views.append({**view, "target": target})
-        self.data += array.tobytes()
-        place = {"bufferView": len(self.accessors), "componentType": _COMPONENTS[array.dtype.str]}
-        self.accessors.append({**place, "count": len(array), "type": kind, **bounds})
-        return len(self.accessors) - 1
+def _accessor(
+    scene: dict[str, Any], blob: bytearray, array: NDArray[Any], kind: str, **bounds: list[float]
+) -> int:
+    """Append an array, and what is where; returns the number of its accessor."""
+    blob += b"\0" * (-len(blob) % 4)
+    number, view = len(scene["accessors"]), {"buffer": 0, "byteOffset": len(blob)}
+    scene["bufferViews"].append({**view, "byteLength": array.nbytes, "target": _TARGETS[kind]})
+    blob += array.tobytes()
+    place = {"bufferView": number, "componentType": _COMPONENTS[array.dtype.str]}
+    scene["accessors"].append({**place, "count": len(array), "type": kind, **bounds})
+    return number

@@ -36,9 +36,8 @@ def kernel() -> Any:
     try:
         import manifold3d
     except ImportError:
-        raise MissingDependencyError(
-            "manifold3d", "drawing the meshes", "pip install manifold3d"
-        ) from None
+        name = "manifold3d"
+        raise MissingDependencyError(name, "drawing the meshes", f"pip install {name}") from None
     return manifold3d
 
 
@@ -85,8 +84,7 @@ def _corner(radius: float, height: float, edge: float, side: float) -> list[tupl
 
 def box(low: Sequence[float], high: Sequence[float]) -> Solid:
     """A box between two corners."""
-    size = [b - a for a, b in zip(low, high, strict=True)]
-    return kernel().Manifold.cube(size).translate(list(low))
+    return kernel().Manifold.cube(np.subtract(high, low)).translate(low)
 
 
 def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
@@ -155,9 +153,11 @@ def surface(solid: Solid) -> Surface:
     # A face whose corners became one is gone, and its neighbours close over it.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     check_closed(faces)
-    faces = _ordered(faces)
-    normals, corner_normals = _smooth_normals(vertices, faces)
-    return Surface(vertices, faces, normals, corner_normals)
+    # Each face starts at its smallest vertex, and the faces are sorted.
+    columns = (np.argmin(faces, axis=1)[:, None] + np.arange(3)) % 3
+    faces = np.take_along_axis(faces, columns, axis=1)
+    faces = faces[np.lexsort(faces.T[::-1])].astype(np.int64)
+    return Surface(vertices, faces, *_smooth_normals(vertices, faces))
 
 
 def check_closed(faces: NDArray[np.int64]) -> None:
@@ -167,14 +167,6 @@ def check_closed(faces: NDArray[np.int64]) -> None:
     here, there = np.sort(start * n + stop), np.sort(stop * n + start)
     if (here[1:] == here[:-1]).any() or (here != there).any():
         raise Alpha5Error("a surface is no longer closed after rounding its coordinates")
-
-
-def _ordered(faces: NDArray[Any]) -> NDArray[np.int64]:
-    """Each face starts at its smallest vertex, and the faces are sorted."""
-    first = np.argmin(faces, axis=1)
-    columns = (first[:, None] + np.arange(3)) % 3
-    faces = np.take_along_axis(faces, columns, axis=1)
-    return faces[np.lexsort(faces.T[::-1])].astype(np.int64)
 
 
 def _smooth_normals(
