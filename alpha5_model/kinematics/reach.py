@@ -34,7 +34,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.ik.batch import solve_batch
 from alpha5_model.kinematics.plane import arm_plane, on_axis
 from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
-from alpha5_model.planar.arrangement import bounds
+from alpha5_model.planar.curves import bounds
 from alpha5_model.spatial import wrap
 
 #: How a half-plane is reached: by one pose, or by either.

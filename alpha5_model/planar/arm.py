@@ -1,4 +1,9 @@
-"""The workspace of a planar arm: where its tip can be, exactly.
+"""Planar arms: where their links are, and the workspace, where the tip can be, exactly.
+
+Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1 the next link
+is turned by ``angles[j]``; a revolute joint adds q_j to this angle, a prismatic joint adds q_j to
+the length of the link. So ``PlanarArm((5, 4, 1))`` is the notes' 3R arm, and a prismatic joint is a
+link of varying length, as they put it.
 
 Without limits on its revolute joints the workspace is a disc, a disc with a hole, or a circle, in
 closed form. In general it is built from the tip to the base. Let W' be the workspace of the arm
@@ -15,7 +20,7 @@ workspace if its path, seen from the first link, meets the boundary of W' or run
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
-    [Siciliano2009] Siciliano et al.: Robotics, section 2.10.1.
+    [Siciliano2009] Siciliano et al.: Robotics, sections 2.9.1 (three-link planar arm) and 2.10.1.
     [Haug1996] Haug, Luh, Adkins, Wang: Numerical algorithms for mapping boundaries of manipulator
         workspaces, J. Mech. Design 118(2), 1996 (boundaries as critical curves with joint limits).
 """
@@ -23,22 +28,186 @@ References:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import index
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, instance, listed
-from alpha5_model.errors import ShapeError
-from alpha5_model.planar.arrangement import Edge, bounds
-from alpha5_model.planar.curves import TURN, Arc, Curve, Segment, circle_hits, line_hits
-from alpha5_model.planar.linkage import Linkage, within_limits
+from alpha5_model.checks import BoolArray, FloatArray, bounded, float_array, instance, listed
+from alpha5_model.errors import InputError, MissingParameterError, ShapeError
+from alpha5_model.planar.curves import TURN, Arc, Curve, Edge, Segment, bounds, hits, turned
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
 #: Step to either side of a critical curve to see which side is inside, as a share of the reach.
 RELATIVE_STEP = 1e-7
+
+
+@dataclass(frozen=True)
+class PlanarArm:
+    """A planar arm, base at the origin.
+
+    Attributes:
+        lengths: Link lengths [m]: positive after a revolute joint, zero or more after a prismatic
+            one.
+        limits: (lower, upper) per joint [rad or m]; None, for one or all, where a revolute joint
+            has no limits. A range of a full turn or more counts as none.
+        joints: One letter per joint, ``"R"`` or ``"P"``; all revolute by default.
+        angles: Constant angle of each link to the one before [rad]; zero by default.
+
+    Raises:
+        InputError: No links, a length that is negative or zero, limits the wrong way round, an
+            unknown joint type.
+        MissingParameterError: A prismatic joint without limits.
+    """
+
+    lengths: tuple[float, ...]
+    limits: tuple[tuple[float, float] | None, ...] = ()
+    joints: str = ""
+    angles: tuple[float, ...] = ()
+
+    def __init__(
+        self,
+        lengths: ArrayLike,
+        limits: Sequence[tuple[float, float] | None] | None = None,
+        joints: str | None = None,
+        angles: ArrayLike | None = None,
+    ) -> None:
+        values = float_array("lengths", lengths, ())
+        if values.ndim != 1 or values.size == 0:
+            raise ShapeError("lengths", values.shape, "shape (N,), at least one link")
+        n = values.size
+        kinds = "R" * n if joints is None else joints
+        if not isinstance(kinds, str) or len(kinds) != n or set(kinds) - {"R", "P"}:
+            raise InputError("joints", joints, f"{n} letters R or P, one per link")
+        for value, kind in zip(values.tolist(), kinds, strict=True):
+            if value <= 0 if kind == "R" else value < 0:
+                bound = "positive" if kind == "R" else "not negative"
+                raise InputError("lengths", value, f"a length that is {bound}")
+        turn = np.zeros(n) if angles is None else float_array("angles", angles, (n,))
+        if turn.ndim != 1:
+            raise ShapeError("angles", turn.shape, f"shape ({n},)")
+        expected = f"one (lower, upper) or None for {n} joints"
+        ranges = [None] * n if limits is None else listed("limits", limits, expected)
+        if len(ranges) != n:
+            raise ShapeError("limits", (len(ranges),), expected)
+        checked = tuple(_range(*pair) for pair in zip(ranges, kinds, strict=True))
+        object.__setattr__(self, "lengths", tuple(values.tolist()))
+        object.__setattr__(self, "limits", checked)
+        object.__setattr__(self, "joints", kinds)
+        object.__setattr__(self, "angles", tuple(turn.tolist()))
+        if not math.isfinite(4 * math.pi * self.reach * self.reach):
+            raise InputError("lengths", self.lengths, "an arm whose area is a finite number")
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.lengths)
+
+    @property
+    def reach(self) -> float:
+        """No point of the arm is ever farther from the base [m]."""
+        rows = zip(self.joints, self.limits, strict=True)
+        travel = [max(map(abs, r)) if kind == "P" and r else 0.0 for kind, r in rows]
+        return sum(map(sum, zip(self.lengths, travel, strict=True)))
+
+    @property
+    def length_ranges(self) -> tuple[tuple[float, float], ...] | None:
+        """Range of the distance between one revolute joint and the next (last: to the tip) [m].
+
+        None unless the first joint is revolute, no revolute joint has limits, and every prismatic
+        joint slides along its link: then the workspace depends on these ranges only.
+        """
+        ranges: list[list[float]] = []
+        rows = zip(self.lengths, self.limits, self.joints, self.angles, strict=True)
+        for length, limit, kind, angle in rows:
+            if kind == "R":
+                if limit is not None:
+                    return None
+                ranges.append([length, length])
+            else:
+                if not ranges or angle != 0.0 or limit is None:
+                    return None
+                ranges[-1][0] += length + limit[0]
+                ranges[-1][1] += length + limit[1]
+        return tuple((max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges))
+
+    def part(self, start: int, stop: int | None = None) -> PlanarArm:
+        """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
+        try:
+            cut = slice(index(start), None if stop is None else index(stop))
+        except TypeError:
+            raise InputError("start, stop", (start, stop), "whole numbers") from None
+        return PlanarArm(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
+
+    def poses(self, q: ArrayLike) -> FloatArray:
+        """Base, every link's end, and the direction there.
+
+        Args:
+            q: (..., N) [rad or m].
+
+        Returns:
+            x [m], y [m], orientation [rad]: (..., N + 1, 3); row 0 is the base, the last the tip.
+        """
+        position = bounded("q", float_array("q", q, (self.n,)))
+        revolute = np.array([kind == "R" for kind in self.joints])
+        heading = np.cumsum(np.where(revolute, position, 0.0) + np.array(self.angles), axis=-1)
+        length = np.where(revolute, 0.0, position) + np.array(self.lengths)
+        out = np.zeros((*position.shape[:-1], self.n + 1, 3))
+        out[..., 1:, 0] = np.cumsum(length * np.cos(heading), axis=-1)
+        out[..., 1:, 1] = np.cumsum(length * np.sin(heading), axis=-1)
+        out[..., 1:, 2] = heading
+        return out
+
+    def forward_kinematics(self, q: ArrayLike) -> FloatArray:
+        """Tip x [m], y [m] and orientation [rad], (..., 3), at q (..., N) [rad or m]."""
+        return np.ascontiguousarray(self.poses(q)[..., -1, :])
+
+    def jacobian(self, q: ArrayLike) -> FloatArray:
+        """Derivative of `forward_kinematics`, (..., 3, N), at q (..., N) [rad or m]."""
+        poses = self.poses(q)
+        to_tip = poses[..., -1:, :2] - poses[..., :-1, :2]
+        heading = poses[..., 1:, 2]
+        revolute = np.array([kind == "R" for kind in self.joints])
+        out = np.empty((*poses.shape[:-2], 3, self.n))
+        out[..., 0, :] = np.where(revolute, -to_tip[..., 1], np.cos(heading))
+        out[..., 1, :] = np.where(revolute, to_tip[..., 0], np.sin(heading))
+        out[..., 2, :] = revolute
+        return out
+
+    def workspace(self) -> Workspace:
+        """The set of points that the tip reaches; see `planar.workspace`."""
+        return workspace(self)
+
+
+def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> BoolArray:
+    """Whether positions q of a joint lie in its limits, up to `slack` (broadcast); NaN does not."""
+    limit = arm.limits[joint]
+    if limit is None:
+        return ~np.isnan(q)
+    low, high = limit
+    over = q - low + slack
+    with np.errstate(invalid="ignore"):
+        if arm.joints[joint] == "R":
+            over = np.mod(over, math.tau)
+        return np.asarray((over >= 0.0) & (over <= high - low + 2 * slack))
+
+
+def _range(limit: Any, kind: str) -> tuple[float, float] | None:
+    if limit is None:
+        if kind == "P":
+            raise MissingParameterError("limits (lower, upper) of each", "a prismatic joint")
+        return None
+    values = float_array("limits", limit, (2,))
+    if values.ndim != 1:
+        raise ShapeError("limits", values.shape, "a pair (lower, upper) per joint")
+    lower, upper = values.tolist()
+    if lower > upper:
+        raise InputError("limits", (lower, upper), "lower <= upper")
+    return None if kind == "R" and upper - lower >= 2 * math.pi else (lower, upper)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +240,9 @@ class Workspace:
     @property
     def radii(self) -> tuple[float, float]:
         """Smallest and largest distance from the base [m]."""
-        tolerance = _tolerance(self.arm)
-        distances: list[float] = []
-        for curve in self.curves:
-            ends = curve.point(np.array(curve.interval))
-            distances += np.linalg.norm(ends, axis=-1).tolist()
-            distances += [math.hypot(*p) for p in _tangent_points(curve, True, tolerance)]
-        inside = bool(self.contains(np.zeros(2)))
-        return (0.0 if inside else min(distances)), max(distances)
+        points = [p for c in self.curves for p in _extremes(c, True, _tolerance(self.arm))]
+        distances = np.linalg.norm(points, axis=1).tolist()
+        return (0.0 if self.contains(np.zeros(2)) else min(distances)), max(distances)
 
     @property
     def shape(self) -> str:
@@ -94,7 +258,7 @@ class Workspace:
             return "point" if curve.radius == 0 else "circle" if curve.closed else "arc"
         return "region"
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> BoolArray:
         """Whether points can be reached; the boundary counts as inside.
 
         Args:
@@ -104,61 +268,61 @@ class Workspace:
             Booleans, (...).
         """
         p = float_array("points", points, (2,))
-        tolerance = _tolerance(self.arm)
+        tolerance, reach = _tolerance(self.arm), self.arm.reach if self.arm else 0.0
         flat = p.reshape(-1, 2)
         # Farther away than the arm is long no point is reached, and squares may overflow.
-        inside: np.ndarray = (
-            np.abs(flat).max(axis=1) <= (self.arm.reach if self.arm else 0.0) + tolerance
-        )
+        inside = np.asarray(np.abs(flat).max(axis=1) <= reach + tolerance)
         inside[inside] = self._contains(flat[inside], tolerance)
         return inside.reshape(p.shape[:-1])
 
-    def _contains(self, p: FloatArray, tolerance: float) -> np.ndarray:
-        arm = self.arm
-        if arm is None:
-            return np.asarray(np.linalg.norm(p, axis=1) <= tolerance)
-        ranges = arm.length_ranges
-        if ranges is not None:
-            low, high = annulus(ranges)
-            r = np.linalg.norm(p, axis=1)
-            return np.asarray((r >= low - tolerance) & (r <= high + tolerance))
+    def _contains(self, p: FloatArray, tolerance: float) -> BoolArray:
+        arm, radius = self.arm, np.linalg.norm(p, axis=1)
+        if (rings := _rings(arm)) is not None:
+            return np.asarray((radius >= rings[0] - tolerance) & (radius <= rings[1] + tolerance))
+        assert arm is not None
         assert self.inner is not None
-        length, angle = arm.lengths[0], arm.angles[0]
-        half_way = sum(arm.limits[0] or (0.0, 0.0)) / 2
-        found = np.zeros(len(p), dtype=bool)
+        slack = np.full_like(radius, tolerance)
         if arm.joints[0] == "R":
-            # In the frame of link 1 the target runs on a circle about the pivot, backwards in q.
-            radius, bearing = np.linalg.norm(p, axis=1), np.arctan2(p[:, 1], p[:, 0]) - angle
-            pivot = np.array([-length, 0.0])
-            centers = np.broadcast_to(pivot, p.shape)
-            slack = tolerance / np.maximum(radius, tolerance)
-            for curve in self.inner.curves:
-                hits = circle_hits(centers, radius, curve, tolerance) - pivot
-                q = bearing[:, None] - np.arctan2(hits[..., 1], hits[..., 0])
-                found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
-            phi = bearing - half_way
-            middle = pivot + radius[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-        else:
-            # It runs along a straight line, backwards along x.
-            c, s = math.cos(angle), math.sin(angle)
-            start = p @ np.array([[c, -s], [s, c]]) - (length, 0.0)
-            along = np.broadcast_to((1.0, 0.0), p.shape)
-            for curve in self.inner.curves:
-                q = start[:, None, 0] - line_hits(start, along, curve, tolerance)[..., 0]
-                found |= within_limits(arm, 0, q, tolerance).any(axis=1)
-            middle = start - (half_way, 0.0)
+            slack /= np.maximum(radius, tolerance)
+        found = np.zeros(len(p), np.bool_)
+        for q, _ in bring(arm, p, self.inner.curves, tolerance):
+            found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
         rest = np.flatnonzero(~found)
         if rest.size:
-            found[rest] = self.inner._contains(middle[rest], tolerance)
+            angle, length = _placed(arm, sum(arm.limits[0] or (0.0, 0.0)) / 2)
+            middle = turned(p[rest], -angle) - (length, 0.0)
+            found[rest] = self.inner._contains(middle, tolerance)
         return found
 
 
-class PlanarArm(Linkage):
-    """A planar arm: `Linkage`, and its workspace."""
+def bring(
+    arm: PlanarArm, points: FloatArray, curves: Iterable[Curve], tolerance: float
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Positions of the first joint, limits aside, that bring a curve to points.
 
-    def workspace(self) -> Workspace:
-        """The set of points that the tip reaches; see `planar.workspace`."""
-        return workspace(self)
+    Args:
+        arm: The arm.
+        points: (M, 2) [m].
+        curves: As the first joint carries them, in the frame of its link.
+        tolerance: [m].
+
+    Yields:
+        For each curve q (M, K) [rad or m], and what is brought of the curve, (M, K, 2); NaN where
+        nothing can be.
+    """
+    angle, length = _placed(arm, 0.0)
+    # In the frame of link 1 a point runs on a circle about the joint, or along x, backwards in q.
+    if arm.joints[0] == "R":
+        bearing = np.arctan2(points[:, 1], points[:, 0])[:, None] - angle
+        pivot, radius = np.array([[-length, 0.0]]), np.linalg.norm(points, axis=1)
+        for curve in curves:
+            there = hits(pivot, radius, curve, tolerance)
+            yield bearing - np.arctan2(there[..., 1], there[..., 0] + length), there
+    else:
+        start, along = turned(points, -angle) - (length, 0.0), np.array([[1.0, 0.0]])
+        for curve in curves:
+            there = hits(start, along, curve, tolerance)
+            yield start[:, None, 0] - there[..., 0], there
 
 
 def workspace(arm: PlanarArm) -> Workspace:
@@ -189,26 +353,27 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
         raise ShapeError("length_ranges", table.shape, pairs)
     ranges = table.tolist()
     outer = math.fsum(high for _, high in ranges)
-    inner = max(
-        low - math.fsum(r[1] for k, r in enumerate(ranges) if k != j)
-        for j, (low, _) in enumerate(ranges)
-    )
+    inner = max(math.fsum([low, high, *-table[:, 1]]) for low, high in ranges)
     return max(0.0, inner), outer
 
 
+def _rings(arm: PlanarArm | None) -> tuple[float, float] | None:
+    """Radii of the only boundary, None if there is another: of the tip itself or of an `annulus`."""
+    ranges = () if arm is None else arm.length_ranges
+    return annulus(ranges) if ranges else None if ranges is None else (0.0, 0.0)
+
+
 def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
-    if arm is None:
-        return Workspace(None, (), (Arc((0.0, 0.0), 0.0),), None)
-    inner = _build(arm.part(1) if arm.n > 1 else None, tolerance, step)
-    ranges = arm.length_ranges
-    if ranges is not None:
-        low, high = annulus(ranges)
-        if high - low <= tolerance:  # a point, if high is too small
-            return Workspace(arm, (), (Arc((0.0, 0.0), high),), inner)
-        circles = [Edge(Arc((0.0, 0.0), high), True)]
-        if low > tolerance:
-            circles.append(Edge(Arc((0.0, 0.0), low), False))
-        return Workspace(arm, tuple(circles), (), inner)
+    shorter = arm.part(1) if arm is not None and arm.n > 1 else None
+    inner = None if arm is None else _build(shorter, tolerance, step)
+    if (rings := _rings(arm)) is not None:
+        small, large = (Arc((0.0, 0.0), radius) for radius in rings)
+        if large.radius - small.radius <= tolerance:  # a point, if it is too small
+            return Workspace(arm, (), (large,), inner)
+        hole = (Edge(small, False),) if small.radius > tolerance else ()
+        return Workspace(arm, (Edge(large, True), *hole), (), inner)
+    assert arm is not None
+    assert inner is not None
     limit, angle = arm.limits[0], arm.angles[0]
     revolute = arm.joints[0] == "R"
     if limit is not None and limit[0] == limit[1]:  # a locked joint moves nothing
@@ -219,9 +384,7 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
     for curve in inner.curves:
         candidates += [_carried(curve, arm, q) for q in limit or ()]
         zero = curve.moved(0.0, (arm.lengths[0], 0.0))
-        points = _tangent_points(zero, revolute, tolerance)
-        points += zero.point(np.array(zero.interval)).tolist()
-        for x, y in points:
+        for x, y in _extremes(zero, revolute, tolerance):
             if revolute:
                 low, high = limit or (0.0, TURN)
                 start = math.atan2(y, x) + angle + low
@@ -238,25 +401,28 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
 
 def _carried(curve: Curve, arm: PlanarArm, q: float) -> Curve:
     """A curve of the arm without its first joint, seen from the base with that joint at q."""
-    revolute = arm.joints[0] == "R"
-    turn, shift = (q, 0.0) if revolute else (0.0, q)
-    return curve.moved(arm.angles[0] + turn, (arm.lengths[0] + shift, 0.0))
+    angle, length = _placed(arm, q)
+    return curve.moved(angle, (length, 0.0))
 
 
-def _tangent_points(curve: Curve, revolute: bool, tolerance: float) -> list[list[float]]:
-    """Where the joint at the origin (turning, or sliding along x) moves along the curve."""
-    if isinstance(curve, Arc):
-        bearing = math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
-        if revolute and math.hypot(*curve.center) <= tolerance:
-            return []
-        points = curve.point(np.array([bearing, bearing + math.pi]))
-    elif revolute:
+def _placed(arm: PlanarArm, q: float) -> tuple[float, float]:
+    """Direction and length of link 1."""
+    turn, shift = (q, 0.0) if arm.joints[0] == "R" else (0.0, q)
+    return arm.angles[0] + turn, arm.lengths[0] + shift
+
+
+def _extremes(curve: Curve, revolute: bool, tolerance: float) -> list[list[float]]:
+    """Ends, and where the joint at the origin (turning, or sliding along x) moves along the curve."""
+    points = np.empty((0, 2))
+    if isinstance(curve, Segment):
         normal = curve.left(0.0)
-        points = (normal @ np.asarray(curve.start) * normal)[None]
-    else:
-        return []
+        if revolute:
+            points = (normal @ np.asarray(curve.start) * normal)[None]
+    elif not revolute or math.hypot(*curve.center) > tolerance:
+        bearing = math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
+        points = curve.point([bearing, bearing + math.pi])
     on = ~np.isnan(curve.parameter(points, tolerance))
-    return [p for p, keep in zip(points.tolist(), on, strict=True) if keep]
+    return [*points[on].tolist(), *curve.point(curve.interval).tolist()]
 
 
 def _tolerance(arm: PlanarArm | None) -> float:
