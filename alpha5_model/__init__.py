@@ -28,43 +28,37 @@ for _function in (parameters, published, sweep, view):
     vars(_function).update({name: value for name, value in _names if name[:2] != "__"})
 
 if TYPE_CHECKING:
-    from alpha5_model import actuators as actuators
-    from alpha5_model import dh as dh
-    from alpha5_model import planar as planar
-    from alpha5_model import trajectory as trajectory
-    from alpha5_model import uncertainty as uncertainty
-    from alpha5_model.comparison import compare as compare
-    from alpha5_model.consistency import audit as audit
-    from alpha5_model.description.srdf import named_pose as named_pose
-    from alpha5_model.dynamics import load as load
-    from alpha5_model.dynamics import robot_wrapper as robot_wrapper
-    from alpha5_model.dynamics.arm import Arm as Arm
-    from alpha5_model.dynamics.collision import (
-        without_self_collision as without_self_collision,
-    )
-    from alpha5_model.dynamics.vehicle import Vehicle as Vehicle
-    from alpha5_model.fluids import AIR as AIR
-    from alpha5_model.fluids import FRESH_WATER as FRESH_WATER
-    from alpha5_model.fluids import SEA_WATER as SEA_WATER
-    from alpha5_model.fluids import gravity_in_base as gravity_in_base
-    from alpha5_model.hydrodynamics import DragStrip as DragStrip
-    from alpha5_model.kernels import backend as backend
-    from alpha5_model.kinematics import workspace as workspace
-    from alpha5_model.kinematics.ik import BRANCHES as BRANCHES
-    from alpha5_model.kinematics.ik import inverse_kinematics as inverse_kinematics
+    from alpha5_model import actuators, dh, planar, trajectory, uncertainty
+    from alpha5_model.comparison import compare
+    from alpha5_model.consistency import audit
+    from alpha5_model.description.srdf import named_pose
+    from alpha5_model.dynamics import load, robot_wrapper
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.dynamics.collision import without_self_collision
+    from alpha5_model.dynamics.vehicle import Vehicle
+    from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
+    from alpha5_model.hydrodynamics import DragStrip
+    from alpha5_model.kernels import backend
+    from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.ik import (
-        published_inverse_kinematics as published_inverse_kinematics,
+        BRANCHES,
+        inverse_kinematics,
+        published_inverse_kinematics,
     )
-    from alpha5_model.kinematics.ik.path import inverse_kinematics_path as inverse_kinematics_path
-    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose as inverse_kinematics_pose
-    from alpha5_model.kinematics.reach import distance_to_reach as distance_to_reach
-    from alpha5_model.kinematics.reach import nearest_reachable as nearest_reachable
-    from alpha5_model.kinematics.reach import reachable as reachable
-    from alpha5_model.paths import PACKAGE_PATH as PACKAGE_PATH
-    from alpha5_model.paths import REPOSITORY_PATH as REPOSITORY_PATH
-    from alpha5_model.paths import URDF_PATH as URDF_PATH
-    from alpha5_model.uncertainty import identify as identify
+    from alpha5_model.kinematics.ik.path import inverse_kinematics_path
+    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose
+    from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable, reachable
+    from alpha5_model.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
+    from alpha5_model.uncertainty import identify
 
+# For checkers of types, which need the names written out; a name that is not imported above they report.
+__all__ = ["AIR", "BRANCHES", "FRESH_WATER", "PACKAGE_PATH", "REPOSITORY_PATH", "SEA_WATER"]
+__all__ += ["URDF_PATH", "Alpha5Error", "Arm", "DragStrip", "UnreachableError", "Vehicle"]
+__all__ += ["__version__", "actuators", "audit", "backend", "compare", "dh", "distance_to_reach"]
+__all__ += ["gravity_in_base", "identify", "inverse_kinematics", "inverse_kinematics_path"]
+__all__ += ["inverse_kinematics_pose", "load", "named_pose", "nearest_reachable", "parameters"]
+__all__ += ["planar", "published", "published_inverse_kinematics", "reachable", "robot_wrapper"]
+__all__ += ["sweep", "trajectory", "uncertainty", "view", "without_self_collision", "workspace"]
 #: Module -> the public names that it defines.
 _DEFINED = {
     "comparison": ("compare",),
@@ -88,17 +82,6 @@ _DEFINED = {
 _MODULES = ("actuators", "dh", "planar", "kinematics.workspace", "trajectory", "uncertainty")
 _PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
 _PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
-
-__all__ = [
-    "Alpha5Error",
-    "UnreachableError",
-    "__version__",
-    "parameters",
-    "published",
-    "sweep",
-    "view",
-    *sorted(_PUBLIC),
-]
 
 
 def __getattr__(name: str) -> Any:

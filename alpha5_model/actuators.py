@@ -304,14 +304,14 @@ class Actuator:
     ) -> Interval:
         """`current` over the printed tolerance of the friction, [A]."""
         ends = [a.current(torque, velocity, acceleration) for a in self.extremes()]
-        return Interval(np.minimum(*ends), np.maximum(*ends))
+        return Interval(*np.sort(ends, axis=0))
 
     def torque_interval(
         self, current: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None
     ) -> Interval:
         """`torque` over the printed tolerance of the friction, [N m]."""
         ends = [a.torque(current, velocity, acceleration) for a in self.extremes()]
-        return Interval(np.minimum(*ends), np.maximum(*ends))
+        return Interval(*np.sort(ends, axis=0))
 
     # Inside ---------------------------------------------------------------------------------
 

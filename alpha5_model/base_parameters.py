@@ -31,41 +31,28 @@ from alpha5_model.parameters import RigidBody, parameters
 from alpha5_model.spatial import pose
 
 _SECOND = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-_FIRST = ("hx", "hy", "nx", "ny")
 #: Name -> unit, in order. In the axes of each link, with what the links beyond hand down: ``xx`` to ``yz`` are
 #: second moments, sums of ``m x x`` to ``m y z``; ``hx``, ``hy`` first moments; ``n``, ``nx`` to ``nz`` the net mass
 #: and its first moments. Link 1 turns about its z only: there ``izz = xx + yy`` is all that counts of the two.
-BASE_PARAMETERS: dict[str, str] = {
-    "link_0.n": "kg",
-    **{f"link_0.n{axis}": "kg m" for axis in "xyz"},
-    **{
-        f"link_{i}.{name}": unit
-        for i in (1, 2, 3, 4)
-        for names, unit in (
-            (("izz", "xz", "yz") if i == 1 else tuple(_SECOND), "kg m^2"),
-            (_FIRST, "kg m"),
-        )
-        for name in names
-    },
-    **{f"gravity.{axis}": "m/s^2" for axis in "xyz"},
-}
+BASE_PARAMETERS = {"link_0.n": "kg"} | {f"link_0.n{axis}": "kg m" for axis in "xyz"}
+for _i in (1, 2, 3, 4):
+    _names = ("izz", "xz", "yz") if _i == 1 else tuple(_SECOND)
+    BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m^2" for name in _names}
+    BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m" for name in ("hx", "hy", "nx", "ny")}
+BASE_PARAMETERS |= {f"gravity.{axis}": "m/s^2" for axis in "xyz"}
 
-_ENTRIES = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
+#: Entries of C; B has all but the last.
+_C = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
+_B = {name: at for name, at in _C.items() if name != "zz"}
 #: The link that carries a strip, and the axis of that link that it runs along.
 STRIPS = ((1, 2), (2, 0), (3, 1), (4, 2), (4, 2))
+_STRIP = dict.fromkeys(("x", "y", "z", "half"), "m")
+_STRIP |= dict.fromkeys(("across", "along"), "N s^2/m^2")
 #: Name -> unit, in order: B and C of each link, then of each strip its middle, half its length, drag across and along.
-WATER_PARAMETERS: dict[str, str] = {
-    **{f"link_{i}.b{name}": "kg" for i in (1, 2, 3, 4) for name in [*_ENTRIES][:5]},
-    **{f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in _ENTRIES},
-    **{
-        f"strip_{k}.{name}": unit
-        for k in range(len(STRIPS))
-        for name, unit in (
-            *((name, "m") for name in ("x", "y", "z", "half")),
-            *((name, "N s^2/m^2") for name in ("across", "along")),
-        )
-    },
-}
+WATER_PARAMETERS = {f"link_{i}.b{name}": "kg" for i in (1, 2, 3, 4) for name in _B}
+WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in _C}
+for _k in range(len(STRIPS)):
+    WATER_PARAMETERS |= {f"strip_{_k}.{name}": unit for name, unit in _STRIP.items()}
 
 
 def base_parameters(
@@ -82,10 +69,8 @@ def base_parameters(
     Returns:
         (41,).
     """
-    bodies = [
-        np.array(moments(x.mass, x.com, x.inertia, x.volume, x.cob, fluid_density)) for x in links
-    ]
-    return regrouped(bodies, gravity)
+    bodies = [moments(x.mass, x.com, x.inertia, x.volume, x.cob, fluid_density) for x in links]
+    return regrouped(np.array(bodies), gravity)
 
 
 def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) -> FloatArray:
@@ -146,25 +131,18 @@ def water_parameters(
         rigid[:3, :3] = np.trace(inertia) / 2 * np.eye(3) - inertia
         rigid[:3, 3] = rigid[3, :3] = turned[2, 1], turned[0, 2], turned[1, 0]
         rigid[3, 3] = mass
-        left = {"b": heavy - mass * np.eye(3), "c": (coupling + coupling.T) / 2}
-        for key in WATER_PARAMETERS:
-            body, _, name = key.partition(".")
-            if body == f"link_{link}":
-                values[key] = left[name[0]][_ENTRIES[name[1:]]]
+        left, even = heavy - mass * np.eye(3), (coupling + coupling.T) / 2
+        values |= {f"link_{link}.b{name}": left[at] for name, at in _B.items()}
+        values |= {f"link_{link}.c{name}": even[at] for name, at in _C.items()}
         for strip in own:
-            half = np.abs(strip.end - strip.start) / 2
-            kind = link, int(half.argmax())
+            ends = np.abs(strip.end - strip.start) / 2
+            kind, half = (link, int(ends.argmax())), ends.max()
             place = next((k for k, free_kind in free.items() if free_kind == kind), None)
-            if place is None or np.count_nonzero(half) > 1:
+            if place is None or np.count_nonzero(ends) > 1:
                 return None
             del free[place]
-            face = density * strip.diameter * half.max()
-            numbers = (
-                *(strip.start + strip.end) / 2,
-                half.max(),
-                strip.across * face,
-                strip.along * face,
-            )
-            names = [key for key in WATER_PARAMETERS if key.startswith(f"strip_{place}.")]
-            values |= zip(names, numbers, strict=True)
+            face = density * strip.diameter * half
+            drag = half, strip.across * face, strip.along * face
+            names = (f"strip_{place}.{name}" for name in _STRIP)
+            values |= zip(names, (*(strip.start + strip.end) / 2, *drag), strict=True)
     return regrouped(rigid_parts, np.zeros(3)), np.array([*values.values()])

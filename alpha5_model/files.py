@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import stat
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -87,7 +86,13 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     try:
         for target, real in plain.items():
             with _errors_of(target):
-                staged[real] = _stage(real, data[target])
+                real.parent.mkdir(parents=True, exist_ok=True)
+                temporary = real.with_name(f".alpha5-{os.urandom(8).hex()}")
+                with temporary.open("xb") as stream:
+                    staged[real] = temporary
+                    if real.exists():  # its mode, before there is anything to read
+                        temporary.chmod(stat.S_IMODE(real.stat().st_mode))
+                    stream.write(data[target])
         for target in (t for t in files if t not in plain):
             with _errors_of(target):
                 _write_into(target, data[target])
@@ -234,23 +239,6 @@ def _write_into(target: Path, content: bytes) -> None:
         stream.write(content)
 
 
-def _stage(real: Path, content: bytes) -> Path:
-    """The content in a temporary file beside the target, with the target's mode."""
-    real.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=real.parent, prefix=".alpha5-")
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(stat.S_IMODE(real.stat().st_mode) if real.exists() else 0o666 & ~umask)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    return temporary
-
-
 @contextmanager
 def _errors_of(target: Path) -> Iterator[None]:
     """Errors of the system as one line about the target."""
@@ -261,7 +249,9 @@ def _errors_of(target: Path) -> Iterator[None]:
         raise
     except (FileExistsError, NotADirectoryError):
         raise OutputError(shown, "a part of its path is a file, not a folder") from None
-    except OSError as error:
-        raise OutputError(shown, error.strerror or str(error)) from None
-    except ValueError as error:  # a null byte in the path, a lone surrogate in the text
-        raise OutputError(shown, str(error)) from None
+    except (
+        OSError,
+        ValueError,
+    ) as error:  # also a null byte in the path, a lone surrogate in the text
+        problem = error.strerror if isinstance(error, OSError) else None
+        raise OutputError(shown, problem or str(error)) from None

@@ -19,16 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import (
-    LARGEST,
-    FloatArray,
-    bounded,
-    fitting,
-    float_array,
-    is_rotation,
-    real,
-    shaped,
-)
+from alpha5_model.checks import LARGEST, FloatArray, bounded, fitting, is_rotation, real, shaped
 from alpha5_model.errors import InputError
 
 
@@ -43,7 +34,7 @@ def flip_products(inertia: ArrayLike) -> FloatArray:
     Returns:
         (..., 3, 3), the same diagonal, every off-diagonal entry negated.
     """
-    tensor = float_array("inertia", inertia, (3, 3))
+    (tensor,) = _together(inertia=inertia)
     return np.where(np.eye(3, dtype=bool), tensor, -tensor)
 
 
@@ -123,8 +114,9 @@ def combine(
     Raises:
         InputError: The masses add up to zero: no COM.
     """
-    n = float_array("masses", masses, ()).size
-    m = bounded("masses", shaped("masses", masses, (n,)))
+    (m,) = fitting(masses=(masses, ()))
+    n = m.size
+    m = bounded("masses", shaped("masses", m, (n,)))
     c = bounded("coms", shaped("coms", coms, (n, 3)))
     tensors = bounded("inertias", shaped("inertias", inertias, (n, 3, 3)))
     mass = float(m.sum())

@@ -98,24 +98,32 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     Returns:
         The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to rounding.
     """
-    link, jaws = parameters.links[4], parameters.jaws
-    rod_joint = parameters.joints[4]
-    finger_1, finger_2 = (_finger(parameters, i) for i in (1, 2))
-    radius = jaws.rod_diameter / 2
-    rod_mass = jaws.rod_density * math.pi * radius**2 * jaws.rod_length
-    across = rod_mass * (3 * radius**2 + jaws.rod_length**2) / 12
-    zero = frozen([0.0, 0.0, 0.0])
-    rod = JawBody(
-        name="jaw_rod",
-        roll=math.pi,
-        origin=frozen([0.0, 0.0, -(jaws.collar_base + rod_joint.lower)]),
-        mass=rod_mass,
-        com=zero,
-        inertia=frozen(np.diag([across, across, rod_mass * radius**2 / 2])),
-        volume=0.0,
-        cob=zero,
-    )
-    moving = [rod, finger_1, finger_2]
+    link, jaws, slide = parameters.links[4], parameters.jaws, parameters.joints[4]
+    radius, zero = jaws.rod_diameter / 2, frozen([0.0, 0.0, 0.0])
+    mass = jaws.rod_density * math.pi * radius**2 * jaws.rod_length
+    across = mass * (3 * radius**2 + jaws.rod_length**2) / 12
+    inertia = frozen(np.diag([across, across, mass * radius**2 / 2]))
+    origin = frozen([0.0, 0.0, -(jaws.collar_base + slide.lower)])
+    rod = JawBody("jaw_rod", mass, zero, inertia, 0.0, zero, math.pi, origin)
+    turn, fingers, hinges = jaws.finger_turn, [], []
+    upper, velocity = turn * (slide.upper - slide.lower), turn * slide.velocity
+    # What a finger, which only follows, can exert is the rod's effort over its lever.
+    effort, offset = slide.effort / turn, -turn * slide.lower
+    # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
+    # positive angle, so one multiplier and one range serve both.
+    for side, volume in ((-1.0, jaws.finger_volume), (1.0, jaws.second_finger_volume)):
+        name = "finger_1" if side < 0 else "finger_2"
+        y, z = jaws.finger_length, jaws.finger_width
+        x = volume / (y * z)
+        mass = jaws.finger_density * volume
+        inertia = frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2]))
+        centre = frozen([-side * jaws.pivot_offset / 2, -side * y / 2, 0.0])
+        origin = frozen([side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)])
+        roll = side * math.pi / 2
+        fingers.append(JawBody(name, mass, centre, inertia, volume, centre, roll, origin))
+        joint = FingerJoint(f"{name}_joint", 0.0, upper, velocity, effort, slide.name, turn, offset)
+        hinges.append(joint)
+    moving = [rod, *fingers]
     coms, tensors, cobs = zip(*(body.in_link_4() for body in moving), strict=True)
     mass, com, inertia = combine(
         [link.mass, *(-body.mass for body in moving)],
@@ -124,53 +132,7 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     )
     volumes = [body.volume for body in moving]
     volume = link.volume - sum(volumes)
-    moment = link.volume * link.cob - sum(map(operator.mul, volumes, cobs))
-    wrist = JawBody(
-        name="link_4",
-        roll=0.0,
-        origin=zero,
-        mass=mass,
-        com=frozen(com),
-        inertia=frozen((inertia + inertia.T) / 2),
-        volume=volume,
-        cob=frozen(moment / volume),
-    )
-    joints = rod_joint, _hinge(finger_1, parameters), _hinge(finger_2, parameters)
-    return Jaws(wrist, rod, finger_1, finger_2, joints)
-
-
-def _hinge(finger: JawBody, parameters: Alpha5Parameters) -> FingerJoint:
-    turn, rod = parameters.jaws.finger_turn, parameters.joints[4]
-    return FingerJoint(
-        name=f"{finger.name}_joint",
-        lower=0.0,
-        upper=turn * (rod.upper - rod.lower),
-        velocity=turn * rod.velocity,
-        # What a finger, which only follows, can exert is the rod's effort over its lever.
-        effort=rod.effort / turn,
-        leader=rod.name,
-        multiplier=turn,
-        offset=-turn * rod.lower,
-    )
-
-
-def _finger(parameters: Alpha5Parameters, number: int) -> JawBody:
-    jaws = parameters.jaws
-    # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
-    # positive angle, so one multiplier and one range serve both.
-    side = -1.0 if number == 1 else 1.0
-    volume = jaws.finger_volume if number == 1 else jaws.second_finger_volume
-    thickness = volume / (jaws.finger_length * jaws.finger_width)
-    mass = jaws.finger_density * volume
-    x, y, z = thickness, jaws.finger_length, jaws.finger_width
-    centre = frozen([-side * jaws.pivot_offset / 2, -side * jaws.finger_length / 2, 0.0])
-    return JawBody(
-        name=f"finger_{number}",
-        roll=side * math.pi / 2,
-        origin=frozen([side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)]),
-        mass=mass,
-        com=centre,
-        inertia=frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2])),
-        volume=volume,
-        cob=centre,
-    )
+    cob = frozen((link.volume * link.cob - sum(map(operator.mul, volumes, cobs))) / volume)
+    inertia = frozen((inertia + inertia.T) / 2)
+    wrist = JawBody("link_4", mass, frozen(com), inertia, volume, cob, 0.0, zero)
+    return Jaws(wrist, rod, fingers[0], fingers[1], (slide, hinges[0], hinges[1]))
