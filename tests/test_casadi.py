@@ -14,6 +14,7 @@ from ik_targets import ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
+from alpha5_model import kernels
 from alpha5_model.c_library.source import answer
 from alpha5_model.casadi import load
 from alpha5_model.errors import MissingDependencyError
@@ -25,11 +26,16 @@ def called(function: casadi.Function, *inputs: object) -> list[np.ndarray]:
     return [np.array(x)[:, 0] if x.is_column() else np.array(x) for x in found]
 
 
+needs_compiled = pytest.mark.skipif(kernels.backend() == "numpy", reason="kernels run in NumPy")
+KINDS = [False, pytest.param(True, marks=needs_compiled)]
+
+
+@pytest.mark.parametrize("compiled", KINDS)
 @pytest.mark.parametrize("fold", [True, False])
 @pytest.mark.parametrize("name", ARMS)
-def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool) -> None:
+def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool, compiled: bool) -> None:
     arm = ARMS[name]()
-    functions = load(arm, fold=fold)
+    functions = load(arm, fold=fold, compiled=compiled)
     rest = [] if fold else [functions.parameters]
     for state in states(5, seed=1):
         for method in DYNAMICS:
@@ -42,8 +48,9 @@ def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool) -> Non
                 assert np.abs(got - want).max() < bound * max(1.0, np.abs(want).max()), method
 
 
-def test_casadis_own_derivatives_are_pinocchios() -> None:
-    arm, functions = a5.load(), load()
+@pytest.mark.parametrize("compiled", KINDS)
+def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
+    arm, functions = a5.load(), load(compiled=compiled)
     (state,) = states(2, seed=2)[1:]
     q, v, a, tau = state.values()
     for method, last in (("inverse_dynamics", a), ("forward_dynamics", tau), ("base_wrench", a)):
@@ -73,6 +80,58 @@ def test_a_payload_is_an_input_too() -> None:
     np.testing.assert_allclose(slope, (found - zero) / PAYLOAD["mass"], atol=1e-12)
 
 
+@needs_compiled
+@pytest.mark.parametrize("fold", [True, False])
+def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) -> None:
+    """Of first and second order, also where no kernel has them, inside expressions of MX."""
+    options = {"fluid_density": 1000.0, "gravity": (0.3, -1.0, -9.7), "fold": fold}
+    interpreted, compiled = load(**options), load(**options, compiled=True)
+    rng = np.random.default_rng(6)
+    for name in DYNAMICS:
+        found = []
+        for functions in (interpreted, compiled):
+            function = getattr(functions, name)
+            x = [casadi.MX.sym(n, function.size1_in(i)) for i, n in enumerate(function.name_in())]
+            given = [*x[:-1], functions.parameters] if "parameters" in function.name_in() else x
+            spent = casadi.sumsqr(casadi.veccat(*function.call(given)))
+            hessian, gradient = casadi.hessian(spent, x[0])
+            found.append(casadi.Function("f", x, [spent, gradient, hessian]))
+        state = [rng.uniform(0.2, 1.0, f) for f in map(found[0].size1_in, range(found[0].n_in()))]
+        for got, want in zip(called(found[1], *state), called(found[0], *state), strict=True):
+            assert np.abs(got - want).max() < 1e-10 * max(1.0, np.abs(want).max()), name
+
+
+@needs_compiled
+def test_a_solver_takes_compiled_functions() -> None:
+    """The least torque that the arm can be held with: IPOPT finds the same with both."""
+    found = []
+    for compiled in (False, True):
+        opti = casadi.Opti()
+        q = opti.variable(4)
+        opti.minimize(casadi.sumsqr(load(compiled=compiled).hydrostatic_torque(q)))
+        opti.subject_to(opti.bounded(1.2, q, 2.4))
+        opti.set_initial(q, np.full(4, 1.5))
+        opti.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes"})
+        solution = opti.solve()
+        found.append(solution.value(opti.f))
+        assert solution.stats()["success"]
+    assert found[1] == pytest.approx(found[0], abs=1e-12)
+
+
+@needs_compiled
+def test_compiled_functions_make_nan_of_what_they_cannot_compute() -> None:
+    for name in ("inverse_dynamics", "jacobian"):
+        function = getattr(load(compiled=True), name)
+        (found,) = called(function, *[np.full(4, np.nan)] * function.n_in())
+        assert np.isnan(found).all()
+
+
+def test_without_compiled_kernels_they_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernels, "backend", lambda: "numpy")
+    with pytest.raises(MissingDependencyError, match=r"compiled=True.*_compiled.*compiled=False"):
+        load(compiled=True)
+
+
 def test_inverse_kinematics_with_its_flags() -> None:
     solve = load().inverse_kinematics
     position, wrist = ordinary(60, 4)
@@ -85,8 +144,9 @@ def test_inverse_kinematics_with_its_flags() -> None:
         assert singular == expected.singular[i]
 
 
-def test_names_shapes_and_units_are_documented() -> None:
-    functions = load()
+@pytest.mark.parametrize("compiled", KINDS)
+def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
+    functions = load(compiled=compiled)
     assert functions.inverse_dynamics.__doc__.startswith("Joint torque for a motion")
     for line in ("q (4): joint positions, base to tip [rad]", "tau (4): joint torques [N m]"):
         assert line in functions.inverse_dynamics.__doc__
@@ -102,8 +162,9 @@ def test_names_shapes_and_units_are_documented() -> None:
     )
 
 
-def test_a_buffered_call_gives_the_same() -> None:
-    function = load().inverse_dynamics
+@pytest.mark.parametrize("compiled", KINDS)
+def test_a_buffered_call_gives_the_same(compiled: bool) -> None:
+    function = load(compiled=compiled).inverse_dynamics
     state = states(2, seed=5)[1]
     buffer, evaluate = function.buffer()
     tau = np.zeros(4)

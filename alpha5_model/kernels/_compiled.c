@@ -248,6 +248,7 @@ static PyObject *width(PyObject *module, PyObject *most)
     return PyUnicode_FromString(levels[level].name);
 }
 
+#include "casadi_functions.h"
 #include "inverse_kinematics.h"
 
 static PyMethodDef methods[] = {
@@ -275,6 +276,7 @@ PyMODINIT_FUNC PyInit__compiled(void)
 {
     import_array();
     choose(8);
+    describe_columns();
     bound_type = (PyTypeObject *)PyType_FromSpec(&bound_spec);
     if (bound_type == NULL || !share())
         return NULL;

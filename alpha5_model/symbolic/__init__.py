@@ -14,7 +14,7 @@ from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.plane import DOUBLE
 
 try:
-    import casadi
+    import casadi as casadi  # for alpha5_model.casadi, too
 except ImportError:
     what = "making code of the equations"
     raise MissingDependencyError("casadi", what, "pip install casadi") from None

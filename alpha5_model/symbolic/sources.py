@@ -152,10 +152,12 @@ def _table(split: Sequence[tuple[Program, Program]]) -> str:
         counts = f"{parameters}, {len(inputs)}, {len(body.outputs)}"
         rows += f"    ENTRY({body.name}, {counts}, {shapes}),\n"
         lengths = (sum(slot.size for slot in of) for of in (inputs, body.outputs))
-        sizes.append((*lengths, len(results), len(slots)))
-    names = ("INPUTS", "OUTPUTS", "CONSTANTS", "SLOTS")
+        sizes.append((*lengths, parameters, len(results), len(slots)))
+    names = ("INPUTS", "OUTPUTS", "PARAMETERS", "CONSTANTS", "SLOTS")
     columns = zip(names, zip(*sizes, strict=True), strict=True)
     defines = "".join(f"#define MOST_{name} {max(counts)}\n" for name, counts in columns)
+    each = " ".join(f"X({i}, {body.name})" for i, (_, body) in enumerate(split))
+    defines += f"#define EACH_KERNEL(X) {each}\n"
     return (
         f"#ifndef ENTRY\n#define LARGEST {LARGEST!r}\n{defines}#else\n{functions}"
         f"static const Kernel kernels[] = {{\n{rows}}};\n#endif\n"

@@ -76,19 +76,23 @@ def _casadi(q: Any, v: Any, a: Any) -> list[Row]:
     from alpha5_model.casadi import load
 
     arm = a5.load()
-    model, data, tau = arm.model, arm.model.createData(), np.zeros(4)
-    buffer, run = load(arm).inverse_dynamics.buffer()
-    for i, x in enumerate((q, v, a)):
-        buffer.set_arg(i, memoryview(x))
-    buffer.set_res(0, memoryview(tau))
-    seconds = measure({"ours": run, "raw": lambda: pin.rnea(model, data, q, v, a)})
-    if np.abs(tau - arm.inverse_dynamics(q, v, a)).max() > 1e-12:
-        raise AssertionError(f"CasADi disagrees: {tau}")
-    work = "inverse_dynamics, one call of a CasADi Function"
-    return [
-        Row(work, "alpha5_model.casadi, buffered", seconds["ours"]),
-        Row(work, "Pinocchio: rnea, no water", seconds["raw"], target=1 / 1.5),
-    ]
+    model, data = arm.model, arm.model.createData()
+    expected = arm.inverse_dynamics(q, v, a)
+    candidates: dict[str, Callable[[], object]] = {}
+    for compiled in (True, False)[kernels.backend() == "numpy" :]:
+        buffer, run = load(arm, compiled=compiled).inverse_dynamics.buffer()
+        tau = np.zeros(4)
+        for i, x in enumerate((q, v, a)):
+            buffer.set_arg(i, memoryview(x))
+        buffer.set_res(0, memoryview(tau))
+        run()
+        if np.abs(tau - expected).max() > 1e-12:
+            raise AssertionError(f"CasADi disagrees: {tau}")
+        candidates["compiled" if compiled else "interpreted"] = run
+    seconds = measure({**candidates, "raw": lambda: pin.rnea(model, data, q, v, a)})
+    work, peer = "inverse_dynamics, one call of a CasADi Function", "Pinocchio: rnea, no water"
+    rows = [Row(work, f"alpha5_model.casadi, buffered, {n}", seconds[n]) for n in candidates]
+    return [*rows, Row(work, peer, seconds["raw"], target=1 / 1.5)]
 
 
 def _batches(q: Any, v: Any, a: Any) -> list[Row]:

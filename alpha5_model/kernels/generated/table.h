@@ -3,8 +3,10 @@
 #define LARGEST 2.3756689782295612e+51
 #define MOST_INPUTS 15
 #define MOST_OUTPUTS 72
+#define MOST_PARAMETERS 115
 #define MOST_CONSTANTS 117
 #define MOST_SLOTS 6
+#define EACH_KERNEL(X) X(0, forward_kinematics) X(1, link_poses) X(2, jacobian) X(3, gravity_torque) X(4, buoyancy_torque) X(5, hydrostatic_torque) X(6, hydrostatic_torque_derivative) X(7, mass_matrix) X(8, coriolis_torque) X(9, coriolis_matrix) X(10, nonlinear_effects) X(11, inverse_dynamics) X(12, inverse_dynamics_derivatives) X(13, base_wrench) X(14, inverse_dynamics_with_base_wrench) X(15, base_wrench_derivatives) X(16, forward_dynamics) X(17, forward_dynamics_derivatives) X(18, inverse_dynamics_in_current) X(19, forward_dynamics_in_current) X(20, inverse_kinematics)
 #else
 PREPARE(forward_kinematics)
 {
