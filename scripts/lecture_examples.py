@@ -23,7 +23,7 @@ from alpha5_model.dh.arm_types import classify, task_capability
 from alpha5_model.dh.dexterity import spatial_conditions
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik.pose import approach_directions
-from alpha5_model.view.planar_plot import new_axes, plot_planar, save
+from alpha5_model.view.workspace_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2
 #: Arms of the section "Workspace", one to four joints, without and with limits.

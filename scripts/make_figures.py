@@ -23,9 +23,9 @@ from concept_figures import FIGURES
 import alpha5_model as a5
 from alpha5_model.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
-from alpha5_model.view import trajectory_plot, workspace_plot
+from alpha5_model.view import workspace_plot
 from alpha5_model.view.build import build_scene
-from alpha5_model.view.figures import Color, new_figure, number, style
+from alpha5_model.view.figures import CAUSES, Color, new_figure, number, style
 from alpha5_model.view.picture import picture_png
 from alpha5_model.view.scene import framed
 
@@ -60,7 +60,7 @@ def arm_picture() -> bytes:
 
 def workspace_figure() -> bytes:
     """Half-plane through the yaw axis: what can be reached, and what is published."""
-    return _png(workspace_plot.figure())
+    return _png(workspace_plot.workspace_figure())
 
 
 def mujoco_picture() -> bytes:
@@ -96,9 +96,9 @@ def torque_figure() -> bytes | None:
         k = a.smooth.joints.index(name)
         causes = a.causes()
         # The first are drawn widest, so that none hides another.
-        drawn = [name for name in trajectory_plot.CAUSES if name in causes]
+        drawn = [name for name in CAUSES if name in causes]
         for term, width in zip(drawn, (3.8, 3.2, 2.9, 1.3), strict=True):
-            color, values = trajectory_plot.CAUSES[term], causes[term][:, k]
+            color, values = CAUSES[term], causes[term][:, k]
             axes.plot(a.smooth.time, values, color=color, linewidth=width, label=term)
         axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
         axes.set_ylabel(f"{name} [N·m]")

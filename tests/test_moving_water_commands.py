@@ -15,7 +15,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.dynamics.series import water_terms
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.view import figures, trajectory_plot
+from alpha5_model.view import figures
 
 CURRENT = (0.4, -0.7, 0.3)
 TEXT = " ".join(map(str, CURRENT))
@@ -182,13 +182,13 @@ def test_without_a_current_nothing_is_said_of_moving_water(file):
     assert a.moving_water is None
     assert "water" not in a5.trajectory.text(a5.trajectory.summary(a))
     assert not any("water" in name for name in a5.trajectory.columns(a))
-    figure = trajectory_plot.figure(a)
+    figure = figures.motion_figure(a)
     assert "moving water" not in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def test_the_plot_shows_the_cause_with_a_band(file):
     a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
-    figure = trajectory_plot.figure(a)
+    figure = figures.motion_figure(a)
     assert "moving water" in [text.get_text() for text in figure.legends[0].get_texts()]
     assert "current (0.4, -0.7, 0.3) m/s, its effect estimated" in figure.get_suptitle()
     for k in range(len(a.smooth.joints)):

@@ -451,14 +451,14 @@ def test_recorded_effort_against_the_torque(
 
 
 def test_the_effort_is_drawn_where_there_is_one(tmp_path: Path) -> None:
-    from alpha5_model.view.trajectory_plot import figure
+    from alpha5_model.view.figures import motion_figure
 
     states = samples()
     for s in states[3:9]:
         s.effort = [float("nan")] * 5
     path = write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)
     r = a5.trajectory.analyse(a5.trajectory.read_motion(path))
-    page = figure(r)
+    page = motion_figure(r)
     for row in range(5):
         axes = page.axes[3 * row + 1]
         [line] = [x for x in axes.lines if x.get_label() == "recorded effort"]

@@ -22,8 +22,12 @@ from alpha5_model.text import table
 from alpha5_model.uncertainty import reach, sensitivity
 from alpha5_model.uncertainty.effects import Sensitivity
 from alpha5_model.view.figures import FORMATS, write_figure
-from alpha5_model.view.planar_plot import plot_planar, save
-from alpha5_model.view.workspace_plot import figure, self_collision_figure
+from alpha5_model.view.workspace_plot import (
+    plot_planar,
+    save,
+    self_collision_figure,
+    workspace_figure,
+)
 
 _COLLISION = "Also what is reached in self-collision only; --plot draws it."
 _POSITION = "Joint position (rad or m); the drawn one if left out."
@@ -49,7 +53,7 @@ def workspace(
             share = sampled_share(without_self_collision, samples)
     if plot is not None:
         with spinner("drawing"):
-            page = self_collision_figure(samples=samples) if self_collision else figure()
+            page = self_collision_figure(samples=samples) if self_collision else workspace_figure()
             write_figure(page, plot, dpi=150)
     farthest = sensitivity(reach)
     record: dict[str, Any] = {} if share is None else {"without_self_collision": share._asdict()}

@@ -25,7 +25,7 @@ from alpha5_model.jaws import GRIPPERS
 from alpha5_model.text import table
 from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.uncertainty.effects import torque_margin
-from alpha5_model.view import figures, trajectory_plot
+from alpha5_model.view import figures
 
 _FILE = (
     "CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
@@ -106,7 +106,7 @@ def trajectory(
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:
-            figures.write_figure(trajectory_plot.figure(analysis), plot, dpi=110)
+            figures.write_figure(figures.motion_figure(analysis), plot, dpi=110)
     options.show(as_json, summary, [library.text(summary)], output, plot)
 
 

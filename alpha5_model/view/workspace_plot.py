@@ -1,30 +1,36 @@
-"""Draw what the tcp can reach: shapes for a scene, plots of its boundary and of self-collision."""
+"""Draw what arms reach: shapes for a scene; plots of the arm's boundary, of self-collision, of planar arms."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from alpha5_model import planar
 from alpha5_model.checks import FloatArray
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.reach import planar_arc
 from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.view.figures import Color, fill, joined, legend, new_figure, style
+from alpha5_model.view.figures import Color, new_figure, style, write_figure
 from alpha5_model.view.scene import Rigid, Shape
-from alpha5_model.view.shapes import Mesh, join, lathe, quads, read_obj, tube
+from alpha5_model.view.shapes import join, lathe, quads, read_obj, tube
 
 _FILL = "#E8EEF3"
+#: Colours of planar arms.
+REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
 #: Colour of the shapes.
 _GREEN = (0.08, 0.60, 0.50)
 #: Ends of arcs that are closer than this meet [m].
 _MEET = 1e-9
-#: Longest chord of an arc in a picture, and of a shape [rad].
-_CHORD, _COARSE = 0.01, 0.08
+#: Longest chord of an arc in a picture, of a planar arm's, and of a shape [rad].
+_CHORD, _FINE, _COARSE = 0.01, math.tau / 360, 0.08
 #: Width of the strips that fill the section, and step along them [m].
 _STRIP, _STEP = 1.5e-3, 0.5e-3
 #: Radius of the boundary line [m].
@@ -33,59 +39,111 @@ _LINE = 1.1e-3
 CELL = 0.015
 
 
-def workspace_shapes() -> list[Shape]:
-    """Section (turns with the arm: outwards underarm, behind the yaw axis overarm) and surface."""
-    plane = Rigid("link_1")
-    edges, fill, shell = _workspace_meshes()
-    return [
-        Shape("workspace", "section", plane, fill, _GREEN, opacity=0.16, flat=True),
-        Shape("workspace", "boundary", plane, edges, _GREEN),
-        Shape("surface", "shell", Rigid("base_link"), shell, _GREEN, opacity=0.10, flat=True),
-    ]
-
-
-def arc_points(arc: workspace.Arc, step: float) -> FloatArray:
-    """Points (R, z) along an arc, (N, 2) [m], at most an angle of ``step`` [rad] apart."""
-    count = max(2, math.ceil((arc.end - arc.start) / step) + 1)
-    return arc.points(np.linspace(arc.start, arc.end, count))
-
-
 @cache
-def _workspace_meshes() -> tuple[Mesh, Mesh, Mesh]:
-    edges, fill = [], []
+def workspace_shapes() -> tuple[Shape, ...]:
+    """Section (turns with the arm: outwards underarm, behind the yaw axis overarm) and surface."""
+    edges, strips = [], []
     for side, sign in (("underarm", 1.0), ("overarm", -1.0)):
-        outline = [arc_points(arc, _COARSE) for arc in workspace.boundary(side)]
-        edges += [tube(_in_plane(points, sign), _LINE) for points in outline]
-        fill.append(_section(side, sign, np.concatenate(outline)))
-    shell = [lathe(arc_points(arc, _COARSE), sides=48) for arc in workspace.boundary("both")]
-    return join(edges), join(fill), join(shell)
+        in_plane = np.array([[sign, 0.0, 0.0], [0.0, 0.0, 1.0]])  # (R, z) to the axes of link_1
+        outline = [polyline(planar_arc(arc), _COARSE) for arc in workspace.boundary(side)]
+        edges += [tube(points @ in_plane, _LINE) for points in outline]
+        corners = _strips(side, np.concatenate(outline)) @ in_plane
+        strips.append(quads(corners, [0.0, 1.0, 0.0]))
+    shell = [
+        lathe(polyline(planar_arc(arc), _COARSE), sides=48) for arc in workspace.boundary("both")
+    ]
+    plane, base = Rigid("link_1"), Rigid("base_link")
+    return (
+        Shape("workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True),
+        Shape("workspace", "boundary", plane, join(edges), _GREEN),
+        Shape("surface", "shell", base, join(shell), _GREEN, opacity=0.10, flat=True),
+    )
 
 
-def _in_plane(points: FloatArray, sign: float) -> FloatArray:
-    """(R, z) to the arm's plane, x and z of link_1, (..., 3)."""
-    radius, z = points[..., 0], points[..., 1]
-    return np.stack([sign * radius, np.zeros_like(z), z], axis=-1)
+def polyline(curve: planar.Curve, step: float) -> FloatArray:
+    """Points along a curve, (N, 2) [m], on an arc at most an angle of ``step`` [rad] apart."""
+    span = curve.span if isinstance(curve, planar.Arc) else step
+    return curve.point(np.linspace(*curve.interval, max(2, math.ceil(span / step) + 1)))
 
 
-def _section(side: str, sign: float, outline: FloatArray) -> Mesh:
-    """Vertical strips over what can be reached; their ragged ends hide behind the boundary line."""
+def _strips(side: str, outline: FloatArray) -> FloatArray:
+    """Corners (N, 4, 2) of upright strips of what is reached; the boundary line hides their ends."""
     (_, bottom), (width, top) = outline.min(axis=0), outline.max(axis=0)
     radius = np.arange(_STRIP / 2, width + _STRIP, _STRIP)
     z = np.arange(bottom - _STEP, top + 2 * _STEP, _STEP)
     inside = workspace.in_half_plane(*np.meshgrid(radius, z, indexing="ij"), side)
-    # runs of reachable points in each column
-    change = np.diff(np.pad(inside.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    column, first = np.nonzero(change == 1)
-    last = np.nonzero(change == -1)[1] - 1
-    low, high = z[first] - _STEP / 2, z[last] + _STEP / 2
-    left, right = radius[column] - _STRIP / 2, radius[column] + _STRIP / 2
+    # In each column what is reached begins and ends in turn.
+    column, row = np.nonzero(np.diff(inside, axis=1))
+    low, high = (z[row] + _STEP / 2).reshape(-1, 2).T
+    left, right = radius[column[::2]] - _STRIP / 2, radius[column[::2]] + _STRIP / 2
     corners = [left, low, right, low, right, high, left, high]
-    points = np.stack(corners, axis=1).reshape(-1, 4, 2)
-    return quads(_in_plane(points, sign), [0.0, 1.0, 0.0])
+    return np.stack(corners, axis=1).reshape(-1, 4, 2)
+
+
+def joined(
+    lines: Iterable[FloatArray], gap: Callable[[FloatArray, FloatArray], float]
+) -> list[FloatArray]:
+    """Put lines (N, 2) end to end, each time the one with the smallest gap, until a loop closes.
+
+    Args:
+        lines: Each in the sense in which the loop runs.
+        gap: Distance from the end of one line to the start of the next.
+    """
+    rest, loops = list(lines), []
+    while rest:
+        loop = [rest.pop(0)]
+        while rest:
+            gaps = [gap(loop[-1][-1], line[0]) for line in (loop[0], *rest)]
+            if not (nearest := int(np.argmin(gaps))):
+                break
+            loop.append(rest.pop(nearest - 1))
+        loops.append(np.concatenate(loop))
+    return loops
+
+
+def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArray]:
+    """Closed outlines of the region that arcs bound, joined along the yaw axis where it is open.
+
+    Args:
+        arcs: A whole boundary, as `workspace.boundary` gives it.
+        step: Angle between two points of an arc, at most [rad].
+
+    Returns:
+        Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
+    """
+    # Every arc with the region on its left; along the axis the outline then runs downwards.
+    return joined([polyline(planar_arc(arc), step)[:: arc.filled] for arc in arcs], _gap)
+
+
+def _gap(end: FloatArray, start: FloatArray) -> float:
+    """Length that no arc covers: none, or a piece down the axis; infinite if neither."""
+    if math.dist(end, start) < _MEET:
+        return 0.0
+    on_axis = abs(end[0]) < _MEET and abs(start[0]) < _MEET and start[1] < end[1]
+    return float(end[1] - start[1]) if on_axis else math.inf
+
+
+def _fill(axes: Any, loops: Iterable[FloatArray], color: str, **options: Any) -> None:
+    """Fill what loops (N, 2) bound; the ones that run the other way around are holes."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    outlines = [Outline(np.vstack([loop, loop[:1]]), closed=True) for loop in loops]
+    if outlines:
+        whole = Outline.make_compound_path(*outlines)
+        axes.add_patch(PathPatch(whole, facecolor=color, linewidth=0, **options))
+
+
+def _legend(axes: Any, drop: float, **options: Any) -> None:
+    """A legend under the axes, ``drop`` of their height below them, each label once."""
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    where = {"loc": "upper center", "bbox_to_anchor": (0.5, -drop)}
+    axes.legend(unique.values(), unique.keys(), **where, **options)
 
 
 @style(axes={"grid": True}, grid={"color": "0.9", "linewidth": 0.5}, legend={"fontsize": 8.5})
-def figure() -> Any:
+def workspace_figure() -> Any:
     """Plot the exact and the published reachable set in the half-plane, as a matplotlib Figure.
 
     Left, the boundary of the reachable set by the joint that stops it. Right, the published region
@@ -95,11 +153,58 @@ def figure() -> Any:
     panels = page.subplots(1, 2, sharey=True)
     for axes, draw in zip(panels, (_draw_exact, _draw_published), strict=True):
         draw(axes)
-        legend(axes, 0.08)
+        _legend(axes, 0.08)
         axes.set(aspect="equal", xlim=(0.0, 370.0), ylim=(-310.0, 400.0))
         axes.set_xlabel("distance from the yaw axis R [mm]")
     panels[0].set_ylabel("height above the base z [mm]")
     return page
+
+
+def _draw_exact(axes: Any) -> None:
+    _fill_arcs(axes, workspace.boundary("both"), _FILL)
+    for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
+        for arc in workspace.boundary(side):
+            line = "-" if arc.cause == "stretched" else "--" if "theta_1" in arc.cause else ":"
+            points = polyline(planar_arc(arc), _CHORD) * 1e3
+            axes.plot(*points.T, line, color=color, linewidth=1.8)
+    plane = arm_plane()
+    shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
+    axes.plot(*shoulder, "+", color=Color.BLACK)
+    leader = {"arrowstyle": "-", "lw": 0.6}
+    axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
+    for color, line, text in (
+        (Color.BLUE, "-", "underarm: the arm faces the point"),
+        (Color.ORANGE, "-", "overarm: the arm turns its back to it"),
+        (Color.BLACK, "-", "arm stretched"),
+        (Color.BLACK, "--", "theta_1 (axis_d) at a limit"),
+        (Color.BLACK, ":", "theta_2 (axis_c) at a limit"),
+    ):
+        axes.plot([], [], line, color=color, label=text)
+    area, volume = workspace.cross_section_area() * 1e4, workspace.volume() * 1e3
+    size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
+    axes.set_title(f"What is reached within the joint limits\n{size}")
+
+
+def _draw_published(axes: Any) -> None:
+    for torus in workspace.published_tori():
+        points = polyline(planar.Arc(torus.center, torus.radius, -math.pi), _CHORD) * 1e3
+        points[points[:, 0] < 0] = np.nan
+        axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
+    e = workspace.published_errors()
+    wrong = f"not reachable: {e.unreachable_area / e.published_area:.1%} of the published area"
+    missed = f"not published: {e.missed_area / e.reachable_area:.1%} of the reachable area"
+    beyond, left_out = workspace.published_but_unreachable(), workspace.reachable_but_unpublished()
+    _fill_arcs(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
+    _fill_arcs(axes, beyond, Color.VERMILION, alpha=0.55, label=wrong)
+    _fill_arcs(axes, left_out, Color.GREEN, alpha=0.55, label=missed)
+    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume is not reached"
+    missed = f"{e.missed_volume / e.reachable_volume:.1%} of what is reached is missing"
+    axes.set_title(f"The document's workspace (Section 1.2):\n{wrong},\n{missed}")
+
+
+def _fill_arcs(axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any) -> None:
+    """Fill what arcs bound, in mm."""
+    _fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)
 
 
 @style()
@@ -133,8 +238,10 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     for axes, along, rows, name in ((views[0], 2, y, "y"), (views[1], 1, z, "z")):
         seen = reached.sum(axis=along)
         share = 100 * (seen - free.sum(axis=along)) / np.maximum(seen, 1)
-        _cells(axes, x, rows, seen, ListedColormap([_FILL]))
-        image = _cells(axes, x, rows, share, "YlOrRd")
+        for values, colors in ((seen, ListedColormap([_FILL])), (share, "YlOrRd")):
+            cells = np.ma.masked_equal(values, 0).T  # open where there is nothing
+            look = {"cmap": colors, "vmin": 0, "vmax": 100, "shading": "nearest"}
+            image = axes.pcolormesh(x * 1e3, rows * 1e3, cells, **look)
         faces: Any = base.vertices[base.faces][:, :, [0, 3 - along]] * 1e3
         axes.add_collection(PolyCollection(faces, color=Color.BLACK, linewidth=0.3))
         axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
@@ -152,75 +259,111 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     return page
 
 
-def _cells(axes: Any, x: Any, y: Any, values: Any, colors: Any) -> Any:
-    """Cells about (x, y) [m], left open where there is nothing."""
-    look = {"cmap": colors, "vmin": 0, "vmax": 100, "shading": "nearest"}
-    return axes.pcolormesh(x * 1e3, y * 1e3, np.ma.masked_equal(values, 0).T, **look)
+def plot_planar(
+    arm: planar.PlanarArm,
+    q: ArrayLike | None = None,
+    axes: Any = None,
+    dexterous: bool = True,
+    resolution: int = 81,
+) -> Any:
+    """Draw a planar arm, its workspace and its dexterous workspace, joint limits included.
 
-
-def _draw_exact(axes: Any) -> None:
-    _fill(axes, workspace.boundary("both"), _FILL)
-    for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
-        for arc in workspace.boundary(side):
-            line = "-" if arc.cause == "stretched" else "--" if "theta_1" in arc.cause else ":"
-            axes.plot(*arc_points(arc, _CHORD).T * 1e3, line, color=color, linewidth=1.8)
-    plane = arm_plane()
-    shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
-    axes.plot(*shoulder, "+", color=Color.BLACK)
-    leader = {"arrowstyle": "-", "lw": 0.6}
-    axes.annotate("shoulder", shoulder, (12, -70), fontsize=8, arrowprops=leader)
-    for color, line, text in (
-        (Color.BLUE, "-", "underarm: the arm faces the point"),
-        (Color.ORANGE, "-", "overarm: the arm turns its back to it"),
-        (Color.BLACK, "-", "arm stretched"),
-        (Color.BLACK, "--", "theta_1 (axis_d) at a limit"),
-        (Color.BLACK, ":", "theta_2 (axis_c) at a limit"),
-    ):
-        axes.plot([], [], line, color=color, label=text)
-    area, volume = workspace.cross_section_area() * 1e4, workspace.volume() * 1e3
-    size = f"{area:.0f} cm² of the half-plane, {volume:.1f} L in all"
-    axes.set_title(f"What is reached within the joint limits\n{size}")
-
-
-def _draw_published(axes: Any) -> None:
-    for torus in workspace.published_tori():
-        circle = workspace.Arc(torus.center, torus.radius, -np.pi, np.pi, 0, torus.name, "")
-        points = arc_points(circle, _CHORD) * 1e3
-        points[points[:, 0] < 0] = np.nan
-        axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
-    e = workspace.published_errors()
-    wrong = f"not reachable: {e.unreachable_area / e.published_area:.1%} of the published area"
-    missed = f"not published: {e.missed_area / e.reachable_area:.1%} of the reachable area"
-    _fill(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
-    _fill(axes, workspace.published_but_unreachable(), Color.VERMILION, alpha=0.55, label=wrong)
-    _fill(axes, workspace.reachable_but_unpublished(), Color.GREEN, alpha=0.55, label=missed)
-    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume is not reached"
-    missed = f"{e.missed_volume / e.reachable_volume:.1%} of what is reached is missing"
-    axes.set_title(f"The document's workspace (Section 1.2):\n{wrong},\n{missed}")
-
-
-def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArray]:
-    """Closed outlines of the region that arcs bound, joined along the yaw axis where it is open.
+    The dexterous workspace is exact where `dexterous_radii` applies; else, for arms of three joints,
+    the last one revolute, it is a map of the share of orientations reached.
 
     Args:
-        arcs: A whole boundary, as `workspace.boundary` gives it.
-        step: Angle between two points of an arc, at most [rad].
+        arm: The arm.
+        q: Joint position at which it is drawn, (N,); in the middle of its limits by default.
+        axes: matplotlib axes; a new figure by default.
+        dexterous: Whether to draw the dexterous workspace too.
+        resolution: Points along each side of the map.
 
     Returns:
-        Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
+        The axes.
+
+    Raises:
+        MissingDependencyError: matplotlib is not installed.
     """
-    # Every arc with the region on its left; along the axis the outline then runs downwards.
-    return joined([arc_points(arc, step)[:: arc.filled] for arc in arcs], _gap)
+    axes = new_axes() if axes is None else axes
+    space = arm.workspace()
+    edges = [polyline(edge.curve, _FINE)[:: 1 if edge.inside_left else -1] for edge in space.edges]
+    _fill(axes, joined(edges, math.dist), REACHED, label="workspace", zorder=0)
+    if dexterous and arm.length_ranges is not None:
+        _dexterous_rings(axes, arm)
+    elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
+        _dexterity_map(axes, arm, resolution)
+    lines = [polyline(curve, _FINE) for curve in space.curves]
+    for curve, line in zip(space.curves, lines, strict=True):
+        whole = {"lw": 2.4, "label": "workspace"} if curve in space.thin else {"lw": 1.0}
+        axes.plot(*line.T, color=EDGE, **whole)
+    if q is None:  # in mid-range, free ones bent
+        free = (0.5, 0.9, -0.7)
+        q = [free[min(j, 2)] if r is None else sum(r) / 2 for j, r in enumerate(arm.limits)]
+    path = arm.poses(q)[:, :2]
+    axes.plot(*path.T, color=ARM, lw=3, solid_capstyle="round", label="arm")
+    for kind, place in zip(arm.joints, path[:-1], strict=True):
+        axes.plot(*place, "o" if kind == "R" else "s", ms=7, mfc="white", mec=ARM, mew=2)
+    axes.plot(*path[-1], ".", ms=9, color=ARM)
+    # The same scale on both axes and the same shape for every picture.
+    points = np.concatenate([*lines, path])
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.54 * float((high - low).max())
+    x, y = (low + high) / 2
+    axes.set(aspect="equal", xlim=(x - half, x + half), ylim=(y - half, y + half))
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.set_title(title(arm, space), fontsize=10)
+    _legend(axes, 0.14, ncols=9, fontsize=8, frameon=False)
+    return axes
 
 
-def _gap(end: FloatArray, start: FloatArray) -> float:
-    """Length that no arc covers: none, or a piece down the axis; infinite if neither."""
-    if math.dist(end, start) < _MEET:
-        return 0.0
-    on_axis = abs(end[0]) < _MEET and abs(start[0]) < _MEET and start[1] < end[1]
-    return float(end[1] - start[1]) if on_axis else math.inf
+def title(arm: planar.PlanarArm, space: planar.Workspace) -> str:
+    """Kind and size of the workspace, in one line."""
+    lengths = ", ".join(f"{x:g}" for x in arm.lengths)
+    limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
+    low, high = space.radii
+    size = f"area {space.area:.4g} m²" if space.edges else f"radii {low:.4g} to {high:.4g} m"
+    limits = ", joint limits" if limited else ""
+    return f"{arm.joints}, l = ({lengths}){limits}: {space.shape}, {size}"
 
 
-def _fill(axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any) -> None:
-    """Fill what arcs bound, in mm."""
-    fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)
+def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:
+    """One set of matplotlib axes, or an array of them, on a new figure.
+
+    Raises:
+        MissingDependencyError: matplotlib is not installed.
+    """
+    return new_figure(size * columns, size * rows).subplots(rows, columns)
+
+
+def save(axes: Any, path: str | os.PathLike[str]) -> None:
+    """Write the figure of the axes in the format of the suffix, as `write_figure` does.
+
+    Raises:
+        UnknownNameError: Another suffix.
+        OutputError: It could not be written; nothing is left half-written.
+    """
+    write_figure(np.ravel(axes)[0].figure, path, dpi=120)
+
+
+def _dexterous_rings(axes: Any, arm: planar.PlanarArm) -> None:
+    point = 1e-12 * arm.reach
+    for low, high in planar.dexterous_radii(arm):
+        inner, outer = (polyline(planar.Arc((0.0, 0.0), r), _FINE) for r in (low, high))
+        if high <= point:
+            axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
+        elif high - low <= point:
+            axes.plot(*outer.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
+        else:
+            _fill(axes, [outer, inner[::-1]], DEXTEROUS, label="dexterous")
+
+
+def _dexterity_map(axes: Any, arm: planar.PlanarArm, resolution: int) -> None:
+    found = planar.dexterity_map(arm, resolution)
+    x, y, share = found.x, found.y, found.share
+    seen, look = np.ma.masked_equal(share, 0), {"cmap": "Blues", "vmin": 0, "vmax": 1}
+    mesh = axes.pcolormesh(x, y, seen, shading="nearest", zorder=0.5, **look)
+    bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.04, pad=0.02)
+    bar.set_label("share of orientations reached", fontsize=8)
+    if share.max() >= 1:
+        axes.contour(x, y, share, levels=[1 - 1e-9], colors=[ALL], linewidths=1)
+        axes.plot([], [], color=ALL, lw=1, label="dexterous (numerical)")
