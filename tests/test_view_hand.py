@@ -20,8 +20,7 @@ from alpha5_model.description.urdf_reading import urdf_shapes
 from alpha5_model.paths import JAWS_URDF_PATH
 from alpha5_model.trajectory import analyse
 from alpha5_model.trajectory.motion import Motion
-from alpha5_model.view.arm_poses import pose_of, tour
-from alpha5_model.view.build import build_scene
+from alpha5_model.view.build import build_scene, pose_of, tour
 from alpha5_model.view.page import static_page
 from alpha5_model.view.shapes import drawn
 

@@ -24,8 +24,7 @@ from alpha5_model.errors import (
     UnknownNameError,
 )
 from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
-from alpha5_model.view.arm_poses import pose_of, tour
-from alpha5_model.view.build import ARROW_SCALE, build_scene
+from alpha5_model.view.build import ARROW_SCALE, build_scene, pose_of, tour
 from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
 from alpha5_model.view.shapes import arrow, ball, drawn, read_obj, triad, tube
 

@@ -21,8 +21,7 @@ from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.text import table
-from alpha5_model.view.arm_poses import named_poses, tour
-from alpha5_model.view.build import build_scene
+from alpha5_model.view.build import build_scene, named_poses, tour
 from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import picture_png
 from alpha5_model.view.scene import framed

@@ -18,8 +18,7 @@ from alpha5_model.cli import options
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
-from alpha5_model.view.arm_poses import pose_of, posed, resampled, with_base
-from alpha5_model.view.build import build_scene
+from alpha5_model.view.build import build_scene, pose_of, posed, resampled, with_base
 from alpha5_model.view.page import static_page
 from alpha5_model.view.picture import VIDEO_FORMATS, picture, picture_png
 from alpha5_model.view.picture import video as video_file

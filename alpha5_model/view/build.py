@@ -1,34 +1,40 @@
-"""Build the scene of an arm: bodies, frames, centres, forces, reach, solutions of the IK."""
+"""Build the scene of an arm: bodies, frames, centres, forces, reach, solutions of the IK; poses and motions of it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.base_parameters import regrouped
-from alpha5_model.checks import FloatArray, bounded, choice, shaped
-from alpha5_model.description.urdf_reading import UrdfJoint, urdf_shapes
+from alpha5_model.checks import FloatArray, bounded, choice, float_array, shaped
+from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf, urdf_shapes
+from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
+from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable
+from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
+from alpha5_model.trajectory import Motion, analyse, motion
+from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
 from alpha5_model.view import scene
-from alpha5_model.view.arm_poses import link_poses, motion_track, named_poses, tree_of, with_base
-from alpha5_model.view.scene import WORLD, Label, Load, Mean, Rigid, Scene, Shape, Stream
+from alpha5_model.view.scene import Label, Load, Mean, MotionTrack, Rigid, Scene, Shape, Stream
 from alpha5_model.view.shapes import arrow, ball, drawn, triad
 from alpha5_model.view.workspace_plot import workspace_shapes
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.trajectory.motion import Motion
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = scene.ARROWS["force"]
@@ -51,6 +57,8 @@ _STILL = ("base_link", "link_0")
 #: One colour for each branch.
 _GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
 _ball = cache(ball)
+#: Samples per second of a tour, and its rest at each pose [s].
+_RATE, _PAUSE = 25.0, 0.6
 
 
 def build_scene(
@@ -96,12 +104,12 @@ def build_scene(
         given = {"ghosts": target, "current": current}
         show = (*scene.DEFAULT_SHOW, *(name for name, value in given.items() if value is not None))
     shown = tuple(choice("group", group, tuple(scene.GROUPS)) for group in show)
-    bodies = list(_bodies(text, folder))
+    bodies = list(_bodies(text, folder, "visual"))
     things: list[Shape | Label] = [
         *bodies,
         *_frames(tree, dict(zip(sliders, beyond, strict=True))),
         *_centers(gravity, loads),
-        *_collision(text, folder),
+        *_bodies(text, folder, "collision"),
         *workspace_shapes(),
         *_current(flow),
     ]
@@ -134,38 +142,39 @@ def build_scene(
     )
 
 
-def _bodies(text: str, folder: str) -> Iterator[Shape]:
-    for shape in urdf_shapes(text):
-        r, g, b = shape.color[:3]
-        # Only highlights show the form of a dark body.
-        shine = 0.9 if max(r, g, b) < 0.4 else 0.4
-        name, mesh = f"{shape.link}/part_{shape.index}", drawn(shape, folder)
-        yield Shape("bodies", name, Rigid(shape.link), mesh, (r, g, b), shine=shine)
-
-
-def _collision(text: str, folder: str) -> Iterator[Shape]:
-    for shape in urdf_shapes(text, "collision"):
-        name, mesh = f"{shape.link}_{shape.index}", drawn(shape, folder)
-        yield Shape("collision", name, Rigid(shape.link), mesh, _ORANGE, opacity=0.35)
+def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
+    for shape in urdf_shapes(text, element):
+        at, mesh = Rigid(shape.link), drawn(shape, folder)
+        if element == "collision":
+            name = f"{shape.link}_{shape.index}"
+            yield Shape("collision", name, at, mesh, _ORANGE, opacity=0.35)
+        else:
+            r, g, b = shape.color[:3]
+            # Only highlights show the form of a dark body.
+            shine = 0.9 if max(r, g, b) < 0.4 else 0.4
+            yield Shape(
+                "bodies", f"{shape.link}/part_{shape.index}", at, mesh, (r, g, b), shine=shine
+            )
 
 
 def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
     """Weight and buoyancy on each joint of the model, payloads included."""
     carrier = {joint.name: joint.child for joint in tree}
     strength = float(np.linalg.norm(arm.model.gravity.linear))
+    water = displaced_fluid_model(
+        arm.model, arm.displacements, 1.0
+    ).inertias  # their mass is volume
     loads = []
-    for name, inertia in zip(arm.model.names, arm.model.inertias, strict=True):
-        displaced = [d for d in arm.displacements if d.joint == name and d.volume > 0.0]
-        volume = sum(d.volume for d in displaced)
-        if inertia.mass == 0.0 and volume == 0.0:
-            continue
-        com = cob = np.array(inertia.lever)
-        if volume:
-            cob = sum((d.volume * np.asarray(d.cob) for d in displaced), np.zeros(3)) / volume
-        # The universe and the free-flyer carry the base.
-        link = carrier.get(name, tree[0].parent)
-        weight, buoyancy = inertia.mass * strength, arm.fluid_density * volume * strength
-        loads.append(Load(link, inertia.mass, com, volume, cob, weight, buoyancy))
+    for name, body, fluid in zip(arm.model.names, arm.model.inertias, water, strict=True):
+        if body.mass or fluid.mass:
+            # The universe and the free-flyer carry the base.
+            link, com, cob = (
+                carrier.get(name, tree[0].parent),
+                body.lever.copy(),
+                fluid.lever.copy(),
+            )
+            forces = strength * body.mass, strength * arm.fluid_density * fluid.mass
+            loads.append(Load(link, body.mass, com, fluid.mass, cob, *forces))
     return tuple(loads)
 
 
@@ -173,8 +182,8 @@ def _statics(arm: Arm, loads: Sequence[Load], base: str) -> dict[str, Any]:
     moments, beyond = np.zeros((5, 2, 4, 4)), []
     links = [base, *(f"link_{i}" for i in range(1, 5))]
     for load in loads:
-        net = load.mass * np.append(load.com, 1.0)
-        net -= arm.fluid_density * load.volume * np.append(load.cob, 1.0)
+        displaced = arm.fluid_density * load.volume * np.append(load.cob, 1.0)
+        net = load.mass * np.append(load.com, 1.0) - displaced
         if load.link in links:
             moments[links.index(load.link), 1, :, 3] += net
         else:
@@ -228,7 +237,7 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
 def _current(flow: FloatArray) -> Iterator[Shape | Label]:
     """An arrow beside the base along the current."""
     tip = scene.ARROWS["current"] * flow
-    at = Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
+    at = Rigid(scene.WORLD, transform(translation=(0.0, -0.16, 0.05)))
     speed = float(np.linalg.norm(flow))
     mesh = arrow(tip, 0.004) if speed else _ball(0.004, _TEAL, _TEAL)
     yield Shape("current", "arrow", at, mesh, _TEAL, on_top=1)
@@ -261,14 +270,127 @@ def _ghosts(
         poses = link_poses(arm, tree, solution)
         for body in bodies:
             if isinstance(body.anchor, Rigid) and body.anchor.link not in _STILL:
-                at = Rigid(WORLD, poses[body.anchor.link])
+                at = Rigid(scene.WORLD, poses[body.anchor.link])
                 yield Shape("ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3)
         limits = "" if solutions.within_limits[i] else ", beyond the limits"
-        elbow = Rigid(WORLD, transform(translation=poses["link_3"][:3, 3]))
+        elbow = Rigid(scene.WORLD, transform(translation=poses["link_3"][:3, 3]))
         yield Label("ghosts", branch.replace("_", " ") + limits, elbow, color)
     base = arm.forward_kinematics(q, frame="base_link")
-    at = Rigid(WORLD, transform(translation=base.act(target)))
+    at = Rigid(scene.WORLD, transform(translation=base.act(target)))
     yield Shape("ghosts", "target", at, ball(0.008, _PINK, _WHITE), on_top=2)
     away = float(distance_to_reach(target))
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))
+
+
+def named_poses(arm: Arm) -> dict[str, FloatArray]:
+    """Named poses as joint positions (n,) of the arm, its jaws closed."""
+    closed = [joint.lower for joint in parameters().joints[4 : len(arm.joint_names)]]
+    return {name: np.array([*pose, *closed]) for name, pose in NAMED_POSES.items()}
+
+
+def pose_of(arm: Arm, text: str) -> FloatArray:
+    """Joint positions (nq,) from the name of a pose or from numbers with commas or spaces."""
+    named, n = named_poses(arm), len(arm.joint_names)
+    try:
+        values = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
+    if len(values) == 4:
+        values += named["home"][4:].tolist()
+    if len(values) != n:
+        names = ", ".join(arm.joint_names)
+        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
+    return with_base(arm, float_array("pose", values, (n,)))
+
+
+def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
+    """Joint positions (n,) as the arm's q (nq,): a floating base stands at the world's origin."""
+    return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
+
+
+def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, FloatArray]:
+    """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
+    links = [tree[0].parent, *(joint.child for joint in tree)]
+    poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
+    return {scene.WORLD: np.eye(4), **poses}
+
+
+def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
+    """A scene with its arm at joint positions q (nq,)."""
+    joints = q[len(q) - len(scene.sliders) :]
+    return replace(scene, q=joints, poses=link_poses(arm, scene.tree, q))
+
+
+def resampled(arm: Arm, time: FloatArray, q: FloatArray, rate: float) -> Iterator[FloatArray]:
+    """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
+    at = time[0] + np.arange(0.0, time[-1] - time[0] + 0.999 / rate, 1.0 / rate)
+    first = np.searchsorted(time, at, side="right") - 1
+    after = np.minimum(first + 1, len(time) - 1)
+    share = np.minimum((at - time[first]) / np.maximum(time[after] - time[first], 1e-12), 1.0)
+    for i, k, part in zip(first, after, share, strict=True):
+        yield pin.interpolate(arm.model, q[i], q[k], float(part))
+
+
+def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
+    """The joint tree of a URDF, placed as in the arm's model: its corrections may differ."""
+    tree = tuple(parse_urdf(urdf).joints.values())
+    poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
+    placed = []
+    for joint in tree:
+        child_in_parent = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
+        still = np.linalg.inv(joint.motion(joint.offset))
+        placed.append(replace(joint, transform=child_in_parent @ still))
+    return tuple(placed)
+
+
+def motion_track(
+    moved: Motion, arm: Arm, q: FloatArray, current: ArrayLike | None = None
+) -> MotionTrack:
+    """A motion of the arm's joints, base to tip, with its torques and its load on the mount.
+
+    Joints that it lacks stay where they are. An arm on a vehicle has no mount.
+    """
+    time, n = moved.time - moved.time[0], len(arm.joint_names)
+    track, both = np.tile(q[len(q) - n :], (len(time), 1)), min(n, len(moved.joints))
+    track[:, :both] = moved.position[:, :both]
+    loads: dict[str, FloatArray] = {}
+    if not arm.floating_base:
+        known, rest = moved.velocity, ((0, 0), (0, n - both))
+        velocity = None if known is None else np.pad(known[:, :both], rest)
+        # Too few samples a second for a bandwidth.
+        method = "spline" if np.median(np.diff(time)) < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
+        analysis = analyse(motion(time, track, velocity), arm, method=method, current=current)
+        loads = {**analysis.causes(), "mount": analysis.base_wrench}
+        del loads["friction"]  # at the motor
+    return MotionTrack(Path(moved.source).name, time, track, loads)
+
+
+def tour(waypoints: ArrayLike) -> Motion:
+    """Move from pose to pose, resting at each.
+
+    Each leg follows ``s = (1 - cos(pi t / T)) / 2`` and takes the time at which the fastest joint
+    just reaches its speed.
+
+    Args:
+        waypoints: (N, n), at least two, joints base to tip [rad; jaw rod m].
+
+    Returns:
+        The motion, sampled at 25 Hz.
+
+    Raises:
+        InputError: Fewer than two poses, or not of four or five joints.
+    """
+    joints = parameters().joints[: np.shape(waypoints)[-1]]
+    poses = float_array("waypoints", waypoints, (len(joints),))
+    if poses.ndim != 2 or len(poses) < 2:
+        raise InputError("waypoints", poses.shape, "at least two poses in rows")
+    speed, rest = np.array([joint.velocity for joint in joints]), round(_PAUSE * _RATE)
+    pieces: list[FloatArray] = [np.repeat(poses[:1], rest, axis=0)]
+    for start, end in pairwise(poses):
+        duration = float(np.max(np.pi / 2 * np.abs(end - start) / speed))
+        phase = np.linspace(0.0, np.pi, max(2, round(duration * _RATE) + 2))[1:]
+        leg = start + (end - start) * ((1.0 - np.cos(phase)) / 2)[:, None]
+        pieces += [leg, np.repeat(end[None], rest, axis=0)]
+    q = np.concatenate(pieces)
+    return replace(motion(np.arange(len(q)) / _RATE, q), source="a short motion")

@@ -40,7 +40,7 @@ from alpha5_model.checks import FloatArray, choice, float_array, real, shaped
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
 from alpha5_model.files import PathLike
 from alpha5_model.view import page
-from alpha5_model.view.arm_poses import posed, resampled
+from alpha5_model.view.build import posed, resampled
 from alpha5_model.view.picture import Pixels, picture, video
 from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framing
 
