@@ -19,8 +19,7 @@ import numpy as np
 
 import alpha5_model as a5
 from alpha5_model.consistency.lecture import PRINTED_TABLE
-from alpha5_model.dh.arm_types import classify, task_capability
-from alpha5_model.dh.dexterity import spatial_conditions
+from alpha5_model.dh.arm_types import classify, spatial_conditions, task_capability
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik.pose import approach_directions
 from alpha5_model.view.workspace_plot import new_axes, plot_planar, save

@@ -13,12 +13,14 @@ from scipy.optimize import brentq
 
 import alpha5_model as a5
 from alpha5_model.dh import DHChain, DHLink
-from alpha5_model.dh.arm_types import classify, matrix_rank, task_capability
-from alpha5_model.dh.dexterity import (
+from alpha5_model.dh.arm_types import (
+    classify,
     even_rotations,
+    matrix_rank,
     orientation_freedom,
     spatial_conditions,
     spatial_dexterity,
+    task_capability,
 )
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 from alpha5_model.kinematics.ik.pose import approach_directions

@@ -11,7 +11,7 @@ from example_robot_data import load
 
 import alpha5_model as a5
 from alpha5_model.dh import DHChain
-from alpha5_model.dh.frame_assignment import common_normal
+from alpha5_model.dh.link import common_normal
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 
 KINDS = ("skew", "parallel", "antiparallel", "intersecting", "coincident", "opposed")

@@ -10,7 +10,7 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model import planar
-from alpha5_model.dh import arm_types, dexterity, dh_transform, frame_assignment, urdf
+from alpha5_model.dh import arm_types, dh_transform, link, urdf
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.kinematics.ik import pose
 
@@ -81,7 +81,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {**AXES, "sigma": None, "end_effector": None, "q": None, "limits": None},
     ),
     (a5.dh.DHChain.from_axes, {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()}),
-    (frame_assignment.common_normal, LINES),
+    (link.common_normal, LINES),
     (arm_types.classify, {"chain": CHAIN, "vertical": (0.0, 0, 1)}),
     (arm_types.task_capability, {"chain": CHAIN, "tool_axis": None, "samples": 2, "seed": 0}),
     (
@@ -89,13 +89,13 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"chain": CHAIN, "count": 2, "rng": np.random.default_rng(0)},
     ),
     (arm_types.chain_size, {"chain": CHAIN}),
-    (dexterity.spatial_conditions, {"chain": CHAIN}),
-    (dexterity.orientation_freedom, {"chain": CHAIN, "q": Q}),
+    (arm_types.spatial_conditions, {"chain": CHAIN}),
+    (arm_types.orientation_freedom, {"chain": CHAIN, "q": Q}),
     (
-        dexterity.spatial_dexterity,
+        arm_types.spatial_dexterity,
         {"chain": CHAIN, "positions": P, "orientations": 2, "starts": 1, "steps": 2, "seed": 0},
     ),
-    (dexterity.even_rotations, {"number": 3}),
+    (arm_types.even_rotations, {"number": 3}),
     (planar.PlanarArm, {"lengths": (5.0, 4.0), "limits": None, "joints": "RR", "angles": None}),
     (ARM.part, {"start": 0, "stop": 1}),
     (ARM.poses, {"q": [0.0, 0, 0]}),

@@ -1,9 +1,20 @@
-"""What kind of arm a chain is, and which tasks it can serve.
+"""What kind of arm a chain is, which tasks it can serve, and its dexterous workspace.
+
+For the dexterous workspace of arms in general there is no closed form. The estimate solves the inverse kinematics numerically
+for orientations spread evenly over SO(3), from several starts: every orientation counted is
+reached, some that could be reached may be missed.
 
 References:
-    [Lecture7.1] Describing Robot Arms, sections "Joint Types", "Arm Types", "Task requirements".
-    [Siciliano2009] Siciliano et al.: Robotics, section 1.2.1 (manipulator structures).
+    [Lecture7.1] Describing Robot Arms, sections "Joint Types", "Arm Types", "Task requirements",
+        "Dexterous Workspace".
+    [Siciliano2009] Siciliano et al.: Robotics, sections 1.2.1 (manipulator structures), 3.5 and
+        3.7.3 (orientation error).
     [Lynch2017] Lynch, Park: Modern Robotics, sections 2.5 (task space) and 5.1.
+    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103,
+        1981.
+    [Gupta1982] Gupta, Roth: Design considerations for manipulator workspace, J. Mech. Design 104,
+        1982.
+    [Alexa2022] Alexa: Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3), CVPR 2022.
 """
 
 from __future__ import annotations
@@ -16,13 +27,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, float_array, generator, instance
 from alpha5_model.checks import count as whole_number
-from alpha5_model.dh.chain import DHChain
-from alpha5_model.errors import InputError
+from alpha5_model.dh import DHChain
+from alpha5_model.dh.link import unit_vectors
+from alpha5_model.planar import Conditions
+from alpha5_model.spatial import cross_matrix
 
 #: Singular values below this count as zero; lengths are divided by the arm's size first.
 RANK_TOLERANCE = 1e-8
 #: Angles below this count as zero when axes are compared [rad].
 ANGLE_TOLERANCE = 1e-9
+#: A pose counts as reached within this share of the arm's size, and this angle [rad].
+POSE_TOLERANCE = 1e-6
 #: Dimension of the rigid motions, and of SE(2) x I.
 GENERAL, INSERTION = 6, 4
 
@@ -70,6 +85,26 @@ class TaskCapability:
     insertion_reason: str
 
 
+@dataclass(frozen=True, eq=False)
+class DexterityEstimate:
+    """Which orientations an arm was seen to reach at points.
+
+    Attributes:
+        share: Share of the orientations reached, 0 to 1, (...); a lower bound up to the spacing of
+            the orientations. 1 marks a point as dexterous.
+        reached: Which ones, (..., K).
+        rotations: The orientations, (K, 3, 3).
+        interior: Whether the dexterous workspace can have an interior at all: rank 6.
+        reason: Why, or why not.
+    """
+
+    share: FloatArray
+    reached: np.ndarray
+    rotations: FloatArray
+    interior: bool
+    reason: str
+
+
 def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     """The type of an arm, from the directions of its axes at home.
 
@@ -85,7 +120,7 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
         chain: The arm.
         vertical: Direction of the vertical in the world, (3,).
     """
-    up = _unit_vector("vertical", vertical)
+    up = _direction("vertical", vertical)
     points, z = instance("chain", chain, DHChain).joint_axes(chain.home)
     along = np.linalg.norm(np.cross(z, up), axis=1) <= ANGLE_TOLERANCE
     turning = np.array(chain.sigma) == 0
@@ -137,16 +172,17 @@ def task_capability(
         samples: Number of configurations.
         seed: Of the samples.
     """
-    up = _unit_vector("vertical", vertical)
+    up = _direction("vertical", vertical)
     instance("chain", chain, DHChain)
-    axis = _last_axis(chain) if tool_axis is None else _unit_vector("tool_axis", tool_axis)
+    if tool_axis is None:  # of the last joint, the same at every joint position
+        frames = chain.frames(chain.home)
+        axis = np.asarray(frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2])
+    else:
+        axis = _direction("tool_axis", tool_axis)
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
-    jacobian = chain.jacobian(q) / row_scale(chain)
-    dimension = int(matrix_rank(jacobian).max())
-    position, orientation = (
-        int(matrix_rank(jacobian[:, r]).max()) for r in (slice(3), slice(3, 6))
-    )
+    jacobian, rows = chain.jacobian(q) / row_scale(chain), (slice(6), slice(3), slice(3, 6))
+    dimension, place, turn = (int(matrix_rank(jacobian[:, part]).max()) for part in rows)
     insertion = _insertion_dimension(chain, axis, up, q, rng)
     if dimension == GENERAL:
         general = "the Jacobian has rank 6, so the poses fill an open set of SE(3)"
@@ -161,16 +197,8 @@ def task_capability(
         insert = f"{moves} where 4 are needed"
     else:
         insert = "the tool axis could not be brought to the vertical"
-    return TaskCapability(
-        dimension=dimension,
-        position_dimension=position,
-        orientation_dimension=orientation,
-        insertion_dimension=insertion,
-        general=dimension == GENERAL,
-        general_reason=general,
-        vertical_insertion=insertion == INSERTION,
-        insertion_reason=insert,
-    )
+    answers = dimension == GENERAL, general, insertion == INSERTION, insert
+    return TaskCapability(dimension, place, turn, insertion, *answers)
 
 
 def sample_configurations(chain: DHChain, count: int, rng: np.random.Generator) -> FloatArray:
@@ -251,16 +279,119 @@ def matrix_rank(matrix: FloatArray) -> NDArray[np.int64]:
     return np.asarray((s > RANK_TOLERANCE).sum(axis=-1))
 
 
-def _last_axis(chain: DHChain) -> FloatArray:
-    """Axis of the last joint in the tool frame, which no joint position changes."""
-    frames = chain.frames(chain.home)
-    return np.asarray(frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2])
+def _direction(name: str, value: ArrayLike) -> FloatArray:
+    return unit_vectors(name, value, 1, "one direction that is not zero")
 
 
-def _unit_vector(name: str, value: ArrayLike) -> FloatArray:
-    v = float_array(name, value, (3,))
-    largest = float(np.abs(v).max(initial=0.0))
-    if v.ndim != 1 or largest == 0:
-        raise InputError(name, value, "one direction that is not zero")
-    v = v / largest  # squares of large numbers overflow
-    return np.asarray(v / np.linalg.norm(v))
+def spatial_conditions(chain: DHChain) -> Conditions:
+    """The notes' necessary conditions for a dexterous workspace with an interior.
+
+    Three revolute joints to turn the end effector and three more joints to place it. Without the
+    second, single points can still be dexterous: three axes through the tool's origin.
+    """
+    revolute = instance("chain", chain, DHChain).sigma.count(0)
+    reasons = []
+    if revolute < 3:
+        reasons.append(f"{revolute} revolute where turning the end effector takes three")
+    others = chain.n - min(revolute, 3)
+    if others < 3:
+        reasons.append(f"{others} more, beside them, where placing the end effector takes three")
+    return Conditions(not reasons, tuple(reasons))
+
+
+def orientation_freedom(chain: DHChain, q: ArrayLike) -> NDArray[np.int64]:
+    """Dimensions in which the tool can turn while its origin stays, to first order.
+
+    The rank of the Jacobian's angular rows on the null space of its linear rows. Where a point is
+    dexterous in the interior sense this is 3 almost everywhere above it.
+
+    Args:
+        chain: The arm.
+        q: (..., N) [rad or m].
+
+    Returns:
+        0 to 3, (...).
+    """
+    jacobian = instance("chain", chain, DHChain).jacobian(q) / row_scale(chain)
+    # rank [J_v; J_w] = rank J_v + rank of J_w on the null space of J_v.
+    return np.asarray(matrix_rank(jacobian) - matrix_rank(jacobian[..., :3, :]))
+
+
+def spatial_dexterity(
+    chain: DHChain,
+    positions: ArrayLike,
+    orientations: int = 60,
+    starts: int = 12,
+    steps: int = 60,
+    seed: int = 0,
+) -> DexterityEstimate:
+    """Estimate which orientations an arm reaches at points, joint limits included.
+
+    Args:
+        chain: The arm.
+        positions: Of the tool, in the world, (..., 3) [m].
+        orientations: How many, spread evenly over SO(3).
+        starts: Random starts per orientation.
+        steps: Damped least-squares steps per start.
+        seed: Of the starts.
+    """
+    p = float_array("positions", positions, (3,))
+    instance("chain", chain, DHChain)
+    starts, steps = whole_number("starts", starts), whole_number("steps", steps)
+    rotations = even_rotations(whole_number("orientations", orientations))
+    rng = generator(seed)
+    where = np.repeat(p.reshape(-1, 3), orientations, axis=0)
+    turned = np.tile(rotations, (len(where) // orientations, 1, 1))
+    reached = np.zeros(len(where), dtype=bool)
+    for _ in range(starts):
+        left = np.flatnonzero(~reached)
+        if left.size == 0:
+            break
+        q = sample_configurations(chain, left.size, rng)
+        with np.errstate(over="ignore", invalid="ignore"):  # so far away that squares overflow
+            reached[left] = _solve(chain, q, where[left], turned[left], steps)
+    table = reached.reshape(*p.shape[:-1], orientations)
+    capability = task_capability(chain)
+    interior, reason = capability.general, capability.general_reason
+    return DexterityEstimate(np.asarray(table.mean(axis=-1)), table, rotations, interior, reason)
+
+
+def even_rotations(number: int) -> FloatArray:
+    """Rotations spread evenly over SO(3), (number, 3, 3): a super-Fibonacci spiral [Alexa2022]."""
+    s = np.arange(whole_number("number", number)) + 0.5
+    r, big_r = np.sqrt(s / number), np.sqrt(1 - s / number)
+    first, second = 2 * math.pi * s / math.sqrt(2), 2 * math.pi * s / 1.533751168755204288118041
+    x, y = r * np.sin(first), r * np.cos(first)
+    z, w = big_r * np.sin(second), big_r * np.cos(second)
+    k = cross_matrix(np.stack([x, y, z], axis=-1))
+    return np.asarray(np.eye(3) + 2 * (w[:, None, None] * k + k @ k))
+
+
+def _solve(
+    chain: DHChain, q: FloatArray, position: FloatArray, rotation: FloatArray, steps: int
+) -> np.ndarray:
+    """Levenberg-Marquardt steps from q, clipped to the limits; which targets are met in the end."""
+    scale = row_scale(chain)[:, 0]
+    done = np.zeros(len(q), dtype=bool)
+    active = np.arange(len(q))
+    for _ in range(steps):
+        pose = chain.forward_kinematics(q[active])
+        turned, wanted = pose[:, :3, :3], rotation[active]
+        cross = np.cross(turned, wanted, axisa=1, axisb=1, axisc=1)
+        turn = cross.sum(axis=2) / 2  # axis times the sine of the angle
+        error = np.hstack([position[active] - pose[:, :3, 3], turn]) / scale
+        cosine = (np.einsum("mij,mij->m", turned, wanted) - 1) / 2
+        met = (np.abs(error).max(axis=1) < POSE_TOLERANCE) & (cosine > 0)
+        done[active[met]] = True
+        active, error = active[~met], error[~met]
+        if active.size == 0:
+            break
+        jacobian = chain.jacobian(q[active]) / scale[:, None]
+        square = jacobian @ np.swapaxes(jacobian, 1, 2)
+        damping = 1e-3 * np.einsum("mi,mi->m", error, error) + 1e-9
+        square += damping[:, None, None] * np.eye(6)
+        step = np.swapaxes(jacobian, 1, 2) @ np.linalg.solve(square, error[:, :, None])
+        longest = np.abs(step).max(axis=(1, 2), keepdims=True)
+        step *= np.minimum(1.0, 0.8 / np.maximum(longest, 1e-12))
+        q[active] = np.clip(q[active] + step[:, :, 0], chain.lower, chain.upper)
+    return done

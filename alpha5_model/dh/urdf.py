@@ -39,27 +39,24 @@ def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
     q = pin.neutral(model)
     jacobians = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     pin.updateFramePlacements(model, data)
-    sigma, points, directions, limits = [], [], [], []
+    rows = []
     for j in path:
         joint = model.joints[j]
         # World Jacobian: linear is the velocity of the body's point at the world's origin.
         linear, angular = jacobians[:3, joint.idx_v], jacobians[3:, joint.idx_v]
         if joint.nv != 1 or (angular.any() and abs(linear @ angular) > 1e-12):
             raise InputError(model.names[j], joint.shortname(), "a revolute or prismatic joint")
-        sigma.append(int(not angular.any()))
-        points.append(data.oMi[j].translation.copy())
-        directions.append((angular if angular.any() else linear).copy())
-        lower = float(model.lowerPositionLimit[joint.idx_q])
-        upper = float(model.upperPositionLimit[joint.idx_q])
-        limited = joint.nq == 1 and lower < upper  # continuous: Pinocchio keeps cosine and sine
-        limits.append((lower, upper) if limited else (-math.inf, math.inf))
-    return {
-        "points": points,
-        "directions": directions,
-        "sigma": sigma,
+        slides, limits = not angular.any(), (-math.inf, math.inf)
+        both = model.lowerPositionLimit, model.upperPositionLimit
+        lower, upper = (float(each[joint.idx_q]) for each in both)
+        if joint.nq == 1 and lower < upper:  # continuous: Pinocchio keeps cosine and sine
+            limits = lower, upper
+        direction = linear if slides else angular
+        rows.append((data.oMi[j].translation, direction, int(slides), limits))
+    table = "points", "directions", "sigma", "limits"
+    return dict(zip(table, zip(*rows, strict=True), strict=True)) | {
         "end_effector": data.oMf[tip].homogeneous,
         "q": np.zeros(len(path)),
-        "limits": limits,
         "name": model.name,
         "joint_names": tuple(model.names[j] for j in path),
     }
@@ -135,20 +132,16 @@ def _joint(
 ) -> ET.Element:
     """A joint and the link that follows it."""
     parent, child = links
-    _massless_link(robot, child)
+    # Zeros are written out: some tools give a link without <inertial> a mass of 1 kg.
+    inertial = ET.SubElement(ET.SubElement(robot, "link", name=child), "inertial")
+    ET.SubElement(inertial, "mass", value="0")
+    ET.SubElement(inertial, "inertia", _NO_INERTIA)
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     xyz, rpy = (" ".join(map(repr, map(float, x))) for x in placement)
     ET.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     return joint
-
-
-def _massless_link(robot: ET.Element, name: str) -> None:
-    """Zeros are written out: some tools give a link without <inertial> a mass of 1 kg."""
-    inertial = ET.SubElement(ET.SubElement(robot, "link", name=name), "inertial")
-    ET.SubElement(inertial, "mass", value="0")
-    ET.SubElement(inertial, "inertia", _NO_INERTIA)
 
 
 def _placement(transform: FloatArray) -> tuple[Sequence[float], Sequence[float]]:

@@ -185,7 +185,7 @@ def _limits(rng: Rng) -> Any:
 
 def _targets() -> dict[str, Target]:
     dh, planar, motor = a5.dh, a5.planar, a5.actuators
-    from alpha5_model.dh import arm_types, dexterity
+    from alpha5_model.dh import arm_types
     from alpha5_model.kinematics import plane
 
     two = lambda rng: rng.normal(0, 2, pick(rng, ((2,), (3, 2))))  # noqa: E731
@@ -200,7 +200,7 @@ def _targets() -> dict[str, Target]:
         (dh, ("dh_transform", "DHLink", "DHChain.from_table", "DHChain.from_urdf")),
         (planar, ("theorem_radii", "theorem_row", "lecture_theorem")),
         (motor, ("actuator",)),
-        (dexterity, ("even_rotations",)),
+        (arm_types, ("even_rotations",)),
         (a5.trajectory, ("read_motion",)),
     ):  # fmt: skip
         for name in names:
@@ -217,8 +217,8 @@ def _targets() -> dict[str, Target]:
     for function in (
         arm_types.classify,
         arm_types.task_capability,
-        dexterity.orientation_freedom,
-        dexterity.spatial_dexterity,
+        arm_types.orientation_freedom,
+        arm_types.spatial_dexterity,
     ):
         targets[function.__name__] = of(lambda rng, f=function: f, chain=_chain)
     targets["PlanarArm"] = of(lambda rng: planar.PlanarArm, limits=_limits, angles=lambda rng: None)
