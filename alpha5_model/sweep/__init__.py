@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -172,6 +171,8 @@ def _results(
     if not workers and scheduler is None:
         yield from map(work, chunks)
         return
+    from concurrent.futures import CancelledError
+
     from distributed import Client, KilledWorker, as_completed
 
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
