@@ -5,11 +5,10 @@
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse
-from alpha5_model.trajectory.motion import Motion, MotionWarning, motion
-from alpha5_model.trajectory.reading import read_motion
-from alpha5_model.trajectory.report import columns, summary, write
-from alpha5_model.trajectory.report_text import text
+from alpha5_model.trajectory.motion import Motion, motion, read_motion
+from alpha5_model.trajectory.report import columns, summary, text, write
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
+from alpha5_model.trajectory.tables import MotionWarning
 
 __all__ = ["Analysis", "Motion", "MotionWarning", "SmoothMotion", "analyse", "columns", "motion"]
 __all__ += ["read_motion", "smooth", "summary", "text", "write"]

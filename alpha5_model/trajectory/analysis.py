@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from alpha5_model.actuators import Actuator, Interval, actuator
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory import smoothing
-from alpha5_model.trajectory.motion import JOINTS, Motion, MotionWarning, Progress
+from alpha5_model.trajectory.motion import Motion
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
+from alpha5_model.trajectory.tables import JOINTS, MotionWarning, Progress
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.series import WaterTerms
 
@@ -138,26 +138,22 @@ def analyse(
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)
-    drive = None
-    if supply_voltage is not None and current_limit is not None:
-        drive = supply_voltage, current_limit
-    elif supply_voltage is not current_limit:  # one is None
-        given = supply_voltage, current_limit
+    given: Any = supply_voltage, current_limit
+    if (supply_voltage is None) != (current_limit is None):
         raise InputError("supply_voltage and current_limit", given, "both or neither")
     by_joint = {name: actuator(name, constants) for name in motion.joints}
-    for name, motor in (actuators or {}).items():
-        by_joint[choice("joint", name, motion.joints)] = motor
+    own = (actuators or {}).items()
+    by_joint |= {choice("joint", name, motion.joints): motor for name, motor in own}
     motors = tuple(by_joint.values())
     s = smooth(motion, method, bandwidth, use_velocity)
     parts: list[dict[str, FloatArray]] = []
     for start in range(0, s.time.size, _CHUNK):
-        rows = slice(start, start + _CHUNK)
-        state = s.position[rows], s.velocity[rows], s.acceleration[rows]
-        wrench = arm.base_wrench_batch(*state, threads=threads)
-        terms = vars(torque_terms(arm, *state, threads=threads))
-        parts.append({**terms, "base_wrench": wrench, "tcp": frame_positions(arm, state[0])})
+        q, v, a = (x[start : start + _CHUNK] for x in (s.position, s.velocity, s.acceleration))
+        parts.append({**vars(torque_terms(arm, q, v, a, threads))})
+        parts[-1]["base_wrench"] = arm.base_wrench_batch(q, v, a, threads)
+        parts[-1]["tcp"] = frame_positions(arm, q)
         if current is not None:
-            water = water_terms(arm, *state, current)
+            water = water_terms(arm, q, v, a, current)
             parts[-1] |= {"water_torque": water.torque, "water_wrench": water.wrench}
         if progress:
             progress("compute", min(start + _CHUNK, s.time.size) / s.time.size)
@@ -165,12 +161,12 @@ def analyse(
     out["torque"] = out["inertia"] + out["coriolis"] + out["weight"] + out["buoyancy"]
     moving = None
     if current is not None:
-        moving = WaterTerms(
-            water.current, *(frozen(out.pop(f"water_{k}")) for k in ("torque", "wrench"))
-        )
+        added = (frozen(out.pop(f"water_{name}")) for name in ("torque", "wrench"))
+        moving = WaterTerms(water.current, *added)
         out["torque"] += moving.torque[:, 1]
         out["base_wrench"] += moving.wrench[:, 1]
     out["mechanical_power"] = out["torque"] * s.velocity
+    drive = None if current_limit is None else given
     by_motor, limits = motor_side(motors, s, out["torque"], drive)
     columns: dict[str, Any] = {name: frozen(x) for name, x in (out | by_motor).items()}
     columns |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
@@ -183,15 +179,13 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     if arm.floating_base or arm.model.nv not in (4, 5):
         raise InputError("arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base")
     wanted = JOINTS[: arm.model.nv]
-    if wanted == motion.joints:
-        return motion
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
-    fewer: dict[str, Any] = {}
-    for name in ("position", "velocity", "effort"):
-        table = getattr(motion, name)
-        fewer[name] = None if table is None else table[:, :4]
+    if len(wanted) == len(motion.joints):
+        return motion
+    tables = {name: getattr(motion, name) for name in ("position", "velocity", "effort")}
+    fewer: dict[str, Any] = {k: x[:, :4] for k, x in tables.items() if x is not None}
     warnings = tuple(w for w in motion.warnings if "axis_a" not in w.text)
     ignored = (*motion.ignored, "axis_a")
     return replace(motion, joints=wanted, warnings=warnings, ignored=ignored, **fewer)
@@ -205,11 +199,14 @@ def motor_side(
     lower, upper = np.full((2, *torque.shape), np.nan)
     velocity = s.signed_velocity
     for k, motor in enumerate(motors):
-        v, rest = velocity[:, k], s.direction[:, k] == 0
-        state = torque[:, k], v, s.acceleration[:, k], rest
+        v, tau, rest = velocity[:, k], torque[:, k], s.direction[:, k] == 0
+        state = tau, v, None if motor.rotor_inertia is None else s.acceleration[:, k]
         with suppress(MissingParameterError):
-            current, *ends = (_least_current(m, *state) for m in (motor, *motor.extremes()))
-            friction = motor.torque_constant * motor.ratio * current - torque[:, k]
+            current, *ends = (
+                np.where(rest, np.clip(0.0, *m.holding_current(tau)), m.current(*state))
+                for m in (motor, *motor.extremes())
+            )
+            friction = motor.torque_constant * motor.ratio * current - tau
             voltage = motor.voltage(current, v)
             interval = np.minimum(*ends), np.maximum(*ends)
             out[..., k] = friction, current, *interval, voltage, voltage * current
@@ -223,21 +220,13 @@ def motor_side(
     return dict(zip(BY_MOTOR, out, strict=True)), limits
 
 
-def _least_current(
-    motor: Actuator, torque: FloatArray, velocity: FloatArray, acceleration: FloatArray, rest: Any
-) -> FloatArray:
-    moving = motor.current(torque, velocity, None if motor.rotor_inertia is None else acceleration)
-    return np.where(rest, np.clip(0.0, *motor.holding_current(torque)), moving)
-
-
 def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     """Joints whose velocities are not the slope of their positions, by slow parts of both."""
     if motion.velocity is None:
         return ()
     rate = 1 / float(np.median(np.diff(motion.time)))
     bandwidth = max(min(0.5, 0.1 * rate), smoothing.LEAST_BANDWIDTH * rate)
-    slope = smooth(motion, "spline", bandwidth, use_velocity=False).velocity
-    given = smooth(motion, "spline", bandwidth, use_velocity=True).velocity
+    slope, given = (smooth(motion, "spline", bandwidth, use).velocity for use in (False, True))
     found = []
     for k, joint in enumerate(parameters().joints[: len(motion.joints)]):
         power = float(np.mean(slope[:, k] ** 2))

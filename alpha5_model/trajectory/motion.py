@@ -1,20 +1,24 @@
-"""A joint motion over time, recorded or planned, checked."""
+"""A joint motion over time, recorded or planned, from arrays or a file, checked."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, choice, float_array, frozen
-from alpha5_model.errors import Alpha5Error, InputError, ShapeError
+from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeError
+from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
-from alpha5_model.published.tables import JOINT_NAMES
+from alpha5_model.trajectory import tables
+from alpha5_model.trajectory.tables import JOINTS, MotionWarning, Progress
 
-#: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
-JOINTS = JOINT_NAMES
 #: Fewer samples give no useful acceleration.
 MINIMUM_SAMPLES = 5
 #: A step is a jump beyond this share of the joint's range plus twice its rated speed.
@@ -30,34 +34,12 @@ _MOST_TIME = 1e12
 #: Times nearer than this are the same [s].
 _LEAST_STEP = 1e-9
 
-#: (sample, joint or None for the time) -> the place of that number, for messages.
-Place = Callable[[int, "str | None"], str]
-#: (sample, joint or None for the time, what was given, what is expected) -> the error to raise.
-Refuse = Callable[[int, "str | None", float, str], Alpha5Error]
-#: (stage, part done, 0 to 1)
-Progress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class MotionWarning:
-    """Something odd in a motion that does not stop the computation.
-
-    Attributes:
-        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``, ``"velocity"``,
-            ``"effort"`` or ``"time_unit"``; of a bag also ``"missing_joints"``,
-            ``"not_finite"``, ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
-        count: How often.
-        first: Where it happens first.
-        text: What it is, and what is done about it.
-    """
-
-    kind: str
-    count: int
-    first: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.text}: {self.count} x, first: {self.first}"
+_BAGS, _PARQUET = (".bag", ".db3", ".mcap"), (".parquet", ".pq")
+_TIME = ("time_secs", "time")
+#: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
+_TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
+_POSITION = ("_pos", "_position", "")
+_VELOCITY = ("_vel", "_velocity")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,48 +95,180 @@ def motion(
     q = float_array("position", position, ())
     if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
         raise ShapeError("position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a")
-
-    def like_position(name: str, value: ArrayLike | None) -> FloatArray | None:
-        table = None if value is None else float_array(name, value, ())
-        if table is not None and table.shape != q.shape:
-            raise ShapeError(name, table.shape, f"the shape of position, {q.shape}")
-        return table
-
-    v, e = like_position("velocity", velocity), like_position("effort", effort)
-    names = JOINTS[: q.shape[1]] if joints is None else tuple(joints)
+    wanted = JOINTS[: q.shape[1]]
+    names = wanted if joints is None else tuple(joints)
+    more: dict[str, Any] = {}
+    for name, value in {"velocity": velocity, "effort": effort}.items():
+        if value is not None:
+            more[name] = float_array(name, value, ())
+            if more[name].shape != q.shape:
+                expected = f"the shape of position, {q.shape}"
+                raise ShapeError(name, more[name].shape, expected)
     for name in names:
         choice("joint", name, JOINTS)
-    wanted = JOINTS[: q.shape[1]]
     if sorted(names) != sorted(wanted):
         raise InputError("joints", names, f"each of {', '.join(wanted)} once")
     order = [names.index(name) for name in wanted]
+    more = {name: table[:, order] for name, table in more.items()}
+    return _checked(Motion(t, wanted, q[:, order], **more))
+
+
+def read_motion(
+    path: PathLike,
+    progress: Progress | None = None,
+    *,
+    topic: str | None = None,
+    prefix: str | None = None,
+) -> Motion:
+    """Read joint motion from a CSV or Parquet file, or from a ROS bag.
+
+    A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and
+    the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d,
+    axis_c, axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
+    (``axis_b_velocity``) and so on, optional, for all of these joints or none; ``axis_b_effort``
+    [N m], optional, NaN where it is not known. Other columns are ignored and named in
+    `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
+    smaller unit if the joints can be so fast; a warning says so. Parquet (``.parquet``, needs
+    pyarrow) may have times of its own types instead.
+
+    A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its ``metadata.yaml``; needs
+    rosbags) holds ``sensor_msgs/JointState`` messages. Their stamps are the time; the bag's own where
+    a message has none. Messages without all joints, or with positions that are not finite, are left
+    out, and messages out of order are sorted; each with a warning.
+
+    Args:
+        path: The file.
+        progress: Called with a stage's name and the part done, 0 to 1.
+        topic: Of a bag; None takes the only one that names the arm's joints.
+        prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``; None takes the
+            names as they are, else the only prefix.
+
+    Raises:
+        InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag, several
+            topics or prefixes to choose from.
+        UnknownNameError: A topic that the bag has not.
+        MissingFileError: No such file.
+        MissingDependencyError: rosbags or pyarrow is not installed.
+        FileFormatError: A missing or doubled column, another separator, an empty file, a line of
+            another length, text or NaN for a number, time that runs back, with line and column or
+            row; a bag that is damaged or has no joint states of the arm.
+    """
+    file, before = Path(str(path)), prefix
+    a_bag = file.suffix.lower() in _BAGS
+    with suppress(OSError, ValueError):  # a name that none can have
+        a_bag = a_bag or (file / "metadata.yaml").is_file()
+    if a_bag:
+        table, before = tables.bag_table(path, topic, prefix, progress)
+    elif topic is not None:
+        raise InputError("topic", topic, "no value: only a ROS bag has topics")
+    elif file.suffix.lower() in _PARQUET:
+        table = tables.parquet_table(path)
+    else:
+        table = tables.csv_table(path, progress)
+    header = table.header
+    # Without any that names all joints, the message below says what is missing.
+    before = tables.only("prefix", tables.prefixes(header, _POSITION, before) or [before or ""])
+
+    def names(joint: str, suffixes: Sequence[str]) -> list[str]:
+        return [before + joint + suffix for suffix in suffixes]
+
+    def column(names: Sequence[str], what: str, why: str = "") -> int:
+        found = [name for name in names if name in header]
+        if len(found) == 1:
+            return header.index(found[0])
+        problem = f"two columns for {what}: {', '.join(found)}"
+        if not found:
+            got = ", ".join(header)[:200]
+            problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
+        raise FileFormatError(path, problem, table.head)
+
+    timed = [name for name in header if name in _TIME]
+    timed = timed or [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
+    joints = JOINTS if {*names(JOINTS[4], _POSITION)} & {*header} else JOINTS[:4]
+    needed = [column(timed or (*_TIME, "time_ms"), "the time")]
+    needed += [column(names(j, _POSITION), f"the position of {j}") for j in joints]
+    if {name for j in joints for name in names(j, _VELOCITY)} & {*header}:
+        why = ", while others have one"
+        needed += [column(names(j, _VELOCITY), f"the velocity of {j}", why) for j in joints]
+    efforts = {j: name for j in joints for name in names(j, ("_effort",)) if name in header}
+    recorded = [header.index(name) for name in efforts.values()]
+    numbers, unit = table.read(needed, recorded)
+    n, known, name = len(joints), len(needed), header[needed[0]]
+    time, position = numbers[:, 0], numbers[:, 1 : 1 + n]
 
     def place(sample: int, joint: str | None) -> str:
-        return f"sample {sample}" + (f" of {joint}" if joint else "")
+        return table.place(sample, needed[joints.index(joint) + 1 if joint else 0])
+
+    warnings = table.warnings
+    if unit is None:
+        guess, stated = _likely_unit(time, position), _TIME_WITH_UNIT.fullmatch(name)
+        unit = guess if stated is None else stated[1].lower()
+        if guess != "s" and (unit == "s" or stated is None):
+            text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
+            if stated is not None:
+                text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
+            warnings += (MotionWarning("time_unit", 1, place(0, None), text),)
+    effort = None
+    if numbers.shape[1] > known:
+        effort = np.full_like(position, np.nan)
+        effort[:, [j in efforts for j in joints]] = numbers[:, known:]
+        needed += recorded
+    ignored = (*(name for k, name in enumerate(header) if k not in needed), *table.ignored)
+    velocity = numbers[:, 1 + n : known] if known > 1 + n else None
+    state = time / tables.PER_SECOND[unit], joints, position, velocity
+    return _checked(Motion(*state, warnings, str(path), ignored, unit, effort), path, place)
+
+
+def _likely_unit(time: FloatArray, position: FloatArray) -> str:
+    """Largest unit in which a time step is shorter than a second, if the joints can be so fast.
+
+    Seconds where some joint's mean speed would exceed twice its rating, as in a plan of few points.
+    """
+    with np.errstate(over="ignore"):
+        steps, path = np.diff(time), np.abs(np.diff(position, axis=0)).sum(axis=0)
+    steps = steps[steps > 0]
+    if not steps.size or float(np.median(steps)) < 1.0:
+        return "s"
+    unit = next((u for u, n in tables.PER_SECOND.items() if float(np.median(steps)) < n), "ns")
+    rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
+    fast = path / (steps / tables.PER_SECOND[unit]).sum() > 2 * rated
+    return "s" if fast.any() else unit
+
+
+def _sample(sample: int, joint: str | None) -> str:
+    return f"sample {sample}" + (f" of {joint}" if joint else "")
+
+
+def _checked(
+    raw: Motion, path: PathLike | None = None, place: Callable[[int, str | None], str] = _sample
+) -> Motion:
+    """Check finite samples in joint order; times that repeat are dropped and counted.
+
+    Args:
+        path: Of the file, for messages; None for arrays.
+        place: (sample, joint or None for the time) -> the place of that number, for messages.
+    """
 
     def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
-        return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
+        if path is None:
+            return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
+        return FileFormatError(path, f"expected {expected}", place(sample, joint))
 
-    v, e = (table if table is None else table[:, order] for table in (v, e))
-    return checked(Motion(t, wanted, q[:, order], v, effort=e), place, refuse)
+    def warn(kind: str, bad: Any, joint: str | None, text: str) -> None:
+        if bad.size:
+            found.append(MotionWarning(kind, int(bad.size), place(int(bad[0]), joint), text))
 
-
-def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
-    """Check finite samples in joint order; times that repeat are dropped and counted."""
-    time, position, velocity, effort = raw.time, raw.position, raw.velocity, raw.effort
+    time, effort, found = raw.time, raw.effort, list(raw.warnings)
     if effort is not None:
         effort = np.where(np.isfinite(effort), effort, np.nan)
         effort = None if np.isnan(effort).all() else effort
     if time.size < MINIMUM_SAMPLES:
-        why = "; ".join(map(str, raw.warnings))
-        name = raw.source + (f" ({why})" if why else "") if raw.source != "arrays" else "time"
+        why = f" ({'; '.join(map(str, found))})" if found else ""
+        name = "time" if path is None else raw.source + why
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
-    for what, table, most in (
-        ("time", time[:, None], _MOST_TIME),
-        ("position", position, _MOST),
-        ("velocity", velocity, _MOST),
-        ("recorded effort", effort, _MOST),
-    ):
+    rates = {"position": raw.position, "velocity": raw.velocity, "recorded effort": effort}
+    for what, table in {"time": time[:, None], **rates}.items():
+        most = _MOST_TIME if what == "time" else _MOST
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
             joint = None if what == "time" else raw.joints[k]
@@ -165,14 +279,8 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
         raise refuse(k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back")
     keep = np.concatenate([[True], steps >= _LEAST_STEP])
     samples = np.flatnonzero(keep)
-    found = list(raw.warnings)
-
-    def warn(kind: str, bad: np.ndarray, joint: str | None, text: str) -> None:
-        if bad.size:
-            found.append(MotionWarning(kind, int(bad.size), place(int(bad[0]), joint), text))
-
     warn("repeated_time", np.flatnonzero(~keep), None, "time repeated, sample dropped")
-    t, q = time[keep], position[keep]
+    t, q = time[keep], raw.position[keep]
     if t.size < MINIMUM_SAMPLES:
         expected = f"at least {MINIMUM_SAMPLES} samples with different times"
         raise refuse(0, None, time[0], expected)
@@ -190,7 +298,6 @@ def checked(raw: Motion, place: Place, refuse: Refuse) -> Motion:
         if np.abs(q[:, column]).max() > 4 * bound.upper:
             text += f" (is it in {'mm' if unit == 'm' else 'degrees'}?)"
         warn("outside_limits", samples[outside], name, text)
-    v, e = (None if table is None else frozen(table[keep]) for table in (velocity, effort))
-    return replace(
-        raw, time=frozen(t), position=frozen(q), velocity=v, effort=e, warnings=tuple(found)
-    )
+    v, e = (None if table is None else frozen(table[keep]) for table in (raw.velocity, effort))
+    state: dict[str, Any] = {"time": frozen(t), "position": frozen(q), "velocity": v, "effort": e}
+    return replace(raw, **state, warnings=tuple(found))

@@ -1,9 +1,11 @@
-"""An analysed motion as key figures and as a table over time."""
+"""An analysed motion as key figures, as text and as a table over time."""
 
 from __future__ import annotations
 
 import json
+import tomllib
 from dataclasses import asdict
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +14,25 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.parameters import JointParameters, parameters
+from alpha5_model.text import readable, table
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
-from alpha5_model.trajectory.motion import LIMIT_SLACK, Progress
+from alpha5_model.trajectory.motion import LIMIT_SLACK
+from alpha5_model.trajectory.smoothing import REST_SHARE
+from alpha5_model.trajectory.tables import Progress
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")
 #: Torques less than this are rounding.
-ROUNDING = 1e-12
+_ROUNDING = 1e-12
 #: Rows written between two reports of progress.
 _CHUNK = 10_000
-#: Figures of a joint that are None without a motor's constants, or without limits of its drive.
-_BY_MOTOR = ("current_peak", "current_rms", "voltage_peak", "power_peak", "energy_drawn_j")
+#: Figures of a joint that are None without limits of its drive.
 _BY_DRIVE = ("current_margin", "voltage_margin", "drive_torque_margin", "beyond_drive_limits")
+#: Figures of the load on the mount.
+_MOUNT = ("force_peak_n", "moment_peak_nm")
 #: Units of a joint's figures.
-TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
-SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
+_TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+_SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
 
 
 def summary(analysis: Analysis) -> dict[str, Any]:
@@ -38,106 +44,98 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     recorded; an effort's differences are those of what was recorded less the torque computed.
     """
     a, s = analysis, analysis.smooth
-    steps, velocity = np.diff(s.time), s.signed_velocity
-    path = np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
+    time, velocity, water = s.time, s.signed_velocity, a.moving_water
+    steps, path = np.diff(time), np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
     power = np.nansum(a.electrical_power, axis=1)
     known = [(k, m) for k, m in enumerate(a.actuators) if np.isfinite(a.current[:, k]).all()]
     powers = [  # over the printed tolerance of friction
         np.stack([m.voltage(i[:, k], velocity[:, k]) * i[:, k] for k, m in known])
         for i in (a.current_lower, a.current_upper)
     ]
-    interval = [end(*powers).sum(axis=0) for end in (np.minimum, np.maximum)]
     contradiction = sum(
         (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * velocity[:, k]
         for k, m in known
     )
-    time, arm = s.time, a.arm
-    out: dict[str, Any] = {"source": a.motion.source, "samples": int(time.size)}
-    out |= {"start_s": float(time[0]), "duration_s": float(time[-1] - time[0])}
-    out["time_unit_of_file"] = a.motion.time_unit
-    out["sample_time_s"] = {"median": float(np.median(steps)), "longest": float(steps.max())}
     model: dict[str, Any] = {"gripper": "jaws" if "axis_a" in s.joints else "locked"}
-    model |= {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear.tolist()}
-    if a.moving_water is not None:
-        model["water_current"] = a.moving_water.current.tolist()
-    out["model"] = model
-    derivatives = {"derivatives_from": "velocities" if s.from_velocity else "positions"}
-    out["smoothing"] = {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives}
-    drive = {"supply_voltage": a.supply_voltage, "current_limit": a.current_limit}
-    ratios = {m.joint: m.constants_ratio for m in a.actuators}
-    out["motors"] = {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive}
-    joints = parameters().joints[: len(s.joints)]
-    out["joints"] = {joint.name: _joint(a, k, joint) for k, joint in enumerate(joints)}
-    out["energy"] = {
-        "electrical_peak_w": float(power.max()),
-        "drawn_j": _drawn(power, time),
-        "drawn_interval_j": [_drawn(end, time) for end in interval],
-        "fed_back_j": _drawn(-power, time),
-        "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
-        "contradiction_j": _integral(np.asarray(contradiction), time),
-    }
+    model |= {"fluid_density": a.arm.fluid_density, "gravity": a.arm.model.gravity.linear.tolist()}
     sizes = np.linalg.norm(a.base_wrench.reshape(-1, 2, 3), axis=2)
-    out["mount"] = {"force_peak_n": _peak(sizes[:, 0], time)}
-    out["mount"] |= {"moment_peak_nm": _peak(sizes[:, 1], time), **_water_on_mount(a)}
+    mount = {name: _peak(sizes[:, i], time) for i, name in enumerate(_MOUNT)}
+    if water is not None:
+        model["water_current"] = water.current.tolist()
+        sizes = np.linalg.norm(water.wrench.reshape(-1, 3, 2, 3), axis=3)
+        mount |= {f"water_{x}": _water_peak(sizes[..., i], time) for i, x in enumerate(_MOUNT)}
     ends = {"first_m": a.tcp[0], "last_m": a.tcp[-1]}
     ends |= {"lowest_m": a.tcp.min(axis=0), "highest_m": a.tcp.max(axis=0)}
-    out["tcp"] = {name: point.tolist() for name, point in ends.items()}
-    out["tcp"]["path_length_m"] = float(path.sum())
-    out["warnings"] = [asdict(w) for w in a.warnings]
-    return {**out, "ignored_columns": list(a.motion.ignored)}
-
-
-def _water_on_mount(a: Analysis) -> dict[str, Any]:
-    """Peaks of what moving water adds to the load on the mount."""
-    if a.moving_water is None:
-        return {}
-    sizes = np.linalg.norm(a.moving_water.wrench.reshape(-1, 3, 2, 3), axis=3)
-    force, moment = (_water_peak(sizes[..., i], a.smooth.time) for i in (0, 1))
-    return {"water_force_peak_n": force, "water_moment_peak_nm": moment}
-
-
-def _water_peak(levels: FloatArray, time: FloatArray) -> dict[str, Any]:
-    """The largest nominal value, and its interval from all numbers low to all high; levels are (N, 3)."""
-    nominal, at = levels[:, 1], int(np.abs(levels[:, 1]).argmax())
-    interval = [float(levels[at].min()), float(levels[at].max())]
-    return {**_peak(nominal, time), "interval": interval}
+    derivatives = {"derivatives_from": "velocities" if s.from_velocity else "positions"}
+    ratios = {m.joint: m.constants_ratio for m in a.actuators}
+    drive = {"supply_voltage": a.supply_voltage, "current_limit": a.current_limit}
+    joints = enumerate(parameters().joints[: len(s.joints)])
+    return {
+        "source": a.motion.source,
+        "samples": int(time.size),
+        "start_s": float(time[0]),
+        "duration_s": float(time[-1] - time[0]),
+        "time_unit_of_file": a.motion.time_unit,
+        "sample_time_s": {"median": float(np.median(steps)), "longest": float(steps.max())},
+        "model": model,
+        "smoothing": {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives},
+        "motors": {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive},
+        "joints": {joint.name: _joint(a, k, joint) for k, joint in joints},
+        "energy": {
+            "electrical_peak_w": float(power.max()),
+            "drawn_j": _drawn(power, time),
+            "drawn_interval_j": [
+                _drawn(end(*powers).sum(axis=0), time) for end in (np.minimum, np.maximum)
+            ],
+            "fed_back_j": _drawn(-power, time),
+            "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
+            "contradiction_j": _integral(np.asarray(contradiction), time),
+        },
+        "mount": mount,
+        "tcp": {k: x.tolist() for k, x in ends.items()} | {"path_length_m": float(path.sum())},
+        "warnings": [asdict(w) for w in a.warnings],
+        "ignored_columns": list(a.motion.ignored),
+    }
 
 
 def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
-    s = a.smooth
-    q = a.motion.position[:, k]
+    s, time = a.smooth, a.smooth.time
+    states = a.motion.position, s.velocity, s.acceleration, a.torque
+    q, velocity, acceleration, torque = (x[:, k] for x in states)
+    motor = a.current, a.current_lower, a.current_upper, a.voltage, a.electrical_power
+    current, least, most, voltage, power = (x[:, k] for x in motor)
     margin = float(min(q.min() - joint.lower, joint.upper - q.max()))
     if -LIMIT_SLACK * (joint.upper - joint.lower) <= margin < 0:
         margin = 0.0  # at the limit, as the warnings have it
-    speed = np.abs(s.velocity[:, k])
-    out: dict[str, Any] = {"units": dict(SLIDING if joint.name == "axis_a" else TURNING)}
-    out |= {"position_range": [float(q.min()), float(q.max())], "position_margin": margin}
-    out["velocity_margin"] = float(joint.velocity - speed.max())
-    out["beyond_rated_velocity"] = int(np.count_nonzero(speed > joint.velocity))
-    over_time = {"velocity": s.velocity, "acceleration": s.acceleration, "torque": a.torque}
-    out |= {f"{name}_peak": _peak(table[:, k], s.time) for name, table in over_time.items()}
-    out["smoothing_deviation"] = float(s.deviation[k])
-    out["torque_rms"] = _rms(a.torque[:, k], s.time)
-    # Against the effort that every public model copies; no rating is published.
-    out["torque_margin"] = float(joint.effort - np.abs(a.torque[:, k]).max())
-    out["causes_peak"] = {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()}
-    out |= {"effort": _effort(a, k), **dict.fromkeys(_BY_MOTOR + _BY_DRIVE)}
+    out: dict[str, Any] = {
+        "units": dict(_SLIDING if joint.name == "axis_a" else _TURNING),
+        "position_range": [float(q.min()), float(q.max())],
+        "position_margin": margin,
+        "velocity_margin": float(joint.velocity - np.abs(velocity).max()),
+        "beyond_rated_velocity": int(np.count_nonzero(np.abs(velocity) > joint.velocity)),
+        "velocity_peak": _peak(velocity, time),
+        "acceleration_peak": _peak(acceleration, time),
+        "torque_peak": _peak(torque, time),
+        "smoothing_deviation": float(s.deviation[k]),
+        "torque_rms": _rms(torque, time),
+        # Against the effort that every public model copies; no rating is published.
+        "torque_margin": float(joint.effort - np.abs(torque).max()),
+        "causes_peak": {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()},
+        "effort": _effort(a, k),
+        "current_peak": _peak(current, time, least, most),
+        "current_rms": _rms(current, time),
+        "voltage_peak": _peak(voltage, time),
+        "power_peak": _peak(power, time),
+        "energy_drawn_j": _drawn(power, time),
+        **dict.fromkeys(_BY_DRIVE),
+    }
     if a.moving_water is not None:
-        out["moving_water_peak"] = _water_peak(a.moving_water.torque[:, :, k], s.time)
-    if not np.isfinite(a.current[:, k]).all():
-        return out
-    over_time = {"current": a.current, "voltage": a.voltage, "power": a.electrical_power}
-    out |= {f"{name}_peak": _peak(table[:, k], s.time) for name, table in over_time.items()}
-    at = int(np.abs(a.current[:, k]).argmax())
-    out["current_peak"]["interval"] = [float(a.current_lower[at, k]), float(a.current_upper[at, k])]
-    out["current_rms"] = _rms(a.current[:, k], s.time)
-    out["energy_drawn_j"] = _drawn(a.electrical_power[:, k], s.time)
-    if a.torque_limits and a.current_limit and a.supply_voltage:
-        worst = np.maximum(np.abs(a.current_lower[:, k]), np.abs(a.current_upper[:, k])).max()
-        out["current_margin"] = float(a.current_limit - worst)
-        out["voltage_margin"] = float(a.supply_voltage - np.abs(a.voltage[:, k]).max())
+        out["moving_water_peak"] = _water_peak(a.moving_water.torque[:, :, k], time)
+    if a.torque_limits and a.current_limit and a.supply_voltage and out["current_peak"]:
+        out["current_margin"] = float(a.current_limit - np.abs([least, most]).max())
+        out["voltage_margin"] = float(a.supply_voltage - np.abs(voltage).max())
         lower, upper = (end[:, k] for end in a.torque_limits)
-        reserve = np.minimum(upper - a.torque[:, k], a.torque[:, k] - lower)
+        reserve = np.minimum(upper - torque, torque - lower)
         possible = reserve[np.isfinite(reserve)]
         out["drive_torque_margin"] = float(possible.min()) if possible.size else None
         out["beyond_drive_limits"] = int(np.count_nonzero(~(reserve >= 0)))
@@ -148,39 +146,128 @@ def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
     """Recorded effort of a joint against the torque computed, over the samples that have one."""
     if a.motion.effort is None or not (there := np.isfinite(a.motion.effort[:, k])).any():
         return None
-    effort, time = a.motion.effort[there, k], a.smooth.time[there]
-    torque, friction = a.torque[there, k], a.friction[there, k]
+    time, tables = a.smooth.time[there], (a.motion.effort, a.torque, a.friction)
+    effort, torque, friction = (x[there, k] for x in tables)
     difference = effort - torque
-    varied = min(np.ptp(effort), np.ptp(torque)) > ROUNDING
-    left = _finite(np.sqrt(np.mean((difference - friction) ** 2)))
-    out = {"samples": int(effort.size), "peak": _peak(effort, time)}
-    out |= {"rms": float(np.sqrt(np.mean(effort**2))), "difference_mean": float(difference.mean())}
-    out["difference_rms"] = float(np.sqrt(np.mean(difference**2)))
-    out |= {"difference_peak": _peak(difference, time), "difference_rms_with_friction": left}
-    correlation = float(np.corrcoef(effort, torque)[0, 1]) if varied else None
-    return {**out, "correlation": correlation}
+    varied = min(np.ptp(effort), np.ptp(torque)) > _ROUNDING
+    return {
+        "samples": int(effort.size),
+        "peak": _peak(effort, time),
+        "rms": _finite(np.sqrt(np.mean(effort**2))),
+        "difference_mean": float(difference.mean()),
+        "difference_rms": _finite(np.sqrt(np.mean(difference**2))),
+        "difference_peak": _peak(difference, time),
+        "difference_rms_with_friction": _finite(np.sqrt(np.mean((difference - friction) ** 2))),
+        "correlation": float(np.corrcoef(effort, torque)[0, 1]) if varied else None,
+    }
 
 
-def _peak(values: FloatArray, time: FloatArray) -> dict[str, Any]:
+def _peak(values: FloatArray, time: FloatArray, *ends: FloatArray) -> dict[str, Any] | None:
+    """The largest value, and there its interval; None of a motor that cannot be computed."""
     at = int(np.abs(values).argmax())
-    return {"value": float(values[at]), "time_s": float(time[at])}
+    out: dict[str, Any] = {"value": float(values[at]), "time_s": float(time[at])}
+    if ends:
+        out["interval"] = [float(end[at]) for end in ends]
+    return out if np.isfinite(values[at]) else None
+
+
+def _water_peak(levels: FloatArray, time: FloatArray) -> dict[str, Any] | None:
+    """The largest nominal value, its interval from all numbers low to all high; levels are (N, 3)."""
+    return _peak(levels[:, 1], time, levels.min(axis=1), levels.max(axis=1))
 
 
 def _integral(values: FloatArray, time: FloatArray) -> float:
     return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(time)))
 
 
-def _drawn(power: FloatArray, time: FloatArray) -> float:
+def _drawn(power: FloatArray, time: FloatArray) -> float | None:
     """Energy of the positive part."""
-    return _integral(np.maximum(power, 0.0), time)
+    return _finite(_integral(np.maximum(power, 0.0), time))
 
 
-def _rms(values: FloatArray, time: FloatArray) -> float:
-    return float(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
+def _rms(values: FloatArray, time: FloatArray) -> float | None:
+    return _finite(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
 
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def text(record: dict[str, Any]) -> str:
+    """The record of `summary` as lines for a terminal; tables fit 80 columns."""
+    words: Any = tomllib.loads(Path(__file__).with_name("report.toml").read_text("utf-8"))
+    joints, motors, mount, energy = (record[k] for k in ("joints", "motors", "mount", "energy"))
+    unit, width = record["time_unit_of_file"], record["smoothing"]["bandwidth_hz"]
+    left = f", which leaves {energy['contradiction_j']:+.3g} J of the electrical energy unexplained"
+    parts = {
+        **record,
+        "column": "" if unit == "s" else f" (time column in {unit})",
+        "gravity": ", ".join(f"{round(g, 9) + 0.0:g}" for g in record["model"]["gravity"]),
+        "width": "" if width is None else f", {width:.3g} Hz (-3 dB)",
+        "drawn": _cell(energy, "drawn_interval_j", ".4g"),
+        "rest": REST_SHARE,
+        "ratios": ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items()),
+        "left": left if motors["constants"] == "printed" else "",
+    }
+    for end in ("first_m", "last_m", "lowest_m", "highest_m"):
+        parts[end] = f"({', '.join(f'{x:z.3f}' for x in record['tcp'][end])})"
+    lines = [words["head"].format(**parts), *_by_joint("peaks", joints, words["peaks"])]
+    digits = [j["torque_peak"].get("interval") for j in [*joints.values()][:4]]
+    if all(digits):
+        halves = ", ".join(f"{(high - low) / 2:.1g}" for low, high in digits)
+        lines.append(f"  digits of Tables 2, 3: torque peaks ±({halves}) N m")
+    lines += _by_joint("left to the limits, negative beyond them", joints, words["left"])
+    names = next(iter(joints.values()))["causes_peak"]
+    causes = {
+        x.removeprefix("moving_"): ["torque", f"causes_peak.{x}", ".4g", "-", _ROUNDING]
+        for x in names
+    }
+    lines += _by_joint("largest torque by cause", joints, causes)
+    if recorded := {name: j for name, j in joints.items() if j.get("effort")}:
+        title = "recorded effort, and what it has more than the torque"
+        lines += _by_joint(title, recorded, words["effort"])
+    if water := record["model"].get("water_current"):
+        speed = ", ".join(f"{x:g}" for x in water)
+        lines.append(f"\n  water: current ({speed}) m/s; estimated, not published")
+        peaks = [(k, j["moving_water_peak"], j["units"]["torque"]) for k, j in joints.items()]
+        loads = (mount[f"water_{name}"] for name in _MOUNT)
+        peaks += zip(("mount", ""), loads, ("N", "N m"), strict=True)
+        rows = [["", "peak", "all numbers low .. high", ""]]
+        for name, peak, unit in peaks:
+            rows.append([name, *(_cell(peak, k, "+.4g") for k in ("value", "interval")), unit])
+        lines += table(rows, "<>><", 2)
+    lines.append(words["whole_arm"].format(**parts))
+    for name, j in joints.items():
+        if fast := j["beyond_rated_velocity"]:
+            peak, unit = abs(j["velocity_peak"]["value"]), j["units"]["velocity"]
+            limit = f"its rated speed of {peak + j['velocity_margin']:.4g} {unit}"
+            lines.append(f"  limit: {name} is beyond {limit} in {fast} samples, up to {peak:.4g}")
+        if weak := j["beyond_drive_limits"]:
+            lines.append(f"  limit: {name} is beyond the speed-torque limit in {weak} samples")
+    warnings = (f"{w['text']}: {w['count']} x, first: {w['first']}" for w in record["warnings"])
+    lines += (f"  warning: {warning}" for warning in warnings)
+    notes = words["notes"] + words["without_drive"] * (motors["supply_voltage"] is None)
+    return readable("\n".join([*lines, *(f"  note: {note.format(**parts)}" for note in notes)]))
+
+
+def _by_joint(title: str, joints: dict[str, Any], columns: dict[str, list[Any]]) -> list[str]:
+    """A table of joints, the jaw rod under its units."""
+    rows = [["", *columns]]
+    for units in (_TURNING, _SLIDING):
+        group = {name: j for name, j in joints.items() if j["units"] == units}
+        rows += [["", *(units.get(unit, unit) for unit, *_ in columns.values())]] if group else []
+        for name, j in group.items():
+            rows.append([name, *(_cell(j, *how) for _, *how in columns.values())])
+    return [f"\n  {title}", *table(rows, "<>", 2)]
+
+
+def _cell(record: Any, place: str, form: str, missing: str = "-", least: float = 0.0) -> str:
+    """What stands at a place of the record; numbers less than ``least`` are rounding."""
+    value = reduce(lambda found, key: found and found[key], place.split("."), record)
+    if value is None:
+        return missing
+    values = value if isinstance(value, list) else [value]
+    return " .. ".join(format(x if abs(x) >= least else 0.0, form) for x in values)
 
 
 def columns(analysis: Analysis) -> dict[str, FloatArray]:
