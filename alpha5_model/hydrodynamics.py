@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray, bounded, choice, frozen, instance, listed, real, shaped
 from alpha5_model.errors import InputError
 from alpha5_model.published.reading import hydrodynamics as read
-from alpha5_model.published.water_tables import Interval
+from alpha5_model.published.tables import Interval
 
 LEVELS = ("low", "nominal", "high")
 SETS = ("estimated", "supplementary")

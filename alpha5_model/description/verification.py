@@ -8,13 +8,14 @@ rows, which the code that made the file does not form. If a tool is not installe
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal
 
@@ -23,24 +24,24 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description.committed import not_generated, stale_files
-from alpha5_model.description.verification_text import (
-    CHECKS,
-    Subject,
-    closed_jaws,
-    jaw_limit_differences,
-)
+from alpha5_model.description.urdf_reading import LIMITS, UrdfJoint, UrdfRobot, read_urdf
 from alpha5_model.dh.link import dh_transform
 from alpha5_model.dh.urdf import urdf_model
 from alpha5_model.errors import FileFormatError, MissingFileError
-from alpha5_model.parameters import Alpha5Parameters, parameters
+from alpha5_model.inertia import inconsistencies, pseudo_inertia
+from alpha5_model.parameters import Alpha5Parameters, in_si, parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.published import published
+from alpha5_model.published.tables import BODY_NAMES
 
 Verdict = Literal["passed", "failed", "not run"]
+Finder = Callable[["Subject"], Iterator[str]]
 
 #: Largest error of a frame, in metres and in radians; the project's promise for other tools is 1e-9.
 FRAME_BOUND = 1e-12
 YOURDFPY_BOUND = 1e-9
 SAMPLES = 2000
+JAW_LINKS = ("jaw_rod", "finger_1", "finger_2")
 
 
 @dataclass(frozen=True)
@@ -66,23 +67,58 @@ class FileCheck:
     unit: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class Subject(UrdfRobot):
+    """A URDF file that is checked.
+
+    Attributes:
+        path: The file.
+        prefix: What stands before ``base_link`` in it.
+        expected: What it should say.
+    """
+
+    path: Path
+    prefix: str
+    expected: Alpha5Parameters
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], expected: Alpha5Parameters) -> Subject:
+        """Read a file; see `read_urdf` for what it raises."""
+        robot = read_urdf(Path(path))
+        base = [name for name in robot.links if name.endswith("base_link")]
+        prefix = base[0].removesuffix("base_link") if len(base) == 1 else ""
+        return cls(**vars(robot), path=Path(path), prefix=prefix, expected=expected)
+
+    @property
+    def jaws(self) -> bool:
+        """Whether there is a link of moving jaws."""
+        return any(self.prefix + name in self.links for name in JAW_LINKS)
+
+    @property
+    def turning(self) -> list[str]:
+        """Names of the arm's four joints, without prefix."""
+        return [joint.name for joint in self.expected.joints[:4]]
+
+    @property
+    def carriers(self) -> dict[str, UrdfJoint]:
+        """Link -> the joint that carries it."""
+        return {joint.child: joint for joint in self.joints.values()}
+
+
 def verify_generated() -> tuple[FileCheck, ...]:
     """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
+    rows: list[FileCheck] = []
+    for path in (URDF_PATH, JAWS_URDF_PATH):
+        try:
+            rows += verify_urdf(path)
+        except (FileFormatError, MissingFileError) as error:  # it is not the caller's input
+            rows.append(FileCheck(Path(path).name, "readable", "failed", str(error)))
     finding = "; ".join(not_generated())
     verdict: Verdict = "not run" if finding else "passed"
     finding = finding or "every file is what the generator writes now"
     if stale := [file.path for file in stale_files()]:
         verdict, finding = "failed", f"stale: {', '.join(stale)}"
-    fresh = FileCheck("generated files", "fresh", verdict, finding)
-    return (*_verify_committed(URDF_PATH), *_verify_committed(JAWS_URDF_PATH), fresh)
-
-
-def _verify_committed(path: str) -> tuple[FileCheck, ...]:
-    """A committed file that cannot be read has failed: it is not the caller's input."""
-    try:
-        return verify_urdf(path)
-    except (FileFormatError, MissingFileError) as error:
-        return (FileCheck(Path(path).name, "readable", "failed", str(error)),)
+    return (*rows, FileCheck("generated files", "fresh", verdict, finding))
 
 
 def verify_urdf(
@@ -107,18 +143,19 @@ def verify_urdf(
     text = Subject.read(path, parameters(corrections))
     q = configurations(text.expected, samples)
     rows = [
-        *(_listed(text, name, find(text), claim) for name, (find, claim) in CHECKS.items()),
+        *(_listed(text, check, *how) for check, how in CHECKS.items()),
         _check_urdf(text),
         _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND),
         _frames("yourdfpy", text, q[:: max(1, len(q) // 100)], yourdfpy_frames, YOURDFPY_BOUND),
     ]
     if text.jaws:
-        limits, claim = jaw_limit_differences(text), "rod and finger limits agree"
-        rows += [_closed_jaws(text), _listed(text, "jaw limits", limits, claim)]
+        limits = _jaw_limit_differences, "rod and finger limits agree"
+        rows += [_closed_jaws(text), _listed(text, "jaw limits", *limits)]
     return tuple(rows)
 
 
-def _listed(text: Subject, check: str, problems: list[str], claim: str) -> FileCheck:
+def _listed(text: Subject, check: str, find: Finder, claim: str) -> FileCheck:
+    problems = list(find(text))
     if not problems:
         return FileCheck(text.path.name, check, "passed", claim)
     more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
@@ -158,21 +195,174 @@ def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: floa
     except Exception as error:  # other tools raise anything for a file that they cannot load
         return row("failed", f"{tool}: {' '.join(str(error).split())[:200]}")
     away = np.array([frame_error(given[:, k], expected[name]) for k, name in enumerate(wanted)])
-    finding = (
-        f"{len(wanted)} frames at {len(q)} joint positions against Table 1's DH product [m, rad]; "
-        f"largest at {wanted[int(np.argmax(away))]}"
-    )
+    count, worst = f"{len(wanted)} frames at {len(q)} joint positions", wanted[away.argmax()]
+    finding = f"{count} against Table 1's DH product [m, rad]; largest at {worst}"
     verdict: Verdict = "passed" if away.max() <= bound else "failed"
     return row(verdict, finding, float(away.max()), bound, "m, rad")
 
 
+# --- the text against the printed digits
+
+
+@cache
+def _table_2() -> tuple[tuple[float, list[float], FloatArray, FloatArray], ...]:
+    """Mass, COM, I_COM in URDF sign and I_Link as printed, in SI.
+
+    From the printed digits and not from the SI record that the generator uses: SolidWorks prints
+    ``+(integral of x y dm)`` off the diagonal, the format wants the negative.
+    """
+    rows = []
+    for row in published().table_2.rows:
+        at_com, at_link = np.array(in_si((row.inertia_com, row.inertia_link)))
+        rows.append((row.mass.si, in_si(row.com), _opposite_products(at_com), at_link))
+    return tuple(rows)
+
+
+def _opposite_products(tensor: FloatArray) -> FloatArray:
+    return np.where(np.eye(3, dtype=bool), tensor, -tensor)
+
+
+def _missing_names(text: Subject) -> Iterator[str]:
+    """Links and joints of the arm that are not there."""
+    links = ["base_link", *BODY_NAMES, "tcp", *(JAW_LINKS if text.jaws else ())]
+    joints = [joint.name for joint in text.expected.joints[: 5 if text.jaws else 4]]
+    yield from (f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links)
+    yield from (f"no joint {text.prefix}{n}" for n in joints if text.prefix + n not in text.joints)
+
+
+def _joint_differences(text: Subject) -> Iterator[str]:
+    """Types, parents, children, axes and limits that are not the arm's."""
+    for i, joint in enumerate(text.expected.joints):
+        given = text.joints.get(text.prefix + joint.name)
+        if given is None:
+            continue
+        child = "jaw_rod" if joint.name == "axis_a" else f"link_{i + 1}"
+        for what, ours, theirs in (
+            ("type", joint.kind, given.kind),
+            ("parent", text.prefix + f"link_{i}", given.parent),
+            ("child", text.prefix + child, given.child),
+            ("axis", [0.0, 0.0, 1.0], given.axis.tolist()),
+            ("limits", *({k: getattr(j, k) for k in LIMITS} for j in (joint, given))),
+        ):
+            if ours != theirs:
+                yield f"{given.name}: {what} {theirs}, expected {ours}"
+
+
+def _inertial_differences(text: Subject) -> Iterator[str]:
+    """Masses, COMs and tensors that are not Table 2's, to the last bit.
+
+    With jaws, link 4 is in four parts and `closed_jaws` compares their sum.
+    """
+    for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if text.jaws else 5]):
+        name = f"{text.prefix}link_{i}"
+        given = text.links.get(name)
+        if given is None or given.mass is None:
+            yield f"{name}: no inertial"
+            continue
+        if given.mass != mass:
+            yield f"{name}: mass {given.mass!r} kg, expected {mass!r}"
+        if given.com.tolist() != com:
+            away = float(np.linalg.norm(given.com - com)) * 1e3
+            yield f"{name}: COM {given.com.tolist()} m, {away:.3g} mm from Table 2's"
+        if given.inertia.tolist() != tensor.tolist():
+            away = float(np.abs(given.inertia - tensor).max()) * 1e6
+            words = _usual_mistake(given.inertia, tensor, at_link)
+            yield f"{name}: inertia is {away:.3g} kg mm^2 from Table 2's I_COM{words}"
+
+
+def _usual_mistake(given: FloatArray, tensor: FloatArray, at_link: FloatArray) -> str:
+    """The two mistakes that public models make, by name."""
+    alike = partial(np.allclose, rtol=1e-3, atol=1e-12)
+    if alike(given, _opposite_products(tensor)):
+        return " (products of inertia with SolidWorks' sign)"
+    return " (it is I_Link)" if alike(np.abs(given), np.abs(at_link)) else ""
+
+
+def _stray_masses(text: Subject) -> Iterator[str]:
+    """Links beside the arm's that weigh something, and massless frames that do not say so."""
+    mine = {text.prefix + "base_link"}  # and what it carries, not what it is mounted on
+    for joint in text.joints.values():  # from the root outwards
+        if joint.parent in mine:
+            mine.add(joint.child)
+    heavy = {text.prefix + name for name in (*BODY_NAMES, *(JAW_LINKS if text.jaws else ()))}
+    for name in sorted(mine - heavy):
+        given = text.links.get(name)
+        if given is None or given.mass is None:
+            # PyBullet gives such a link a mass of 1 kg; on a root KDL warns about any inertial element.
+            if name in text.carriers:
+                yield f"{name}: no inertial element"
+        elif given.mass or given.inertia.any():
+            yield f"{name}: mass {given.mass:g} kg where there is no body"
+
+
+def _impossible_links(text: Subject) -> Iterator[str]:
+    """Links that cannot be bodies; see `alpha5_model.inertia.inconsistencies`."""
+    for name, given in text.links.items():
+        if given.mass is not None and (given.mass or given.inertia.any()):
+            problems = inconsistencies(given.mass, given.com, given.inertia)
+            yield from (f"{name}: {problem}" for problem in problems)
+
+
+#: Check -> what it finds, and what it claims if that is nothing.
+CHECKS: dict[str, tuple[Finder, str]] = {
+    "names": (_missing_names, "links and joints of the arm"),
+    "joints": (_joint_differences, "parents, axes, types and limits"),
+    "inertias": (_inertial_differences, "masses, COMs and tensors are Table 2's, to the last bit"),
+    "stray masses": (_stray_masses, "massless frames say that they are massless"),
+    "physics": (_impossible_links, "every link with mass is a possible body"),
+}
+
+
 def _closed_jaws(text: Subject) -> FileCheck:
+    """Largest relative error of the assembly's pseudo-inertia about the origin of link 4.
+
+    The 4x4 pseudo-inertia holds mass, first and second moments, and adds up over the bodies, so the
+    sum needs no parallel-axis theorem. Each entry is compared with the size of its block.
+    """
     row = partial(FileCheck, text.path.name, "closed jaws")
-    away = closed_jaws(text)
-    if away is None:
-        return row("failed", "wrist, rod and fingers are not all there, with their joints")
+    wrist, total = text.prefix + "link_4", np.zeros((4, 4))
+    for name in (wrist, *(text.prefix + name for name in JAW_LINKS)):
+        body, joint, placed = text.links.get(name), text.carriers.get(name), np.eye(4)
+        carried = name == wrist or (joint is not None and joint.parent == wrist)
+        if body is None or body.mass is None or not carried:
+            return row("failed", "wrist, rod and fingers are not all there, with their joints")
+        if joint is not None and name != wrist:
+            leader = text.joints.get(joint.source)
+            closed = 0.0 if leader is None else leader.lower or 0.0
+            placed = joint.transform @ joint.motion(joint.multiplier * closed + joint.offset)
+        total += placed @ pseudo_inertia(body.mass, body.com, body.inertia) @ placed.T
+    mass, com, tensor, _ = _table_2()[4]
+    printed = pseudo_inertia(mass, com, tensor)
+    blocks = np.s_[:3, :3], np.s_[:3, 3], np.s_[3, 3]
+    away = max(float(np.abs((total - printed)[b]).max() / np.abs(printed[b]).max()) for b in blocks)
     finding = "wrist, rod and fingers have link 4's mass, first and second moments (relative)"
     return row("passed" if away <= FRAME_BOUND else "failed", finding, away, FRAME_BOUND)
+
+
+def _jaw_limit_differences(text: Subject) -> Iterator[str]:
+    """Fingers whose range or speed is not what the rod's range and speed make of them."""
+    rod = text.joints.get(text.prefix + "axis_a")
+    if rod is None or rod.lower is None or rod.upper is None or rod.velocity is None:
+        yield "axis_a: no limits"
+        return
+    nominal = text.expected.jaws.finger_turn
+    for child in (text.prefix + "finger_1", text.prefix + "finger_2"):
+        finger = text.carriers.get(child)
+        if finger is None or finger.mimic != rod.name:
+            yield f"{child}: no joint that follows {rod.name}"
+            continue
+        turn = finger.multiplier
+        if abs(turn) != nominal:
+            yield f"{finger.name}: {turn:g} rad/m, expected {nominal:g} rad/m"
+        lower, upper = sorted(turn * end + finger.offset for end in (rod.lower, rod.upper))
+        made = {"lower": lower, "upper": upper, "velocity": abs(turn) * rod.velocity}
+        for key, value in made.items():
+            given = getattr(finger, key)
+            if given is None or not math.isclose(given, value, rel_tol=0, abs_tol=1e-12):
+                yield f"{finger.name}: {key} {given}, the rod makes it {value:.12g}"
+
+
+# --- frames by other tools against Table 1's product
 
 
 def configurations(p: Alpha5Parameters, count: int) -> FloatArray:

@@ -48,13 +48,11 @@ class Quantity:
         if unit not in DECIMAL_SHIFT and unit not in FACTOR:
             known = ", ".join(repr(u) for u in sorted([*DECIMAL_SHIFT, *FACTOR]))
             raise PublishedDataError(place, f"unknown unit {unit!r}; known units are {known}")
-        if not isinstance(text, str):
-            raise PublishedDataError(
-                place, f"expected the number as printed, in quotes, got {text!r}"
-            )
-        if not _PRINTED.fullmatch(text):
-            raise PublishedDataError(place, f"expected a printed decimal number, got {text!r}")
-        return cls(text, unit)
+        if isinstance(text, str) and _PRINTED.fullmatch(text):
+            return cls(text, unit)
+        quoted = isinstance(text, str)
+        wanted = "a printed decimal number" if quoted else "the number as printed, in quotes"
+        raise PublishedDataError(place, f"expected {wanted}, got {text!r}")
 
     @property
     def value(self) -> Decimal:

@@ -1,4 +1,4 @@
-"""The two data files read into the records of `alpha5_model.published.tables`, field by field."""
+"""The data files read into the records of `alpha5_model.published.tables`, field by field."""
 
 from __future__ import annotations
 
@@ -8,17 +8,13 @@ from dataclasses import dataclass, fields
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.published import tables as t
 from alpha5_model.published.quantity import Quantity
 
-if TYPE_CHECKING:
-    from alpha5_model.published import water_tables as w
-
 _DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
-_EARLIER = "earlier_revision.toml"
 _HEAD = ("title", "publisher", "version", "date")
 
 
@@ -39,12 +35,12 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
         PublishedDataError: Not TOML, duplicate, missing or unknown key, wrong unit, not a number,
             asymmetric tensor, rows out of order, unknown status, empty source.
     """
-    tables = ("table_1", "workspace", "table_2", "table_3", "table_4")
-    document = _root(_DOCUMENT, document_text).table("document", *tables)
+    document = _root(_DOCUMENT, document_text)
+    document.table("document", "table_1", "workspace", "table_2", "table_3", "table_4")
     head = document["document"].table(*_HEAD)
     one = _table(head, document["table_1"], t.DHRow, "elbow")
     numbers = document["workspace"].table("number", "section", "caption", "units", "values")
-    _check_units(_units(t.WorkspaceNumbers), numbers["units"])
+    _check_units(numbers["units"], _units(t.WorkspaceNumbers))
     return t.Published(
         table_1=one,
         elbow=_record(t.Elbow, document["table_1"]["elbow"]),
@@ -58,15 +54,16 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
 
 def earlier_revision() -> tuple[t.EarlierRow, ...]:
     """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
-    root = _root(_EARLIER, _text(_EARLIER)).table("status", "source", "table")
-    _status(root), root["source"].text()
+    name = "earlier_revision.toml"
+    root = _root(name, _text(name)).table("status", "source", "table")
+    _status(root["status"]), root["source"].text()
     table = root["table"].table("units", "rows")
-    _check_units(_units(t.EarlierRow), table["units"])
+    _check_units(table["units"], _units(t.EarlierRow))
     return _rows(t.EarlierRow, table["rows"])
 
 
 @cache
-def hydrodynamics(numbers: str) -> dict[str, w.HydrodynamicRow]:
+def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
     """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
 
     Raises:
@@ -76,20 +73,14 @@ def hydrodynamics(numbers: str) -> dict[str, w.HydrodynamicRow]:
     return parse_hydrodynamics(file, _text(file))
 
 
-def parse_hydrodynamics(file: str, text: str) -> dict[str, w.HydrodynamicRow]:
+def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
     """Read the text of a file of moving water."""
-    from alpha5_model.published import water_tables as w
-
     root = _root(file, text).table("units", "bodies")
-    units = {**_units(w.HydrodynamicRow), **_units(w.StripRow)}
-    _check_units({name: unit for name, unit in units.items() if unit}, root["units"])
-    given, rows = root["bodies"].value, {}
-    known = [n for n in w.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
+    _check_units(root["units"], _units(t.HydrodynamicRow) | _units(t.StripRow))
+    given = root["bodies"].value
+    known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
     bodies = root["bodies"].table(*known)
-    for name in known:
-        rows[name] = _record(w.HydrodynamicRow, bodies[name], name=name)
-        _status(bodies[name])
-    return rows
+    return {name: _record(t.HydrodynamicRow, bodies[name], name=name) for name in known}
 
 
 @dataclass(frozen=True)
@@ -115,10 +106,17 @@ class _Node:
                 raise self[key].fail("unknown key" if key in self.value else "missing")
         return self
 
-    def items(self, count: int, what: str) -> list[_Node]:
-        if not isinstance(self.value, list) or len(self.value) != count:
+    def items(self, what: str, count: int | None = None) -> list[_Node]:
+        if not isinstance(self.value, list) or count not in (None, len(self.value)):
             raise self.fail(f"expected {what}, got {self.value!r}")
         return [_Node(item, f"{self.place}[{i}]") for i, item in enumerate(self.value)]
+
+    def numbers(self, unit: str, *levels: tuple[int, str]) -> Any:
+        """A printed number, or lists of lists of them: of each level how many, and what to call them."""
+        if not levels:
+            return Quantity.parse(self.value, unit, self.place)
+        count, what = levels[0]
+        return tuple(item.numbers(unit, *levels[1:]) for item in self.items(what, count))
 
     def text(self) -> str:
         if not isinstance(self.value, str) or not self.value.strip():
@@ -137,92 +135,69 @@ def _root(file: str, text: str) -> _Node:
         raise PublishedDataError(file, str(error)) from None
 
 
-def _units(record: type[Any]) -> dict[str, Any]:
-    """Field -> printed unit of a record; two units where the jaw rod has its own."""
-    return {f.name: f.metadata["unit"] for f in fields(record) if f.metadata}
+def _units(record: type[Any], rod: bool = False) -> dict[str, str]:
+    """Field -> printed unit of a record, of the jaw rod's if asked for."""
+    return {f.name: f.metadata["units"][rod] for f in fields(record) if f.metadata}
+
+
+def _check_units(node: _Node, units: dict[str, str]) -> None:
+    node.table(*units)
+    for name, unit in units.items():
+        node[name].expect(unit)
 
 
 def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> Any:
     """A record from a table, each field by its type and unit; ``known`` ones are given."""
-    units, types = _units(record), {f.name: str(f.type) for f in fields(record)}
-    names = [name for name in types if name not in known]
-    node.table(*names)
-    for name in names:
-        unit = units.get(name)
-        known[name] = _READ[types[name]](node[name], unit[rod] if isinstance(unit, tuple) else unit)
+    units = _units(record, rod)
+    types = {f.name: str(f.type) for f in fields(record) if f.name not in known}
+    node.table(*types)
+    for name, kind in types.items():
+        known[name] = _READ[kind](node[name], units.get(name))
     return record(**known)
 
 
-def _number(node: _Node, unit: str) -> Quantity:
-    return Quantity.parse(node.value, unit, node.place)
-
-
-def _triple(node: _Node, unit: str) -> t.Triple:
-    x, y, z = (_number(item, unit) for item in node.items(3, "three numbers"))
-    return x, y, z
-
-
-def _tensor(node: _Node, unit: str) -> t.Tensor:
-    x, y, z = (_triple(row, unit) for row in node.items(3, "three rows"))
-    _symmetric(node, (x, y, z))
-    return x, y, z
-
-
-def _symmetric(node: _Node, rows: w.Matrix) -> None:
-    for i, j in combinations(range(len(rows)), 2):
+def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
+    rows: t.Matrix = node.numbers(unit, (size, f"{word} rows"), (size, f"{word} numbers"))
+    for i, j in combinations(range(size), 2):
         one, other = rows[i][j], rows[j][i]
         if one.value != other.value:
             problem = f"the tensor is not symmetric: {one.text} against {other.text}"
             raise PublishedDataError(f"{node.place}[{i}][{j}]", problem)
+    return rows
 
 
-def _interval(node: _Node, unit: str) -> w.Interval:
-    low, nominal, high = _triple(node, unit)
+def _added_mass(node: _Node, unit: str) -> t.Matrix:
+    return tuple(
+        tuple(Quantity(x.text, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)]) for j, x in enumerate(row))
+        for i, row in enumerate(_symmetric(node, "kg", 6, "six"))
+    )
+
+
+def _interval(node: _Node, unit: None) -> t.Interval:
+    low, nominal, high = node.numbers("", _THREE)
     if not 0 <= low.value <= nominal.value <= high.value:
         raise node.fail("expected low, nominal, high, none below 0 and in this order")
     return low, nominal, high
 
 
-def _matrix(node: _Node, unit: str) -> w.Matrix:
-    from alpha5_model.published.water_tables import ADDED_MASS_UNITS
-
-    rows = tuple(
-        tuple(
-            _number(item, ADDED_MASS_UNITS[(i > 2) + (j > 2)])
-            for j, item in enumerate(row.items(6, "six numbers"))
-        )
-        for i, row in enumerate(node.items(6, "six rows"))
-    )
-    _symmetric(node, rows)
-    return rows
-
-
-def _strips(node: _Node, unit: None) -> tuple[w.StripRow, ...]:
-    from alpha5_model.published.water_tables import StripRow
-
-    count = len(node.value) if isinstance(node.value, list) else 1
-    return tuple(_record(StripRow, item) for item in node.items(count, "a list of strips"))
-
-
-def _bounds(node: _Node, unit: str) -> Any:
-    pairs = []
-    for item in node.items(3, "three [min, max] pairs"):
-        low, high = (_number(end, unit) for end in item.items(2, "a [min, max] pair"))
+def _bounds(node: _Node) -> Any:
+    pairs = node.numbers("mm", (3, "three [min, max] pairs"), (2, "a [min, max] pair"))
+    for i, (low, high) in enumerate(pairs):
         if low.value >= high.value:
-            raise item.fail("min must be below max")
-        pairs.append((low, high))
-    return tuple(pairs)
+            raise PublishedDataError(f"{node.place}[{i}]", "min must be below max")
+    return pairs
 
 
 def _sourced(node: _Node, unit: str) -> t.SourcedQuantity:
     node.table("value", "unit", "status", "source")["unit"].expect(unit)
-    return t.SourcedQuantity(_number(node["value"], unit), _status(node), node["source"].text())
+    value, status = node["value"].numbers(unit), _status(node["status"])
+    return t.SourcedQuantity(value, status, node["source"].text())
 
 
-def _status(node: _Node) -> str:
-    if (status := node["status"].text()) not in t.STATUSES:
+def _status(node: _Node, unit: None = None) -> str:
+    if (status := node.text()) not in t.STATUSES:
         choices = ", ".join(t.STATUSES)
-        raise node["status"].fail(f"unknown status {status!r}; choose from {choices}")
+        raise node.fail(f"unknown status {status!r}; choose from {choices}")
     return status
 
 
@@ -232,16 +207,20 @@ def _integer(node: _Node, unit: None) -> int:
     return node.value
 
 
+_THREE = (3, "three numbers")
 #: Type of a field, as annotated -> how it is read.
 _READ: dict[str, Callable[[_Node, Any], Any]] = {
-    "Quantity": _number,
-    "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else _number(node, unit),
-    "Triple": _triple,
-    "Tensor": _tensor,
+    "Quantity": _Node.numbers,
+    "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else node.numbers(unit),
+    "Triple": lambda node, unit: node.numbers(unit, _THREE),
+    "Tensor": lambda node, unit: _symmetric(node, unit, 3, "three"),
     "Interval": _interval,
-    "Matrix": _matrix,
-    "tuple[StripRow, ...]": _strips,
+    "Matrix": _added_mass,
+    "tuple[StripRow, ...]": lambda node, unit: tuple(
+        _record(t.StripRow, item) for item in node.items("a list of strips")
+    ),
     "SourcedQuantity": _sourced,
+    "Status": _status,
     "int": _integer,
     "str": lambda node, unit: node.text(),
 }
@@ -250,7 +229,7 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
     node.table("number", "section", "caption", "units", "rows", *more)
     units, origins = _units(record), {}
-    _check_units(units, node["units"])
+    _check_units(node["units"], units)
     rows = _rows(record, node["rows"])
     if "origins" in more:
         origins = {name: node["origins"].table(*units)[name].text() for name in units}
@@ -259,22 +238,16 @@ def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[A
 
 def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
     rows, number = [], fields(record)[0].name
-    for i, row in enumerate(node.items(5, "5 rows")):
+    for i, row in enumerate(node.items("5 rows", 5)):
         rows.append(_record(record, row))
         row[number].expect(str(i), " (rows from base to tip)")
     return tuple(rows)
 
 
-def _check_units(units: dict[str, Any], node: _Node) -> None:
-    node.table(*units)
-    for name, unit in units.items():
-        node[name].expect(unit)
-
-
 def _source(head: _Node, node: _Node) -> t.Source:
     title, publisher, version, date = (head[key].text() for key in _HEAD)
-    number, section, caption = node["number"], node["section"].text(), node["caption"].text()
-    table = "" if number.value == "" else number.text()
+    table = "" if node["number"].value == "" else node["number"].text()
+    section, caption = node["section"].text(), node["caption"].text()
     return t.Source(title, publisher, version, date, section, table, caption)
 
 
@@ -290,11 +263,9 @@ def _supplementary(root: _Node) -> t.Supplementary:
         rows.append(row)
     bodies = root["bodies"].table("unit", "status", "source", *t.BODY_NAMES)
     bodies["unit"].expect("mm")
+    said = _status(bodies["status"]), bodies["source"].text()
     return t.Supplementary(
         joints=tuple(rows),
         jaws={key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()},
-        bodies=tuple(
-            t.BodyBounds(n, _bounds(bodies[n], "mm"), _status(bodies), bodies["source"].text())
-            for n in t.BODY_NAMES
-        ),
+        bodies=tuple(t.BodyBounds(name, _bounds(bodies[name]), *said) for name in t.BODY_NAMES),
     )

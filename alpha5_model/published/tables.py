@@ -1,4 +1,4 @@
-"""The document's tables as frozen records in printed units."""
+"""The tables as frozen records in printed units: of the document, and of what moving water does to each body."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ from alpha5_model.published.quantity import Quantity
 
 Triple = tuple[Quantity, Quantity, Quantity]
 Tensor = tuple[Triple, Triple, Triple]
+Interval = tuple[Quantity, Quantity, Quantity]
+Matrix = tuple[tuple[Quantity, ...], ...]
+#: One of `STATUSES`.
+Status = str
 RowT = TypeVar("RowT")
 
 STATUSES = ("supplementary", "measured", "placeholder", "estimated")
@@ -24,11 +28,14 @@ JAW_UNITS: dict[str, str] = {
     "sdk_plane": "deg",
 }
 BODY_NAMES = ("link_0", "link_1", "link_2", "link_3", "link_4")
+HYDRODYNAMIC_NAMES = (*BODY_NAMES, "link_4_open", "wrist", "finger_1", "finger_2")
+#: Units of the blocks of an added mass: both indices linear, one angular, both angular.
+ADDED_MASS_UNITS = ("kg", "kg.m", "kg.m^2")
 
 
-def printed(unit: str, of_rod: str | None = None) -> Any:
-    """A field that is printed in a unit; the jaw rod's may be another."""
-    return field(metadata={"unit": unit if of_rod is None else (unit, of_rod)})
+def printed(unit: str | None = None, of_rod: str | None = None) -> Any:
+    """A field that is printed in a unit, if any; the jaw rod's may be another."""
+    return field(metadata={} if unit is None else {"units": (unit, of_rod or unit)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +59,8 @@ class Source:
 
     def __str__(self) -> str:
         table = f", Table {self.table}" if self.table else ""
-        return (
-            f"{self.publisher}, {self.document}, version {self.version}, {self.date}, "
-            f"Section {self.section}{table}"
-        )
+        edition = f"{self.publisher}, {self.document}, version {self.version}, {self.date}"
+        return f"{edition}, Section {self.section}{table}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,3 +283,44 @@ class Published:
     table_3: Table[BuoyancyRow]
     table_4: Table[ActuatorRow]
     supplementary: Supplementary
+
+
+@dataclass(frozen=True, slots=True)
+class StripRow:
+    """A strip of a body along which the water drags; see `alpha5_model.hydrodynamics.DragStrip`.
+
+    Attributes:
+        start, end: In the body's frame [mm].
+        diameter: [mm].
+        across, along: Drag coefficients: low, nominal, high.
+    """
+
+    start: Triple = printed("mm")
+    end: Triple = printed("mm")
+    diameter: Quantity = printed("mm")
+    across: Interval = printed()
+    along: Interval = printed()
+
+
+@dataclass(frozen=True, slots=True)
+class HydrodynamicRow:
+    """What moving water does to a body; nothing of it is published.
+
+    Attributes:
+        name: ``link_0`` to ``link_4`` (closed jaws), ``link_4_open``, ``wrist`` (link 4 without its fingers),
+            ``finger_1``, ``finger_2``.
+        added_mass: 6x6, linear before angular, about and in the link's frame, for 1000 kg/m^3.
+        added_mass_factor: Of all its entries: low, nominal, high.
+        strips: Where it drags.
+        status: One of ``STATUSES``.
+        source: Who says so.
+        method: How it was computed.
+    """
+
+    name: str
+    added_mass: Matrix = printed("kg, kg.m, kg.m^2")
+    added_mass_factor: Interval = printed()
+    strips: tuple[StripRow, ...] = ()
+    status: Status = ""
+    source: str = ""
+    method: str = ""
