@@ -87,7 +87,7 @@ FIRST = 60
 _DATES = itertools.count(1_000_000_000)
 #: The harness proves itself first: file, part of a line, what it becomes, what must come of it, by which tests.
 PROOFS = (
-    ("consistency/row.py", "MM = 1e-3", "MM = 2e-3", "killed", "tests/test_audit.py"),
+    ("consistency/row.py", '"mm": 1e3', '"mm": 2e3', "killed", "tests/test_audit.py"),
     ("consistency/row.py", "norm(outside)", "norm(-outside)", "survived", "tests/test_audit.py"),
 )
 

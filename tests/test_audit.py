@@ -17,9 +17,10 @@ import pytest
 import reference
 
 import alpha5_model as a5
-from alpha5_model.consistency import actuation, bodies, geometry
+from alpha5_model.consistency import bodies, geometry, joints
 from alpha5_model.consistency.lecture import PRINTED_TABLE
-from alpha5_model.consistency.row import AuditRow, judged, rounding_bound, sampled_share
+from alpha5_model.consistency.row import AuditRow, figure, sampled_share
+from alpha5_model.consistency.row import verdict as judged
 from alpha5_model.parameters import convert
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.reading import parse
@@ -49,7 +50,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
     """The audit of another document."""
     printed = parse(document, SUPPLEMENTARY)
     p = convert(printed, ("base_frame",))
-    topics = (geometry, bodies, actuation)
+    topics = (geometry, bodies, joints)
     return {row.claim: row for topic in topics for row in topic.audit(printed, p)}
 
 
@@ -83,7 +84,7 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
 
 def test_judging() -> None:
     def verdict(measured: float, relation: str, law: bool = False) -> str:
-        return judged("a.b", "p", "s", measured, relation, 1.0, 0.1, "", "f", law=law).verdict  # type: ignore[arg-type]
+        return judged(measured, relation, 1.0, 0.1, law)  # type: ignore[arg-type]
 
     assert [verdict(x, "=") for x in (0.85, 0.95, 1.05, 1.15)] == [
         "differs",
@@ -94,7 +95,7 @@ def test_judging() -> None:
     assert [verdict(x, "<=") for x in (-9, 1.05, 1.15)] == ["agrees", "agrees", "differs"]
     assert [verdict(x, ">=") for x in (9, 0.95, 0.85)] == ["agrees", "agrees", "differs"]
     assert verdict(1.15, "=", law=True) == "impossible"
-    plain = judged("a.b", "p", "s", 1.0, "=", 1.0, 0.0, "", "f")
+    plain = AuditRow("a.b", "p", "s", 1.0, "=", 1.0, 0.0, "", "agrees", "f")
     assert (plain.standard_error, plain.effect, plain.kind) == (0.0, None, "claim")
     assert verdict(1.05, "=", law=True) == "agrees"
     assert verdict(1.1 + 1e-12, "<=") == "differs"
@@ -386,7 +387,7 @@ def test_peak_torque_by_pinocchio(density: float, expected: float) -> None:
         centre = (link.mass * link.com - density * link.volume * link.cob) / wet
         model.inertias[index] = pin.Inertia(wet, centre, np.eye(3))
     data = model.createData()
-    peak = actuation.peak_hydrostatic_torque(p, density)
+    peak = joints.peak_hydrostatic_torque(p, density)
     assert peak == pytest.approx(expected, abs=0.01)
     q = np.random.default_rng(2).uniform(reference.LOWER, reference.UPPER, (8000, 4))
     best = max(
@@ -420,7 +421,7 @@ def test_the_joints_that_turn(rows: dict[str, AuditRow]) -> None:
         ('theta = "-pi/2"', 'theta = "theta_4 - pi/2"'),
     ):
         printed = parse(DOCUMENT.replace(old, new), SUPPLEMENTARY)
-        turned = {row.claim: row for row in actuation.audit(printed, a5.parameters())}
+        turned = {row.claim: row for row in joints.audit(printed, a5.parameters())}
         assert turned["actuators.turning"].verdict == "differs"
 
 
@@ -951,7 +952,7 @@ def test_the_bound_is_the_worst_case_of_the_digits() -> None:
     def function(x: np.ndarray) -> np.ndarray:
         return np.array([x[0] * x[1], x[2] ** 2, np.hypot(x[0], x[1])])
 
-    bound = rounding_bound(function, printed)
+    _, bound = figure(function, printed)
     assert bound[0] == pytest.approx(4e-3 * 5e-6 + 3e-3 * 5e-5)
     assert bound[1] == pytest.approx(12.5**2 - 12**2)
     rng = np.random.default_rng(0)

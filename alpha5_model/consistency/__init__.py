@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.consistency import actuation, bodies, geometry, lecture, moving_water
+from alpha5_model.consistency import bodies, geometry, joints, lecture
 from alpha5_model.consistency.row import AuditRow
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
@@ -24,6 +24,5 @@ def audit() -> tuple[AuditRow, ...]:
         Frozen rows, in the order of the topics; computed once.
     """
     printed, p = published(), parameters()
-    topics = (geometry, bodies, actuation)
-    rows = [row for topic in topics for row in topic.audit(printed, p)]
-    return (*rows, *moving_water.audit(p), *lecture.audit(p))
+    rows = [row for topic in (geometry, bodies, joints) for row in topic.audit(printed, p)]
+    return (*rows, *lecture.audit(p))

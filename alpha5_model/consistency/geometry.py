@@ -14,8 +14,6 @@ import numpy as np
 from alpha5_model.checks import BoolArray, FloatArray
 from alpha5_model.consistency.row import (
     ARITHMETIC,
-    GRAVITY,
-    MM,
     AuditRow,
     audited,
     excess_of_box,
@@ -24,6 +22,7 @@ from alpha5_model.consistency.row import (
     si,
 )
 from alpha5_model.dh import DHChain
+from alpha5_model.fluids import GRAVITY
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.ik import inverse_kinematics, published_inverse_kinematics
 from alpha5_model.parameters import Alpha5Parameters
@@ -52,33 +51,32 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     ]
 
 
-def _length(printed: Published, row: int, column: str) -> Quantity:
-    value = getattr(printed.table_1.rows[row], column)
-    assert isinstance(value, Quantity)  # a_1 is the only symbol in the columns d and a
-    return value
+def _lengths(printed: Published) -> list[Quantity]:
+    """a_0, d_0, a_2 and d_3 of Table 1."""
+    cells = ((0, "a"), (0, "d"), (2, "a"), (3, "d"))
+    return [getattr(printed.table_1.rows[row], column) for row, column in cells]
 
 
 def _frames(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     first, largest = float(printed.table_1.rows[0].link) - 1, max(abs(r.alpha) for r in p.dh[:4])
-    rows = [audited("frames.first", first), audited("frames.aligned", largest, bound=ARITHMETIC)]
+    rows = [audited("frames.first", first), audited("frames.aligned", largest, ARITHMETIC)]
     for at, (named, right) in REFERENCES.items():
         words: dict[str, Any] = {"section": at, "named": named, "right": right}
-        rows.append(audited(f"cross_reference.section_{at}", float(named), float(right), **words))
+        claim = f"cross_reference.section_{at}"
+        rows.append(audited(claim, float(named), expected=float(right), **words))
     base, link = printed.table_2.rows[0], p.links[0]
-    measured, bound = figure(lambda x: excess_of_box(x * [-1, -1, 1], link.bounds), base.com)
-    displaced = 2 * float(np.hypot(*link.com[:2]))
-    effect, moved = displaced * link.mass * GRAVITY, f"{displaced / MM:.1f}"
-    rows.append(audited("base_frame", measured, bound=bound, of=base, effect=effect, moved=moved))
-    return rows
+    distance = figure(lambda x: excess_of_box(x * [-1, -1, 1], link.bounds), base.com)
+    moved = 2 * float(np.hypot(*link.com[:2]))
+    words = {"effect": moved * link.mass * -GRAVITY[2], "moved": 1e3 * moved}
+    return [*rows, audited("base_frame", *distance, of=base, **words)]
 
 
 def _inverse_kinematics(document: Published, p: Alpha5Parameters) -> list[AuditRow]:
     """The elbow's sine, and where the printed formulas lead from random joint positions."""
-    a_2, opposite = _length(document, 2, "a"), document.elbow.opposite
+    a_2, opposite = _lengths(document)[2], document.elbow.opposite
     bound = 2 * a_2.rounding + opposite.rounding
-    rows = [audited("inverse_kinematics.elbow_offset", 2 * a_2.si, opposite.si, bound)]
-    joints = p.joints[:4]
-    lower, upper = np.array([j.lower for j in joints]), np.array([j.upper for j in joints])
+    rows = [audited("inverse_kinematics.elbow_offset", 2 * a_2.si, bound, opposite.si)]
+    lower, upper = np.array([(j.lower, j.upper) for j in p.joints[:4]]).T
     q = np.random.default_rng(0).uniform(lower, upper, (SAMPLES, 4))
     chain = DHChain.alpha5()
     target = chain.frames(q)[:, -1, :3, 3]
@@ -92,15 +90,13 @@ def _inverse_kinematics(document: Published, p: Alpha5Parameters) -> list[AuditR
         same = exists & (np.abs(wrap(solution - q)).max(axis=-1) < 1e-6)
         found |= same
         as_printed |= same & (np.abs(solution - q).max(axis=-1) < 1e-6)
-        claim = f"inverse_kinematics.{name}"
-        rows.append(audited(claim, miss, bound=ARITHMETIC, targets=int(exists.sum())))
+        rows.append(audited(f"inverse_kinematics.{name}", miss, ARITHMETIC, targets=exists.sum()))
     ours = inverse_kinematics(target, q[:, 3]).q
-    recovered = (np.abs(ours - q[:, None]).max(axis=-1) < 1e-6).any(axis=-1)
-    words: dict[str, Any] = {"samples": SAMPLES, "recovered": f"{100 * recovered.mean():.4g}"}
+    recovered = 100 * (np.abs(ours - q[:, None]).max(axis=-1) < 1e-6).any(axis=-1).mean()
+    words: dict[str, Any] = {"expected": 1.0, "samples": SAMPLES, "recovered": recovered}
     for name, hits in (("branches", found), ("wrapping", as_printed[found])):
-        share, error = sampled_share(hits)
-        claim = f"inverse_kinematics.{name}"
-        rows.append(audited(claim, share, 1.0, standard_error=error, **words))
+        share, words["standard_error"] = sampled_share(hits)
+        rows.append(audited(f"inverse_kinematics.{name}", share, **words))
     return rows
 
 
@@ -113,43 +109,35 @@ def _shoulder_distance(elbow: float) -> float:
 def tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     """The lengths in the formulas of the tori."""
     numbers, ours = printed.workspace, printed.elbow.opposite
-    theirs, a_2, d_3 = numbers.inner_offset, p.dh[2].a, p.dh[3].d
-    table = [_length(printed, 2, "a"), _length(printed, 3, "d")]
-    inner = [theirs, numbers.inner_length, *table]
+    theirs, (_, _, a_2, d_3) = numbers.inner_offset, _lengths(printed)
+    inner = [theirs, numbers.inner_length, a_2, d_3]
     # Longest with the elbow stretched, or as near to that as its limits allow.
     stretched = workspace.singular_elbow_angles()["stretched"]
     bend = float(np.clip(stretched, p.joints[2].lower, p.joints[2].upper))
 
     def inner_radius(x: FloatArray) -> float:
-        return float(np.hypot(x[0] + x[2], x[1] + x[3]))
+        return float(np.hypot(*(x[:2] + x[2:4])))
 
-    def inner_shift(x: FloatArray) -> float:
-        """The printed radius less that with the caption's lengths; a_2 and d_3 are common."""
-        return inner_radius(x[:4]) - inner_radius(np.array([x[4], x[5], x[2], x[3]]))
-
-    _, shift = figure(inner_shift, [*inner, ours, printed.elbow.adjacent])
-    _, drop = figure(lambda x: np.hypot(*x) - abs(x[1]), table)
+    # The printed radius less that with the caption's lengths; a_2 and d_3 are common.
+    _, shift = figure(
+        lambda x: inner_radius(x) - inner_radius(x[[4, 5, 2, 3]]),
+        [*inner, ours, printed.elbow.adjacent],
+    )
+    _, drop = figure(lambda x: np.hypot(*x) - abs(x[1]), [a_2, d_3])
     corner = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
-    offset, rounding = float(np.hypot(*corner[:2])) - p.dh[0].a, _length(printed, 0, "a").rounding
-    lower = float(np.hypot(a_2, d_3))
+    offset, rounding = float(np.hypot(*corner[:2])) - p.dh[0].a, _lengths(printed)[0].rounding
+    lower = float(np.hypot(a_2.si, d_3.si))
     figures = {
-        "inner_offset": (theirs.si, ours.si, theirs.rounding + ours.rounding),
-        "outer_torus": (_shoulder_distance(bend), p.dh[1].a + lower, ARITHMETIC),
-        "inner_torus": (inner_radius(si(inner)), _shoulder_distance(0.0), shift),
-        "downward_centre": (offset, 0.0, rounding + ours.rounding),
-        "downward_radius": (lower, -d_3, drop),
+        "inner_offset": (theirs.si, theirs.rounding + ours.rounding, ours.si),
+        "outer_torus": (_shoulder_distance(bend), ARITHMETIC, p.dh[1].a + lower),
+        "inner_torus": (inner_radius(si(inner)), shift, _shoulder_distance(0.0)),
+        "downward_centre": (offset, rounding + ours.rounding, 0.0),
+        "downward_radius": (lower, drop, -d_3.si),
     }
-    texts: dict[str, Any] = {
-        "ours": ours.text,
-        "offset": theirs.text,
-        "length": numbers.inner_length.text,
-        "drop": numbers.downward_drop.text,
-    }
-    rows = []
-    for name, (measured, expected, bound) in figures.items():
-        effect = None if bound == ARITHMETIC else abs(measured - expected)
-        claim = f"workspace.{name}"
-        rows.append(audited(claim, measured, expected, bound, effect=effect, **texts))
+    rows, words = [], dict[str, Any](numbers=numbers, ours=ours)
+    for name, (measured, bound, expected) in figures.items():
+        words["effect"] = None if bound == ARITHMETIC else abs(measured - expected)
+        rows.append(audited(f"workspace.{name}", measured, bound, expected, **words))
     return rows
 
 
@@ -160,9 +148,8 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     a grid, on which only the tori move.
     """
     elbow, numbers = printed.elbow, printed.workspace
-    table = [_length(printed, *cell) for cell in ((0, "a"), (0, "d"), (2, "a"), (3, "d"))]
     torus = [numbers.inner_offset, numbers.inner_length, numbers.downward_drop]
-    inputs = [*table, elbow.opposite, elbow.adjacent, *torus]
+    inputs = [*_lengths(printed), elbow.opposite, elbow.adjacent, *torus]
     size = p.dh[0].a + p.dh[1].a + float(np.hypot(p.dh[2].a, p.dh[3].d))
     radius, height = np.meshgrid(
         np.linspace(0.0, size, GRID), p.dh[0].d + np.linspace(-size, size, 2 * GRID - 1)
@@ -174,26 +161,23 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     def published(x: FloatArray) -> BoolArray:
         a_0, d_0, a_2, d_3, opp, adj, offset, length, drop = x
         square = (radius - a_0) ** 2 + (height - d_0) ** 2
-        inside: BoolArray = (
-            (square <= (np.hypot(opp, adj) + np.hypot(d_3, a_2)) ** 2)
-            & (square >= (offset + a_2) ** 2 + (length + d_3) ** 2)
-            & ((radius - a_0) ** 2 + (height - d_0 + drop) ** 2 >= d_3**2)
-        )
-        return inside
+        outer = (np.hypot(opp, adj) + np.hypot(d_3, a_2)) ** 2
+        inner = (offset + a_2) ** 2 + (length + d_3) ** 2
+        below = (radius - a_0) ** 2 + (height - d_0 + drop) ** 2
+        return np.asarray((inner <= square) & (square <= outer) & (below >= d_3**2))
 
-    def beyond_reach(x: FloatArray) -> float:
+    def differing(x: FloatArray) -> FloatArray:
+        """Shares of the published region that is not reached, and of the reached that is left out."""
         region = published(x)
-        return float((region & ~reached).sum() / region.sum())
+        beyond, missed = region & ~reached, reached & ~region
+        return np.array([beyond.sum() / region.sum(), missed.sum() / reached.sum()])
 
-    def left_out(x: FloatArray) -> float:
-        return float((reached & ~published(x)).sum() / reached.sum())
-
-    exact = workspace.published_errors()
+    exact, (_, bounds) = workspace.published_errors(), figure(differing, inputs)
     beyond = exact.unreachable_area / exact.published_area
     missed = exact.missed_area / exact.reachable_area
     return [
-        audited("workspace.beyond_reach", beyond, bound=figure(beyond_reach, inputs)[1]),
-        audited("workspace.left_out", missed, bound=figure(left_out, inputs)[1]),
+        audited("workspace.beyond_reach", beyond, bounds[0]),
+        audited("workspace.left_out", missed, bounds[1]),
     ]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share, texts
 from alpha5_model.dh.link import dh_transform
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.planar import PlanarArm, dexterity, dexterous_area, theorem_row
@@ -22,20 +22,12 @@ from alpha5_model.spatial import rotation_about, transform
 
 #: Whole link lengths that are tried; sums and halves of them are exact.
 LONGEST = 6
-#: The experiment's link lengths and its table: l_4, the column headed l_2 + l_3, the one headed
+_PRINTED = texts()["experiment"]
+#: The experiment's link lengths, and its table: l_4, the column headed l_2 + l_3, the one headed
 #: l_4/2.
-EXPERIMENT = (5.0, 4.0, 1.0)
-PRINTED_TABLE = (
-    (10.0, 9.0, 10.0),
-    (9.0, 9.0, 9.5),
-    (8.0, 9.0, 9.0),
-    (7.0, 9.0, 8.5),
-    (6.0, 9.0, 8.0),
-    (5.0, 9.0, 7.5),
-    (4.0, 8.0, 7.0),
-    (3.0, 7.0, 6.5),
-    (2.0, 6.0, 6.0),
-    (1.9, 5.9, 5.95),
+EXPERIMENT: tuple[float, ...] = tuple(_PRINTED["links"])
+PRINTED_TABLE: tuple[tuple[float, float, float], ...] = tuple(
+    zip(*_PRINTED["columns"], strict=True)
 )
 #: Limits to try the lecture's arms with [rad]: 170 deg either way, as far as many industrial joints
 #: turn.
@@ -56,7 +48,6 @@ def _workspaces() -> list[AuditRow]:
     reach, hole = sum(two), abs(two[0] - two[1])
     ring = math.pi * (reach**2 - hole**2)
     limited = PlanarArm(two, [limit] * 2).workspace()
-    words: dict[str, Any] = {"limit": LIMIT, "lost": f"{ring - limited.area:.1f}"}
     figures = {
         "1r": (_length(PlanarArm(one)), 2 * math.pi * one[0]),
         "1r_limits": (_length(PlanarArm(one, [limit])), 2 * LIMIT * one[0]),
@@ -65,13 +56,13 @@ def _workspaces() -> list[AuditRow]:
         "2r_limits": (limited.radii[0], 0.0),
         "3r": (PlanarArm(EXPERIMENT).workspace().area, math.pi * sum(EXPERIMENT) ** 2),
     }
-    return _exact("planar_workspace", figures, **words)
+    return _exact("planar_workspace", figures, limit=LIMIT, lost=ring - limited.area)
 
 
 def _exact(topic: str, figures: dict[str, tuple[float, float]], **words: Any) -> list[AuditRow]:
     """Rows of statements that hold exactly or not at all: name -> measured, expected."""
     return [
-        audited(f"{topic}.{name}", measured, expected, ARITHMETIC, **words)
+        audited(f"{topic}.{name}", measured, ARITHMETIC, expected, **words)
         for name, (measured, expected) in figures.items()
     ]
 
@@ -91,12 +82,14 @@ def _dexterity() -> list[AuditRow]:
         for a in (LIMIT, 0.75 * math.pi)
     ]
     disc = math.pi * reach**2
-    (area, error), (least, _) = (tuple(disc * x for x in sampled_share(hits)) for hits in shares)
-    free = dexterous_area(PlanarArm(EXPERIMENT))
-    words: dict[str, Any] = {"limit": LIMIT, "least": f"{least:.0f}"}
+    (area, error), (least, _) = (disc * np.array(sampled_share(hits)) for hits in shares)
+    words: dict[str, Any] = {"standard_error": error, "limit": LIMIT, "least": least}
     return [
-        audited(f"dexterous_workspace.{name}", area, expected, standard_error=error, **words)
-        for name, expected in (("necessary", 0.0), ("limits", free))
+        audited(f"dexterous_workspace.{name}", area, expected=expected, **words)
+        for name, expected in (
+            ("necessary", 0.0),
+            ("limits", dexterous_area(PlanarArm(EXPERIMENT))),
+        )
     ]
 
 
@@ -107,35 +100,31 @@ def _theorem() -> list[AuditRow]:
     promised = [row for _, row in rows if row.theorem]
     turning = [(values, row) for values, row in rows if row.exact]
     missed = [values for values, row in turning if not row.theorem]
-    counts: dict[str, tuple[int, list[Any]]] = {
-        "sufficient": (sum(not row.exact for row in promised), promised),
-        "necessary": (len(missed), turning),
-        "shortest": (sum(values[2] > min(values) for values, _ in turning), turning),
-        "strict": (sum(row.pair == row.half for row in promised), promised),
+    figures = {
+        "sufficient": [not row.exact for row in promised],
+        "necessary": [not row.theorem for _, row in turning],
+        "shortest": [values[2] > min(values) for values, _ in turning],
+        "strict": [row.pair == row.half for row in promised],
     }
-    words: dict[str, Any] = {
-        "longest": LONGEST,
-        "example": ", ".join(map(str, missed[-1])) if missed else "none",
-    }
+    example = ", ".join(map(str, missed[-1])) if missed else "none"
+    words: dict[str, Any] = {"longest": LONGEST, "example": example}
     return [
-        audited(f"lecture.{name}", count / len(sets), whole=len(sets), **words)
-        for name, (count, sets) in counts.items()
+        audited(f"lecture.{name}", float(np.mean(sets)), whole=len(sets), **words)
+        for name, sets in figures.items()
     ]
 
 
 def _experiment() -> list[AuditRow]:
     l_4, pair, half = np.array(PRINTED_TABLE).T
-    total = sum(EXPERIMENT)
-    links = np.array([[*EXPERIMENT, value] for value in l_4])
-    middle = np.sort(links)[:, 1:3].sum(axis=1)
+    links = np.column_stack([np.tile(EXPERIMENT, (len(l_4), 1)), l_4])
     low, high = PlanarArm(EXPERIMENT).workspace().radii
     figures = {
         "least": (low, 0.0),
         "most": (high, 10.0),
-        "middle_links": (_apart(pair, middle), 0.0),
+        "middle_links": (_apart(pair, np.sort(links)[:, 1:3].sum(axis=1)), 0.0),
         "middle_links_head": (_apart(pair, sum(EXPERIMENT[1:])), 0.0),
         "half": (_apart(half, l_4 / 2), 0.0),
-        "half_of_all": (_apart(half, (total + l_4) / 2), 0.0),
+        "half_of_all": (_apart(half, links.sum(axis=1) / 2), 0.0),
     }
     return _exact("experiment", figures)
 
@@ -153,14 +142,11 @@ def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
     corrected = dh_transform(theta, d, a, alpha)
     printed = corrected.copy()
     printed[:, 1, 2] *= -1  # the third entry of row 2
-    factors = np.column_stack([a, 0 * a, d])  # Tz Tx, behind Rz and before Rx
-    product = transform(rotation_about((0, 0, 1), theta)) @ transform(
-        rotation_about((1, 0, 0), alpha), factors
-    )
+    turn, twist = rotation_about((0, 0, 1), theta), rotation_about((1, 0, 0), alpha)
+    product = transform(turn) @ transform(twist, np.column_stack([a, 0 * a, d]))
     rows = []
     for name, form in (("printed", printed), ("corrected", corrected)):
         tips = [np.linalg.multi_dot(poses)[:3, 3] for poses in (form, product)]
-        apart = np.abs(form - product).max()
-        effect = float(np.linalg.norm(tips[0] - tips[1]))
-        rows.append(audited(f"relative_pose.{name}", apart, bound=ARITHMETIC, effect=effect))
+        effect, apart = float(np.linalg.norm(tips[0] - tips[1])), np.abs(form - product).max()
+        rows.append(audited(f"relative_pose.{name}", apart, ARITHMETIC, effect=effect))
     return rows

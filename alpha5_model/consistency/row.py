@@ -12,13 +12,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from string import Template
 from typing import Any, Literal
 
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.fluids import GRAVITY as DOWN
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import ActuatorRow, BuoyancyRow, InertialRow
 
@@ -26,19 +24,10 @@ Relation = Literal["=", "<=", ">="]
 Verdict = Literal["agrees", "differs", "impossible"]
 Kind = Literal["claim", "observation"]
 
-MM = 1e-3
-GRAVITY = abs(DOWN[2])  # m/s^2
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
 #: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not listed.
-PER_SI = {
-    "mm": 1e3,
-    "kg mm^2": 1e6,
-    "L": 1e3,
-    "kg/L": 1e-3,
-    "%": 1e2,
-    "deg": 180 / math.pi,
-}
+PER_SI = {"mm": 1e3, "kg mm^2": 1e6, "L": 1e3, "kg/L": 1e-3, "%": 1e2, "deg": 180 / math.pi}
 
 
 @dataclass(frozen=True)
@@ -86,85 +75,63 @@ class AuditRow:
 
 
 @cache
-def _words() -> dict[str, Any]:
+def texts() -> dict[str, Any]:
+    """The words of the rows, topic by topic."""
     return tomllib.loads((Path(__file__).parent / "rows.toml").read_text("utf-8"))
 
 
 def audited(
     claim: str,
     measured: float,
-    expected: float = 0.0,
     bound: float = 0.0,
+    expected: float = 0.0,
     *,
     of: InertialRow | BuoyancyRow | ActuatorRow | None = None,
     effect: float | None = None,
     standard_error: float = 0.0,
+    more: bool = False,
     **words: Any,
 ) -> AuditRow:
     """A row in the words of ``rows.toml``, its figures given in SI units, its verdict judged.
 
     Args:
         claim: ``topic.subject``; the words stand under both or under the topic alone.
+        measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units; a bound of
+            `ARITHMETIC` is in the row's own unit.
         of: The printed row that it is about: ``.link_3`` is added to the claim, and its columns to
             the words.
-        measured, expected, bound, effect, standard_error: See `AuditRow`, in SI units; a bound of
-            `ARITHMETIC` is in the row's own unit.
+        more: Whether the finding goes on with ``more``.
         words: What the text leaves open.
     """
     if of is not None:
-        columns = [column.name for column in fields(of)]
-        words = {**{name: getattr(of, name) for name in columns}, **words}
-        claim += f".{columns[0]}_{words[columns[0]]}"
+        columns = {column.name: getattr(of, column.name) for column in fields(of)}
+        kind, number = next(iter(columns.items()))
+        claim, words = f"{claim}.{kind}_{number}", columns | words
     topic, _, subject = claim.partition(".")
-    text: dict[str, Any] = {**_words()[topic], **_words()[topic].get(subject, {})}
-    place, says, finding = (
-        Template(text[key]).substitute(words) for key in ("place", "says", "finding")
-    )
-    unit, effect_unit = text.get("unit", ""), text.get("effect_unit", "")
+    text: dict[str, Any] = {**texts()[topic], **texts()[topic].get(subject, {})}
+    text["finding"] += text["more"] if more else ""
+    place, says, finding = (text[key].format_map(words) for key in ("place", "says", "finding"))
+    unit, effect_unit, relation = text.get("unit", ""), "", text.get("must", "=")
     scale = PER_SI.get(unit, 1.0)
-    return judged(
-        claim,
-        place,
-        says,
-        float(f"{measured * scale:.15g}"),  # a decimal number in SI units and back is the same one
-        text.get("must", "="),
-        float(f"{expected * scale:.15g}"),
-        bound if bound == ARITHMETIC else bound * scale,
-        unit,
-        finding,
-        law=text.get("law", False),
-        effect=None if effect is None else float(effect * PER_SI.get(effect_unit, 1.0)),
-        effect_unit="" if effect is None else effect_unit,
-        kind=text.get("kind", "claim"),
-        standard_error=float(standard_error * scale),
-    )
+    # a decimal number in SI units and back is the same one
+    measured, expected = (float(f"{value * scale:.15g}") for value in (measured, expected))
+    bound, error = float(bound if bound == ARITHMETIC else bound * scale), standard_error * scale
+    if effect is not None:
+        effect_unit = text["effect_unit"]
+        effect = float(effect * PER_SI.get(effect_unit, 1.0))
+    judged = verdict(measured, relation, expected, bound, text.get("law", False))
+    numbers = measured, relation, expected, bound, unit
+    worth = effect, effect_unit, text.get("kind", "claim"), float(error)
+    return AuditRow(claim, place, says, *numbers, judged, finding, *worth)
 
 
-def judged(
-    claim: str,
-    place: str,
-    says: str,
-    measured: float,
-    relation: Relation,
-    expected: float,
-    bound: float,
-    unit: str,
-    finding: str,
-    *,
-    law: bool = False,
-    **more: Any,
-) -> AuditRow:
-    """A row with its verdict.
-
-    Args:
-        law: The claim must hold in nature: if it does not, the verdict is ``impossible``.
-        others: The attributes of `AuditRow`, those that have a default in ``more``.
-    """
+def verdict(
+    measured: float, relation: Relation, expected: float, bound: float, law: bool = False
+) -> Verdict:
+    """How a claim stands; one that must hold in nature (``law``) is impossible if it does not."""
     excess = measured - expected
     holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[relation]
-    verdict: Verdict = "agrees" if holds else "impossible" if law else "differs"
-    figures = float(measured), relation, float(expected), float(bound)
-    return AuditRow(claim, place, says, *figures, unit, verdict, finding, **more)
+    return "agrees" if holds else "impossible" if law else "differs"
 
 
 def sampled_share(hits: BoolArray) -> tuple[float, float]:
@@ -178,37 +145,23 @@ def si(printed: Sequence[Quantity]) -> FloatArray:
     return np.array([q.si for q in printed])
 
 
-def figure(
-    function: Callable[[FloatArray], float], printed: Sequence[Quantity]
-) -> tuple[float, float]:
-    """The function's value at the printed numbers and its `rounding_bound`."""
-    return float(function(si(printed))), float(rounding_bound(function, printed))
+def figure(function: Callable[[FloatArray], Any], printed: Sequence[Quantity]) -> tuple[Any, Any]:
+    """A figure, and how far it may be off because its printed inputs are rounded.
 
-
-def rounding_bound(
-    function: Callable[[FloatArray], FloatArray | float], printed: Sequence[Quantity]
-) -> FloatArray:
-    """How far a result may be off because its printed inputs are rounded: worst case, first order.
-
-    Each input is moved by half a unit of its last printed digit, one at a time, and the
-    changes of the result are added up.
+    That is the worst case, to first order: each input is moved by half a unit of its last printed
+    digit, one at a time, and the changes of the result are added up.
 
     Args:
         function: From the inputs in SI units, (N,), to a result of any shape.
         printed: The N inputs.
 
     Returns:
-        Of the result's shape, not negative.
+        The result and its bound, which is of the same shape and not negative.
     """
     centre = si(printed)
-    value = np.asarray(function(centre), dtype=np.float64)
-    total = np.zeros_like(value)
-    for k, quantity in enumerate(printed):
-        step = np.zeros_like(centre)
-        step[k] = quantity.rounding
-        up, down = (np.abs(function(centre + s * step) - value) for s in (1.0, -1.0))
-        total += np.maximum(up, down)
-    return total
+    value, steps = function(centre), np.diag([q.rounding for q in printed])
+    moved = [[np.abs(function(x) - value) for x in (centre + s, centre - s)] for s in steps]
+    return value, np.max(moved, axis=1).sum(axis=0)
 
 
 def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
