@@ -18,7 +18,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.description.bodies import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
-from alpha5_model.kinematics import plane
+from alpha5_model.kinematics import plane, workspace
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.parameters import parameters
 from alpha5_model.symbolic import SUMMARIES, products
@@ -192,7 +192,7 @@ def _targets(arm: Arm) -> list[list[Any]]:
     rng, g = np.random.default_rng(7), plane.arm_plane()
     q = rng.uniform(g.lower, g.upper, (40, 4))
     q[10:26, 1:] = np.where(rng.random((16, 3)) < 0.5, g.lower[1:], g.upper[1:])
-    q[26:34, 2] = plane.singular_elbow_angles()["stretched"]
+    q[26:34, 2] = workspace.singular_elbow_angles()["stretched"]
     places = [(arm.forward_kinematics(row).translation, row[3], row) for row in q]
     places += [((0.0, 0.0, height), 1.0, ()) for height in (-0.1, 0.1, 0.3)]
     places += [(point, 6.25, ()) for point in rng.uniform(0.3, 0.6, (4, 3))]

@@ -1,4 +1,4 @@
-"""The arm as a vertical plane that turns, with two links in it, and where it is singular.
+"""The arm as a vertical plane that turns, with two links in it, and its kernel for many targets.
 
 Joint 0 turns the plane about the base's z axis. In the plane, with r outwards and z up, the
 shoulder is at ``(a_0, d_0)``, and
@@ -10,19 +10,10 @@ triangle (Section 1.3), phi is the direction of the first link and gamma the ang
 at the elbow. Both are a joint angle plus a constant: ``phi = theta_1 + phi_offset``, ``gamma =
 theta_2 + gamma_offset``. Joint 3 turns about an axis through the tcp and does not move it.
 
-Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw axis, joints 1
-and 2 move it within the plane, in proportion to sin(gamma). The linear Jacobian of the three has
-the determinant
-
-    |det J_v| = |r| l_1 l_2 |sin gamma|                       [Siciliano2009, 3.3]
-
-which is Yoshikawa's manipulability ``sqrt(det(J_v J_v^T))``. It vanishes where the arm is stretched
-(gamma = pi), folded (gamma = 0, beyond the limits of theta_2), or the tcp is on the yaw axis
-(r = 0).
+The inverse kinematics of it are a kernel, which `solve_batch` runs for many targets.
 
 References:
-    [Yoshikawa1985] Manipulability of robotic mechanisms, Int. J. Robotics Research 4(2).
-    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 3.3 and 3.9.
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.12.2.
 """
 
 from __future__ import annotations
@@ -32,18 +23,19 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, float_array, real
+from alpha5_model.checks import LARGEST, BoolArray, FloatArray
 from alpha5_model.errors import PublishedDataError
+from alpha5_model.kernels import module
 from alpha5_model.parameters import parameters
-from alpha5_model.spatial import wrap
 
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
 LIMIT_TOLERANCE = 1e-12
 #: A target this close to the yaw axis [m] is on it, everywhere in this package: theta_0 is free
 #: and the tcp is put on the axis itself.
 AXIS_TOLERANCE = 1e-9
+#: Targets in a block: what the kernel writes of them stays in the cache.
+BLOCK = 8192
 
 
 class Tolerances(NamedTuple):
@@ -83,10 +75,8 @@ class ArmPlane(NamedTuple):
         phi_offset, gamma_offset: phi less theta_1, gamma less theta_2 [rad].
         lower, upper: Limits of theta_0 ... theta_3, (4,) [rad].
         middle: Middle of each range, (4,) [rad].
-        limits: (lower, upper, middle) of each joint.
         longest, shortest: Distance from shoulder to tcp of the stretched and of the folded arm [m];
             the folded one is beyond the limits of theta_2.
-        squares: Of the two [m^2].
     """
 
     a_0: float
@@ -99,10 +89,8 @@ class ArmPlane(NamedTuple):
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     middle: tuple[float, ...]
-    limits: tuple[tuple[float, float, float], ...]
     longest: float
     shortest: float
-    squares: tuple[float, float]
 
 
 @cache
@@ -114,92 +102,16 @@ def arm_plane() -> ArmPlane:
     """
     p = parameters()
     base, upper, fore, wrist = p.dh[:4]
-    half_pi = math.pi / 2
-    if (
-        [row.alpha for row in p.dh[:3]] != [half_pi, math.pi, -half_pi]
-        or any(x != 0.0 for x in (upper.d, fore.d, wrist.a, p.dh[4].d, p.dh[4].a))
-        or wrist.d >= 0.0
-    ):
+    alphas = [row.alpha for row in p.dh[:3]]
+    zeros = upper.d, fore.d, wrist.a, p.dh[4].d, p.dh[4].a
+    if alphas != [math.pi / 2, math.pi, -math.pi / 2] or any(zeros) or wrist.d >= 0.0:
         raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
     l_1, l_2 = upper.a, math.hypot(fore.a, wrist.d)
-    longest, shortest = l_1 + l_2, abs(l_1 - l_2)
-    limits = tuple((j.lower, j.upper, (j.lower + j.upper) / 2) for j in p.joints[:4])
-    low, high, middle = zip(*limits, strict=True)
-    return ArmPlane(
-        a_0=base.a,
-        d_0=base.d,
-        l_1=l_1,
-        l_2=l_2,
-        azimuth_offset=base.theta_offset,
-        phi_offset=upper.theta_offset,
-        gamma_offset=fore.theta_offset + math.pi - math.atan2(-wrist.d, fore.a),
-        lower=low,
-        upper=high,
-        middle=middle,
-        limits=limits,
-        longest=longest,
-        shortest=shortest,
-        squares=(longest**2, shortest**2),
-    )
-
-
-class Singularities(NamedTuple):
-    """Distance of joint positions from the singular sets.
-
-    Attributes:
-        stretched: theta_2 less the angle of the stretched arm, wrapped to [-pi, pi), (...) [rad].
-        folded: theta_2 less the angle of the folded arm, wrapped to [-pi, pi), (...) [rad].
-        yaw_axis: Distance of the tcp from the yaw axis in the plane of the arm, (...) [m]; positive
-            in front of it.
-    """
-
-    stretched: FloatArray
-    folded: FloatArray
-    yaw_axis: FloatArray
-
-    def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
-        """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
-        angle, distance = real("angle", angle, 0.0), real("distance", distance, 0.0)
-        elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
-        return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
-
-
-def singularities(q: ArrayLike) -> Singularities:
-    """How far joint positions are from the three singular sets.
-
-    Args:
-        q: (..., 4) [rad].
-    """
-    gamma, r = _plane_coordinates(q)
-    return Singularities(wrap(gamma - math.pi), wrap(gamma), r)
-
-
-def singular_elbow_angles() -> dict[str, float]:
-    """theta_2 of the stretched and of the folded arm [rad]; the folded one is beyond its limits."""
-    g = arm_plane()
-    return {"stretched": math.pi - g.gamma_offset, "folded": -g.gamma_offset}
-
-
-def manipulability(q: ArrayLike) -> FloatArray:
-    """Yoshikawa's measure of the tcp's linear motion, ``sqrt(det(J_v J_v^T))`` [Yoshikawa1985].
-
-    Args:
-        q: (..., 4) [rad].
-
-    Returns:
-        (...) [m^3]: volume of the velocity parallelepiped for unit joint speeds.
-    """
-    g = arm_plane()
-    gamma, r = _plane_coordinates(q)
-    return np.asarray(np.abs(r * np.sin(gamma)) * (g.l_1 * g.l_2))
-
-
-def _plane_coordinates(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """gamma [rad] and the tcp's signed distance from the yaw axis [m], each (...)."""
-    g = arm_plane()
-    position = float_array("q", q, (4,))
-    phi, gamma = position[..., 1] + g.phi_offset, position[..., 2] + g.gamma_offset
-    return gamma, g.a_0 + g.l_1 * np.cos(phi) + g.l_2 * np.cos(phi + math.pi - gamma)
+    elbow = fore.theta_offset + math.pi - math.atan2(-wrist.d, fore.a)
+    lengths, offsets = (base.a, base.d, l_1, l_2), (base.theta_offset, upper.theta_offset, elbow)
+    low, high = zip(*((j.lower, j.upper) for j in p.joints[:4]), strict=True)
+    middle = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
+    return ArmPlane(*lengths, *offsets, low, high, middle, l_1 + l_2, abs(l_1 - l_2))
 
 
 def on_axis(position: FloatArray) -> BoolArray:
@@ -207,3 +119,40 @@ def on_axis(position: FloatArray) -> BoolArray:
     x, y = position[..., 0], position[..., 1]
     with np.errstate(over="ignore"):
         return np.asarray(np.sqrt(x * x + y * y) <= AXIS_TOLERANCE)  # as the formula has it
+
+
+def solve_batch(
+    position: FloatArray, wrist: FloatArray, angles: bool = True
+) -> tuple[FloatArray, BoolArray, BoolArray, BoolArray]:
+    """Solve finite targets of any shape.
+
+    Args:
+        position: (..., 3) [m].
+        wrist: Broadcasts to (...) [rad].
+        angles: False leaves q to scratch, not to be relied on.
+
+    Returns:
+        q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
+        `alpha5_model.kinematics.ik.Solutions`.
+    """
+    lead, run = position.shape[:-1], module().batch
+    target = np.ascontiguousarray(position.reshape(-1, 3))
+    theta_3 = np.broadcast_to(wrist, lead if wrist.ndim else len(target))
+    if wrist.ndim:
+        theta_3 = np.ascontiguousarray(theta_3).reshape(-1)
+    n, block = len(target), min(len(target), BLOCK) or 1
+    q = np.empty((n if angles else block, 4, 4))
+    flags = [np.empty((n, size), np.bool_) for size in (4, 4, 1)]
+    for start in range(0, n, block):
+        rows = target[start : start + block]
+        given = rows, theta_3[start : start + block]
+        numbers = [np.empty((len(rows), flag.shape[1])) for flag in flags]
+        out = q[start : start + block] if angles else q[: len(rows)], *numbers
+        if not run("inverse_kinematics", np.empty(0), *given, *out):
+            near = (x.clip(-LARGEST, LARGEST) for x in given)  # as far out of reach
+            run("inverse_kinematics", np.empty(0), *near, *out)
+        for flag, number in zip(flags, numbers, strict=True):
+            np.not_equal(number, 0.0, out=flag[start : start + block])
+    exists, within, singular = flags
+    q = q.reshape(*lead, 4, 4) if angles else q
+    return q, exists.reshape(*lead, 4), within.reshape(*lead, 4), singular.reshape(lead)

@@ -31,8 +31,7 @@ from numpy.typing import ArrayLike
 from alpha5_model import planar
 from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.plane import arm_plane, on_axis
+from alpha5_model.kinematics.plane import arm_plane, on_axis, solve_batch
 from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
 from alpha5_model.planar.curves import bounds
 from alpha5_model.spatial import wrap
@@ -287,14 +286,25 @@ def _project(points: FloatArray, limits: bool) -> FloatArray:
         azimuth = np.arctan2(points[:, 1], points[:, 0])
         if limits:
             azimuth -= azimuth_beyond(azimuth, side)
-        cos, sin = np.cos(azimuth), np.sin(azimuth)
+        cos, sin, z = np.cos(azimuth), np.sin(azimuth), points[:, 2]
         # Coordinates in the half-plane at that azimuth, and the distance across it.
         radius = points[:, 0] * cos + points[:, 1] * sin
         beside = points[:, 1] * cos - points[:, 0] * sin
-        R, z = _project_in_plane(np.stack([radius, points[:, 2]], axis=-1), side, limits).T
-        feet.append(np.stack([R * cos, R * sin, z], axis=-1))
-        distances.append((R - radius) ** 2 + (z - points[:, 2]) ** 2 + beside**2)
-    return np.where((distances[1] < distances[0])[:, None], feet[1], feet[0])
+        found = [np.stack([radius, z], axis=-1)]
+        for arc in boundary(side, limits):
+            offset, span = found[0] - arc.center, arc.end - arc.start
+            along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
+            # Beyond the arc: its nearer end.
+            along = np.where(along - span < math.tau - along, np.minimum(along, span), 0.0)
+            found.append(arc.points(arc.start + along))
+        R, up = np.moveaxis(np.array(found), -1, 0)
+        distance = (R - radius) ** 2 + (up - z) ** 2 + beside**2
+        distance[0, ~in_half_plane(np.maximum(radius, 0.0), z, side, limits)] = np.inf
+        feet.append(np.stack([R * cos, R * sin, up], axis=-1))
+        distances.append(distance)
+    least = np.concatenate(distances).argmin(axis=0)
+    nearest: FloatArray = np.concatenate(feet)[least, np.arange(len(points))]
+    return nearest
 
 
 def _middle_azimuth(side: str) -> float:
@@ -309,19 +319,3 @@ def azimuth_beyond(azimuth: FloatArray | float, side: str) -> FloatArray:
     half = (g.upper[0] - g.lower[0]) / 2
     off = wrap(azimuth - _middle_azimuth(side))
     return off - np.clip(off, -half, half)
-
-
-def _project_in_plane(points: FloatArray, side: str, limits: bool) -> FloatArray:
-    """Nearest reachable (R, z) to points with R >= 0, (N, 2)."""
-    inside = in_half_plane(np.maximum(points[:, 0], 0.0), points[:, 1], side, limits)
-    feet = [points]
-    for arc in boundary(side, limits):
-        offset, span = points - arc.center, arc.end - arc.start
-        along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
-        # Beyond the arc: its nearer end.
-        along = np.where(along - span < math.tau - along, np.minimum(along, span), 0.0)
-        feet.append(arc.points(arc.start + along))
-    distance = np.square(np.array(feet) - points).sum(axis=-1)
-    distance[0, ~inside] = np.inf
-    nearest: FloatArray = np.array(feet)[distance.argmin(axis=0), np.arange(len(points))]
-    return nearest

@@ -2,6 +2,20 @@
 
 `boundary` gives the exact arcs, `reachable`, `distance_to_reach` and `nearest_reachable` answer for
 points, `manipulability` and `singularities` for joint positions.
+
+Joint 0 moves the tcp across the plane in proportion to its distance r from the yaw axis, joints 1
+and 2 move it within the plane, in proportion to sin(gamma). The linear Jacobian of the three has
+the determinant
+
+    |det J_v| = |r| l_1 l_2 |sin gamma|                       [Siciliano2009, 3.3]
+
+which is Yoshikawa's manipulability ``sqrt(det(J_v J_v^T))``. It vanishes where the arm is stretched
+(gamma = pi), folded (gamma = 0, beyond the limits of theta_2), or the tcp is on the yaw axis
+(r = 0).
+
+References:
+    [Yoshikawa1985] Manipulability of robotic mechanisms, Int. J. Robotics Research 4(2).
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 3.3 and 3.9.
 """
 
 from __future__ import annotations
@@ -26,13 +40,7 @@ from alpha5_model.checks import (
     real,
     together,
 )
-from alpha5_model.kinematics.plane import (
-    Singularities,
-    arm_plane,
-    manipulability,
-    singular_elbow_angles,
-    singularities,
-)
+from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.kinematics.reach import (
     SIDES,
     Accept,
@@ -49,6 +57,7 @@ from alpha5_model.kinematics.reach import (
 )
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
+from alpha5_model.spatial import wrap
 
 __all__ = [
     "SIDES",
@@ -201,7 +210,7 @@ def volume(limits: bool = True) -> float:
             belongs to the overarm pose alone, and the opposite one to the underarm pose alone.
     """
     limits = flag("limits", limits)
-    return _revolved({side: first_moment(boundary(side, limits)) for side in SIDES}, limits)
+    return _revolved({side: boundary(side, limits) for side in SIDES}, limits)
 
 
 def sampled_share(
@@ -250,16 +259,9 @@ def published_errors() -> PublishedErrors:
     printed = trace(_printed_arcs(), in_tori)
     wrong = {side: published_but_unreachable(side) for side in SIDES}
     missed = {side: reachable_but_unpublished(side) for side in SIDES}
-    return PublishedErrors(
-        published_area=area(printed),
-        reachable_area=cross_section_area(),
-        unreachable_area=area(wrong["both"]),
-        missed_area=area(missed["both"]),
-        published_volume=2 * math.pi * first_moment(printed),
-        reachable_volume=volume(),
-        unreachable_volume=_revolved({s: first_moment(a) for s, a in wrong.items()}, limits=True),
-        missed_volume=_revolved({s: first_moment(a) for s, a in missed.items()}, limits=True),
-    )
+    areas = area(printed), cross_section_area(), area(wrong["both"]), area(missed["both"])
+    volumes = volume(), _revolved(wrong), _revolved(missed)
+    return PublishedErrors(*areas, 2 * math.pi * first_moment(printed), *volumes)
 
 
 def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
@@ -291,10 +293,8 @@ def _difference(side: str, published: bool) -> tuple[Arc, ...]:
 
 
 def _printed_arcs() -> list[Arc]:
-    return [
-        Arc(torus.center, torus.radius, 0.0, math.tau, 0, torus.name, "published")
-        for torus in published_tori()
-    ]
+    tori = published_tori()
+    return [Arc(t.center, t.radius, 0.0, math.tau, 0, t.name, "published") for t in tori]
 
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
@@ -308,12 +308,68 @@ def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     return inside
 
 
-def _revolved(moments: dict[str, float], limits: bool) -> float:
-    """Volume from the first moment of a half-plane, by which poses its azimuth is open to [m^3]."""
-    if not limits:
-        return 2 * math.pi * moments["both"]
+def _revolved(arcs: dict[str, tuple[Arc, ...]], limits: bool = True) -> float:
+    """Volume of what arcs bound, by the poses that an azimuth is open to [m^3]."""
+    underarm, overarm, both = (first_moment(arcs[side]) for side in SIDES)
     g = arm_plane()
-    wedge = 2 * math.pi - (g.upper[0] - g.lower[0])
-    return (2 * math.pi - 2 * wedge) * moments["both"] + wedge * (
-        moments["underarm"] + moments["overarm"]
-    )
+    wedge = 2 * math.pi - (g.upper[0] - g.lower[0]) if limits else 0.0
+    return (2 * math.pi - 2 * wedge) * both + wedge * (underarm + overarm)
+
+
+class Singularities(NamedTuple):
+    """Distance of joint positions from the singular sets.
+
+    Attributes:
+        stretched: theta_2 less the angle of the stretched arm, wrapped to [-pi, pi), (...) [rad].
+        folded: theta_2 less the angle of the folded arm, wrapped to [-pi, pi), (...) [rad].
+        yaw_axis: Distance of the tcp from the yaw axis in the plane of the arm, (...) [m]; positive
+            in front of it.
+    """
+
+    stretched: FloatArray
+    folded: FloatArray
+    yaw_axis: FloatArray
+
+    def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
+        """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
+        angle, distance = real("angle", angle, 0.0), real("distance", distance, 0.0)
+        elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
+        return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
+
+
+def singularities(q: ArrayLike) -> Singularities:
+    """How far joint positions are from the three singular sets.
+
+    Args:
+        q: (..., 4) [rad].
+    """
+    gamma, r = _plane_coordinates(q)
+    return Singularities(wrap(gamma - math.pi), wrap(gamma), r)
+
+
+def singular_elbow_angles() -> dict[str, float]:
+    """theta_2 of the stretched and of the folded arm [rad]; the folded one is beyond its limits."""
+    g = arm_plane()
+    return {"stretched": math.pi - g.gamma_offset, "folded": -g.gamma_offset}
+
+
+def manipulability(q: ArrayLike) -> FloatArray:
+    """Yoshikawa's measure of the tcp's linear motion, ``sqrt(det(J_v J_v^T))`` [Yoshikawa1985].
+
+    Args:
+        q: (..., 4) [rad].
+
+    Returns:
+        (...) [m^3]: volume of the velocity parallelepiped for unit joint speeds.
+    """
+    g = arm_plane()
+    gamma, r = _plane_coordinates(q)
+    return np.asarray(np.abs(r * np.sin(gamma)) * (g.l_1 * g.l_2))
+
+
+def _plane_coordinates(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """gamma [rad] and the tcp's signed distance from the yaw axis [m], each (...)."""
+    g = arm_plane()
+    position = float_array("q", q, (4,))
+    phi, gamma = position[..., 1] + g.phi_offset, position[..., 2] + g.gamma_offset
+    return gamma, g.a_0 + g.l_1 * np.cos(phi) + g.l_2 * np.cos(phi + math.pi - gamma)

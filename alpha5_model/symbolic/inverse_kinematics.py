@@ -55,7 +55,7 @@ def inverse_kinematics() -> casadi.Function:
         theta_0, _, fits_0 = _in_range(theta_0, 0, azimuth_slack)
         theta_0, fits_0 = if_else(free, g.middle[0], theta_0), logic_or(free, fits_0)
         rho_2 = r * r + h * h
-        above, below = g.squares[0] - rho_2, rho_2 - g.squares[1]
+        above, below = g.longest**2 - rho_2, rho_2 - g.shortest**2
         # Distance from the edge of reach over that of rho^2: d(rho^2) = 2 rho d(rho).
         margin = fmin(above * (0.5 / g.longest), below * (0.5 / g.shortest))
         reached = -t.edge < margin
@@ -105,8 +105,8 @@ def _shifted(angle: SX, offset: float, low: float, high: float, joint: int) -> S
 
 def _in_range(angle: SX, joint: int, slack: Any) -> tuple[SX, SX, SX]:
     """The angle, on a limit that it passes by less than a slack; what it passed it by; whether it is in range."""
-    lower, upper, _ = arm_plane().limits[joint]
-    limit = fmin(fmax(angle, lower), upper)
+    g = arm_plane()
+    limit = fmin(fmax(angle, g.lower[joint]), g.upper[joint])
     beyond = angle - limit
     fits = fabs(beyond) < slack
     return if_else(fits, limit, angle), if_else(fits, beyond, 0.0), fits

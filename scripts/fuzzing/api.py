@@ -186,7 +186,6 @@ def _limits(rng: Rng) -> Any:
 def _targets() -> dict[str, Target]:
     dh, planar, motor = a5.dh, a5.planar, a5.actuators
     from alpha5_model.dh import arm_types
-    from alpha5_model.kinematics import plane
 
     two = lambda rng: rng.normal(0, 2, pick(rng, ((2,), (3, 2))))  # noqa: E731
     plain: dict[str, Callable[..., Any]] = {
@@ -196,7 +195,7 @@ def _targets() -> dict[str, Target]:
     for module, names in (
         (inertia, ("flip_products", "point_mass_tensor", "tensor_at_origin", "tensor_at_com", "rotate_tensor", "combine", "second_moments", "pseudo_inertia", "principal_moments", "radii_of_gyration", "inconsistencies")),
         (a5.workspace, ("published_reachable", "cross_section_area", "volume", "published_but_unreachable", "reachable_but_unpublished")),
-        (plane, ("singularities", "manipulability")),
+        (a5.workspace, ("singularities", "manipulability")),
         (dh, ("dh_transform", "DHLink", "DHChain.from_table", "DHChain.from_urdf")),
         (planar, ("theorem_radii", "theorem_row", "lecture_theorem")),
         (motor, ("actuator",)),

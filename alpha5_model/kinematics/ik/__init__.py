@@ -29,8 +29,7 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray, float_array
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
 from alpha5_model.kernels import module
-from alpha5_model.kinematics.ik.batch import solve_batch
-from alpha5_model.kinematics.plane import LIMIT_TOLERANCE, arm_plane, on_axis
+from alpha5_model.kinematics.plane import LIMIT_TOLERANCE, arm_plane, on_axis, solve_batch
 from alpha5_model.parameters import parameters
 
 #: The plane faces the target (underarm) or faces away (overarm); flipped is the other elbow.
@@ -96,19 +95,17 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     Raises:
         InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a bad row.
     """
-    return module().inverse_kinematics(Solutions, position, wrist) or _general(position, wrist)
-
-
-def _general(position: ArrayLike, wrist: ArrayLike) -> Solutions:
-    """What the kernel of one target does not take: other types and shapes, errors."""
+    solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
+    if solved is not None:
+        return solved
+    # What the kernel of one target does not take: other types and shapes, errors.
     target = float_array("position", position, (3,))
     angle = float_array("wrist", wrist, ())
     try:
         lead = np.broadcast_shapes(target.shape[:-1], angle.shape)
     except ValueError:
-        raise InputError(
-            "wrist", angle.shape, f"a shape that broadcasts with {target.shape[:-1]}"
-        ) from None
+        expected = f"a shape that broadcasts with {target.shape[:-1]}"
+        raise InputError("wrist", angle.shape, expected) from None
     target = np.broadcast_to(target, (*lead, 3)) if lead else target.copy()
     solutions = Solutions(*solve_batch(target, angle), target)
     for array in solutions:
@@ -153,16 +150,14 @@ def require_solution(q: FloatArray, within_limits: BoolArray, position: FloatArr
     target = position[index]
     if bool(reachable(target)):
         joint = parameters().joints[3]
-        angles = q[index][:, 3]
-        angle = float(angles[~np.isnan(angles)][0])
+        angle = float(np.nanmin(q[index][:, 3]))  # the same of every branch
         if not joint.lower - LIMIT_TOLERANCE <= angle <= joint.upper + LIMIT_TOLERANCE:
             bound = joint.lower if angle < joint.lower else joint.upper
             raise JointLimitError(joint.name, angle, bound)
     closest = nearest_reachable(target)
     place = f" (row {', '.join(map(str, index))})" if index else ""
-    raise UnreachableError(
-        target, math.hypot(*(target - closest)), closest, f" within the joint limits{place}"
-    )
+    off = math.hypot(*(target - closest))
+    raise UnreachableError(target, off, closest, f" within the joint limits{place}")
 
 
 def published_inverse_kinematics(position: ArrayLike) -> FloatArray:

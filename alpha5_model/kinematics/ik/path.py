@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alpha5_model.checks import FloatArray, float_array, real
+from alpha5_model.checks import FloatArray, float_array, real, shaped
 from alpha5_model.errors import DiscontinuousPathError, InputError, ShapeError
 from alpha5_model.kinematics.ik import Solutions, inverse_kinematics, require_solution
 from alpha5_model.kinematics.plane import arm_plane, on_axis
@@ -33,8 +33,6 @@ MAX_STEP = 0.5
 
 #: Ways to the solutions of a point: rows (M, L, 4), travel so far (M,), where each comes from (M,).
 _Ways = tuple[FloatArray, FloatArray, NDArray[np.intp]]
-#: Where the path may be: joint positions (M, 4), NaN before a free start, and travel so far (M,).
-_Frontier = tuple[FloatArray, FloatArray]
 
 
 def inverse_kinematics_path(
@@ -71,11 +69,7 @@ def inverse_kinematics_path(
     target = float_array("positions", positions, (3,))
     if target.ndim != 2:
         raise ShapeError("positions", target.shape, "shape (N, 3)")
-    start = np.full(4, np.nan)
-    if q_start is not None:
-        start = float_array("q_start", q_start, (4,))
-        if start.shape != (4,):
-            raise ShapeError("q_start", start.shape, "shape (4,)")
+    start = np.full(4, np.nan) if q_start is None else shaped("q_start", q_start, (4,))
     max_step = real("max_step", max_step, minimum=0.0, strict=True)
     angle = float_array("wrist", np.nan_to_num(start[3]) if wrist is None else wrist, ())
     if angle.shape not in ((), (len(target),)):
@@ -83,18 +77,17 @@ def inverse_kinematics_path(
     solutions = inverse_kinematics(target, angle)
     off_axis = np.append(np.flatnonzero(~on_axis(target)), len(target))
 
-    frontier = start[None], np.zeros(1)
+    at, travel = start[None], np.zeros(1)  # where the path may be, NaN before a free start
     stages: list[tuple[int, FloatArray, NDArray[np.intp]]] = []
     k = 0
     while k < len(target):
         stop = int(off_axis[np.searchsorted(off_axis, k)])
         if stop == k:
-            rows, travel, parent = _step(solutions, k, frontier, max_step)
+            rows, travel, parent = _step(solutions, k, at, travel, max_step)
         else:
-            rows, travel, parent = _along_axis(solutions, k, stop, frontier, max_step)
+            rows, travel, parent = _along_axis(solutions, k, stop, at, travel, max_step)
         stages.append((k, rows, parent))
-        frontier = rows[:, -1], travel
-        k += rows.shape[1]
+        at, k = rows[:, -1], k + rows.shape[1]
     out = np.empty((len(target), 4))
     index = int(travel.argmin()) if stages else 0
     for k, rows, parent in reversed(stages):
@@ -103,9 +96,11 @@ def inverse_kinematics_path(
     return out
 
 
-def _step(solutions: Solutions, k: int, frontier: _Frontier, max_step: float) -> _Ways:
-    """From the frontier to the solutions of point k."""
-    options, (at, travel) = _options(solutions, k), frontier
+def _step(
+    solutions: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step: float
+) -> _Ways:
+    """From joint positions (M, 4) to the solutions of point k; travel so far (M,)."""
+    options = _options(solutions, k)
     size, largest = _sizes(options[:, None, :] - at)
     cost = np.where(largest <= max_step, travel + size, np.inf)
     parent = cost.argmin(axis=1)
@@ -117,10 +112,10 @@ def _step(solutions: Solutions, k: int, frontier: _Frontier, max_step: float) ->
 
 
 def _along_axis(
-    solutions: Solutions, k: int, stop: int, frontier: _Frontier, max_step: float
+    solutions: Solutions, k: int, stop: int, starts: FloatArray, travel: FloatArray, max_step: float
 ) -> _Ways:
-    """From the frontier along the axis, points k to stop - 1, to the solutions of point stop."""
-    g, (starts, travel) = arm_plane(), frontier
+    """The same along the axis, points k to stop - 1, to the solutions of point stop."""
+    g = arm_plane()
     # A start beyond the limits of theta_0 is back within them with the first step.
     inside = np.clip(starts[:, 0], g.lower[0], g.upper[0])
     gap = np.nan_to_num(np.abs(inside - starts[:, 0]))

@@ -213,17 +213,10 @@ def approach_directions(position: ArrayLike) -> ApproachDirections:
     Raises:
         InputError: Not finite real numbers of shape (..., 3).
     """
-    chain = DHChain.alpha5()
-    wrist = (chain.lower[3] + chain.upper[3]) / 2
-    solutions = inverse_kinematics(position, float(wrist))
-    q = np.where(solutions.exists[..., None], solutions.q, chain.home)
-    _, axes = chain.joint_axes(q)
+    (chain, _), g = _hand(), arm_plane()
+    q, exists, within_limits, _, target = inverse_kinematics(position, g.middle[3])
+    _, axes = chain.joint_axes(np.where(exists[..., None], q, chain.home))
     # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
     outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
-    return ApproachDirections(
-        directions=np.where(solutions.exists[..., None], outwards, np.nan),
-        exists=solutions.exists,
-        within_limits=solutions.within_limits,
-        any_azimuth=on_axis(solutions.position),
-        roll=(chain.links[3].lower, chain.links[3].upper),
-    )
+    directions, roll = np.where(exists[..., None], outwards, np.nan), (g.lower[3], g.upper[3])
+    return ApproachDirections(directions, exists, within_limits, on_axis(target), roll)
