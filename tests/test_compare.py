@@ -381,7 +381,7 @@ TOKENS = st.sampled_from(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
     root = ET.fromstring(OWN)

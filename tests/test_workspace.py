@@ -90,7 +90,7 @@ def test_the_minimised_function_is_the_retyped_table() -> None:
 def test_distance_is_the_least_over_all_joint_positions() -> None:
     rng = np.random.default_rng(50)
     target = rng.uniform(BOX[:, 0] - 0.1, BOX[:, 1] + 0.1, (400, 3))
-    target = target[~a5.reachable(target)][:24]
+    target = target[~a5.reachable(target)][:12]
     distance = a5.distance_to_reach(target)
     numerical = np.array([numerical_distance(t) for t in target])
     np.testing.assert_allclose(distance, numerical, rtol=0, atol=1e-7)
@@ -103,7 +103,7 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
     )
     radius, z = rng.uniform(0.0, 0.36, 80) ** 1.5 * 1.6, rng.uniform(-0.3, 0.4, 80)
     target = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
-    target = target[~a5.reachable(target)][::4][:20]
+    target = target[~a5.reachable(target)][::4][:10]
     numerical = np.array([numerical_distance(t) for t in target])
     np.testing.assert_allclose(a5.distance_to_reach(target), numerical, rtol=0, atol=1e-7)
 
@@ -143,7 +143,7 @@ def test_nearest_point_is_reachable_and_at_the_distance() -> None:
 
 @pytest.mark.parametrize("side", ["underarm", "overarm", "both"])
 def test_both_sides_of_every_arc(side: str) -> None:
-    """1e-6 m inside is reached and 1e-6 m outside is not, by a minimiser that knows joint limits only."""
+    """1e-6 m inside is reached and 1e-6 m outside is not; mid-arc by a minimiser that knows joint limits only."""
     azimuth = 1.0
     pairs = []
     for arc in space.boundary(side):
@@ -153,11 +153,12 @@ def test_both_sides_of_every_arc(side: str) -> None:
                 R = arc.center[0] + (arc.radius + step) * math.cos(at)
                 z = arc.center[1] + (arc.radius + step) * math.sin(at)
                 point = np.array([R * math.cos(azimuth), R * math.sin(azimuth), z])
-                pairs.append((point, arc.filled == filled, (R, z)))
-    for point, inside, (R, z) in pairs:
+                pairs.append((point, arc.filled == filled, (R, z), share == 0.5))
+    for point, inside, (R, z), middle in pairs:
         assert bool(space.in_half_plane(np.array(R), np.array(z), side)) == inside
         if side == "both":
             assert bool(a5.reachable(point)) == inside
+        if side == "both" and middle:
             gap = numerical_distance(point)
             assert (gap < 1e-8) if inside else (gap == pytest.approx(1e-6, abs=1e-8))
 
