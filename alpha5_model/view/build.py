@@ -118,7 +118,7 @@ def build_scene(
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
-    return Scene(
+    whole = Scene(
         title="Reach Alpha 5",
         notes=(
             water if arm.fluid_density else f"In air: weight {weight:.2f} N.",
@@ -134,12 +134,12 @@ def build_scene(
         statics=_statics(arm, loads, tree[0].parent),
         current=flow,
         streams=_streams(arm),
-        camera=scene.framing(shapes, poses, shown),
         show=shown,
         named_poses=named,
         motion=None if motion is None else motion_track(motion, arm, position, current),
         target=goal,
     )
+    return replace(whole, camera=scene.framing(whole))
 
 
 def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:

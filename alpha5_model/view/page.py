@@ -30,8 +30,8 @@ _AS_IT_STANDS = "title notes sliders labels statics current streams camera targe
 _SAMPLES = 2000
 #: Root of the arm in meshcat's scene tree.
 ROOT = "/meshcat/alpha5"
-#: MessagePack extension codes by which meshcat sends typed arrays.
-_CODES = {"f": ("Float32Array", 0x17), "u": ("Uint32Array", 0x16)}
+#: Typed arrays, and the MessagePack extension codes by which meshcat sends them.
+_CODES = {"<f4": ("Float32Array", 0x17), "<u4": ("Uint32Array", 0x16)}
 
 
 class Command(dict[str, Any]):
@@ -49,11 +49,6 @@ class Command(dict[str, Any]):
 def shape_path(shape: Shape) -> str:
     """Node of a shape in meshcat's scene tree."""
     return f"{ROOT}/{shape.group}/{shape.name}"
-
-
-def link_path(link: str) -> str:
-    """Node that carries the bodies of a link."""
-    return f"{ROOT}/bodies/{link}"
 
 
 def _anchors(scene: Scene) -> dict[str, Rigid | Mean]:
@@ -78,7 +73,7 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
 
 def pose_commands(scene: Scene) -> Iterator[Command]:
     """Commands that move everything to where the scene has it."""
-    placed = {link_path(link): pose for link, pose in scene.poses.items()}
+    placed = {f"{ROOT}/bodies/{link}": pose for link, pose in scene.poses.items()}
     placed |= {path: anchor.transform(scene.poses) for path, anchor in _anchors(scene).items()}
     for path, pose in placed.items():
         yield Command(type="set_transform", path=path, matrix=pose.T.ravel().tolist())
@@ -91,13 +86,13 @@ def set_visible(group: str, visible: bool) -> Command:
 
 def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
     # Names, not random identifiers: the same scene gives the same bytes.
-    name = f"{shape.group}/{shape.name}"
+    name, colored = f"{shape.group}/{shape.name}", shape.mesh.colors is not None
     content = {} if id(shape.mesh) in sent else {"data": _geometry(shape)}
     geometry = sent.setdefault(id(shape.mesh), f"{name}:geometry")
     material = {
         "uuid": f"{name}:material",
         "type": "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial",
-        "color": 0xFFFFFF if shape.mesh.colors is not None else _hex(shape.color),
+        "color": 0xFFFFFF if colored else _hex(shape.color),
         "specular": _hex((0.55 * shape.shine,) * 3),
         "shininess": 40.0,
         # three.js: 0 front only, 2 both sides. Closed bodies need their front only.
@@ -106,7 +101,7 @@ def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
         "opacity": shape.opacity,
         "depthTest": shape.on_top == 0,
         "depthWrite": shape.opacity == 1.0,
-        "vertexColors": shape.mesh.colors is not None,
+        "vertexColors": colored,
     }
     mesh = {"uuid": name, "type": "Mesh", "geometry": geometry, "material": material["uuid"]}
     parts = {
@@ -119,19 +114,15 @@ def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
 
 
 def _geometry(shape: Shape) -> dict[str, Any]:
-    mesh = shape.mesh
-    corners = {"position": mesh.vertices}
-    if not shape.flat:
-        corners["normal"] = mesh.normals
-    if mesh.colors is not None:
-        corners["color"] = mesh.colors
-    attributes = {name: _typed(values.astype("<f4"), 3) for name, values in corners.items()}
-    return {"attributes": attributes, "index": _typed(mesh.faces.ravel().astype("<u4"), 1)}
+    mesh, normals = shape.mesh, None if shape.flat else shape.mesh.normals
+    corners = {"position": mesh.vertices, "normal": normals, "color": mesh.colors}
+    given = {name: _typed(x, "<f4", 3) for name, x in corners.items() if x is not None}
+    return {"attributes": given, "index": _typed(mesh.faces.ravel(), "<u4", 1)}
 
 
-def _typed(array: NDArray[Any], item_size: int) -> dict[str, Any]:
-    name, code = _CODES[array.dtype.kind]
-    packed = umsgpack.Ext(code, array.tobytes())
+def _typed(array: NDArray[Any], kind: str, item_size: int) -> dict[str, Any]:
+    name, code = _CODES[kind]
+    packed = umsgpack.Ext(code, array.astype(kind).tobytes())
     return {"itemSize": item_size, "type": name, "array": packed, "normalized": False}
 
 
@@ -163,7 +154,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
         "root": pose_message(scene)["root"],
         "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
-        "links": {link: link_path(link) for link in scene.poses},
+        "links": {link: f"{ROOT}/bodies/{link}" for link in scene.poses},
         "anchors": [{"path": path, "anchor": at} for path, at in _anchors(scene).items()],
         "groups": [
             {"name": name, "title": title, "shown": name in scene.show}
@@ -217,12 +208,9 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
         # "<" cannot close the script element that holds the data.
         "data": json.dumps(data, separators=(",", ":"), default=_plain).replace("<", "\\u003c"),
     }
-    page = re.sub(
-        r"{{([\w/]+\.(?:css|js))}}", lambda named: _read(named[1]), _read("web/page.html")
-    )
-    for name, text in parts.items():
-        page = page.replace("{{" + name + "}}", text, 1)
-    return page
+    # What is not given is a file.
+    named = re.compile(r"{{([\w/.]+)}}")
+    return named.sub(lambda part: parts.get(part[1]) or _read(part[1]), _read("web/page.html"))
 
 
 def _plain(part: Any) -> Any:

@@ -29,10 +29,10 @@ _FINER = 2
 #: Pixels processed at once.
 _BLOCK = 1 << 21
 _INK = (38, 43, 51)
-#: Least distance from an edge that counts, in pixels.
-_EDGE = 1e-7
+#: Least distance from an edge that counts, in pixels, and twice the least area of a triangle.
+_EDGE, _SLIVER = 1e-7, 1e-9
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
-_LIGHTS = ((np.array([-0.35, 0.75, 0.56]), 0.80), (np.array([0.85, 0.1, 0.52]), 0.45))
+_LIGHTS, _STRENGTHS = np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]]), np.array([0.80, 0.45])
 _AMBIENT = 0.68
 
 
@@ -55,7 +55,20 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> Pixels:
     width, height = check_size(size)
     canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
     layer = 0
-    for shape, mesh, opacity in _in_order(canvas, scene):
+    veiled = "bodies" if "see-through" in scene.show else None
+    shown = [
+        (shape, shape.placed(scene.poses), SEE_THROUGH if shape.group == veiled else shape.opacity)
+        for shape in scene.shapes
+        if shape.group in scene.show
+    ]
+
+    def order(entry: tuple[Shape, Mesh, float]) -> tuple[float, ...]:
+        """Layers on top last; bodies before the rest of what is seen through, from far to near."""
+        shape, mesh, opacity = entry
+        distance = float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
+        return shape.on_top, opacity < 1.0, shape.group != "bodies", -distance
+
+    for shape, mesh, opacity in sorted(shown, key=order):
         if shape.on_top > layer:
             layer = shape.on_top
             canvas.clear_depth()
@@ -103,25 +116,6 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
         atomic_write(path, whole.read_bytes())
 
 
-def _in_order(canvas: Canvas, scene: Scene) -> list[tuple[Shape, Mesh, float]]:
-    """What is shown, in the world, with its opacity.
-
-    Opaque shapes first, then transparent ones, bodies before the rest, from far to near; layers on
-    top last.
-    """
-    found = []
-    for shape in scene.shapes:
-        if shape.group not in scene.show:
-            continue
-        mesh = shape.placed(scene.poses)
-        veiled = shape.group == "bodies" and "see-through" in scene.show
-        opacity = SEE_THROUGH if veiled else shape.opacity
-        distance = float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
-        key = (shape.on_top, opacity < 1.0, shape.group != "bodies", -distance)
-        found.append((key, (shape, mesh, opacity)))
-    return [entry for _, entry in sorted(found, key=lambda item: item[0])]
-
-
 def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
     """Labels beside their points, from the top down, each below those that it would cover."""
     from PIL import Image, ImageDraw, ImageFont
@@ -148,7 +142,7 @@ def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
         color = tuple(round(255 * c) for c in label.color)
         draw.text((left, top + step / 2 - 1), label.text, fill=color, font=font, anchor="lm")
     # How long things are, at the distance of the point that is looked at.
-    size = canvas.pixels_per_metre() / _FINER
+    size = canvas.focal / float(np.linalg.norm(scene.camera.eye - scene.camera.target)) / _FINER
     bars = {"100 mm": 0.1}
     if {"weight", "buoyancy"} & {*scene.show}:
         bars["force 5 N"] = 5 * ARROWS["force"]
@@ -175,21 +169,18 @@ class Canvas:
         self.width, self.height = width, height
         self._camera = camera
         self.axes = camera.axes()
-        self._focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
-        self.color = _backdrop(width, height)
+        self.focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
+        backdrop = np.linspace((1.0, 1.0, 1.0), (0.80, 0.86, 0.90), height, dtype=np.float32)
+        self.color = np.repeat(backdrop, width, axis=0)
         self._depth = np.full(width * height, np.inf, dtype=np.float32)
 
     def project(self, points: FloatArray) -> FloatArray:
         """Points (N, 3) in the world to (N, 3): pixel column, pixel row, distance ahead [m]."""
         local = (points - self._camera.eye) @ self.axes.T
         ahead = -local[:, 2]
-        scale = self._focal / ahead
+        scale = self.focal / ahead
         column, row = self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale
         return np.stack([column, row, ahead], axis=1)
-
-    def pixels_per_metre(self) -> float:
-        """Scale at the distance of the point that the camera looks at."""
-        return float(self._focal / np.linalg.norm(self._camera.eye - self._camera.target))
 
     def clear_depth(self) -> None:
         """Let what follows be drawn over everything so far."""
@@ -231,17 +222,14 @@ class Canvas:
     ) -> Iterator[tuple[IntArray, FloatArray, NDArray[np.uint32], FloatArray]]:
         """Pixels inside the triangles: index, distance, corners (N, 3) and their weights (3, N)."""
         corners = screen[faces]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        area = _cross(b - a, c - a)
+        affine = np.concatenate([corners[..., :2], np.ones_like(corners[..., :1])], axis=2)
+        area = np.linalg.det(affine)
         # Rows grow downwards: a triangle seen from outside has a negative area.
-        wanted = (area != 0.0) if two_sided else (area < 0.0)
+        wanted = (np.abs(area) if two_sided else -area) > _SLIVER
         wanted &= corners[..., 2].min(axis=1) > 0.0
-        faces, corners, area = faces[wanted], corners[wanted], area[wanted]
+        faces, corners = faces[wanted], corners[wanted]
         # The weight of a corner grows evenly over the screen: by x, by y, and from what at (0, 0).
-        one, two = np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)
-        by_x = (one[..., 1] - two[..., 1]) / area[:, None]
-        by_y = (two[..., 0] - one[..., 0]) / area[:, None]
-        still = _cross(one, two) / area[:, None]
+        by_x, by_y, still = np.linalg.inv(affine[wanted]).swapaxes(0, 1)
         nearness = 1.0 / corners[..., 2]
         # Every row of pixels that a triangle crosses, and what it covers of it.
         low, high = _spans(corners[..., 1].min(axis=1), corners[..., 1].max(axis=1), self.height)
@@ -290,25 +278,9 @@ def shade(normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: floa
         axes: The camera's axes in rows.
         shine: Strength of the highlight, 0 to 1.
     """
-    seen = normals @ axes.T
-    light = np.full(len(seen), _AMBIENT)
-    highlight = np.zeros(len(seen))
-    for towards, strength in _LIGHTS:
-        direction = towards / np.linalg.norm(towards)
-        light += strength * np.maximum(seen @ direction, 0.0)
-        halfway = direction + np.array([0.0, 0.0, 1.0])
-        facing = np.maximum(seen @ (halfway / np.linalg.norm(halfway)), 0.0)
-        highlight += strength * facing**24
-    out: FloatArray = np.clip(colors * light[:, None] + 0.5 * shine * highlight[:, None], 0.0, 1.0)
-    return out
-
-
-def _backdrop(width: int, height: int) -> NDArray[np.float32]:
-    down = np.linspace(0.0, 1.0, height)[:, None]
-    column = (1.0 - down) * np.array([1.0, 1.0, 1.0]) + down * np.array([0.80, 0.86, 0.90])
-    return np.repeat(column[:, None, :], width, axis=1).reshape(-1, 3).astype(np.float32)
-
-
-def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    out: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return out
+    towards = _LIGHTS / np.linalg.norm(_LIGHTS, axis=1, keepdims=True)
+    halfway = np.add(towards, (0.0, 0.0, 1.0))
+    halfway /= np.linalg.norm(halfway, axis=1, keepdims=True)
+    light, facing = (np.maximum(normals @ axes.T @ v.T, 0.0) for v in (towards, halfway))
+    lit = colors * (_AMBIENT + light @ _STRENGTHS)[:, None]
+    return np.asarray(np.clip(lit + 0.5 * shine * (facing**24 @ _STRENGTHS)[:, None], 0.0, 1.0))

@@ -6,8 +6,10 @@ A `Scene` knows nothing of browsers or pixels. `page` turns it into meshcat comm
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+import tomllib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,44 +20,25 @@ from alpha5_model.errors import InputError
 from alpha5_model.spatial import transform
 from alpha5_model.view.shapes import Mesh
 
+_LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 #: Groups of things that can be shown and hidden -> what the page calls them.
-GROUPS: dict[str, str] = {
-    "bodies": "Bodies",
-    "see-through": "See-through",
-    "labels": "Labels",
-    "frames": "Link frames",
-    "com": "Mass centres",
-    "cob": "Buoyancy centres",
-    "weight": "Weight",
-    "buoyancy": "Buoyancy",
-    "workspace": "Reach, section",
-    "surface": "Reach, surface",
-    "ghosts": "IK solutions",
-    "collision": "Collision bodies",
-    "current": "Current (est.)",
-}
+GROUPS: dict[str, str] = _LOOK["groups"]
 #: Groups of shapes; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
-#: Shown by default.
-DEFAULT_SHOW = ("bodies", "labels", "com", "cob")
-#: Opacity of bodies that are seen through.
-SEE_THROUGH = 0.4
+#: Length of an arrow per force [m/N], and of the current's per speed [s].
+ARROWS: dict[str, float] = _LOOK["arrows"]
+#: Directions from which the arm is seen, by name, (3,).
+VIEWS = {name: np.array(direction) for name, direction in _LOOK["views"].items()}
+#: Shown by default; opacity of bodies that are seen through.
+DEFAULT_SHOW, SEE_THROUGH = tuple(_LOOK["show"]), _LOOK["see_through"]
 #: The fixed frame at the root of the scene.
 WORLD = "world"
-#: Length of an arrow per force [m/N], and of the current's per speed [s].
-ARROWS = {"force": 0.015, "current": 0.12}
-#: Directions from which the arm is seen, by name; home is the side on which Figure 1 shows it, a little
-#: from above. Exactly from above there would be no telling which way is up.
-VIEWS = {
-    "home": np.array([0.35, -1.0, 0.42]),
-    "front": np.array([1.0, 0.0, 0.0]),
-    "side": np.array([0.0, -1.0, 0.0]),
-    "top": np.array([0.0, -1e-4, 1.0]),
-}
 #: Share of the frame's half-width and half-height that is used.
 _MARGIN = 0.86
 #: Red, green, blue, each 0 to 1.
 Color = tuple[float, float, float]
+#: Pose of every link in the world, (4, 4).
+Poses = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +53,7 @@ class Rigid:
     link: str
     placement: FloatArray = field(default_factory=lambda: np.eye(4))
 
-    def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
+    def transform(self, poses: Poses) -> FloatArray:
         """Pose in the world, (4, 4)."""
         return poses[self.link] @ self.placement
 
@@ -87,7 +70,7 @@ class Mean:
     points: tuple[tuple[str, float, FloatArray], ...]
     offset: FloatArray = field(default_factory=lambda: np.zeros(3))
 
-    def transform(self, poses: Mapping[str, FloatArray]) -> FloatArray:
+    def transform(self, poses: Poses) -> FloatArray:
         """Pose in the world, (4, 4)."""
         total = sum(weight for _, weight, _ in self.points)
         placed = ((weight / total, poses[link], point) for link, weight, point in self.points)
@@ -121,7 +104,7 @@ class Shape:
     shine: float = 0.0
     flat: bool = False
 
-    def placed(self, poses: Mapping[str, FloatArray]) -> Mesh:
+    def placed(self, poses: Poses) -> Mesh:
         """The mesh in the world."""
         return self.mesh.moved(self.anchor.transform(poses))
 
@@ -236,12 +219,12 @@ class Scene:
             `alpha5_model.base_parameters` without what moves beyond link_4, (41,); ``share`` of them by
             the net first moment and net mass of what does, in link_4, (41, 4); ``beyond``, link, and
             net first moment [kg m] and net mass [kg] in its frame, (4,), of each such body.
-        camera: From where the scene is seen.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
         current, streams: Velocity of the water, (3,) [m/s], and what it does to the links.
         target: Where the tcp should be, in base_link, (3,) [m], or None.
+        camera: From where the scene is seen.
     """
 
     title: str
@@ -254,36 +237,29 @@ class Scene:
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
     statics: Mapping[str, Any]
-    camera: Camera
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
-    current: FloatArray = field(default_factory=lambda: np.zeros(3))
-    streams: tuple[Stream, ...] = ()
-    target: FloatArray | None = None
+    current: FloatArray
+    streams: tuple[Stream, ...]
+    target: FloatArray | None
+    camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
 
 
 def framing(
-    shapes: Iterable[Shape],
-    poses: Mapping[str, FloatArray],
-    show: Collection[str],
-    aspect: float = 1.15,
-    view: str = "home",
-    also: Iterable[Mapping[str, FloatArray]] = (),
+    scene: Scene, aspect: float = 1.15, view: str = "home", also: Iterable[Poses] = ()
 ) -> Camera:
     """The nearest camera that sees every corner of the bodies and of what is shown.
 
     Args:
-        shapes: What there is.
-        poses: Pose of every link, (4, 4).
-        show: Groups that are shown; the bodies count in any case.
+        scene: What there is.
         aspect: Width over height of the part of the frame that may be used.
         view: One of `VIEWS`.
         also: Poses of the links elsewhere in a motion, to be seen too.
     """
-    drawn = [shape for shape in shapes if shape.group in {"bodies", *show}]
-    seen = [shape.placed(at) for at in (poses, *also) for shape in drawn]
-    points = np.concatenate([mesh.vertices for mesh in seen])
+    drawn = [shape for shape in scene.shapes if shape.group in {"bodies", *scene.show}]
+    seen = [shape.placed(at).vertices for at in (scene.poses, *also) for shape in drawn]
+    points = np.concatenate(seen)
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
     camera = Camera(center + sight, center)
@@ -310,11 +286,7 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     return size
 
 
-def framed(
-    scene: Scene, size: tuple[int, int], also: Iterable[Mapping[str, FloatArray]] = ()
-) -> Scene:
+def framed(scene: Scene, size: tuple[int, int], also: Iterable[Poses] = ()) -> Scene:
     """A scene whose camera fits a picture of this size, and what it shows at other poses too."""
-    check_size(size)
-    aspect = 0.95 * size[0] / size[1]
-    camera = framing(scene.shapes, scene.poses, scene.show, aspect, also=also)
-    return replace(scene, camera=camera)
+    width, height = check_size(size)
+    return replace(scene, camera=framing(scene, 0.95 * width / height, also=also))

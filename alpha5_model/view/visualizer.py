@@ -335,8 +335,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def setCameraPreset(self, preset_key: str) -> None:
         """Look from one of `alpha5_model.view.scene.VIEWS` at all that is shown."""
-        s, view = self.scene, choice("view", preset_key, tuple(VIEWS))
-        self._look(**vars(framing(s.shapes, s.poses, s.show, view=view)))
+        view = choice("view", preset_key, tuple(VIEWS))
+        self._look(**vars(framing(self.scene, view=view)))
 
     def setCameraTarget(self, target: ArrayLike) -> None:
         """Look at a point of the world, (3,) [m]."""
