@@ -15,9 +15,8 @@ from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.inertia import flip_products
-from alpha5_model.published import published
+from alpha5_model.published import published, tables
 from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.tables import Published, SourcedQuantity
 
 Record = TypeVar("Record")
 
@@ -213,34 +212,32 @@ def _parameters(corrections: tuple[str, ...]) -> Alpha5Parameters:
     return convert(published(), corrections)
 
 
-def convert(printed: Published, corrections: tuple[str, ...]) -> Alpha5Parameters:
+def convert(printed: tables.Published, corrections: tuple[str, ...]) -> Alpha5Parameters:
     """Printed tables to SI units and URDF convention, with the named corrections."""
-    dh, theta_c = _dh(printed)
+    opposite, adjacent = printed.elbow.opposite, printed.elbow.adjacent
+    theta_c = math.atan2(opposite.value, adjacent.value)
+    angles = {"theta_c": theta_c, "pi": math.pi, "pi/2": math.pi / 2, "0": 0.0}
+    a_1, extra = math.hypot(opposite.si, adjacent.si), printed.supplementary
+    dh = tuple(_dh_row(row, angles, a_1) for row in printed.table_1.rows)
+    bodies = zip(printed.table_2.rows, printed.table_3.rows, extra.bodies, strict=True)
     return Alpha5Parameters(
         dh=dh,
         theta_c=theta_c,
-        links=_links(printed, dh, corrections),
-        joints=tuple(_record(JointParameters, row) for row in printed.supplementary.joints),
+        links=tuple(_link(*rows, dh, corrections) for rows in bodies),
+        joints=tuple(_record(JointParameters, row) for row in extra.joints),
         actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
-        jaws=JawParameters(**{k: in_si(v) for k, v in printed.supplementary.jaws.items()}),
+        jaws=JawParameters(**{name: in_si(value) for name, value in extra.jaws.items()}),
         base_yaw=0.0 if "base_frame" in corrections else math.pi,
         corrections=corrections,
     )
 
 
-def _dh(printed: Published) -> tuple[tuple[DHParameters, ...], float]:
-    opposite, adjacent = printed.elbow.opposite, printed.elbow.adjacent
-    theta_c = math.atan2(opposite.value, adjacent.value)
-    lengths = {"a_1": math.hypot(opposite.si, adjacent.si)}
-    angles = {"theta_c": theta_c, "pi": math.pi, "pi/2": math.pi / 2, "0": 0.0}
-    rows = []
-    for row in printed.table_1.rows:
-        place = f"Table 1, link {row.link}"
-        variable, offset = _split_angle(row.theta, angles, place)
-        a = lengths[row.a] if isinstance(row.a, str) else row.a.si
-        _, alpha = _split_angle(row.alpha, angles, place)
-        rows.append(DHParameters(row.d.si, offset, a, alpha, variable))
-    return tuple(rows), theta_c
+def _dh_row(row: tables.DHRow, angles: dict[str, float], a_1: float) -> DHParameters:
+    place = f"Table 1, link {row.link}"
+    variable, offset = _split_angle(row.theta, angles, place)
+    _, alpha = _split_angle(row.alpha, angles, place)
+    a = a_1 if isinstance(row.a, str) else row.a.si
+    return DHParameters(row.d.si, offset, a, alpha, variable)
 
 
 def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple[str | None, float]:
@@ -258,32 +255,28 @@ def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple
     return variable, constant
 
 
-def _links(
-    printed: Published, dh: tuple[DHParameters, ...], corrections: tuple[str, ...]
-) -> tuple[LinkParameters, ...]:
-    links = []
-    rows = zip(
-        printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies, strict=True
+def _link(
+    inertial: tables.InertialRow,
+    buoyancy: tables.BuoyancyRow,
+    body: tables.BodyBounds,
+    dh: tuple[DHParameters, ...],
+    corrections: tuple[str, ...],
+) -> LinkParameters:
+    cob = in_si(buoyancy.cob)
+    if body.name == "link_3" and "link3_cob" in corrections:
+        # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
+        # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
+        x, y, z = cob
+        cob = [dh[2].a - x, z - dh[0].d, y]
+    return LinkParameters(
+        name=body.name,
+        mass=inertial.mass.si,
+        com=frozen(in_si(inertial.com)),
+        inertia=frozen(flip_products(in_si(inertial.inertia_com))),
+        volume=buoyancy.volume.si,
+        cob=frozen(cob),
+        bounds=frozen(in_si(body.bounds)),
     )
-    for inertial, buoyancy, body in rows:
-        cob = in_si(buoyancy.cob)
-        if body.name == "link_3" and "link3_cob" in corrections:
-            # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
-            # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
-            x, y, z = cob
-            cob = [dh[2].a - x, z - dh[0].d, y]
-        links.append(
-            LinkParameters(
-                name=body.name,
-                mass=inertial.mass.si,
-                com=frozen(in_si(inertial.com)),
-                inertia=frozen(flip_products(in_si(inertial.inertia_com))),
-                volume=buoyancy.volume.si,
-                cob=frozen(cob),
-                bounds=frozen(in_si(body.bounds)),
-            )
-        )
-    return tuple(links)
 
 
 def _record(kind: type[Record], row: Any) -> Record:
@@ -295,6 +288,6 @@ def in_si(value: Any) -> Any:
     """Numbers in SI units, at any depth; what is no printed number as it is."""
     if isinstance(value, tuple):
         return [in_si(item) for item in value]
-    if isinstance(value, SourcedQuantity):
+    if isinstance(value, tables.SourcedQuantity):
         return value.quantity.si
     return value.si if isinstance(value, Quantity) else value

@@ -35,13 +35,9 @@ def rotation_about(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
 def rotation_from_rpy(rpy: Sequence[float] | FloatArray) -> FloatArray:
     """``Rz(yaw) Ry(pitch) Rx(roll)``, (3, 3): URDF's fixed-axis roll, pitch, yaw."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    x = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
+    y = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
+    return np.array([x, y, (-sp, cp * sr, cp * cr)])
 
 
 def rpy_from_rotation(r: FloatArray) -> Triple:
@@ -59,12 +55,9 @@ def rpy_from_rotation(r: FloatArray) -> Triple:
 def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, float]:
     """(x, y, z, w) of the same rotation as `rotation_from_rpy`."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
-    return (
-        float(sr * cp * cy - cr * sp * sy),
-        float(cr * sp * cy + sr * cp * sy),
-        float(cr * cp * sy - sr * sp * cy),
-        float(cr * cp * cy + sr * sp * sy),
-    )
+    x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
+    z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
+    return float(x), float(y), float(z), float(w)
 
 
 def transform(

@@ -17,7 +17,7 @@ from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf_files
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
-from alpha5_model.files import atomic_write, atomic_write_all, check_outputs, is_stream
+from alpha5_model.files import atomic_write_all, check_outputs, is_stream
 from alpha5_model.paths import REPOSITORY_PATH
 
 MESH_URIS = {
@@ -86,16 +86,13 @@ def generate(
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     alpha5 generate --format c --real float --output out/controller
     """
-    sources = {name: context.get_parameter_source(name) for name in context.params}
-    given = [
-        name for name, source in sources.items() if getattr(source, "name", "") == "COMMANDLINE"
-    ]
-    for alone in ("check", "update"):
-        for name in given if context.params[alone] else ():
-            if name != alone:
-                value = context.params[name]
-                raise InputError(_option(name), value, f"nothing beside --{alone}")
+    given = [n for n in context.params if "COMMANDLINE" in str(context.get_parameter_source(n))]
+    words = {parameter.name: parameter.opts[0] for parameter in context.command.params}
     if check or update:
+        alone = "check" if check else "update"
+        for name in given:
+            if name != alone:
+                raise InputError(words[name], context.params[name], f"nothing beside --{alone}")
         return _committed(check)
 
     choice("format", description_format, tuple(_FORMATS))
@@ -104,46 +101,38 @@ def generate(
         formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
         if formats and description_format not in formats:
             expected = f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
-            raise InputError(_option(name), description_format, expected)
-    values = {
-        **context.params,
+            raise InputError(words[name], description_format, expected)
+    values = context.params | {
         "xyz": options.numbers("xyz", xyz, (3,), "m"),
         "rpy": options.numbers("rpy", rpy, (3,), "rad"),
         "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
         "fluid_density": options.fluid_density(fluid),
-        "gravity": options.gravity_vector(gravity),
+        "gravity": options.numbers("gravity", gravity, (3,), "m/s^2"),
         "corrections": options.correction_names(corrections),
     }
     record, made, main = _FORMATS[description_format]
     files = made(record(**{name: values[name] for name in names[description_format]}))
     if output is None:
         echo(files[main].decode(), nl=False)
-    elif is_stream(output):  # the description alone, without what stands beside a file
-        atomic_write(output, files[main])
+        return 0
+    if is_stream(output):  # the description alone, without what stands beside a file
+        written = {output: files[main]}
     elif description_format == "urdf":
         if not output.suffix:
             raise OutputError(output, "give a file name, such as alpha5.urdf")
         check_outputs((), output=(output, (".urdf", ".xml")))
         meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
-        beside = {output.parent / "meshes" / name: content for name, content in meshes.items()}
-        _write({output: files[main], **beside})
+        written = {output: files[main]}
+        written |= {output.parent / "meshes" / name: mesh for name, mesh in meshes.items()}
+    elif output.is_file():
+        raise OutputError(output, "it is a file; this format needs a folder")
     else:
-        if output.is_file():
-            raise OutputError(output, "it is a file; this format needs a folder")
-        _write({output / name: content for name, content in files.items()})
+        written = {output / name: content for name, content in files.items()}
+    atomic_write_all(written)
+    for folder in dict.fromkeys(path.parent for path in written if not is_stream(output)):
+        inside = ", ".join(path.name for path in written if path.parent == folder)
+        options.say(f"wrote in {folder}: {inside}")
     return 0
-
-
-def _write(files: dict[Path, str | bytes]) -> None:
-    """Write files and name them, folder by folder."""
-    atomic_write_all(files)
-    for folder in dict.fromkeys(path.parent for path in files):
-        names = ", ".join(path.name for path in files if path.parent == folder)
-        options.say(f"wrote in {folder}: {names}")
-
-
-def _option(name: str) -> str:
-    return "--format" if name == "description_format" else "--" + name.replace("_", "-")
 
 
 def _committed(check: bool) -> int:
@@ -156,7 +145,7 @@ def _committed(check: bool) -> int:
             echo(file.diff, nl=False)
         echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
     else:
-        options.print_written(*committed.update())
+        options.show(False, None, (), *committed.update())
     for line in committed.not_generated():
         echo(line)
     return 1 if stale else 0

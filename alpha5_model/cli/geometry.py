@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +15,7 @@ from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
-from alpha5_model.kinematics.workspace import SampledShare, sampled_share
+from alpha5_model.kinematics.workspace import PublishedErrors, SampledShare, sampled_share
 from alpha5_model.text import table
 from alpha5_model.uncertainty import reach, sensitivity
 from alpha5_model.uncertainty.effects import Sensitivity
@@ -32,7 +30,6 @@ from alpha5_model.view.workspace_plot import (
 _COLLISION = "Also what is reached in self-collision only; --plot draws it."
 _POSITION = "Joint position (rad or m); the drawn one if left out."
 _LIMITS = "'LOWER UPPER' (rad or m) or none, once per joint in order."
-_NO_MAP = "not computed for this arm; planar.dexterity_map takes three joints or more, the last R"
 _LINK = "'THETA D A ALPHA SIGMA'"
 
 
@@ -55,20 +52,19 @@ def workspace(
         with spinner("drawing"):
             page = self_collision_figure(samples=samples) if self_collision else workspace_figure()
             write_figure(page, plot, dpi=150)
-    farthest = sensitivity(reach)
-    record: dict[str, Any] = {} if share is None else {"without_self_collision": share._asdict()}
-    record["errors_of_the_published_region"] = asdict(space.published_errors())
+    e, farthest = space.published_errors(), sensitivity(reach)
+    record: dict[str, Any] = {} if share is None else {"without_self_collision": share}
+    record["errors_of_the_published_region"] = e
     record["cross_section_area"] = {side: space.cross_section_area(side) for side in space.SIDES}
-    record["reach"] = {"value": float(farthest.nominal), "digits": float(farthest.half_width)}
+    record["reach"] = {"value": farthest.nominal, "digits": farthest.half_width}
     record["volume"], record["volume_without_limits"] = space.volume(), space.volume(limits=False)
-    record["boundary"] = {s: [arc._asdict() for arc in space.boundary(s)] for s in space.SIDES}
-    record["published_tori"] = [torus._asdict() for torus in space.published_tori()]
+    record["boundary"] = {side: space.boundary(side) for side in space.SIDES}
+    record["published_tori"] = space.published_tori()
     record["singular_theta_2"] = space.singular_elbow_angles()
-    show(as_json, record, _regions(share, farthest), plot)
+    show(as_json, record, _regions(e, share, farthest), plot)
 
 
-def _regions(share: SampledShare | None, farthest: Sensitivity) -> Lines:
-    e = space.published_errors()
+def _regions(e: PublishedErrors, share: SampledShare | None, farthest: Sensitivity) -> Lines:
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
     for name, area, volume in (
         ("reachable within the joint limits", e.reachable_area, e.reachable_volume),
@@ -117,17 +113,12 @@ def dh(
     chain = _chain(link, urdf, frame)
     each = f"one number for each of {', '.join(chain.joint_names)}"
     position = numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
-    frames = chain.frames(position)
     kind, task = classify(chain), task_capability(chain)
     names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
-    links = [  # JSON has no infinity: no limit is null
-        {"joint": name, **{k: v if math.isfinite(v) else None for k, v in vars(row).items()}}
-        for name, row in zip(chain.joint_names, chain.links, strict=True)
-    ]
-    ends = {"base": chain.base.tolist(), "tool": chain.tool.tolist()}
-    record = {"name": chain.name, "links": links, **ends, "type": vars(kind), "tasks": vars(task)}
-    record["q"] = [*map(float, position)]
-    record["frames"] = {name: f.tolist() for name, f in zip(names, frames, strict=True)}
+    links = [{"joint": n, **vars(k)} for n, k in zip(chain.joint_names, chain.links, strict=True)]
+    record: dict[str, Any] = {"name": chain.name, "links": links}
+    record |= {"base": chain.base, "tool": chain.tool, "type": kind, "tasks": task, "q": position}
+    record["frames"] = dict(zip(names, chain.frames(position), strict=True))
     show(as_json, record, _frames(chain, record))
 
 
@@ -151,10 +142,9 @@ def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
         rows.append([name, *cells, f"{row.lower:.5g}", f"{row.upper:.5g}"])
     yield from table(rows)
     kind, task, answer = record["type"], record["tasks"], {True: "yes", False: "no"}
-    yield f"\n{kind['joints']}, type {kind['kind']}: {kind['reason']}"
-    yield f"general tasks: {answer[task['general']]}, {task['general_reason']}"
-    insertion = task["vertical_insertion"]
-    yield f"vertical insertion: {answer[insertion]}, {task['insertion_reason']}"
+    yield f"\n{kind.joints}, type {kind.kind}: {kind.reason}"
+    yield f"general tasks: {answer[task.general]}, {task.general_reason}"
+    yield f"vertical insertion: {answer[task.vertical_insertion]}, {task.insertion_reason}"
     at = ", ".join(f"{x:.6g}" for x in record["q"])
     yield f"\nframes at q = ({at}): axes x, y, z and origin (m)"
     yield from table(
@@ -187,28 +177,26 @@ def planar(
 
 def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
     space, needed = arm.workspace(), library.necessary_conditions(arm)
-    dexterous: dict[str, Any] | None = None
-    theorem = at_radius = None
+    result: dict[str, Any] = {"joints": arm.joints, "lengths": arm.lengths}
+    result["workspace"] = {"shape": space.shape, "radii": space.radii, "area": space.area}
+    result["necessary_conditions"] = {"satisfied": needed.satisfied, "missing": needed.reasons}
+    result |= {"dexterous_workspace": None, "theorem": None, "at_radius": None}
     if arm.length_ranges is not None:
         radii, area = library.dexterous_radii(arm), library.dexterous_area(arm)
-        dexterous = {"radii": radii, "area": area, "resolution": None}
+        result["dexterous_workspace"] = {"radii": radii, "area": area, "resolution": None}
         three = arm.joints == "RRR"
-        theorem = {"l_4": library.theorem_radii(*arm.lengths)} if three else None
+        result["theorem"] = {"l_4": library.theorem_radii(*arm.lengths)} if three else None
         if radius is not None:
             holds = library.lecture_theorem(*(*arm.lengths, radius)) if three else None
             exact = library.turns_fully(arm, radius)
-            at_radius = {"radius": radius, "theorem": holds, "exact": exact}
+            result["at_radius"] = {"radius": radius, "theorem": holds, "exact": exact}
     elif radius is not None:
         raise InputError("--radius", radius, "an arm without limits on its revolute joints")
     elif arm.n == 3 and arm.joints[-1] == "R":
         found = library.dexterity_map(arm)
         grid = {"spacing": found.spacing, "orientations": found.orientations}
-        dexterous = {"radii": None, "area": found.area, "resolution": grid}
-    result: dict[str, Any] = {"joints": arm.joints, "lengths": arm.lengths}
-    result["workspace"] = {"shape": space.shape, "radii": space.radii, "area": space.area}
-    needs = {"satisfied": needed.satisfied, "missing": needed.reasons}
-    found_out = {"dexterous_workspace": dexterous, "theorem": theorem, "at_radius": at_radius}
-    return {**result, "necessary_conditions": needs, **found_out}
+        result["dexterous_workspace"] = {"radii": None, "area": found.area, "resolution": grid}
+    return result
 
 
 def _answers(result: dict[str, Any]) -> Lines:
@@ -218,7 +206,8 @@ def _answers(result: dict[str, Any]) -> Lines:
     yield f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     text = "empty"
     if dexterous is None:
-        text = _NO_MAP
+        text = "not computed for this arm; "
+        text += "planar.dexterity_map takes three joints or more, the last R"
     elif grid := dexterous["resolution"]:
         text = f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m"
         text += f" and with {grid['orientations']} orientations"

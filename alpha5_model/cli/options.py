@@ -8,17 +8,20 @@ import re
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
+import numpy as np
 from typer import BadParameter, Option, echo, style
 
 from alpha5_model.checks import real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
-from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER
+from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
+from alpha5_model.spatial import rotation_from_rpy
 from alpha5_model.text import readable, wrapped
 
 if TYPE_CHECKING:
@@ -35,17 +38,15 @@ Gripper = Annotated[str, Option(help="locked (4 joints) or jaws (adds the jaw ro
 Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")]
 _PAYLOAD = "At the tcp: mass (kg); behind it, if wanted, its COM (x y z, m), and its volume (m^3)."
 Payload = Annotated[str | None, Option(help=_PAYLOAD)]
-_CURRENT = (
-    "Of the water in base_link (x y z, m/s): adds drag and added mass, estimated, not published."
-)
-Current = Annotated[str | None, Option(help=_CURRENT)]
-_CONSTANTS = (
-    "Of motors, which contradict each other: printed, torque (K_t for both) or voltage (K_v)."
-)
-Constants = Annotated[str, Option(help=_CONSTANTS)]
+_WET = "Of the water in base_link (x y z, m/s): adds drag and added mass, estimated, not published."
+Current = Annotated[str | None, Option(help=_WET)]
+_MOTOR = "Of motors, which contradict each other: printed, torque (K_t for both) or voltage (K_v)."
+Constants = Annotated[str, Option(help=_MOTOR)]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
 Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
+#: What is larger is a typing error.
+_MOST = {"current": 100.0, "gravity": 1e4, "fluid": 1e5}
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 #: Unit behind a number -> what it measures, and its size in SI units.
 _UNITS = {"deg": ("rad", math.pi / 180), "mm": ("m", 1e-3), "rad": ("rad", 1.0), "m": ("m", 1.0)}
@@ -98,12 +99,7 @@ def _split(text: str) -> list[str]:
 
 
 def numbers(
-    name: str,
-    text: str,
-    counts: Sequence[int] = (),
-    unit: str = "",
-    expected: str = "",
-    most: float = math.inf,
+    name: str, text: str, counts: Sequence[int] = (), unit: str = "", expected: str = ""
 ) -> list[float]:
     """Numbers in one text, separated by spaces or commas, in SI units.
 
@@ -111,7 +107,6 @@ def numbers(
         counts: How many there may be; empty for any.
         unit: What they measure: ``m`` and ``rad`` may have ``mm`` and ``deg`` behind them.
         expected: For the message; from counts and unit if left out.
-        most: What is larger is a typing error.
 
     Raises:
         InputError: Anything else.
@@ -131,7 +126,7 @@ def numbers(
         counts = (-1,)
     if counts and len(values) not in counts:
         raise InputError(name, text, expected or f"{words} ({unit})")
-    if any(abs(x) > most for x in values):
+    if any(abs(x) > (most := _MOST.get(name, math.inf)) for x in values):
         raise InputError(name, text, f"at most {most:g} {unit}")
     return values
 
@@ -150,12 +145,7 @@ def joint_numbers(name: str, text: str, unit: str, counts: Sequence[int]) -> lis
 
 def current_vector(text: str | None) -> list[float] | None:
     """Three numbers [m/s]; None for none."""
-    return None if text is None else numbers("current", text, (3,), "m/s", most=100.0)
-
-
-def gravity_vector(text: str) -> list[float]:
-    """Three numbers [m/s^2]."""
-    return numbers("gravity", text, (3,), "m/s^2", most=1e4)
+    return None if text is None else numbers("current", text, (3,), "m/s")
 
 
 def metres(text: Any, unit: str = "m") -> float:
@@ -180,7 +170,7 @@ def fluid_density(text: str) -> float:
     if text in _FLUIDS:
         return _FLUIDS[text]
     expected = f"{', '.join(_FLUIDS)} or a density [kg/m^3]"
-    (density,) = numbers("fluid", text, (1,), "kg/m^3", expected, most=1e5)
+    (density,) = numbers("fluid", text, (1,), "kg/m^3", expected)
     return real("fluid", density, minimum=0.0)
 
 
@@ -197,11 +187,9 @@ def names(text: str) -> tuple[str, ...]:
 def arm_in(fluid: str, gravity: str, gripper: str, mount: str, payload: str | None) -> Arm:
     """The arm, from the text of the options."""
     from alpha5_model.dynamics import load
-    from alpha5_model.fluids import gravity_in_base
-    from alpha5_model.spatial import rotation_from_rpy
 
     rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
-    g = gravity_in_base(rotation, gravity_vector(gravity))
+    g = gravity_in_base(rotation, numbers("gravity", gravity, (3,), "m/s^2"))
     arm = load(fluid_density(fluid), gripper, gravity=g)
     if payload is None:
         return arm
@@ -216,16 +204,34 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
 
     Args:
         as_json: Print the record, and nothing else.
-        record: The result in types that JSON has.
+        record: The result: numbers, texts, arrays, records and collections of them.
         text: The same to read, see `say`.
         written: Files of this result, each named in a line of its own; None is skipped.
     """
-    with messages_beside(*written):
+    files = [path for path in written if path is not None]
+    # Messages go to standard error where a file goes to standard output.
+    with redirect_stdout(sys.stderr) if any(map(is_stdout, files)) else nullcontext():
         if as_json:
-            echo(json.dumps(record, indent=2, allow_nan=False))
+            echo(json.dumps(_plain(record), indent=2, allow_nan=False))
             return
-        say(*text)
-        print_written(*written)
+        if text:
+            say(*text)
+        for path in files:
+            echo(f"wrote {path}")
+
+
+def _plain(value: Any) -> Any:
+    """In the types that JSON has; a number that is not finite is null."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    value = value._asdict() if hasattr(value, "_asdict") else value
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def say(*lines: str) -> None:
@@ -241,19 +247,6 @@ def say(*lines: str) -> None:
 def width() -> int:
     """Columns of the terminal, or those that the environment asks for."""
     return get_terminal_size().columns
-
-
-def print_written(*written: Path | None) -> None:
-    """One line for each file that was asked for."""
-    for path in written:
-        if path is not None:
-            echo(f"wrote {path}")
-
-
-def messages_beside(*written: Path | None) -> AbstractContextManager[object]:
-    """Messages go to standard error where a file goes to standard output."""
-    taken = any(path is not None and is_stdout(path) for path in written)
-    return redirect_stdout(sys.stderr) if taken else nullcontext()
 
 
 def spinner(words: str) -> AbstractContextManager[object]:

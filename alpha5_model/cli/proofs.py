@@ -6,7 +6,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
 from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -60,8 +59,7 @@ def check(
         else:
             files = verify_urdf(urdf, correction_names(corrections))
     failed = any(row.verdict == "failed" for row in files)
-    claims, checks = ([asdict(row) for row in rows] for rows in (document, files))
-    record = {"document": claims, "files": checks, "passed": not failed}
+    record = {"document": document, "files": files, "passed": not failed}
     show(as_json, record, _report(document, files, verbose))
     return 1 if failed else 0
 
@@ -170,14 +168,11 @@ def compare(
     """
     check_outputs([other], plot=(plot, FORMATS))
     with spinner("comparing"):
-        pairs, folders = (
-            _pairs("map", joints.split(","), "="),
-            _pairs("package", package or [], "="),
-        )
+        pairs = _pairs("map", joints.split(","), "=")
+        folders = _pairs("package", package or [], "=")
         words = _pairs("arg", arg or [], ":=")
         comparison = run(other, pairs, samples, base, folders, words)
-    if not comparison.joints:
-        plot = None  # another arm has no errors to draw
+    plot = plot if comparison.joints else None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)
     show(as_json, comparison.as_dict(), _differences(comparison), plot)
@@ -205,9 +200,8 @@ def _differences(comparison: Comparison) -> Lines:
     for body in comparison.bodies:
         both = body.as_dict()
         theirs, ours = _row(both), _row(both["ours"])
-        rows.append([body.name, "theirs", *map(_cell, theirs)])
-        rows.append(["", "ours", *map(_cell, ours)])
         apart = (_cell(a - b, "+") for a, b in zip(theirs, ours, strict=True))
+        rows += [[body.name, "theirs", *map(_cell, theirs)], ["", "ours", *map(_cell, ours)]]
         rows.append(["", "diff", *apart])
     yield from table(rows, "<<>", 1)
     yield (

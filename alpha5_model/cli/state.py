@@ -44,17 +44,14 @@ def fk(
     position = options.joint_numbers("q", " ".join(q), "rad", (4, 5))
     gripper = "locked" if len(position) == 4 else "jaws"
     arm = options.arm_in("sea", options.DOWN, gripper, "0 0 0", None)
-    names = [f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"]
-    frames = {name: arm.forward_kinematics(position, name) for name in names}
-    beyond = _beyond(arm, position)
-    poses = {name: pose.homogeneous.tolist() for name, pose in frames.items()}
-    record = {"q": position, "beyond_limits": beyond, "frames": poses}
     rows = [["frame", "x", "y", "z", "roll", "pitch", "yaw"], ["", *["mm"] * 3, *["deg"] * 3]]
-    for name, pose in frames.items():
-        place = [f"{1e3 * x:z.3f}" for x in pose.translation]
-        turn = [f"{x:z.3f}" for x in np.degrees(rpy_from_rotation(pose.rotation))]
-        rows.append([name, *place, *turn])
-    notes = [f"{name} is beyond its limits" for name in beyond]
+    record: dict[str, Any] = {"q": position, "beyond_limits": _beyond(arm, position), "frames": {}}
+    for name in (f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"):
+        pose = arm.forward_kinematics(position, name)
+        record["frames"][name] = pose.homogeneous
+        place = *1e3 * pose.translation, *np.degrees(rpy_from_rotation(pose.rotation))
+        rows.append([name, *(f"{x:z.3f}" for x in place)])
+    notes = [f"{name} is beyond its limits" for name in record["beyond_limits"]]
     options.show(as_json, record, [*table(rows), *notes])
 
 
@@ -78,38 +75,29 @@ def ik(
     Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
     """
     solutions = inverse_kinematics([x, y, z], wrist)
-    best = solutions.best(arm_plane().middle).tolist()
-    branches = []
-    for i, name in enumerate(BRANCHES):
-        exists, within = bool(solutions.exists[i]), bool(solutions.within_limits[i])
-        q = solutions.q[i].tolist() if exists else None
-        # At singular targets branches meet.
-        met = np.abs(wrap(solutions.q[i] - solutions.q[:i])).max(axis=-1, initial=0.0) < 1e-6
-        same = BRANCHES[int(met.argmax())] if met.any() else None
-        branches.append(
-            {"name": name, "exists": exists, "within_limits": within, "q": q, "same_as": same}
-        )
-    singular = bool(solutions.singular)
-    record = {"position": [x, y, z], "singular": singular, "best": best, "branches": branches}
-    options.show(as_json, record, _solutions(record))
-
-
-def _solutions(record: dict[str, Any]) -> options.Lines:
-    yield "joint positions (rad)"
+    best = solutions.best(arm_plane().middle)
+    record: dict[str, Any] = {"position": [x, y, z]}
+    record |= {"singular": solutions.singular, "best": best, "branches": []}
     rows = [["branch", *(joint.name for joint in parameters().joints[:4]), "limits"]]
-    for branch in record["branches"]:
+    for i, (name, q) in enumerate(zip(BRANCHES, solutions.q, strict=True)):
+        exists, within = solutions.exists[i], solutions.within_limits[i]
+        row = {"name": name, "exists": exists, "within_limits": within, "q": None, "same_as": None}
         angles, said = ["-"] * 4, "out of reach"
-        if branch["exists"]:
-            angles = [f"{angle:.6f}" for angle in branch["q"]]
-            said = "within" if branch["within_limits"] else "beyond"
-            other = branch["same_as"]
-            said += f", as row {BRANCHES.index(other) + 1}" if other else ""
-        rows.append([branch["name"], *angles, said])
-    yield from table(rows, "<>>>><")
-    nearest = ",".join(f"{angle:.9g}" for angle in record["best"])
-    yield f"nearest to mid-range: --q={nearest}"
-    if record["singular"]:
-        yield "The target is singular: on the yaw axis, or the arm is stretched or folded."
+        if exists:
+            angles, row["q"] = [f"{angle:.6f}" for angle in q], q
+            said = "within" if within else "beyond"
+            # At singular targets branches meet.
+            met = np.abs(wrap(q - solutions.q[:i])).max(axis=-1, initial=0.0) < 1e-6
+            if met.any():
+                row["same_as"] = BRANCHES[int(met.argmax())]
+                said += f", as row {met.argmax() + 1}"
+        record["branches"].append(row)
+        rows.append([name, *angles, said])
+    text = ["joint positions (rad)", *table(rows, "<>>>><")]
+    text.append(f"nearest to mid-range: --q={','.join(f'{angle:.9g}' for angle in best)}")
+    if solutions.singular:
+        text.append("The target is singular: on the yaw axis, or the arm is stretched or folded.")
+    options.show(as_json, record, text)
 
 
 def torque(
@@ -162,41 +150,36 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
     from alpha5_model.uncertainty.effects import torque_margin
 
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
-    wrench = arm.base_wrench(q, v, a).vector
-    water, load = None, {}
+    wrench, load = arm.base_wrench(q, v, a).vector, {}
+    around = {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear}
+    columns = {"joint": arm.joint_names, "position": q, "velocity": v, "acceleration": a}
+    columns |= {term: getattr(terms, term)[0] for term in TERMS}
     if current is not None:
         water = water_terms(arm, np.array([q]), np.array([v]), np.array([a]), current)
-        total, wrench = total + water.torque[0, 1], wrench + water.wrench[0, 1]
+        levels, around["water_current"] = water.torque[0], current
+        total, wrench = total + levels[1], wrench + water.wrench[0, 1]
         load = {"moving_water": dict(zip(LEVELS, map(_wrench, water.wrench[0]), strict=True))}
-    joints, beyond = [], _beyond(arm, q)
-    ends = total + torque_margin(arm, q, v, a)
-    for i, name in enumerate(arm.joint_names):
-        motor, moving = actuator(name, constants), (total[i], v[i])
-        flows: dict[str, Any] = {"current": None, "current_range": None}
+        # All numbers low to all high.
+        interval = np.stack([levels.min(axis=0), levels.max(axis=0)], axis=1)
+        columns |= {"moving_water": levels[1], "moving_water_range": interval}
+    flows: list[Any] = []
+    for name, torque, speed in zip(arm.joint_names, total, v, strict=True):
+        motor = actuator(name, constants)
+        flows.append((None, None))
         with suppress(MissingParameterError):  # the jaw rod's screw lead is not published
-            span = motor.current_interval(*moving) if v[i] else motor.holding_current(total[i])
-            flows["current"] = float(motor.current(*moving))
-            flows["current_range"] = [*map(float, span)]
-        state = {"position": q[i], "velocity": v[i], "acceleration": a[i]}
-        by_cause = {term: float(getattr(terms, term)[0, i]) for term in TERMS}
-        by_cause |= {} if water is None else _share(water.torque[0, :, i])
-        by_cause |= {"torque": float(total[i]), "torque_range": ends[:, i].tolist()}
-        flows |= {"within_limits": name not in beyond}
-        joints.append({"joint": name, **state, **by_cause, **flows})
-    around = {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear.tolist()}
-    around |= {} if current is None else {"water_current": list(current)}
-    mount = {**_wrench(wrench), **load}
-    return {**around, "constants": constants, "joints": joints, "mount": mount}
+            held = motor.current_interval(torque, speed) if speed else motor.holding_current(torque)
+            flows[-1] = motor.current(torque, speed), [*held]
+    columns |= {"torque": total, "torque_range": (total + torque_margin(arm, q, v, a)).T}
+    columns |= zip(("current", "current_range"), zip(*flows, strict=True), strict=True)
+    beyond = _beyond(arm, q)
+    columns["within_limits"] = [name not in beyond for name in arm.joint_names]
+    rows = zip(*columns.values(), strict=True)
+    joints = [dict(zip(columns, row, strict=True)) for row in rows]
+    return {**around, "constants": constants, "joints": joints, "mount": _wrench(wrench) | load}
 
 
-def _share(levels: FloatArray) -> dict[str, Any]:
-    """Moving water's share of a joint's torque, and its interval, all numbers low to all high."""
-    interval = [float(levels.min()), float(levels.max())]
-    return {"moving_water": float(levels[1]), "moving_water_range": interval}
-
-
-def _wrench(vector: FloatArray) -> dict[str, list[float]]:
-    return {"force": vector[:3].tolist(), "moment": vector[3:].tolist()}
+def _wrench(vector: FloatArray) -> dict[str, Any]:
+    return {"force": vector[:3], "moment": vector[3:]}
 
 
 def _text(result: Any) -> options.Lines:
@@ -206,9 +189,8 @@ def _text(result: Any) -> options.Lines:
         rows += [["", *[unit] * 5, *["A"] * 2]] if group else []
         for joint in group:
             name = joint["joint"] + ("" if joint["within_limits"] else " *")
-            flow = "-" if joint["current"] is None else _cell(joint["current"])
-            cells = (_cell(joint[key]) for key in (*TERMS, "torque"))
-            rows.append([name, *cells, flow, _range(joint["current_range"])])
+            cells = (_cell(joint[key]) for key in (*TERMS, "torque", "current"))
+            rows.append([name, *cells, _range(joint["current_range"])])
     yield from table(rows, gap=1)
     mount = result["mount"]
     force, moment = (f"({', '.join(map(_cell, mount[key]))})" for key in ("force", "moment"))
@@ -247,8 +229,8 @@ def _water(joints: Any, loads: Any, current: list[float]) -> options.Lines:
 
 
 def _range(ends: Sequence[float] | None) -> str:
-    return " to ".join(map(_cell, ends or ()))
+    return "" if ends is None else " to ".join(map(_cell, ends))
 
 
-def _cell(x: float) -> str:
-    return f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"
+def _cell(x: float | None) -> str:
+    return "-" if x is None else f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"

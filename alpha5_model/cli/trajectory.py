@@ -126,13 +126,9 @@ def sweep(
     os.environ.setdefault("DASK_LOGGING", _QUIET)  # read when Dask is imported, by the workers, too
     with _progress() as progress:
         found = computed(study, output, workers=workers, scheduler=scheduler, progress=progress)
-    outputs = {
-        name: {key: [_plain(x) for x in column.tolist()] for key, column in columns.items()}
-        for name, columns in found.outputs.items()
-    }
-    units = {name: found.study.outputs[name].unit for name in outputs}
-    facts = {"rows": found.rows, "failures": found.failures}
-    record = {**facts, "units": units, "outputs": outputs}
+    units = {name: found.study.outputs[name].unit for name in found.outputs}
+    record = {"rows": found.rows, "failures": found.failures, "units": units}
+    record["outputs"] = found.outputs
     options.show(as_json, record, _text(record), output)
     return int(bool(found.failures))
 
@@ -141,22 +137,18 @@ def _text(record: dict[str, Any]) -> options.Lines:
     yield f"{record['rows']} rows"
     for name, columns in record["outputs"].items():
         count = max(map(len, columns.values()))
-        yield f"\n{name} [{record['units'][name]}]" + f": the first {_PRINTED} of {count}" * (
-            count > _PRINTED
-        )
+        more = f": the first {_PRINTED} of {count}" if count > _PRINTED else ""
+        yield f"\n{name} [{record['units'][name]}]{more}"
         shown = {key: x[:_PRINTED] for key, x in columns.items() if not key.endswith("_row")}
-        yield from table([[key, *map(_cell, x)] for key, x in shown.items()], "<>", 2)
+        yield from table([[key, *map(_cell, x.tolist())] for key, x in shown.items()], "<>", 2)
     for recording, problem in record["failures"].items():
         yield f"\nnot used: {recording}: {problem}"
 
 
 def _cell(x: Any) -> str:
-    return f"{x:.4g}" if isinstance(x, float) else "-" if x is None else str(x)
-
-
-def _plain(x: Any) -> Any:
-    """As JSON has it; what is not a finite number is None."""
-    return None if isinstance(x, float) and not math.isfinite(x) else x
+    if isinstance(x, float):
+        return f"{x:.4g}" if math.isfinite(x) else "-"
+    return str(x)
 
 
 @contextmanager

@@ -56,11 +56,9 @@ def view(
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     pixels = _size(size)
+    pages = (".html", ".htm")
     check_outputs(
-        [motion],
-        html=(html, (".html", ".htm")),
-        image=(image, (".png",)),
-        video=(video, VIDEO_FORMATS),
+        [motion], html=(html, pages), image=(image, (".png",)), video=(video, VIDEO_FORMATS)
     )
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
@@ -76,7 +74,8 @@ def view(
         show=None if show is None else options.names(show),
         current=options.current_vector(current),
     )
-    if not (html or image or video or serve or _has_display()):
+    displays = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not (html or image or video or serve or displays or sys.platform in ("darwin", "win32")):
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         raise NoDisplayError(remedy)
     played = scene.motion
@@ -95,8 +94,7 @@ def view(
             for q in progress(shown, "drawing", console=Console(stderr=True), transient=True):
                 add(picture(posed(seen, arm, q), pixels))
     if written := [path for path in (*files, video) if path is not None]:
-        with options.messages_beside(*written):
-            options.print_written(*written)
+        options.show(False, None, (), *written)
         return
     from alpha5_model.view.visualizer import ArmVisualizer
 
@@ -104,25 +102,14 @@ def view(
     echo(f"{visualizer.url()} (Ctrl-C ends)")
     if not serve:
         visualizer.open()
-    _wait()
-    visualizer.close()
-
-
-def _has_display() -> bool:
-    shown = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    return shown or sys.platform in ("darwin", "win32")
-
-
-def _wait() -> None:
     over = threading.Event()
     # A service manager stops it as a user does.
     before = {s: signal.signal(s, lambda *_: over.set()) for s in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        while not over.wait(timeout=0.5):
-            pass
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    while not over.wait(timeout=0.5):
+        pass
+    for number, handler in before.items():
+        signal.signal(number, handler)
+    visualizer.close()
 
 
 def _size(text: str) -> tuple[int, int]:
