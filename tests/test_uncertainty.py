@@ -25,8 +25,7 @@ from alpha5_model.dynamics.hydrostatics import displacements
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.inertia import pseudo_inertia
 from alpha5_model.jaws import split_link_4
-from alpha5_model.uncertainty import printed
-from alpha5_model.uncertainty.effects import torque_margin
+from alpha5_model.uncertainty import printed, torque_margin
 
 u = a5.uncertainty
 TOML = Path(a5.__file__).with_name("published") / "reach_alpha_mk2_v7.toml"

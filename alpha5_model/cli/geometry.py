@@ -17,8 +17,7 @@ from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.kinematics.workspace import PublishedErrors, SampledShare, sampled_share
 from alpha5_model.text import table
-from alpha5_model.uncertainty import reach, sensitivity
-from alpha5_model.uncertainty.effects import Sensitivity
+from alpha5_model.uncertainty import Sensitivity, reach, sensitivity
 from alpha5_model.view.figures import FORMATS, write_figure
 from alpha5_model.view.workspace_plot import (
     plot_planar,

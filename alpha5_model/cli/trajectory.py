@@ -24,7 +24,7 @@ from alpha5_model.files import check_outputs
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.text import table
 from alpha5_model.trajectory.report import FORMATS
-from alpha5_model.uncertainty.effects import torque_margin
+from alpha5_model.uncertainty import torque_margin
 from alpha5_model.view import figures
 
 _FILE = (

@@ -74,8 +74,7 @@ def sweep(
             raise MissingDependencyError(package, "a sweep", remedy)
     from pyarrow import parquet
 
-    from alpha5_model.sweep.reduction import reductions
-    from alpha5_model.sweep.rows import BLOCK, block_count
+    from alpha5_model.sweep.rows import BLOCK, block_count, reductions
     from alpha5_model.sweep.study import read_study
 
     made, target = read_study(study), Path(folder)
@@ -131,8 +130,7 @@ def _finished(file: Path, head: str, size: int) -> bool:
 
 def _work(study: Study, head: str, size: int, total: int, k: int) -> tuple[int, dict[str, bytes]]:
     """A chunk's rows and its part of the reductions, as Parquet files by their folder."""
-    from alpha5_model.sweep.reduction import reductions
-    from alpha5_model.sweep.rows import blocks, columns
+    from alpha5_model.sweep.rows import blocks, columns, reductions
 
     if not head.startswith(f"# {_made_by()}\n"):
         raise InputError("worker", _made_by(), f"what asks: {head.partition(chr(10))[0]}")

@@ -156,16 +156,9 @@ def link_map(alternatives: tuple[str, ...]) -> FloatArray:
     return frozen(out)
 
 
-def moments(links: FloatArray) -> FloatArray:
-    """Numbers of links (..., 14) to those that torques are linear in: m, m c, second moments, V, V b."""
-    mass, com, volume, cob = links[..., :1], links[..., 1:4], links[..., 10:11], links[..., 11:]
-    second = links[..., 4:10] + mass * com[..., UPPER[0]] * com[..., UPPER[1]]
-    return np.concatenate([mass, mass * com, second, volume, volume * cob], axis=-1)
-
-
 @cache
 def grouping(fluid_density: float) -> FloatArray:
-    """From `moments` to the base parameters, gravity left out, (5, 14, 38)."""
+    """From m, m c, second moments, V and V b of the links to the base parameters, gravity left out, (5, 14, 38)."""
     places = [(3, 3), (0, 3), (1, 3), (2, 3), *zip(*UPPER, strict=True)]
     out = []
     for link, k in np.ndindex(5, 14):
@@ -178,7 +171,10 @@ def grouping(fluid_density: float) -> FloatArray:
 def groups(values: FloatArray, alternatives: tuple[str, ...], density: float) -> FloatArray:
     """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38)."""
     links = np.tensordot(values, link_map(alternatives), 1)
-    return np.asarray(np.tensordot(moments(links), grouping(density), 2))
+    mass, com, volume, cob = links[..., :1], links[..., 1:4], links[..., 10:11], links[..., 11:]
+    second = links[..., 4:10] + mass * com[..., UPPER[0]] * com[..., UPPER[1]]
+    moments = np.concatenate([mass, mass * com, second, volume, volume * cob], axis=-1)
+    return np.asarray(np.tensordot(moments, grouping(density), 2))
 
 
 @dataclass(frozen=True, eq=False)

@@ -261,7 +261,7 @@ def _position(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
-    from alpha5_model.uncertainty.effects import torque_margin
+    from alpha5_model.uncertainty import torque_margin
 
     causes = a.causes()
     for width, (cause, color) in zip((3.8, 3.2, 2.9, 1.3, 1.3), CAUSES.items(), strict=True):
