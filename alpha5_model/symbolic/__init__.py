@@ -21,7 +21,7 @@ except ImportError:
 
 from alpha5_model.symbolic.dynamics import dynamics, in_moving_water, tcp
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
-from alpha5_model.symbolic.program import WORDS, folded
+from alpha5_model.symbolic.program import WORDS, folded, named
 
 #: Name -> what it is, of the functions that users get, in order.
 SUMMARIES = WORDS["functions"]
@@ -36,26 +36,19 @@ def functions() -> dict[str, casadi.Function]:
 
 def products() -> dict[str, casadi.Function]:
     """What JAX, CasADi and C users get, named as the methods of an arm: constants of kinematics folded, parameters not."""
-    known = {
-        **functions(),
-        "inverse_kinematics": inverse_kinematics(),
-        "with_payload": _with_payload(),
-    }
+    known = functions() | {f.name(): f for f in (inverse_kinematics(), _with_payload())}
     return {name: known[name] for name in SUMMARIES}
 
 
 def _with_payload() -> casadi.Function:
     """Parameters are linear in the moments of the bodies."""
     tip = np.array(casadi.evalf(tcp().pose()))
-    names = ("mass", "com", "inertia", "volume", "cob", "fluid_density")
-    shapes = ((1, 1), (3, 1), (3, 3), (1, 1), (3, 1), (1, 1))
-    given = [casadi.SX.sym(name, *shape) for name, shape in zip(names, shapes, strict=True)]
+    shapes = {"mass": (1,), "com": (3,), "inertia": (3, 3), "volume": (1,), "cob": (3,)}
+    shapes["fluid_density"] = (1,)
+    given = {name: casadi.SX.sym(name, *shape) for name, shape in shapes.items()}
     p, nothing = casadi.SX.sym("parameters", len(BASE_PARAMETERS)), np.zeros((2, 4, 4))
     units = (tip @ unit @ tip.T for unit in np.eye(32).reshape(32, 2, 4, 4))
     shares = np.array([regrouped([nothing] * 4 + [unit], np.zeros(3)) for unit in units])
-    added = p + casadi.DM(shares.T.round(15)) @ casadi.veccat(
-        *moments(*given, stack=casadi.vertcat)
-    )
-    return casadi.Function(
-        "with_payload", [p, *given], [added], ["parameters", *names], ["parameters_with_payload"]
-    )
+    body = casadi.veccat(*moments(*given.values(), stack=casadi.vertcat))
+    out = {"parameters_with_payload": p + casadi.DM(shares.T.round(15)) @ body}
+    return named("with_payload", {"parameters": p, **given}, out)

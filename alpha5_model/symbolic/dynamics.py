@@ -22,6 +22,7 @@ from casadi import SX, cross, horzcat, vertcat, vertsplit
 
 from alpha5_model.base_parameters import BASE_PARAMETERS, STRIPS, WATER_PARAMETERS
 from alpha5_model.parameters import parameters
+from alpha5_model.symbolic.program import named
 
 JOINTS = 4
 #: Gauss's points on a strip, as many as `alpha5_model.hydrodynamics.gauss_points`.
@@ -236,15 +237,7 @@ def dynamics() -> tuple[casadi.Function, ...]:
             "a_tau": mobility,
         },
     }
-    return tuple(_function(name, inputs, outputs) for name, outputs in every.items())
-
-
-def _function(name: str, inputs: dict[str, SX], outputs: dict[str, SX]) -> casadi.Function:
-    """Of those inputs that the outputs depend on."""
-    dense = [casadi.densify(x) for x in outputs.values()]
-    used = {str(x) for x in casadi.symvar(casadi.veccat(*dense))}
-    given = {k: x for k, x in inputs.items() if used & {*map(str, vertsplit(x))}}
-    return casadi.Function(name, [*given.values()], dense, [*given], [*outputs])
+    return tuple(named(name, inputs, outputs) for name, outputs in every.items())
 
 
 def in_moving_water() -> tuple[casadi.Function, ...]:
@@ -264,8 +257,8 @@ def in_moving_water() -> tuple[casadi.Function, ...]:
     acceleration = casadi.ldl_solve(tau - bias, *casadi.ldl(mass, False))
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "current": current, "parameters": p}
     return (
-        _function("inverse_dynamics_in_current", inputs, {"tau": torque}),
-        _function("forward_dynamics_in_current", inputs, {"a": acceleration}),
+        named("inverse_dynamics_in_current", inputs, {"tau": torque}),
+        named("forward_dynamics_in_current", inputs, {"a": acceleration}),
     )
 
 

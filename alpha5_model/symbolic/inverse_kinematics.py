@@ -25,6 +25,7 @@ import casadi
 from casadi import SX, fabs, fmax, fmin, if_else, logic_and, logic_or
 
 from alpha5_model.kinematics.plane import Tolerances, arm_plane
+from alpha5_model.symbolic.program import named
 
 
 def inverse_kinematics() -> casadi.Function:
@@ -80,13 +81,10 @@ def inverse_kinematics() -> casadi.Function:
             q = (if_else(reached, a, math.nan) for a in (theta_0, theta_1, theta_2, theta_3))
             branches[branch] = casadi.horzcat(*q), reached, fits
     columns = zip(*(branches[i] for i in range(4)), strict=True)
-    return casadi.Function(
-        "inverse_kinematics",
-        [position, wrist, allowed],
-        [*(casadi.vertcat(*column) for column in columns), singular],
-        ["position", "wrist", "tolerances"],
-        ["q", "exists", "within_limits", "singular"],
-    )
+    q, exists, fits = (casadi.vertcat(*column) for column in columns)
+    outputs = {"q": q, "exists": exists, "within_limits": fits, "singular": singular}
+    inputs = {"position": position, "wrist": wrist, "tolerances": allowed}
+    return named("inverse_kinematics", inputs, outputs)
 
 
 def _turned(x: SX, y: SX, angle: float) -> tuple[SX, SX]:

@@ -175,14 +175,21 @@ def _by_rows(shape: tuple[int, ...], element: int) -> int:
     return row * shape[-1] + column if len(shape) == 2 else element
 
 
+def named(
+    name: str, inputs: dict[str, casadi.SX], outputs: dict[str, casadi.SX]
+) -> casadi.Function:
+    """A function of those inputs that the outputs, made dense, depend on."""
+    dense = [casadi.densify(x) for x in outputs.values()]
+    used = {str(x) for x in casadi.symvar(casadi.veccat(*dense))}
+    given = {k: x for k, x in inputs.items() if used & {*map(str, casadi.symvar(x))}}
+    return casadi.Function(name, [*given.values()], dense, [*given], [*outputs])
+
+
 def folded(function: casadi.Function, **values: Any) -> casadi.Function:
     """The same function with numbers in place of some inputs: fewer operations."""
-    free = {
-        name: casadi.SX.sym(name, function.sparsity_in(i))
-        for i, name in enumerate(function.name_in())
-        if name not in values
-    }
-    given = [free.get(name, casadi.DM(values.get(name, 0))) for name in function.name_in()]
+    names = function.name_in()
+    free = {k: casadi.SX.sym(k, function.sparsity_in(k)) for k in names if k not in values}
+    given = [free[k] if k in free else casadi.DM(values[k]) for k in names]
     outputs = [casadi.densify(out) for out in function.call(given)]
     return casadi.Function(function.name(), [*free.values()], outputs, [*free], function.name_out())
 
