@@ -19,7 +19,7 @@ except ImportError:
     what = "making code of the equations"
     raise MissingDependencyError("casadi", what, "pip install casadi") from None
 
-from alpha5_model.symbolic.dynamics import dynamics, in_moving_water, tcp
+from alpha5_model.symbolic.dynamics import dynamics, in_moving_water, turns
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
 from alpha5_model.symbolic.program import WORDS, folded, named
 
@@ -42,7 +42,7 @@ def products() -> dict[str, casadi.Function]:
 
 def _with_payload() -> casadi.Function:
     """Parameters are linear in the moments of the bodies."""
-    tip = np.array(casadi.evalf(tcp().pose()))
+    tip = np.array(casadi.evalf(turns(casadi.SX.zeros(4))[-1].pose()))
     shapes = {"mass": (1,), "com": (3,), "inertia": (3, 3), "volume": (1,), "cob": (3,)}
     shapes["fluid_density"] = (1,)
     given = {name: casadi.SX.sym(name, *shape) for name, shape in shapes.items()}

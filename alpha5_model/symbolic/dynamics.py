@@ -65,31 +65,16 @@ class Turn(NamedTuple):
 
 
 def turns(q: SX) -> list[Turn]:
-    """Base to link 1, ..., link 3 to link 4."""
-    p = parameters()
+    """Base to link 1, ..., link 3 to link 4, and link 4 to the tcp."""
     out, origin, alpha = [], [0.0, 0.0, 0.0], 0.0
-    for i, row in enumerate(p.dh[:JOINTS]):
+    turned = [*((casadi.cos(x), casadi.sin(x)) for x in vertsplit(q)), (SX(1.0), SX(0.0))]
+    for row, (c, s) in zip(parameters().dh, turned, strict=True):
         # cos(q + offset) from cos(q) and sin(q): q + offset would round large angles.
-        cosine, sine = _exact(math.cos(row.theta_offset)), _exact(math.sin(row.theta_offset))
-        c, s = casadi.cos(q[i]), casadi.sin(q[i])
+        cosine, sine = (_exact(f(row.theta_offset)) for f in (math.cos, math.sin))
         across, along = round(math.sin(alpha)), round(math.cos(alpha))
         out.append(Turn(SX(origin), cosine * c - sine * s, sine * c + cosine * s, across, along))
         origin, alpha = [row.a, 0.0, row.d], row.alpha
     return out
-
-
-def tcp() -> Turn:
-    """Link 4 to the tcp."""
-    *_, wrist, last = parameters().dh
-    angle = last.theta_offset
-    c, s = SX(_exact(math.cos(angle))), SX(_exact(math.sin(angle)))
-    return Turn(
-        SX([wrist.a, 0.0, wrist.d]),
-        c,
-        s,
-        round(math.sin(wrist.alpha)),
-        round(math.cos(wrist.alpha)),
-    )
 
 
 def _exact(value: float) -> float:
@@ -113,7 +98,7 @@ def newton_euler(
 
     gravity = g = vertcat(*(p[f"gravity.{axis}"] for axis in "xyz"))
     omega, alpha, acceleration, u = SX.zeros(3), SX.zeros(3), SX.zeros(3), SX.zeros(3, 3)
-    steps, forces, moments = turns(q), [], []
+    steps, forces, moments = turns(q)[:JOINTS], [], []
     velocity = SX.zeros(3) if current is None else -current
     for i, step in enumerate(steps):
         velocity = step.outward(velocity + cross(omega, step.origin))
@@ -162,24 +147,10 @@ def _turning(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
 def link_poses(q: SX) -> list[SX]:
     """Poses in base_link of link 1 to link 4 and of the tcp, (4, 4) each."""
     pose, out = SX.eye(4), []
-    for step in [*turns(q), tcp()]:
+    for step in turns(q):
         pose = pose @ step.pose()
         out.append(pose)
     return out
-
-
-def jacobian(q: SX) -> SX:
-    """Of the tcp, velocity of its point above angular velocity, in base_link, (6, 4)."""
-    *links, tip = link_poses(q)
-    axes = horzcat(*(link[:3, 2] for link in links))
-    return vertcat(casadi.jacobian(tip[:3, 3], q), axes)
-
-
-def mass_matrix(q: SX, base_parameters: SX) -> SX:
-    """M(q), (4, 4): its lower half, mirrored."""
-    a, still = SX.sym("a", JOINTS), SX.zeros(JOINTS)
-    torque, _ = newton_euler(q, still, a, weightless(base_parameters))
-    return casadi.tril2symm(casadi.tril(casadi.jacobian(torque, a)))
 
 
 def weightless(base_parameters: SX) -> SX:
@@ -193,22 +164,25 @@ def in_air(base_parameters: SX) -> SX:
     return base_parameters[[index.get(name.replace(".n", ".h"), i) for name, i in index.items()]]
 
 
+def _mass_matrix(torque: SX, a: SX) -> SX:
+    """Of a torque linear in a: the lower half of the derivative, mirrored."""
+    return casadi.tril2symm(casadi.tril(casadi.jacobian(torque, a)))
+
+
 def dynamics() -> tuple[casadi.Function, ...]:
     """Every function; inputs are of q, v, a, tau and the base parameters."""
     q, v, a, tau = (SX.sym(name, JOINTS) for name in ("q", "v", "a", "tau"))
     p, still = SX.sym("parameters", len(BASE_PARAMETERS)), SX.zeros(JOINTS)
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "parameters": p}
     *links, tip = link_poses(q)
+    axes = horzcat(*(link[:3, 2] for link in links))
     torque, wrench = newton_euler(q, v, a, p)
     holding, _ = newton_euler(q, still, still, p)
     weight, _ = newton_euler(q, still, still, in_air(p))
     bias, _ = newton_euler(q, v, still, p)
     coriolis, _ = newton_euler(q, v, still, weightless(p))
-    by = {
-        name: (casadi.jacobian(torque, inputs[name]), casadi.jacobian(wrench, inputs[name]))
-        for name in "qva"
-    }
-    mass = mass_matrix(q, p)
+    by = {k: [casadi.jacobian(x, inputs[k]) for x in (torque, wrench)] for k in "qva"}
+    mass = _mass_matrix(newton_euler(q, still, a, weightless(p))[0], a)
     factors = casadi.ldl(mass, False)
     acceleration = casadi.ldl_solve(tau - bias, *factors)
     mobility = casadi.tril2symm(casadi.tril(casadi.ldl_solve(SX.eye(JOINTS), *factors)))
@@ -216,7 +190,7 @@ def dynamics() -> tuple[casadi.Function, ...]:
     every = {
         "forward_kinematics": {"tcp": tip},
         "link_poses": {f"link_{i}": pose for i, pose in enumerate(links, 1)},
-        "jacobian": {"jacobian": jacobian(q)},
+        "jacobian": {"jacobian": vertcat(casadi.jacobian(tip[:3, 3], q), axes)},
         "gravity_torque": {"tau": weight},
         "buoyancy_torque": {"tau": weight - holding},
         "hydrostatic_torque": {"tau": holding},
@@ -252,8 +226,7 @@ def in_moving_water() -> tuple[casadi.Function, ...]:
     load = partial(_load, water)
     torque, _ = newton_euler(q, v, a, base, current, load)
     bias, _ = newton_euler(q, v, still, base, current, load)
-    at_rest, _ = newton_euler(q, still, a, weightless(base), SX.zeros(3), load)
-    mass = casadi.tril2symm(casadi.tril(casadi.jacobian(at_rest, a)))
+    mass = _mass_matrix(newton_euler(q, still, a, weightless(base), SX.zeros(3), load)[0], a)
     acceleration = casadi.ldl_solve(tau - bias, *casadi.ldl(mass, False))
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "current": current, "parameters": p}
     return (
