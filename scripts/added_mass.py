@@ -32,7 +32,7 @@ from hydrodynamics.potential_flow import (
 )
 from hydrodynamics.revolution import cylinder_across
 
-from alpha5_model.description.bodies import joint_placements
+from alpha5_model.description import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.jaws import split_link_4
 from alpha5_model.meshing import bodies, frames_in_links

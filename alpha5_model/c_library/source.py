@@ -15,7 +15,7 @@ import numpy as np
 
 from alpha5_model.base_parameters import BASE_PARAMETERS
 from alpha5_model.checks import FloatArray
-from alpha5_model.description.bodies import provenance
+from alpha5_model.description import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.kinematics import plane, workspace

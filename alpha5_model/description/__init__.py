@@ -1,18 +1,173 @@
-"""The arm's files for other tools. Here: what their XML writers share, numbers with all their digits."""
+"""The arm as a tree of bodies: what every writer, YAML, MJCF, SDF and GLB, walks along; and what writers of XML share.
+
+Beside what URDF knows it holds the displaced volume and the centre of buoyancy of each body.
+
+Where the frames are: inertial frame {i+1} is DH frame {i} turned by the joint (Section 2), so joint i
+turns about +z of its child link, and the rest of the DH row, ``Tz(d) Tx(a) Rx(alpha)``, leads on to the
+next joint.
+"""
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from itertools import combinations_with_replacement
 from pathlib import Path
 
-from alpha5_model.description.bodies import provenance
-from alpha5_model.errors import MissingFileError
-from alpha5_model.parameters import Alpha5Parameters
+from alpha5_model import __version__
+from alpha5_model.checks import choice
+from alpha5_model.errors import MissingFileError, PublishedDataError
+from alpha5_model.jaws import GRIPPERS, split_link_4
+from alpha5_model.meshing.collision_shapes import Primitive, collision_primitives
+from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
 from alpha5_model.paths import REPOSITORY_PATH
+from alpha5_model.published import published
+from alpha5_model.published.tables import BODY_NAMES
+from alpha5_model.spatial import Triple
 
+#: Bodies that are drawn; the rod is not.
+MESHES = (*BODY_NAMES, "finger_1", "finger_2")
 #: What an attribute may be: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
+XML_HEAD = '<?xml version="1.0"?>\n'
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Pose of a child frame in its parent.
+
+    Attributes:
+        parent: Name of the parent frame.
+        xyz: Origin [m].
+        rpy: Fixed-axis roll, pitch, yaw [rad].
+    """
+
+    parent: str
+    xyz: Triple = (0.0, 0.0, 0.0)
+    rpy: Triple = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Body(RigidBody):
+    """One rigid body in the tree.
+
+    Attributes:
+        placement: Parent body and pose in it, joint at zero.
+        joint: About or along +z of the body; None for link_0, which is fixed in base_link.
+        meshes: What it looks like: name of a mesh -> its pose in the body.
+        shapes: What it collides with.
+    """
+
+    placement: Placement
+    joint: JointRange | None
+    meshes: dict[str, Placement]
+    shapes: tuple[Primitive, ...]
+
+    @property
+    def moments(self) -> dict[str, float]:
+        """The tensor's upper half, ``ixx`` to ``izz``, as URDF and SDF name it [kg m^2]."""
+        pairs = combinations_with_replacement(range(3), 2)
+        return {f"i{'xyz'[i]}{'xyz'[j]}": float(self.inertia[i, j]) for i, j in pairs}
+
+
+def arm_bodies(
+    parameters: Alpha5Parameters, gripper: str, meshes: Iterable[str] | None = None
+) -> tuple[Body, ...]:
+    """The bodies, each after its parent.
+
+    Args:
+        parameters: The arm's parameters.
+        gripper: ``locked`` (link_0 to link_4) or ``jaws`` (adds rod and fingers).
+        meshes: File names of the meshes that are there, others are left out; all if None.
+    """
+    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
+    jaws = split_link_4(parameters)
+    hinges = {}
+    for hung, joint in zip(jaws.bodies[1:], jaws.joints, strict=True):
+        x, y, z = hung.origin.tolist()
+        # Closed, the joint is at its lower limit; rod and fingers have +z along -z or across link_4's.
+        hinges[hung.name] = Placement("link_4", (x, y, z + joint.lower), (hung.roll, 0.0, 0.0))
+    records = (*parameters.links[:4], *jaws.bodies) if moving else parameters.links
+    base = base_placement(parameters)
+    placements = (base, *joint_placements(parameters), *hinges.values())
+    joints = (None, *parameters.joints[:4], *jaws.joints)
+    there = {name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)}
+    shapes = collision_primitives(gripper)
+    bodies = []
+    for record, placement, moved in zip(records, placements, joints, strict=False):
+        drawn = {record.name: Placement(record.name)}
+        if record.name == "link_4" and not moving:  # the closed fingers
+            drawn |= {name: hinges[name] for name in ("finger_1", "finger_2")}
+        bodies.append(
+            Body(
+                **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
+                placement=placement,
+                joint=moved,
+                meshes={name: at for name, at in drawn.items() if name in there},
+                shapes=shapes.get(record.name, ()),
+            )
+        )
+    return tuple(bodies)
+
+
+def base_placement(parameters: Alpha5Parameters) -> Placement:
+    """Pose of link_0 in base_link, DH frame {0}."""
+    return Placement("base_link", rpy=(0.0, 0.0, parameters.base_yaw))
+
+
+def joint_placements(parameters: Alpha5Parameters) -> tuple[Placement, ...]:
+    """Pose of each child link at joint position zero, ``axis_e`` to ``axis_b``."""
+    dh = parameters.dh
+    first = Placement("link_0", rpy=_turn(0.0, dh[0].theta_offset - parameters.base_yaw))
+    return (first, *(_after(i - 1, dh[i - 1], dh[i].theta_offset) for i in (1, 2, 3)))
+
+
+def tcp_placement(parameters: Alpha5Parameters) -> Placement:
+    """Pose of the TCP, DH frame {5}, in link_4."""
+    wrist, last = parameters.dh[3], parameters.dh[4]
+    if last.variable is not None or any((last.d, last.a, last.alpha)):
+        raise PublishedDataError("Table 1, link 4", "expected a fixed rotation about z only")
+    return _after(3, wrist, last.theta_offset)
+
+
+def fixed_frames(parameters: Alpha5Parameters) -> dict[str, Placement]:
+    """Frames that stand still in their parents: link_0, tcp, and the DH frames, ``dh_1`` to ``dh_5``."""
+    return {
+        "link_0": base_placement(parameters),
+        "tcp": tcp_placement(parameters),
+        **{f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])},
+        "dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset)),
+    }
+
+
+def _after(i: int, row: DHParameters, angle: float) -> Placement:
+    """What follows joint i in its DH row, and a turn about z."""
+    return Placement(f"link_{i + 1}", (row.a, 0.0, row.d), _turn(row.alpha, angle))
+
+
+def _turn(alpha: float, beta: float) -> Triple:
+    """Roll, pitch, yaw of ``Rx(alpha) Rz(beta)``, exact for alpha a multiple of pi/2.
+
+    ``Rx(alpha) Rz(beta) Rx(-alpha)`` turns by beta about ``(0, -sin alpha, cos alpha)``, which is
+    then a coordinate axis. Reading the angles off the matrix instead would fail at axis_b, where
+    the pitch is pi/2.
+    """
+    sine, cosine = round(math.sin(alpha)), round(math.cos(alpha))
+    if abs(sine) + abs(cosine) != 1:
+        raise PublishedDataError("Table 1", f"alpha = {alpha} rad is not a multiple of pi/2")
+    return (alpha, -sine * beta + 0.0, cosine * beta + 0.0)
+
+
+def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
+    """Where the numbers come from: document, package and corrections."""
+    source = published().table_2.source
+    return {
+        "document": f"{source.publisher}, {source.document}, version {source.version}, {source.date}",
+        "package": f"alpha5_model {__version__}",
+        "corrections": ", ".join(parameters.corrections) or "none",
+    }
 
 
 def text_of(value: str | float | Iterable[float]) -> str:
@@ -28,11 +183,12 @@ def add(parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Val
     return ET.SubElement(parent, tag, {k: text_of(v) for k, v in given.items() if v is not None})
 
 
-def document(values: Alpha5Parameters, tag: str, **attributes: str) -> ET.Element:
-    """A root element with comments that say where the numbers are from."""
+def document(values: Alpha5Parameters, tag: str, *more: str, **attributes: str) -> ET.Element:
+    """A root element with comments that say where the numbers are from, and more."""
     root, source = ET.Element(tag, attributes), provenance(values)
-    root.append(ET.Comment(f" Generated from: {source['document']}. "))
-    root.append(ET.Comment(f" By: {source['package']}. Corrections: {source['corrections']}. "))
+    by = f"By: {source['package']}. Corrections: {source['corrections']}."
+    for comment in (f"Generated from: {source['document']}.", by, *more):
+        root.append(ET.Comment(f" {comment} "))
     return root
 
 

@@ -10,7 +10,7 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from alpha5_model.description.bodies import arm_bodies
+from alpha5_model.description import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
 from alpha5_model.description.variants import Variant, parameter_yaml, urdf

@@ -11,23 +11,23 @@ Newton wants, is taken off the link.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from alpha5_model import description as tree
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Value, add, document, mesh_assets, serialized, template
-from alpha5_model.description.bodies import Body, Placement, arm_bodies, provenance, tcp_placement
-from alpha5_model.description.drag import ellipsoids
+from alpha5_model.description import Body, Placement, Value, add
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import GRAVITY, SEA_WATER
-from alpha5_model.hydrodynamics import hydrodynamics
+from alpha5_model.hydrodynamics import DragStrip, hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS, material_of
@@ -50,14 +50,11 @@ VISCOSITY = 1.08e-3
 #: Boxes and cylinders are given by half their lengths.
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
 _UNTOUCHED = {"contype": "0", "conaffinity": "0"}
-#: What the README says of the gripper.
-_JAWS = {
-    "locked": "The jaws are closed and part of link_4, as in Table 2.",
-    "jaws": (
-        "Rod and fingers are taken out of link_4 so that the sum with closed jaws is Table 2's; their\n"
-        "   own masses are estimates. `equality` makes the fingers follow the rod, axis_a."
-    ),
-}
+#: Pieces of a strip in MuJoCo; radii of their ellipsoids over their length, so small that no added mass is felt.
+_PIECES, _FLAT_RADIUS, _NEEDLE_RADIUS = 4, 0.1, 0.02
+#: Half axes of the flat ellipsoid, one over the other, and the best share of ``sin x cos x`` in ``sin^2 x cos x``
+#: over directions from all around, 15 pi / 64.
+_FLATNESS, _LIFT = 0.8, 15 * np.pi / 64
 
 
 @dataclass(frozen=True)
@@ -106,24 +103,25 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
         Alpha5Error: See `MjcfOptions`.
     """
     chosen = options or MjcfOptions()
-    assets = mesh_assets(".obj")
+    assets = tree.mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": template("scene.xml").encode(),
+        "scene.xml": tree.template("scene.xml").encode(),
         "README.md": _readme(chosen).encode(),
-        "CHANGELOG.md": template("mjcf_changelog.md").encode(),
+        "CHANGELOG.md": tree.template("mjcf_changelog.md").encode(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
 
 
 def _readme(options: MjcfOptions) -> str:
-    source = provenance(parameters(options.corrections))
+    source = tree.provenance(parameters(options.corrections))
     drag = "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
-    water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
-    said = {**vars(options), **source, "drag": drag, "moving_water": water, "inertia": INERTIA}
-    said |= {"dilution": f"{DILUTION:.0e}".replace("+0", ""), "jaws": _JAWS[options.gripper]}
-    return template("mjcf_readme.md").format(**said)
+    water = tree.template("mjcf_moving_water.md") if options.hydrodynamics else ""
+    jaws = tree.template(f"mjcf_gripper_{options.gripper}.md").rstrip()
+    said = {**vars(options), **source, "drag": drag, "moving_water": water, "jaws": jaws}
+    dilution = f"{DILUTION:.0e}".replace("+0", "")
+    return tree.template("mjcf_readme.md").format(**said, inertia=INERTIA, dilution=dilution)
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -135,11 +133,11 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     """
     chosen = options or MjcfOptions()
     values = parameters(chosen.corrections)
-    bodies = arm_bodies(values, chosen.gripper, meshes)
+    bodies = tree.arm_bodies(values, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
-    root = document(values, "mujoco", model="alpha5")
-    # Capital letters are rotations about fixed axes: URDF's roll, pitch, yaw, digit for digit.
-    add(root, "compiler", angle="radian", eulerseq="XYZ", autolimits="true", meshdir="assets")
+    root = tree.document(values, "mujoco", model="alpha5")
+    compiler, visual, defaults = ET.fromstring(tree.template("model.xml"))
+    root.append(compiler)
     fluid: dict[str, Value] = {}
     if chosen.drag:
         root.append(ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. "))
@@ -150,39 +148,28 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     # Alike without forces that depend on speed, and brax knows no other.
     integrator = "Euler" if chosen.actuators == "motor" and not fluid else "implicitfast"
     add(root, "option", integrator=integrator, gravity=GRAVITY, **fluid)
-    add(add(root, "visual"), "global", offwidth="1920", offheight="1080")
-    _defaults(root)
-    _assets(root, bodies)
-    _worldbody(root, values, bodies, chosen)
-    if chosen.collision == "primitives":
-        _contact(root, bodies)
-    if chosen.gripper == "jaws":
-        _equality(root, joints)
-    _actuators(root, joints, chosen.actuators)
-    _keyframes(root, joints, chosen.actuators)
-    return serialized(root)
-
-
-def _defaults(root: ET.Element) -> None:
-    top = add(add(root, "default"), "default", "alpha5")
-    visual = add(top, "default", "visual")
-    add(visual, "geom", type="mesh", **_UNTOUCHED, group="2", mass="0", density="0")
-    add(add(top, "default", "collision"), "geom", group="3", mass="0")
-    # Without a geom of its own, MuJoCo's drag would take a buoyancy body for a box of many metres.
-    shape = {"type": "sphere", "size": "1e-6"}
-    fluid = {"fluidshape": "ellipsoid", "fluidcoef": "0 0 0 0 0"}
-    no_drag = add(top, "default", "no_drag")
-    add(no_drag, "geom", **shape, **fluid, **_UNTOUCHED, group="4", mass="0")
-    strip = {"type": "ellipsoid", "fluidshape": "ellipsoid", **_UNTOUCHED}
-    add(add(top, "default", "strip"), "geom", **strip, group="4", mass="0")
-
-
-def _assets(root: ET.Element, bodies: tuple[Body, ...]) -> None:
+    root.extend([visual, defaults])
     asset = add(root, "asset")
     for material in MATERIALS:
         add(asset, "material", **vars(material))
     for mesh in chain(*(body.meshes for body in bodies)):
         add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
+    _worldbody(root, values, bodies, chosen)
+    if chosen.collision == "primitives":
+        contact, names = add(root, "contact"), {body.name for body in bodies}
+        for one, other in chain(*UNCHECKED_PAIRS.values()):
+            if {one, other} <= names:
+                add(contact, "exclude", body1=one, body2=other)
+    if chosen.gripper == "jaws":
+        equality = add(root, "equality")
+        for joint in joints:
+            if isinstance(joint, FingerJoint):
+                line = (joint.offset, joint.multiplier, 0.0, 0.0, 0.0)
+                pair = {"joint1": joint.name, "joint2": joint.leader}
+                # stiffer than MuJoCo's default, with which servo and fingers excite each other
+                add(equality, "joint", **pair, polycoef=line, solref="0.005 1")
+    _actuators(root, joints, chosen.actuators)
+    return tree.serialized(root)
 
 
 def _worldbody(
@@ -220,44 +207,20 @@ def _worldbody(
         if water and body.name not in water:
             add(element, "geom", "no_drag")
         if buoyant:
-            _buoyancy(element, body, options)
-    tip = tcp_placement(values)
+            compensation, name = options.fluid_density * DILUTION + 1.0, f"{body.name}_buoyancy"
+            child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
+            mass = body.volume / DILUTION
+            add(child, "inertial", pos="0 0 0", mass=mass, diaginertia=[INERTIA] * 3)
+            add(child, "geom", "no_drag")
+    tip = tree.tcp_placement(values)
     add(elements[tip.parent], "site", name="tcp", size="0.005", group="4", **_pose(tip))
 
 
-def _buoyancy(element: ET.Element, body: Body, options: MjcfOptions) -> None:
-    compensation = options.fluid_density * DILUTION + 1.0
-    name = f"{body.name}_buoyancy"
-    child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
-    add(child, "inertial", pos="0 0 0", mass=body.volume / DILUTION, diaginertia=[INERTIA] * 3)
-    add(child, "geom", "no_drag")
-
-
-def _contact(root: ET.Element, bodies: tuple[Body, ...]) -> None:
-    contact = add(root, "contact")
-    names = {body.name for body in bodies}
-    for one, other in chain(*UNCHECKED_PAIRS.values()):
-        if {one, other} <= names:
-            add(contact, "exclude", body1=one, body2=other)
-
-
-def _equality(root: ET.Element, joints: list[JointRange]) -> None:
-    """The fingers follow the rod."""
-    equality = add(root, "equality")
-    for joint in joints:
-        if isinstance(joint, FingerJoint):
-            line = (joint.offset, joint.multiplier, 0.0, 0.0, 0.0)
-            pair = {"joint1": joint.name, "joint2": joint.leader}
-            # stiffer than MuJoCo's default, with which servo and fingers excite each other
-            add(equality, "joint", **pair, polycoef=line, solref="0.005 1")
-
-
 def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
-    """One actuator per joint that has its own."""
-    actuator = add(root, "actuator")
-    for joint in joints:
-        if isinstance(joint, FingerJoint):
-            continue
+    """One actuator per joint that has its own, and the named poses, jaws closed, servos at rest."""
+    actuator, keyframe = add(root, "actuator"), add(root, "keyframe")
+    own = [joint for joint in joints if not isinstance(joint, FingerJoint)]
+    for joint in own:
         limits, effort = (joint.lower, joint.upper), (-joint.effort, joint.effort)
         speeds = (-joint.velocity, joint.velocity)
         servo: dict[str, Value] = {"kp": _STIFFNESS[joint.name], "forcerange": effort}
@@ -270,18 +233,14 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
         }
         tag, attributes = kinds[kind]
         add(actuator, tag, name=joint.name, joint=joint.name, **attributes)
-
-
-def _keyframes(root: ET.Element, joints: list[JointRange], kind: str) -> None:
-    """The named poses, jaws closed, servos at rest."""
-    keyframe = add(root, "keyframe")
+    target = {"position": "ctrl", "velocity": "act"}.get(kind)
     for name, pose in sorted(NAMED_POSES.items()):  # home first: tools take the first
         # The jaws are closed at their lower limits.
-        at = [*pose, *(joint.lower for joint in joints[len(pose) :])]
-        own = [x for x, j in zip(at, joints, strict=True) if not isinstance(j, FingerJoint)]
+        at = {joint.name: joint.lower for joint in joints}
+        at |= zip(at, pose, strict=False)
         # servos start at rest: their targets are where the joints are
-        targets = {} if kind == "motor" else {"ctrl" if kind == "position" else "act": own}
-        add(keyframe, "key", name=name, qpos=at, **targets)
+        rest = {target: [at[joint.name] for joint in own]} if target else {}
+        add(keyframe, "key", name=name, qpos=at.values(), **rest)
 
 
 def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
@@ -300,3 +259,27 @@ def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
 def _pose(placement: Placement | Primitive) -> dict[str, tuple[float, ...] | None]:
     pose = {"pos": placement.xyz, "euler": placement.rpy}
     return {name: values if any(values) else None for name, values in pose.items()}
+
+
+def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Any]]:
+    """Geoms that drag in MuJoCo as a strip does: a flat ellipsoid and a needle on each of its pieces.
+
+    At an angle x to the axis MuJoCo takes for the shadow of an ellipsoid with half axes k r, r, r
+    ``pi r^2 sqrt((cos^2 + k^4 sin^2) / (cos^2 + k^2 sin^2))``. With k = 0.8 its slender drag goes within 0.04 like the
+    strip's, ``sin^3 x``. The needle has the strip's lift, ``sin^2 x cos x`` against its ``sin x cos x``, and its turning.
+    """
+    points = np.linspace(strip.start, strip.end, _PIECES + 1)
+    for start, end in pairwise(points):
+        half, middle = (end - start) / 2, (start + end) / 2
+        length = 2 * float(np.linalg.norm(half))
+        radius, needle = _FLAT_RADIUS * length, _NEEDLE_RADIUS * length
+        share = strip.diameter * length / 2 / (np.pi * radius**2)
+        blunt, slender = strip.along, (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
+        short = 2 * _FLATNESS * _FLAT_RADIUS * half
+        flat = np.concatenate([middle - short, middle + short])
+        drag = share * blunt, share * slender, 0.0, 0.0, 0.0
+        yield {"fromto": flat, "size": radius, "fluidcoef": drag}
+        share = strip.diameter / (np.pi * needle)
+        turning, lift = 15 / 32 * strip.across, _LIFT * (strip.across - strip.along)
+        turn = 0.0, 0.0, share * turning, share * lift, 0.0
+        yield {"fromto": np.concatenate([start, end]), "size": needle, "fluidcoef": turn}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+import xml.etree.ElementTree as ET
 from itertools import pairwise
 
 from alpha5_model.checks import FloatArray, choice, frozen
+from alpha5_model.description import XML_HEAD, add, serialized
 from alpha5_model.jaws import GRIPPERS
-from alpha5_model.parameters import JointRange, parameters
+from alpha5_model.parameters import parameters
 from alpha5_model.published.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
@@ -25,11 +26,7 @@ NAMED_POSES: dict[str, tuple[float, float, float, float]] = {
 
 Pairs = tuple[tuple[str, str], ...]
 #: Pairs that turn against each other at a joint; their collision bodies overlap there.
-ADJACENT_PAIRS: Pairs = (
-    *pairwise(BODY_NAMES),
-    ("link_4", "finger_1"),
-    ("link_4", "finger_2"),
-)
+ADJACENT_PAIRS: Pairs = (*pairwise(BODY_NAMES), ("link_4", "finger_1"), ("link_4", "finger_2"))
 #: Fingers that touch when the jaws close.
 CLOSING_PAIRS: Pairs = (("finger_1", "finger_2"),)
 #: Pairs that no joint position brings together: links 1 and 3 are held apart by link 2.
@@ -54,38 +51,25 @@ def srdf(gripper: str = "locked") -> str:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
     """
     jaws = choice("gripper", gripper, GRIPPERS) == "jaws"
-    return "\n".join(
-        ['<?xml version="1.0"?>', '<robot name="alpha5">', *_body(jaws), "</robot>", ""]
-    )
-
-
-def _body(jaws: bool) -> Iterator[str]:
     *arm, rod = parameters(()).joints
-    yield '  <group name="arm">'
-    yield '    <chain base_link="base_link" tip_link="tcp"/>'
-    yield "  </group>"
+    root = ET.Element("robot", name="alpha5")
+    add(add(root, "group", name="arm"), "chain", base_link="base_link", tip_link="tcp")
+    states = [(name, "arm", arm, [*q]) for name, q in NAMED_POSES.items()]
     if jaws:
-        yield '  <group name="gripper">'
-        yield f'    <joint name="{rod.name}"/>'
-        yield "  </group>"
-        yield '  <end_effector name="jaws" parent_link="link_4" group="gripper" parent_group="arm"/>'
-    for pose, q in NAMED_POSES.items():
-        yield from _state(pose, "arm", arm, q)
-    if jaws:
-        yield from _state("closed", "gripper", [rod], [rod.lower])
-        yield from _state("open", "gripper", [rod], [rod.upper])
-        for finger in ("finger_1", "finger_2"):
-            yield f'  <passive_joint name="{finger}_joint"/>'
+        add(add(root, "group", name="gripper"), "joint", name=rod.name)
+        ends = {"parent_link": "link_4", "group": "gripper", "parent_group": "arm"}
+        add(root, "end_effector", name="jaws", **ends)
+        states += [
+            (n, "gripper", [rod], [q]) for n, q in (("closed", rod.lower), ("open", rod.upper))
+        ]
+    for name, group, joints, q in states:
+        state = add(root, "group_state", name=name, group=group)
+        for joint, position in zip(joints, q, strict=True):
+            add(state, "joint", name=joint.name, value=position)
+    for finger in ("finger_1", "finger_2") if jaws else ():
+        add(root, "passive_joint", name=f"{finger}_joint")
     for reason, pairs in UNCHECKED_PAIRS.items():
         for one, other in pairs:
             if jaws or not any(name.startswith("finger") for name in (one, other)):
-                yield f'  <disable_collisions link1="{one}" link2="{other}" reason="{reason}"/>'
-
-
-def _state(
-    pose: str, group: str, joints: Iterable[JointRange], q: Iterable[float]
-) -> Iterator[str]:
-    yield f'  <group_state name="{pose}" group="{group}">'
-    for joint, position in zip(joints, q, strict=True):
-        yield f'    <joint name="{joint.name}" value="{position!r}"/>'
-    yield "  </group_state>"
+                add(root, "disable_collisions", link1=one, link2=other, reason=reason)
+    return XML_HEAD + serialized(root).replace(" />", "/>")

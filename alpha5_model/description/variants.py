@@ -8,8 +8,7 @@ from __future__ import annotations
 import importlib
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +17,7 @@ import numpy as np
 
 from alpha5_model.checks import choice, flag, float_array
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.description import text_of
-from alpha5_model.description.bodies import Body, arm_bodies, fixed_frames, provenance
+from alpha5_model.description import Body, arm_bodies, fixed_frames, provenance, text_of
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
 from alpha5_model.files import read_named
@@ -86,9 +84,8 @@ class Variant:
             # xacro would evaluate ${...} and $(...), names would hide XML escapes, and some unprintable
             # characters do not exist in UTF-8 or XML
             if not (isinstance(text, str) and text.isprintable()) or set(text) & set("${}<>&\"'"):
-                raise InputError(
-                    name, text, "a text without any of $ { } < > & quotes or unprintable characters"
-                )
+                allowed = "a text without any of $ { } < > & quotes or unprintable characters"
+                raise InputError(name, text, allowed)
             if name in ("prefix", "parent") and " " in text:
                 raise InputError(name, text, "a name without spaces")
             if name == "ros2_control_plugin" and text != _PLUGIN and not self.ros2_control:
@@ -107,15 +104,14 @@ def urdf(variant: Variant | None = None) -> str:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
         values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
-        arguments = {k: _xacro_text(x) for k, x in vars(chosen).items() if k != "corrections"}
-        text = expand_xacro(XACRO_PATH, {**arguments, "parameters": str(values)})
+        arguments = {"parameters": str(values)}
+        for name, x in vars(chosen).items():
+            if name != "corrections":
+                arguments[name] = str(x).lower() if isinstance(x, bool | np.bool_) else text_of(x)
+        text = expand_xacro(XACRO_PATH, arguments)
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
     return text
-
-
-def _xacro_text(value: str | bool | Iterable[float]) -> str:
-    return str(value).lower() if isinstance(value, bool | np.bool_) else text_of(value)
 
 
 def parameter_yaml(parameters: Alpha5Parameters) -> str:
@@ -126,7 +122,8 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
     import yaml
 
     locked, jaws = arm_bodies(parameters, "locked"), arm_bodies(parameters, "jaws")[4:]
-    source = provenance(parameters)
+    source, joints = provenance(parameters), parameters.joints
+    home = zip(joints, (*NAMED_POSES["home"], joints[4].lower), strict=True)
     content = {
         "provenance": source,
         "materials": {m.name: list(m.rgba) for m in MATERIALS},
@@ -134,12 +131,7 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         "frames": {name: asdict(frame) for name, frame in fixed_frames(parameters).items()},
         "jaws": _tree(jaws),
         # where mock hardware starts; at zero the arm is out of its limits and in collision
-        "home": {
-            joint.name: position
-            for joint, position in zip(
-                parameters.joints, (*NAMED_POSES["home"], parameters.joints[4].lower), strict=True
-            )
-        },
+        "home": {joint.name: position for joint, position in home},
     }
     text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
     return _HEAD.format(**source) + text
@@ -195,25 +187,12 @@ def expand_xacro(
     if process is None:
         raise MissingFileError("xacro", "the xacro library to be installed")
     read_named(path, "a xacro file")
-    try:
-        # xacro writes into the mapping that it is given.
-        with _finding(packages or {}):
-            document = process(os.fspath(path), mappings=dict(arguments or {}))
-    except Exception as error:
-        raise FileFormatError(path, f"xacro: {' '.join(str(error).split())}") from None
-    text: str = document.documentElement.toprettyxml(indent="  ")
-    lines = [line for line in text.splitlines() if line.strip()]
-    return "\n".join(['<?xml version="1.0" ?>', *lines, ""])
-
-
-@contextmanager
-def _finding(packages: Mapping[str, str]) -> Iterator[None]:
-    """Let ``$(find NAME)`` find these folders; xacro itself asks the index of ROS, which need not be there."""
+    # xacro asks the index of ROS for the folders of $(find NAME), which need not be there.
     module: Any = importlib.import_module("xacro.substitution_args")
     before = module._eval_find
 
     def find(name: str) -> str:
-        if name in packages:
+        if packages and name in packages:
             return str(Path(packages[name]).resolve())
         try:
             return str(before(name))
@@ -222,6 +201,12 @@ def _finding(packages: Mapping[str, str]) -> Iterator[None]:
 
     module._eval_find = module._eval_dict["find"] = find
     try:
-        yield
+        # xacro writes into the mapping that it is given.
+        document = process(os.fspath(path), mappings=dict(arguments or {}))
+    except Exception as error:
+        raise FileFormatError(path, f"xacro: {' '.join(str(error).split())}") from None
     finally:
         module._eval_find = module._eval_dict["find"] = before
+    text: str = document.documentElement.toprettyxml(indent="  ")
+    lines = [line for line in text.splitlines() if line.strip()]
+    return "\n".join(['<?xml version="1.0" ?>', *lines, ""])

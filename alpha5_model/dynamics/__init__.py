@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
+from alpha5_model.description import base_placement, joint_placements, tcp_placement
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm

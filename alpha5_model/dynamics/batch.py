@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from alpha5_model import kernels
 from alpha5_model.base_parameters import BASE_PARAMETERS, base_parameters
 from alpha5_model.checks import FloatArray, count
-from alpha5_model.description.bodies import joint_placements, tcp_placement
+from alpha5_model.description import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import rows
