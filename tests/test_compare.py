@@ -21,7 +21,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.comparison import compare, compare_robots
 from alpha5_model.comparison.arm import reduce_robot
-from alpha5_model.comparison.reading import map_joints
+from alpha5_model.comparison.reading import find_chains
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError
@@ -271,7 +271,7 @@ def test_dynamic_errors_equal_pinocchio_on_the_files():
 def test_bodies_equal_pinocchio_on_the_jaws():
     text = Path(JAWS_URDF_PATH).read_text()
     robot = parse_urdf(text)
-    arm = reduce_robot(robot, map_joints(robot))
+    arm = reduce_robot(robot, find_chains(robot)[0].joints)
     full = pin.buildModelFromXML(text)
     rest = pin.neutral(full)
     rest[full.joints[full.getJointId("axis_a")].idx_q] = 0.0013
@@ -288,14 +288,19 @@ def test_joints_are_mapped_by_name_prefix_order_or_hand():
     for i, axis in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
         renamed = renamed.replace(f'"{axis}"', f'"joint{i}"')
     robot = parse_urdf(renamed)
-    assert [j.name for j in map_joints(robot)] == ["joint0", "joint1", "joint2", "joint3"]
+    assert [j.name for j in find_chains(robot)[0].joints] == [
+        "joint0",
+        "joint1",
+        "joint2",
+        "joint3",
+    ]
     jaws = Path(JAWS_URDF_PATH).read_text().replace('"axis_d"', '"shoulder"')
-    assert map_joints(parse_urdf(jaws))[1].name == "shoulder"
-    assert map_joints(parse_urdf(jaws), {"axis_d": "shoulder"})[1].name == "shoulder"
+    assert find_chains(parse_urdf(jaws))[0].joints[1].name == "shoulder"
+    assert find_chains(parse_urdf(jaws), {"axis_d": "shoulder"})[0].joints[1].name == "shoulder"
     with pytest.raises(UnknownNameError, match="choose from link_0_fixed"):
-        map_joints(robot, {"axis_e": "waist"})
+        find_chains(robot, {"axis_e": "waist"})
     with pytest.raises(InputError, match="four different joints"):
-        map_joints(parse_urdf(OWN), {"axis_e": "axis_d"})
+        find_chains(parse_urdf(OWN), {"axis_e": "axis_d"})
     with pytest.raises(InputError, match="follow each other"):
         compare_robots(parse_urdf(OWN), {"axis_e": "axis_d", "axis_d": "axis_e"})
 

@@ -27,7 +27,7 @@ from alpha5_model.comparison.arm import (
 )
 from alpha5_model.comparison.bodies import body_findings
 from alpha5_model.comparison.geometry import geometry_findings
-from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
+from alpha5_model.comparison.records import BodyDifference, Comparison, Finding, finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 
@@ -139,41 +139,33 @@ def _is_ours(chain: reading.Chain) -> bool:
 def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     """Why a model is not of this arm."""
     turning = sum(j.kind in reading.TURNING and j.mimic is None for j in other.joints.values())
-    why = f"no four joints turn one after another, as its four do ({turning} turning joints in all)"
-    if chains:
-        names, off = ", ".join(chains[0].names), chains[0].differences
-        scale, units = (np.repeat(x, (4, 3)) for x in ([1e3, 180 / math.pi], ["mm", "deg"]))
-        rows = zip(SHAPE, chains[0].shape * scale, reading.our_shape() * scale, units, strict=True)
-        texts = [f"{words} {a:.0f} {unit} (ours {b:.0f})" for words, a, b, unit in rows]
-        worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
-        why = f"of its {turning} turning joints {names} come closest, with {worst}"
-    return Finding("arm", f"This is not a Reach Alpha 5: {why}.")
+    if not chains:
+        return finding("another_arm.without_joints", turning=turning)
+    best, off = chains[0], chains[0].differences
+    scale, units = (np.repeat(x, (4, 3)) for x in ([1e3, 180 / math.pi], ["mm", "deg"]))
+    rows = zip(SHAPE, best.shape * scale, units, reading.our_shape() * scale, strict=True)
+    texts = ["{} {:.0f} {} (ours {:.0f})".format(*row) for row in rows]
+    worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
+    return finding("another_arm", turning=turning, joints=", ".join(best.names), worst=worst)
 
 
 def _other_arms(chains: list[reading.Chain]) -> Iterator[Finding]:
     """Further chains of the shape of this arm, such as a second arm on the vehicle."""
     for chain in chains[1:]:
         if _is_ours(chain) and set(chain.names).isdisjoint(chains[0].names):
-            mapping = ",".join(f"{a}={n}" for a, n in zip(reading.AXES, chain.names, strict=True))
-            text = f"another arm of this shape is there: compare it with --map {mapping}"
-            yield Finding("arm", text, serious=False)
+            pairs = zip(reading.AXES, chain.names, strict=True)
+            yield finding("second_arm", mapping=",".join(map("=".join, pairs)))
 
 
 def _remarks(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
     """What does not count, or is missing, in its collision shapes and files."""
-    links = [other.links[name] for names in theirs.links for name in names]
-    if meshes := sum(len(link.meshes) for link in links):
-        text = f"{meshes} collision meshes: their volume is not counted"
-        yield Finding("volume", text, serious=False)
+    if meshes := sum(len(other.links[name].meshes) for names in theirs.links for name in names):
+        yield finding("volume.meshes", meshes=meshes)
     # Our own collision shapes enclose the bodies and are not meant to displace water.
-    printed, enclosing = sum(link.volume for link in parameters().links), our_arm().volume
-    known = [abs(theirs.volume - v) <= VOLUME_TOLERANCE * printed for v in (printed, enclosing)]
-    if theirs.volume and not any(known):
-        text = (
-            f"collision primitives sum to {theirs.volume * 1e3:.3f} L, the arm displaces "
-            f"{printed * 1e3:.3f} L: wrong buoyancy in a tool that takes it from them"
-        )
-        yield Finding("volume", text, serious=False)
+    printed, volume = sum(link.volume for link in parameters().links), theirs.volume
+    near = VOLUME_TOLERANCE * printed
+    if volume and all(abs(volume - ours) > near for ours in (printed, our_arm().volume)):
+        yield finding("volume", theirs=volume * 1e3, ours=printed * 1e3)
     for name in sorted({file for link in other.links.values() for file in link.files}):
         if folder and "://" not in name and not (folder / name).is_file():
-            yield Finding(name, "mesh is not there", serious=False)
+            yield finding("file", name)

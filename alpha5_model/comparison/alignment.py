@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,15 +21,22 @@ from alpha5_model.comparison.arm import (
     Z,
     our_arm,
     our_frames,
-    our_lines,
     random_positions,
     tip_points,
     with_dimensions,
 )
 from alpha5_model.comparison.reading import foot
-from alpha5_model.comparison.records import Alignment
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import moved, rotation_about, transform, wrap
+
+#: The dimensions of our arm that another model may have otherwise: distances and twists of axes
+#: that follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no
+#: twist about their second direction).
+DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
+#: A frame that lies closer to ours than this was meant to be the same one.
+SAME_FRAME = 0.005  # [m]
+SAME_TILT = 0.02  # [rad]
+
 
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
@@ -42,6 +49,56 @@ POSITIONS = 10
 ZEROS = range(8)
 #: The first axis that each unknown moves.
 MOVES_FROM = (0,) * 6 + (2, 3) + (1, 2, 3, 2) * 2
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """How the other model's coordinates relate to ours: ``q_theirs = sign * q_ours + zero``.
+
+    Attributes:
+        base: transform_theirs_to_ours of the root frames, (4, 4).
+        sign: +1 or -1 per joint, (4,).
+        zero: Position of the other joint where ours is zero, (4,) [rad].
+        dimensions: Theirs minus ours of each of `DIMENSIONS`, (8,) [m, rad]; zero where it was
+            held.
+        residual: What is left between their axes and ours, root mean square over positions and
+            axes: of the coordinates of the lines (their moment [m] and direction), and of their
+            angle [rad].
+        base_link: The link of theirs whose frame comes closest to our base_link.
+        stands: Pose of that frame in our base_link, (4, 4).
+        exact: The same with all dimensions fitted, also those that the printed digits explain; None
+            in itself.
+    """
+
+    base: FloatArray = field(default_factory=lambda: np.eye(4))
+    sign: FloatArray = field(default_factory=lambda: np.ones(4))
+    zero: FloatArray = field(default_factory=lambda: np.zeros(4))
+    dimensions: FloatArray = field(default_factory=lambda: np.zeros(len(DIMENSIONS)))
+    residual: tuple[float, float] = (math.nan, math.nan)
+    base_link: str = ""
+    stands: FloatArray = field(default_factory=lambda: np.eye(4))
+    exact: Alignment | None = None
+
+    @property
+    def same_base(self) -> bool:
+        """Whether a link's frame was meant to be our base_link, up to its height and yaw."""
+        lateral = float(np.hypot(*self.stands[:2, 3]))
+        height, up = abs(self.stands[2, 3]), self.stands[2, 2]
+        return max(lateral, height) < SAME_FRAME and math.acos(min(1.0, up)) < SAME_TILT
+
+    @property
+    def oddities(self) -> int:
+        """Number of turned signs and shifted zeros."""
+        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_FRAME).sum())
+
+    def changes(self) -> dict[str, float]:
+        """The dimensions that differ, theirs minus ours [m, rad]."""
+        found = zip(DIMENSIONS, self.dimensions.tolist(), strict=True)
+        return {name: change for name, change in found if change}
+
+    def theirs(self, q: FloatArray) -> FloatArray:
+        """The other model's joint positions for ours."""
+        return self.sign * q + self.zero
 
 
 def align(theirs: FourJointArm) -> Alignment:
@@ -265,7 +322,8 @@ def closed_form(theirs: FourJointArm, sign: FloatArray) -> Alignment:
     axis_c to its side of the shoulder, turning about axis_c the wrist into its direction.
     """
     zero = np.zeros(4)
-    points, directions = (x[0] for x in our_lines(zero[None], np.zeros(8)))
+    frames = our_frames(zero)
+    points, directions = frames[:, :3, 3], frames[:, :3, 2]
     out = Alignment(sign=sign)
     there, heading = their_lines(theirs, out, zero)
     turn = _frame(directions) @ _frame(heading).T

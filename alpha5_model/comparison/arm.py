@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
+from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray, choice
-from alpha5_model.comparison.reading import foot, last_digits, map_joints, rest_position
+from alpha5_model.comparison.reading import AXES, foot, last_digits, rest_position
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError
@@ -22,6 +23,8 @@ from alpha5_model.spatial import moved, rotation_about, transform
 CARRIED_FROM = 0.02  # [kg], a tenth of link_0
 X, Y, Z = np.eye(3)
 DOWN = np.array(GRAVITY)  # [m/s^2]
+#: Change of our dimensions, see `alpha5_model.comparison.alignment.DIMENSIONS`.
+AS_IT_IS = np.zeros(8)
 
 Paths = dict[str, tuple[str, ...]]
 
@@ -128,7 +131,7 @@ def chain_poses(placements: FloatArray, axes: FloatArray, q: FloatArray) -> Floa
 def our_arm() -> FourJointArm:
     """Our own arm, generated from the tables and read like any other."""
     robot = parse_urdf(urdf(Variant(dh_frames=True)))
-    return reduce_robot(robot, map_joints(robot))
+    return reduce_robot(robot, tuple([robot.joints[axis] for axis in AXES]))
 
 
 @lru_cache(maxsize=4)
@@ -139,8 +142,8 @@ def random_positions(count: int) -> FloatArray:
     return np.random.default_rng(0).uniform(lower, upper, (count, 4))
 
 
-def our_frames(q: FloatArray, change: FloatArray) -> FloatArray:
-    """DH frames {0} to {3} of our arm with changed dimensions, (N, 4, 4, 4), at q (N, 4).
+def our_frames(q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
+    """DH frames {0} to {3} of our arm, (..., 4, 4, 4), at q (..., 4), with changed dimensions.
 
     Their z axes are the joint axes; each stands turned by its joint already, ready for the next
     link.
@@ -155,23 +158,18 @@ def our_frames(q: FloatArray, change: FloatArray) -> FloatArray:
     return chain_poses(placements, np.tile(Z, (4, 1)), q + offset)[..., 1:, :, :]
 
 
-def our_lines(q: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points on and directions of our axes, (N, 4, 3), at q (N, 4), with changed dimensions."""
-    frames = our_frames(q, change)
-    return frames[..., :3, 3], frames[..., :3, 2]
-
-
 def with_dimensions(change: FloatArray) -> FourJointArm:
     """Our arm with changed dimensions; each body stays with its own joint."""
-    before, after = (our_frames(np.zeros((1, 4)), c)[0] for c in (np.zeros(8), change))
+    before, after = our_frames(np.zeros(4)), our_frames(np.zeros(4), change)
     poses = our_arm().poses(np.zeros(4))
     poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
     return replace(our_arm(), placements=np.linalg.inv(poses[:-1]) @ poses[1:])
 
 
-def our_tips(q: FloatArray, change: FloatArray | None = None) -> FloatArray:
-    """Tips of our arm, (N, 3) [m], with changed dimensions if given; see `tip_points`."""
-    return tip_points(*our_lines(q, np.zeros(8) if change is None else change))
+def our_tips(q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
+    """Tips of our arm, (N, 3) [m], with changed dimensions; see `tip_points`."""
+    frames = our_frames(q, change)
+    return tip_points(frames[..., :3, 3], frames[..., :3, 2])
 
 
 def tip_points(points: FloatArray, directions: FloatArray) -> FloatArray:
@@ -218,16 +216,10 @@ def reduce_robot(
     between = way[way.index(first) + 1 :]
     groups = [[n for n in robot.links if body[n] == i and (i or n in own)] for i in range(5)]
     mass, com, inertia = np.zeros(5), np.zeros((5, 3)), np.zeros((5, 3, 3))
-    for i, links in enumerate([robot.links[name] for name in group] for group in groups):
-        heavy = [link for link in links if link.mass]
-        masses = [link.mass or 0.0 for link in heavy]
-        if sum(masses) == 0.0:
-            continue
-        mass[i], com[i], inertia[i] = combine(
-            masses,
-            [moved(pose[link.name], link.com) for link in heavy],
-            [rotate_tensor(pose[link.name][:3, :3], link.inertia) for link in heavy],
-        )
+    for i, group in enumerate(groups):
+        seen = [carried(robot.links[n], pose[n]) for n in group if robot.links[n].mass]
+        if sum(body[0] for body in seen) != 0.0:
+            mass[i], com[i], inertia[i] = combine(*zip(*seen, strict=True))
     return FourJointArm(
         joints=joints,
         placements=np.array(placements),
@@ -242,6 +234,11 @@ def reduce_robot(
         carried=tuple(name for name in still if name not in own),
         digits=last_digits([j for j in robot.joints.values() if j.child in between]),
     )
+
+
+def carried(body: Any, pose: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Mass, COM and tensor of a body, carried to where it stands with a pose (4, 4)."""
+    return body.mass, moved(pose, body.com), rotate_tensor(pose[:3, :3], body.inertia)
 
 
 def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | None) -> set[str]:

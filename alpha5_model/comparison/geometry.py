@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import (
     ANGLE_TOLERANCE,
+    DIMENSIONS,
     LENGTH_TOLERANCE,
+    Alignment,
     allowed,
     bodies_in_our_frames,
     their_tips,
@@ -18,7 +21,7 @@ from alpha5_model.comparison.alignment import (
 )
 from alpha5_model.comparison.arm import FourJointArm, our_arm, our_tips, with_dimensions
 from alpha5_model.comparison.reading import AXES
-from alpha5_model.comparison.records import DIMENSIONS, Alignment, Finding
+from alpha5_model.comparison.records import Finding, finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rotation_about, rpy_from_rotation, wrap
@@ -27,17 +30,6 @@ from alpha5_model.spatial import rotation_about, rpy_from_rotation, wrap
 LIMIT_TOLERANCE = math.radians(0.1)
 #: A COM of link_0 this close to ours settles the zero of axis_e.
 SAME_COM = 1e-3  # [m]
-#: Dimension -> the axis that lies elsewhere by it, and what it is.
-DIMENSION_WORDS = {
-    "a_0": ("axis_d", "from axis_e"),
-    "a_1": ("axis_c", "from axis_d"),
-    "a_2": ("axis_b", "from axis_c"),
-    "d_1": ("axis_c", "beside the plane of the arm"),
-    "alpha_0": ("axis_d", "to axis_e"),
-    "alpha_1": ("axis_c", "to axis_d, about the upper arm"),
-    "alpha_2": ("axis_b", "to axis_c"),
-    "beta_1": ("axis_c", "to axis_d, in the plane of the arm"),
-}
 
 
 def geometry_findings(
@@ -71,24 +63,15 @@ def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iter
     at_base = alignment.same_base and np.allclose(mount, np.eye(4), atol=LENGTH_TOLERANCE)
     elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
     if elsewhere and not at_base:
-        x, y, z = shift * 1e3
-        text = (
-            f"its root {other.root} stands at ({x:z.2f}, {y:z.2f}, {z:z.2f}) mm in our base_link, turned by "
-            f"{math.degrees(angle):.2f} deg: another mount"
-        )
-        text += "" if alignment.same_base else ", or for a yaw a shifted zero of axis_e"
-        yield Finding("base", text, serious=False)
-    masses = {name: other.links[name].mass or 0.0 for name in theirs.carried}
+        words = dict(zip("xyz", shift * 1e3, strict=True), turned=math.degrees(angle))
+        yield finding("mount" if alignment.same_base else "mount.or_zero", root=other.root, **words)
+    masses = {name: mass for name in theirs.carried if (mass := other.links[name].mass)}
     if total := sum(masses.values()):
-        heavy = sorted((n for n in masses if masses[n]), key=lambda n: -masses[n])
+        heavy = sorted(masses, key=lambda n: -masses[n])
         names = ", ".join(f"{n} ({masses[n]:.5g} kg)" for n in heavy[:3])
         names += f" and {len(heavy) - 3} more, {total:.5g} kg in all" if len(heavy) > 3 else ""
         excess = total + theirs.mass[0] - parameters().links[0].mass
-        text = (
-            f"carried with the base and left out of link_0: {names}; with it link_0 would be "
-            f"{excess:.1f} kg too heavy"
-        )
-        yield Finding("base", text, serious=False)
+        yield finding("carried", names=names, excess=excess)
 
 
 def _shoulder(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
@@ -99,81 +82,64 @@ def _shoulder(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     (x, y, z), link = alignment.stands[:3, 3] * 1e3, alignment.base_link
     beside, tilt = math.hypot(x, y), math.acos(min(1.0, alignment.stands[2, 2]))
     if abs(z) > length * 1e3:
-        d, way = parameters().dh[0].d * 1e3, "lower" if z < 0 else "higher"
-        text = (
-            f"lies {d - z:.2f} mm above {link} where d_0 is {d:.2f} mm: the base stands {abs(z):.2f} mm "
-            f"{way}, from here on the tip is up to {abs(z):.2f} mm off"
-        )
-        instead = f"{d:g} mm from {link} to the origin of {theirs.joints[1].name}"
-        yield Finding("axis_d", text, instead=instead)
+        d, joint = parameters().dh[0].d * 1e3, theirs.joints[1].name
+        words = {"link": link, "joint": joint, "way": "lower" if z < 0 else "higher"}
+        yield finding("height", d=d, above=d - z, off=abs(z), **words)
     if beside > length * 1e3 or tilt > angle:
-        degrees = math.degrees(tilt)
-        text = f"passes {beside:.2f} mm beside the origin of {link}, tilted by {degrees:.3f} deg"
-        yield Finding("axis_e", text)
+        yield finding("beside", beside=beside, link=link, tilt=math.degrees(tilt))
 
 
-def _torque_change(torque: FloatArray, q: FloatArray) -> float:
-    """How far gravity torques in air are at most from ours at q [N m]."""
-    return float(np.abs(torque - our_arm().gravity_torque(q)).max())
+def _torque_change(arm: FourJointArm, there: FloatArray, q: FloatArray) -> float:
+    """How far an arm's gravity torques in air are at most from ours, at its and our q [N m]."""
+    return float(np.abs(arm.gravity_torque(there) - our_arm().gravity_torque(q)).max())
 
 
 def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)[1]
-
-    def worth(there: FloatArray) -> float:
-        return round(_torque_change(our_arm().gravity_torque(there), q), 9)
-
     for j, (axis, joint) in enumerate(zip(AXES, theirs.joints, strict=True)):
         here, zero = np.arange(4) == j, float(alignment.zero[j])
         if alignment.sign[j] < 0:
-            instead = f'{joint.name}: <axis xyz="{_numbers(-joint.axis)}"/> and its limits reversed'
-            cost = worth(np.where(here, -q, q))
-            yield Finding(axis, "turns the other way", cost=cost, instead=instead)
+            cost = round(_torque_change(our_arm(), np.where(here, -q, q), q), 9)
+            yield finding("reversed", axis, cost, joint=joint.name, axis=_numbers(-joint.axis))
         if abs(zero) <= within:
             continue
-        text, serious = f"its zero is shifted by {math.degrees(zero):.2f} deg", True
+        name, words = "zero", {"joint": joint.name, "shift": math.degrees(zero)}
         if j in (1, 2):
-            text += f" ({_fits(alignment)}; {without_zero(theirs, alignment, j) * 1e3:.2f} mm without it)"
+            words |= {"fit": _fit(alignment), "without": without_zero(theirs, alignment, j) * 1e3}
+            name = "zero.fitted"
         elif j == 0:
             com = bodies_in_our_frames(theirs, alignment)[0][0]
-            serious = bool(np.linalg.norm(com - our_arm().com[0]) < SAME_COM)
-            text += "" if serious else ", or else the base body stands turned: the axes cannot tell"
+            if np.linalg.norm(com - our_arm().com[0]) >= SAME_COM:
+                name = "zero.or_base"
         turned = joint.transform[:3, :3] @ rotation_about(joint.axis, zero)
-        xyz, rpy = _numbers(joint.transform[:3, 3]), _numbers(rpy_from_rotation(turned))
-        instead = f'{joint.name}: <origin xyz="{xyz}" rpy="{rpy}"/>'
-        yield Finding(axis, text, serious, worth(q - alignment.sign * zero * here), instead)
+        words["xyz"] = _numbers(joint.transform[:3, 3])
+        words["rpy"] = _numbers(rpy_from_rotation(turned))
+        cost = round(_torque_change(our_arm(), q - alignment.sign * zero * here, q), 9)
+        yield finding(name, axis, cost, **words)
 
 
 def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
-    tips, within = our_tips(q), allowed(theirs, short_pi=True)
+    within = allowed(theirs, short_pi=True)
     for k, (name, change) in enumerate(zip(DIMENSIONS, alignment.dimensions, strict=True)):
         if abs(change) <= within[k >= 4]:
             continue
-        axis, words = DIMENSION_WORDS[name]
         only = np.where(np.arange(len(DIMENSIONS)) == k, change, 0.0)
-        off = np.linalg.norm(our_tips(q, only) - tips, axis=1).max() * 1e3
+        off = np.linalg.norm(our_tips(q, only) - our_tips(q), axis=1).max() * 1e3
         kind, _, index = name.partition("_")
         scale, unit = (1e3, "mm") if k < 4 else (180 / math.pi, "deg")
         ours = getattr(parameters().dh[int(index)], kind, 0.0) * scale
-        text = (
-            f"stands {ours + change * scale:.2f} {unit} {words} where ours stands {ours:.2f} {unit}: "
-            f"from here on the tip is up to {off:.2f} mm off"
-        )
-        cost = _torque_change(with_dimensions(only).gravity_torque(q), q)
-        yield Finding(axis, text, cost=cost, instead=f"{name} = {ours:.6g} {unit}")
+        words = {"theirs": ours + change * scale, "ours": ours, "unit": unit, "off": off}
+        cost = _torque_change(with_dimensions(only), q, q)
+        yield finding(f"dimension.{name}", "", cost, name=name, **words)
 
 
 def _digits(
     theirs: FourJointArm, written: FourJointArm, alignment: Alignment, q: FloatArray
 ) -> Iterator[Finding]:
     """What the number of printed digits does to the axes: remarks only."""
-    pairs = [their_tips(arm, alignment, q) for arm in (theirs, written)]
-    if (off := float(np.linalg.norm(pairs[0] - pairs[1], axis=1).max())) > LENGTH_TOLERANCE:
-        text = (
-            f"multiples of pi are cut short: the tip lies up to {off * 1e3:.2f} mm beside what is "
-            "meant; all that is said here is about what is meant"
-        )
-        yield Finding("digits", text, serious=False, instead="angles with 15 digits")
+    apart = their_tips(theirs, alignment, q) - their_tips(written, alignment, q)
+    if (off := float(np.linalg.norm(apart, axis=1).max())) > LENGTH_TOLERANCE:
+        yield finding("digits.of_pi", off=off * 1e3)
     length, angle = allowed(theirs, short_pi=True)
     zeros = "".join(
         f", zero of {axis} {math.degrees(zero):.2f} deg"
@@ -181,40 +147,38 @@ def _digits(
         if ANGLE_TOLERANCE < abs(zero) <= angle
     )
     if alignment.residual[0] > LENGTH_TOLERANCE or zeros:
-        text = (
-            f"the axes lie as ours within what the printed digits allow, {length * 1e3:.2g} mm and "
-            f"{math.degrees(angle):.2g} deg: {_fits(alignment)}{zeros}"
-        )
-        yield Finding("digits", text, serious=False)
+        words = {"length": length * 1e3, "angle": math.degrees(angle), "zeros": zeros}
+        yield finding("digits", fit=_fit(alignment), **words)
 
 
-def _fits(alignment: Alignment) -> str:
-    mm, deg = alignment.residual[0] * 1e3, math.degrees(alignment.residual[1])
-    return f"residual {mm:.2f} mm, {deg:.4f} deg rms"
+def _fit(alignment: Alignment) -> FloatArray:
+    """What is left between the axes, [mm] and [deg] rms."""
+    return np.multiply(alignment.residual, (1e3, 180 / math.pi))
 
 
-def _numbers(values: Sequence[float] | FloatArray) -> str:
+def _numbers(values: ArrayLike) -> str:
     return " ".join(f"{x + 0.0:.7g}" for x in np.round(np.asarray(values), 7))
 
 
 def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     rows = zip(parameters().joints, theirs.joints, alignment.sign, alignment.zero, strict=False)
     for ours, joint, sign, zero in rows:
-        printed, text = np.array([ours.lower, ours.upper]), "has no limits"
-        low, high = np.sort(zero + sign * printed)
+        name, words = "limits.none", {}
+        printed = np.array([ours.lower, ours.upper])
+        meant = np.sort(zero + sign * printed)
         if joint.lower is not None and joint.upper is not None:
             ends = np.sort(sign * (np.array([joint.lower, joint.upper]) - zero))
             # Their range lies within a turn of ours, whatever turn its zero was counted in.
             turns = float(wrap(ends.mean(), printed.mean()) - ends.mean())
-            ends, low, high = ends + turns, low - sign * turns, high - sign * turns
+            ends, meant = ends + turns, meant - sign * turns
             if np.abs(ends - printed).max() <= LIMIT_TOLERANCE:
                 continue
-            (first, last), (lower, upper) = np.degrees(ends), np.degrees(printed)
-            text = (
-                f"range {first:z.1f} to {last:z.1f} deg in place of {lower:.1f} to {upper:.1f} deg"
+            values = np.degrees([*ends, *printed])
+            name, words = (
+                "limits",
+                dict(zip(("first", "last", "lower", "upper"), values, strict=True)),
             )
-        instead = f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>'
-        yield Finding(ours.name, text, serious=False, instead=instead)
+        yield finding(name, ours.name, joint=joint.name, low=meant[0], high=meant[1], **words)
 
 
 def _mimics(other: UrdfRobot) -> Iterator[Finding]:
@@ -227,6 +191,5 @@ def _mimics(other: UrdfRobot) -> Iterator[Finding]:
         low, high = np.sort(joint.multiplier * travel + joint.offset)
         beyond = max((joint.lower or 0.0) - low, high - (joint.upper or 0.0))
         if beyond > ANGLE_TOLERANCE:
-            text = f"mimics {leader.name} {beyond:.4g} beyond its own limit"
-            instead = f'{joint.name}: <limit lower="{low:.5g}" upper="{high:.5g}"/>'
-            yield Finding(joint.name, text, instead=instead)
+            words = {"leader": leader.name, "joint": joint.name, "low": low, "high": high}
+            yield finding("mimic", joint.name, beyond=beyond, **words)

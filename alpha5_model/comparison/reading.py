@@ -238,19 +238,6 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
     )
 
 
-def map_joints(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> tuple[UrdfJoint, ...]:
-    """The joints of another model that are axis_e, axis_d, axis_c and axis_b; see `find_chains`.
-
-    Raises:
-        UnknownNameError: A name that is not there.
-        InputError: Two of our joints mapped to one, or no four joints in a row.
-    """
-    chains = find_chains(robot, names)
-    if not chains:
-        raise InputError("robot", robot.name, "four revolute joints in a row")
-    return chains[0].joints
-
-
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
     """Where a joint is frozen: nearest to zero in its range, or with the joint it mimics."""
     leader = robot.joints.get(joint.mimic) if joint.mimic else None

@@ -1,74 +1,21 @@
-"""What a comparison is made of: alignment, findings, bodies, and the whole."""
+"""What a comparison is made of: findings, bodies, and the whole."""
 
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.comparison.alignment import Alignment
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
 
-#: The dimensions of our arm that another model may have otherwise: distances and twists of axes
-#: that follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no
-#: twist about their second direction).
-DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
-#: A frame that lies closer to ours than this was meant to be the same one.
-SAME_FRAME = 0.005  # [m]
-SAME_TILT = 0.02  # [rad]
-
-
-@dataclass(frozen=True, eq=False)
-class Alignment:
-    """How the other model's coordinates relate to ours: ``q_theirs = sign * q_ours + zero``.
-
-    Attributes:
-        base: transform_theirs_to_ours of the root frames, (4, 4).
-        sign: +1 or -1 per joint, (4,).
-        zero: Position of the other joint where ours is zero, (4,) [rad].
-        dimensions: Theirs minus ours of each of `DIMENSIONS`, (8,) [m, rad]; zero where it was
-            held.
-        residual: What is left between their axes and ours, root mean square over positions and
-            axes: of the coordinates of the lines (their moment [m] and direction), and of their
-            angle [rad].
-        base_link: The link of theirs whose frame comes closest to our base_link.
-        stands: Pose of that frame in our base_link, (4, 4).
-        exact: The same with all dimensions fitted, also those that the printed digits explain; None
-            in itself.
-    """
-
-    base: FloatArray = field(default_factory=lambda: np.eye(4))
-    sign: FloatArray = field(default_factory=lambda: np.ones(4))
-    zero: FloatArray = field(default_factory=lambda: np.zeros(4))
-    dimensions: FloatArray = field(default_factory=lambda: np.zeros(len(DIMENSIONS)))
-    residual: tuple[float, float] = (math.nan, math.nan)
-    base_link: str = ""
-    stands: FloatArray = field(default_factory=lambda: np.eye(4))
-    exact: Alignment | None = None
-
-    @property
-    def same_base(self) -> bool:
-        """Whether a link's frame was meant to be our base_link, up to its height and yaw."""
-        lateral = float(np.hypot(*self.stands[:2, 3]))
-        height, up = abs(self.stands[2, 3]), self.stands[2, 2]
-        return max(lateral, height) < SAME_FRAME and math.acos(min(1.0, up)) < SAME_TILT
-
-    @property
-    def oddities(self) -> int:
-        """Number of turned signs and shifted zeros."""
-        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_FRAME).sum())
-
-    def changes(self) -> dict[str, float]:
-        """The dimensions that differ, theirs minus ours [m, rad]."""
-        found = zip(DIMENSIONS, self.dimensions.tolist(), strict=True)
-        return {name: change for name, change in found if change}
-
-    def theirs(self, q: FloatArray) -> FloatArray:
-        """The other model's joint positions for ours."""
-        return self.sign * q + self.zero
+_TEXTS: Any = tomllib.loads(Path(__file__).with_name("findings.toml").read_text("utf-8"))
 
 
 @dataclass(frozen=True)
@@ -89,6 +36,14 @@ class Finding:
     serious: bool = True
     cost: float = 0.0
     instead: str = ""
+
+
+def finding(key: str, where: str = "", cost: float = 0.0, /, **words: Any) -> Finding:
+    """A finding in the words of ``findings.toml``, under ``topic`` or ``topic.subject``."""
+    topic, _, subject = key.partition(".")
+    text = {"where": where, **_TEXTS[topic], **_TEXTS[topic].get(subject, {}), **words}
+    said, instead = (text.get(k, "").format_map(text) for k in ("text", "instead"))
+    return Finding(text["where"], said, text.get("serious", True), cost, instead)
 
 
 @dataclass(frozen=True, eq=False)
