@@ -222,17 +222,17 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
     own = [joint for joint in joints if not isinstance(joint, FingerJoint)]
     for joint in own:
         limits, effort = (joint.lower, joint.upper), (-joint.effort, joint.effort)
-        speeds = (-joint.velocity, joint.velocity)
+        ranges = {
+            "motor": effort,
+            "position": limits,
+            "velocity": (-joint.velocity, joint.velocity),
+        }
         servo: dict[str, Value] = {"kp": _STIFFNESS[joint.name], "forcerange": effort}
         servo |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
-        kinds: dict[str, tuple[str, dict[str, Value]]] = {
-            "motor": ("motor", {"ctrlrange": effort}),
-            "position": ("position", {**servo, "ctrlrange": limits}),
-            # A position servo whose target moves at the speed asked for: it holds against weight.
-            "velocity": ("intvelocity", {**servo, "ctrlrange": speeds, "actrange": limits}),
-        }
-        tag, attributes = kinds[kind]
-        add(actuator, tag, name=joint.name, joint=joint.name, **attributes)
+        # A position servo whose target moves at the speed asked for: it holds against weight.
+        tag, within = ("intvelocity", limits) if kind == "velocity" else (kind, None)
+        given = {"name": joint.name, "joint": joint.name} | ({} if kind == "motor" else servo)
+        add(actuator, tag, **given, ctrlrange=ranges[kind], actrange=within)
     target = {"position": "ctrl", "velocity": "act"}.get(kind)
     for name, pose in sorted(NAMED_POSES.items()):  # home first: tools take the first
         # The jaws are closed at their lower limits.
@@ -251,7 +251,7 @@ def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
     from scipy.spatial.transform import Rotation
 
     moments, axes = np.linalg.eigh(inertia)
-    right_handed = axes if np.linalg.det(axes) > 0 else -axes
+    right_handed = axes * np.sign(np.linalg.det(axes))
     x, y, z, w = Rotation.from_matrix(right_handed).as_quat(canonical=True).tolist()
     return moments, [c + 0.0 for c in (w, x, y, z)]  # no negative zeros
 

@@ -172,9 +172,6 @@ class _Reader:
     def __init__(self, text: str | bytes, origin: str) -> None:
         self.origin = origin
         self.lines: dict[ET.Element, int] = {}
-        self.top = self._parse(text)
-
-    def _parse(self, text: str | bytes) -> ET.Element:
         builder, parser = ET.TreeBuilder(), expat.ParserCreate()
 
         def start(tag: str, attributes: dict[str, str]) -> None:
@@ -186,7 +183,7 @@ class _Reader:
             if isinstance(text, bytes) and text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
                 text = text.decode("utf-16")  # whatever its declaration says
             parser.Parse(text, True)
-            return builder.close()
+            self.top = builder.close()
         except expat.ExpatError as error:
             problem = f"not XML: {expat.errors.messages[error.code]}"
             raise FileFormatError(self.origin, problem, f"line {error.lineno}") from None
@@ -254,17 +251,21 @@ class _Reader:
         if len(roots) != 1:
             words = f"{len(roots)} root links: {', '.join(roots[:4])}" if roots else "no root link"
             raise self.fail(self.top, f"expected one tree of links, found {words}")
-        ordered = _outwards(roots[0], joints)
+        children: dict[str, list[UrdfJoint]] = {}
+        for joint in joints.values():
+            children.setdefault(joint.parent, []).append(joint)
+        ordered, outwards = {}, [roots[0]]
+        for link_name in outwards:
+            for joint in children.get(link_name, ()):
+                ordered[joint.name] = joint
+                outwards.append(joint.child)
         if len(ordered) != len(joints):
             raise self.fail(self.top, "the joints form a loop")
         return UrdfRobot(self.top.get("name", ""), roots[0], links, ordered)
 
     def link(self, element: ET.Element) -> UrdfLink:
-        volume, meshes = 0.0, []
-        for collision in element.findall("collision"):
-            kind, size, file = self.geometry(collision)
-            volume += _volume(kind, *size)
-            meshes += [file] if file else []
+        shapes = [self.geometry(collision) for collision in element.findall("collision")]
+        volume = sum((_volume(kind, *size) for kind, size, _ in shapes), 0.0)
         mass, com, inertia = None, np.zeros(3), np.zeros((3, 3))
         inertial = element.find("inertial")
         if inertial is not None:
@@ -273,14 +274,12 @@ class _Reader:
                 raise self.fail(inertial, "<inertial> needs <mass> and <inertia>")
             mass = self.number(mass_element, "value")
             pose = self.pose(inertial)
-            xx, xy, xz, yy, yz, zz = (
-                self.number(tensor, name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-            )
+            six = [self.number(tensor, f"i{axes}") for axes in ("xx", "xy", "xz", "yy", "yz", "zz")]
             rotation, com = pose[:3, :3], pose[:3, 3]
-            inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
+            inertia = rotation @ np.take(six, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]) @ rotation.T
         files = tuple(self.attribute(mesh, "filename") for mesh in element.iter("mesh"))
-        name = self.attribute(element, "name")
-        return UrdfLink(name, mass, com, inertia, volume, tuple(meshes), files)
+        name, meshes = self.attribute(element, "name"), tuple(file for *_, file in shapes if file)
+        return UrdfLink(name, mass, com, inertia, volume, meshes, files)
 
     def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
         """Kind, size and file name of a visual's or collision's shape; see `UrdfShape`."""
@@ -290,9 +289,8 @@ class _Reader:
             raise self.fail(element, f"<{element.tag}> has no geometry")
         if shape.tag not in _SIZES:
             raise self.fail(shape, f"unknown shape <{shape.tag}>")
-        size: list[float] = []
-        for name, count in _SIZES[shape.tag].items():
-            size += self.numbers(shape, name, count)
+        sizes = _SIZES[shape.tag].items()
+        size = [number for name, count in sizes for number in self.numbers(shape, name, count)]
         return shape.tag, size, self.attribute(shape, "filename") if shape.tag == "mesh" else ""
 
     def shapes(self, element: str) -> Iterator[UrdfShape]:
@@ -345,15 +343,3 @@ def _volume(kind: str, *size: float) -> float:
     r, length = (*size, 0.0, 0.0)[:2]
     ball = 0.0 if kind == "cylinder" else 4 / 3 * math.pi * (r * r * r)
     return math.pi * (r * r) * length + ball
-
-
-def _outwards(root: str, joints: dict[str, UrdfJoint]) -> dict[str, UrdfJoint]:
-    children: dict[str, list[UrdfJoint]] = {}
-    for joint in joints.values():
-        children.setdefault(joint.parent, []).append(joint)
-    ordered, open_links = {}, [root]
-    while open_links:
-        for joint in children.get(open_links.pop(0), ()):
-            ordered[joint.name] = joint
-            open_links.append(joint.child)
-    return ordered

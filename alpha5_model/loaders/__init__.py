@@ -17,24 +17,12 @@ from alpha5_model.paths import REPOSITORY_PATH
 
 FOLDER = "alpha5_description"
 _MESHES = f"package://example-robot-data/robots/{FOLDER}/meshes/"
-_README = """\
-# Reach Alpha 5
-
-upstream: alpha5-model, which generates this folder from the manufacturer's printed tables
-license: BSD-3-Clause
-
-### Modifications
-
-- The meshes' paths. Meshes are parametric bodies of the printed volumes, no manufacturer's CAD.
-
-URDF cannot hold the arm's buoyancy: what it weighs here, it weighs in air.
-"""
 
 
 def robot_files() -> dict[str, bytes]:
     """The folder: path under ``robots/`` -> content, mesh URIs as that collection has them."""
     files = {
-        "README.md": _README.encode(),
+        "README.md": Path(__file__).with_name("readme.md").read_bytes(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"meshes/{name}": data for name, data in mesh_assets(".obj", ".mtl").items()},
     }

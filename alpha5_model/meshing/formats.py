@@ -47,14 +47,15 @@ class Material:
     roughness: float
 
 
-ANODISED = Material("anodised", (0.17, 0.18, 0.2, 1.0), 0.3, 0.45)
-BARE_METAL = Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.6, 0.35)
-MATERIALS = (ANODISED, BARE_METAL)
+MATERIALS = (
+    Material("anodised", (0.17, 0.18, 0.2, 1.0), 0.3, 0.45),
+    Material("bare_metal", (0.72, 0.73, 0.75, 1.0), 0.6, 0.35),
+)
 
 
 def material_of(body: str) -> Material:
     """Hard-anodised bodies, bare-metal fingers."""
-    return BARE_METAL if body.startswith("finger") else ANODISED
+    return MATERIALS[body.startswith("finger")]
 
 
 def obj(name: str, surface: Surface) -> bytes:
@@ -124,19 +125,19 @@ def glb(nodes: Sequence[Node]) -> bytes:
     }
     blob = bytearray()
     for node in nodes:
-        entry: dict[str, Any] = {"name": node.name}
-        if any(node.xyz):
-            entry["translation"] = [round(c, 9) for c in node.xyz]
-        if any(node.rpy):
-            entry["rotation"] = [round(c, 9) + 0.0 for c in quaternion_from_rpy(node.rpy)]
-        if node.name in children:
-            entry["children"] = children[node.name]
+        turn = [round(c, 9) + 0.0 for c in quaternion_from_rpy(node.rpy)]
+        entry: dict[str, Any] = {
+            "name": node.name,
+            "translation": [round(c, 9) for c in node.xyz] if any(node.xyz) else None,
+            "rotation": turn if any(node.rpy) else None,
+            "children": children.get(node.name),
+        }
         if node.surface is not None:
             entry["mesh"] = len(scene["meshes"])
             primitive = _primitive(scene, blob, node.surface)
             primitive["material"] = MATERIALS.index(material_of(node.name))
             scene["meshes"].append({"name": node.name, "primitives": [primitive]})
-        scene["nodes"].append(entry)
+        scene["nodes"].append({key: value for key, value in entry.items() if value is not None})
     scene["buffers"] = [{"byteLength": len(blob)}]
     text = json.dumps(scene, separators=(",", ":")).encode("ascii")
     chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", bytes(blob), b"\0")

@@ -60,13 +60,9 @@ def cylinder(
     """
     outline = [(0.0, low), *_corner(radius, low, edges[0], -1.0)]
     for middle, width, depth in sorted(grooves):
-        slope = depth * math.tan(math.pi / 6)
-        outline += [
-            (radius, middle - width / 2),
-            (radius - depth, middle - width / 2 + slope),
-            (radius - depth, middle + width / 2 - slope),
-            (radius, middle + width / 2),
-        ]
+        half, slope = width / 2, depth * math.tan(math.pi / 6)
+        outline += [(radius, middle - half), (radius - depth, middle - half + slope)]
+        outline += [(radius - depth, middle + half - slope), (radius, middle + half)]
     outline += [*reversed(_corner(radius, high, edges[1], 1.0)), (0.0, high)]
     section = kernel().CrossSection([np.array(outline)])
     return section.revolve(segments).rotate(_AXES[axis])
