@@ -36,11 +36,10 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-def _root(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
-    ] = False,
-) -> None:
+_VERSION = typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+
+
+def _root(version: Annotated[bool, _VERSION] = False) -> None:
     """Model of the Reach Alpha 5, generated from the manufacturer's printed tables."""
 
 

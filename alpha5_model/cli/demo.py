@@ -21,10 +21,7 @@ from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.text import table
-from alpha5_model.view.build import build_scene, named_poses, tour
-from alpha5_model.view.page import static_page
-from alpha5_model.view.picture import picture_png
-from alpha5_model.view.scene import framed
+from alpha5_model.view import build, page, picture, scene
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)
@@ -71,10 +68,8 @@ def _describe(output: Path) -> bool:
 def _audit() -> None:
     rows = audit()
     beyond = [row for row in rows if row.verdict != "agrees"]
-    agree = len(rows) - len(beyond)
-    say("2. The document against itself")
-    counts = f"{len(rows)} claims measured, {agree} agree, {len(beyond)} do not"
-    say(f"   {counts}; `alpha5 check` says more:")
+    counts = f"{len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not"
+    say("2. The document against itself", f"   {counts}; `alpha5 check` says more:")
     for topic in dict.fromkeys(row.topic for row in beyond):
         same, *others = alike(row for row in beyond if row.topic == topic)
         more = sum(map(len, others))
@@ -90,9 +85,10 @@ def _solve() -> FloatArray:
     for i, branch in enumerate(BRANCHES):
         q = solutions.q[i]
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
-        limits = "within limits" if solutions.within_limits[i] else "beyond limits"
-        angles = (f"{angle:.4f}" for angle in q)
-        rows.append([branch, *angles, f"rad, {limits}, back to {error:.0e} m"])
+        said = (
+            f"{'within' if solutions.within_limits[i] else 'beyond'} limits, back to {error:.0e} m"
+        )
+        rows.append([branch, *(f"{angle:.4f}" for angle in q), f"rad, {said}"])
     say(*table(rows, "<>>>><", 3))
     return solutions.best(named_pose("home"))
 
@@ -111,14 +107,15 @@ def _compute(q: FloatArray) -> None:
 def _show(output: Path, q: FloatArray) -> list[str]:
     say("5. Pictures")
     arm = load(gripper="jaws")
-    poses = named_poses(arm)
+    poses = build.named_poses(arm)
     there, opened = np.append(q, poses["home"][-1]), np.append(q, 0.008)  # last is axis_a
-    motion = tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]])
+    motion = build.tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]])
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
-    scene = build_scene(arm, there, target=TARGET, motion=motion, show=show)
+    shown = build.build_scene(arm, there, target=TARGET, motion=motion, show=show)
     size = (1400, 1000)
-    page = atomic_write(output / "alpha5.html", static_page(scene))
-    image = atomic_write(output / "alpha5.png", picture_png(framed(scene, size), size))
-    for path in (page, image):
+    image = picture.picture_png(scene.framed(shown, size), size)
+    made: dict[str, str | bytes] = {"alpha5.html": page.static_page(shown), "alpha5.png": image}
+    for name, content in made.items():
+        path = atomic_write(output / name, content)
         say(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")
-    return [page.name, image.name]
+    return [*made]

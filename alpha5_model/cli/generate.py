@@ -12,9 +12,7 @@ from typer import Context, Option, echo
 from alpha5_model.c_library import COptions, c_files
 from alpha5_model.checks import choice
 from alpha5_model.cli import options
-from alpha5_model.description import committed, mesh_assets
-from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
-from alpha5_model.description.sdf import SdfOptions, sdf_files
+from alpha5_model.description import committed, mesh_assets, mjcf, sdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
 from alpha5_model.files import atomic_write_all, check_outputs, is_stream
@@ -29,12 +27,13 @@ MESH_URIS = {
 #: the name of the field it fills, except for two.
 _FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
     "urdf": (Variant, lambda variant: {"alpha5.urdf": urdf(variant).encode()}, "alpha5.urdf"),
-    "mjcf": (MjcfOptions, mjcf_files, "alpha5.xml"),
-    "sdf": (SdfOptions, sdf_files, "model.sdf"),
+    "mjcf": (mjcf.MjcfOptions, mjcf.mjcf_files, "alpha5.xml"),
+    "sdf": (sdf.SdfOptions, sdf.sdf_files, "model.sdf"),
     "c": (COptions, c_files, "alpha5.c"),
 }
 #: Why an option is not for the format that was asked for, where that needs a word.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
+_MESHES = "relative (meshes beside it), package, file."
 _MOVING_WATER = "mjcf: drag, sdf: drag and added mass of moving water; estimated, not published."
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
@@ -48,9 +47,7 @@ def generate(
     parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
     xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
     rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")] = "0 0 0",
-    mesh_uri: Annotated[
-        str, Option(help="relative (meshes beside it), package, file.")
-    ] = "relative",
+    mesh_uri: Annotated[str, Option(help=_MESHES)] = "relative",
     collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
     dh_frames: Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")] = False,
     ros2_control: Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")] = False,

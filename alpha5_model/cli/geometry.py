@@ -9,22 +9,14 @@ from typer import Argument, Option
 
 from alpha5_model import planar as library
 from alpha5_model.cli.options import Json, Lines, Plot, numbers, show, spinner
-from alpha5_model.dh import DHChain, DHLink
-from alpha5_model.dh.arm_types import classify, task_capability
+from alpha5_model.dh import DHChain, DHLink, arm_types
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
-from alpha5_model.kinematics.workspace import PublishedErrors, SampledShare, sampled_share
 from alpha5_model.text import table
-from alpha5_model.uncertainty import Sensitivity, reach, sensitivity
-from alpha5_model.view.figures import FORMATS, write_figure
-from alpha5_model.view.workspace_plot import (
-    plot_planar,
-    save,
-    self_collision_figure,
-    workspace_figure,
-)
+from alpha5_model.uncertainty import reach, sensitivity
+from alpha5_model.view import figures, workspace_plot
 
 _COLLISION = "Also what is reached in self-collision only; --plot draws it."
 _POSITION = "Joint position (rad or m); the drawn one if left out."
@@ -42,28 +34,33 @@ def workspace(
 
     Example: alpha5 workspace --self-collision --plot collision.pdf
     """
-    check_outputs((), plot=(plot, FORMATS))
+    check_outputs((), plot=(plot, figures.FORMATS))
     share = None
     if self_collision:
         with spinner("trying points for self-collision"):
-            share = sampled_share(without_self_collision, samples)
+            share = space.sampled_share(without_self_collision, samples)
     if plot is not None:
         with spinner("drawing"):
-            page = self_collision_figure(samples=samples) if self_collision else workspace_figure()
-            write_figure(page, plot, dpi=150)
-    e, farthest = space.published_errors(), sensitivity(reach)
+            page = (
+                workspace_plot.self_collision_figure(samples=samples)
+                if self_collision
+                else workspace_plot.workspace_figure()
+            )
+            figures.write_figure(page, plot, dpi=150)
+    farthest = sensitivity(reach)
     record: dict[str, Any] = {} if share is None else {"without_self_collision": share}
-    record["errors_of_the_published_region"] = e
+    record["errors_of_the_published_region"] = space.published_errors()
     record["cross_section_area"] = {side: space.cross_section_area(side) for side in space.SIDES}
     record["reach"] = {"value": farthest.nominal, "digits": farthest.half_width}
     record["volume"], record["volume_without_limits"] = space.volume(), space.volume(limits=False)
     record["boundary"] = {side: space.boundary(side) for side in space.SIDES}
     record["published_tori"] = space.published_tori()
     record["singular_theta_2"] = space.singular_elbow_angles()
-    show(as_json, record, _regions(e, share, farthest), plot)
+    show(as_json, record, _regions(record), plot)
 
 
-def _regions(e: PublishedErrors, share: SampledShare | None, farthest: Sensitivity) -> Lines:
+def _regions(record: dict[str, Any]) -> Lines:
+    e, share = record["errors_of_the_published_region"], record.get("without_self_collision")
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
     for name, area, volume in (
         ("reachable within the joint limits", e.reachable_area, e.reachable_volume),
@@ -73,11 +70,9 @@ def _regions(e: PublishedErrors, share: SampledShare | None, farthest: Sensitivi
     ):
         rows.append([name, f"{area * 1e4:.2f}", f"{volume * 1e3:.3f}"])
     yield from table(rows)
-    yield (
-        f"{e.unreachable_area / e.published_area:.1%} of the published area and "
-        f"{e.unreachable_volume / e.published_volume:.1%} of its volume cannot be reached."
-    )
-    value, half = 1e3 * farthest.nominal, 1e3 * farthest.half_width
+    area, volume = e.unreachable_area / e.published_area, e.unreachable_volume / e.published_volume
+    yield f"{area:.1%} of the published area and {volume:.1%} of its volume cannot be reached."
+    value, half = (1e3 * x for x in record["reach"].values())
     yield f"The tcp gets {value:.1f} mm ±{half:.1f} from the shoulder, by the digits of Table 1."
     yield "\nboundary where both poses can turn; R from the axis of axis_e, z above base_link"
     rows = [["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"]]
@@ -112,7 +107,7 @@ def dh(
     chain = _chain(link, urdf, frame)
     each = f"one number for each of {', '.join(chain.joint_names)}"
     position = numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
-    kind, task = classify(chain), task_capability(chain)
+    kind, task = arm_types.classify(chain), arm_types.task_capability(chain)
     names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
     links = [{"joint": n, **vars(k)} for n, k in zip(chain.joint_names, chain.links, strict=True)]
     record: dict[str, Any] = {"name": chain.name, "links": links}
@@ -165,12 +160,12 @@ def planar(
 
     Example: alpha5 planar 5 4 1 --radius 3 --plot arm.png
     """
-    check_outputs((), plot=(plot, FORMATS))
+    check_outputs((), plot=(plot, figures.FORMATS))
     ranges = None if limits is None else [_range(text) for text in limits]
     arm = library.PlanarArm(lengths, ranges, joints)
     result = _result(arm, radius)
     if plot is not None:
-        save(plot_planar(arm), plot)
+        workspace_plot.save(workspace_plot.plot_planar(arm), plot)
     show(as_json, result, _answers(result), plot)
 
 

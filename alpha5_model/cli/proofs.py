@@ -25,6 +25,8 @@ from alpha5_model.view.figures import FORMATS, plot_comparison
 
 RowT = TypeVar("RowT")
 
+_OF_FILE = "Of that file, with commas; '' for none."
+_ALL = "All rows and reasons."
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 _TITLES = {
     "claim": "The documents against themselves",
@@ -34,12 +36,8 @@ _TITLES = {
 
 def check(
     urdf: Annotated[Path | None, Option(help="Check this file alone.", metavar="FILE")] = None,
-    corrections: Annotated[
-        str | None, Option(help="Of that file, with commas; '' for none.")
-    ] = None,
-    verbose: Annotated[
-        bool, Option("--verbose", "-v", "--all", help="All rows and reasons.")
-    ] = False,
+    corrections: Annotated[str | None, Option(help=_OF_FILE)] = None,
+    verbose: Annotated[bool, Option("--verbose", "-v", "--all", help=_ALL)] = False,
     as_json: Json = False,
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.

@@ -18,19 +18,13 @@ from alpha5_model.cli import options
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
-from alpha5_model.view.build import build_scene, pose_of, posed, resampled, with_base
-from alpha5_model.view.page import static_page
-from alpha5_model.view.picture import VIDEO_FORMATS, picture, picture_png
-from alpha5_model.view.picture import video as video_file
-from alpha5_model.view.scene import check_size, framed
+from alpha5_model.view import build, page, picture, scene
 
 _GROUPS = (
     "Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
     "buoyancy, workspace, surface, ghosts, collision, current."
 )
 _CURRENT = "Velocity of the water (m/s): an arrow, and its estimated load in the torques."
-#: Frames per second of a video.
-_FPS = 25.0
 
 
 def view(
@@ -58,7 +52,7 @@ def view(
     pixels = _size(size)
     pages = (".html", ".htm")
     check_outputs(
-        [motion], html=(html, pages), image=(image, (".png",)), video=(video, VIDEO_FORMATS)
+        [motion], html=(html, pages), image=(image, (".png",)), video=(video, picture.VIDEO_FORMATS)
     )
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
@@ -66,9 +60,9 @@ def view(
     arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
     if pose and pose.endswith(("deg", "mm")):
         pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
-    scene = build_scene(
+    shown = build.build_scene(
         arm,
-        None if pose is None else pose_of(arm, pose),
+        None if pose is None else build.pose_of(arm, pose),
         target=None if target is None else options.numbers("target", target, (3,), "m"),
         motion=None if motion is None else read_motion(motion),
         show=None if show is None else options.names(show),
@@ -78,27 +72,27 @@ def view(
     if not (html or image or video or serve or displays or sys.platform in ("darwin", "win32")):
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         raise NoDisplayError(remedy)
-    played = scene.motion
-    track = np.array([with_base(arm, q) for q in played.q]) if played else np.zeros((0, 4))
-    along = [posed(scene, arm, q).poses for q in track[:: 1 + len(track) // 24]]
-    seen = framed(scene, pixels, along)
+    played = shown.motion
+    track = np.array([build.with_base(arm, q) for q in played.q]) if played else np.zeros((0, 4))
+    along = [build.posed(shown, arm, q).poses for q in track[:: 1 + len(track) // 24]]
+    seen = scene.framed(shown, pixels, along)
     files: dict[Path, str | bytes] = {}
     if html is not None:
-        files[html] = static_page(scene)
+        files[html] = page.static_page(shown)
     if image is not None:
-        files[image] = picture_png(seen, pixels)
+        files[image] = picture.picture_png(seen, pixels)
     atomic_write_all(files)
     if video is not None and played is not None:
-        with video_file(video, _FPS) as (rate, add):
-            shown = list(resampled(arm, played.time, track, rate))
-            for q in progress(shown, "drawing", console=Console(stderr=True), transient=True):
-                add(picture(posed(seen, arm, q), pixels))
+        with picture.video(video, 25.0) as (rate, add):
+            frames = list(build.resampled(arm, played.time, track, rate))
+            for q in progress(frames, "drawing", console=Console(stderr=True), transient=True):
+                add(picture.picture(build.posed(seen, arm, q), pixels))
     if written := [path for path in (*files, video) if path is not None]:
         options.show(False, None, (), *written)
         return
     from alpha5_model.view.visualizer import ArmVisualizer
 
-    visualizer = ArmVisualizer(arm, scene, port)
+    visualizer = ArmVisualizer(arm, shown, port)
     echo(f"{visualizer.url()} (Ctrl-C ends)")
     if not serve:
         visualizer.open()
@@ -117,4 +111,4 @@ def _size(text: str) -> tuple[int, int]:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         raise InputError("size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000") from None
-    return check_size((width, height))
+    return scene.check_size((width, height))
