@@ -149,30 +149,23 @@ def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
             name = f"{shape.link}_{shape.index}"
             yield Shape("collision", name, at, mesh, _ORANGE, opacity=0.35)
         else:
-            r, g, b = shape.color[:3]
+            name, (r, g, b) = f"{shape.link}/part_{shape.index}", shape.color[:3]
             # Only highlights show the form of a dark body.
             shine = 0.9 if max(r, g, b) < 0.4 else 0.4
-            yield Shape(
-                "bodies", f"{shape.link}/part_{shape.index}", at, mesh, (r, g, b), shine=shine
-            )
+            yield Shape("bodies", name, at, mesh, (r, g, b), shine=shine)
 
 
 def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
     """Weight and buoyancy on each joint of the model, payloads included."""
     carrier = {joint.name: joint.child for joint in tree}
     strength = float(np.linalg.norm(arm.model.gravity.linear))
-    water = displaced_fluid_model(
-        arm.model, arm.displacements, 1.0
-    ).inertias  # their mass is volume
+    water = displaced_fluid_model(arm.model, arm.displacements, 1.0)  # its masses are volumes
     loads = []
-    for name, body, fluid in zip(arm.model.names, arm.model.inertias, water, strict=True):
+    for name, body, fluid in zip(arm.model.names, arm.model.inertias, water.inertias, strict=True):
         if body.mass or fluid.mass:
             # The universe and the free-flyer carry the base.
-            link, com, cob = (
-                carrier.get(name, tree[0].parent),
-                body.lever.copy(),
-                fluid.lever.copy(),
-            )
+            link = carrier.get(name, tree[0].parent)
+            com, cob = body.lever.copy(), fluid.lever.copy()
             forces = strength * body.mass, strength * arm.fluid_density * fluid.mass
             loads.append(Load(link, body.mass, com, fluid.mass, cob, *forces))
     return tuple(loads)

@@ -30,7 +30,7 @@ import pinocchio as pin
 import tornado.httpserver
 import tornado.web
 import zmq
-from meshcat.servers.tree import find_node, walk
+from meshcat.servers.tree import find_node
 from meshcat.servers.zmqserver import WebSocketHandler, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 from numpy.typing import ArrayLike
@@ -122,9 +122,7 @@ class _Bridge(ZMQWebSocketBridge):  # type: ignore[misc]
             super().handle_zmq(frames)
             return
         commands: list[bytes] = []
-        for node in walk(self.tree):
-            parts = [node.object, *node.properties, node.transform, node.animation]
-            commands += filter(None, parts)
+        self.send_scene(SimpleNamespace(write_message=lambda part, binary: commands.append(part)))
         self.zmq_socket.send(page.static_page(self.viewer.scene, commands).encode("utf-8"))
 
 
@@ -137,10 +135,19 @@ class Window(ViewerWindow):  # type: ignore[misc]
 
     Raises:
         PortInUseError: The port is taken.
+        InputError: It is none, or may not be opened.
     """
 
     def __init__(self, port: int, viewer: ArmVisualizer) -> None:
-        opened = _open(port)
+        if not isinstance(port, int) or not 0 <= port <= 65535:
+            raise InputError("port", port, "a number from 0 to 65535")
+        try:
+            opened = socket.create_server((_HOST, port))
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise PortInUseError(port) from None
+            raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
+        opened.setblocking(False)
         ready = threading.Event()
 
         def serve() -> None:
@@ -200,20 +207,6 @@ class Window(ViewerWindow):  # type: ignore[misc]
             bridge.ioloop.add_callback(stop)
             self._thread.join(timeout=5.0)
             self.zmq_socket.close(linger=0)
-
-
-def _open(port: int) -> socket.socket:
-    """A listening socket on this machine only."""
-    if not isinstance(port, int) or not 0 <= port <= 65535:
-        raise InputError("port", port, "a number from 0 to 65535")
-    try:
-        opened = socket.create_server((_HOST, port))
-    except OSError as error:
-        if error.errno == errno.EADDRINUSE:
-            raise PortInUseError(port) from None
-        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
-    opened.setblocking(False)
-    return opened
 
 
 class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
@@ -303,13 +296,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
                 add(self.captureImage(*size))
             return time.perf_counter() - start
         while row < len(track) - 1:
-            passed = time.perf_counter() - start
-            due = min(int(passed / step), len(track) - 1)
-            if due > row:
-                row = due
-                self.display(track[row])
-            else:
-                time.sleep((row + 1) * step - passed)
+            time.sleep(max(0.0, start + (row + 1) * step - time.perf_counter()))
+            row = min(int((time.perf_counter() - start) / step), len(track) - 1)
+            self.display(track[row])
         return time.perf_counter() - start
 
     def show(self, *groups: str, visible: bool = True) -> None:
@@ -348,11 +337,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def _look(self, **changes: Any) -> None:
         camera = replace(self.scene.camera, **changes)
-        eye, target = camera.eye.tolist(), camera.target.tolist()
         self._alter(camera=camera)
-        self.window.run(
-            lambda: self.window.tell(page.Command(type="camera", eye=eye, target=target))
-        )
+        seen = {"eye": camera.eye.tolist(), "target": camera.target.tolist()}
+        self.window.run(lambda: self.window.tell(page.Command(type="camera", **seen)))
 
     def _alter(self, **changes: Any) -> None:
         self.window.run(lambda: setattr(self, "scene", replace(self.scene, **changes)))
