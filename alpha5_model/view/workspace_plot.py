@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -27,14 +27,13 @@ _FILL = "#E8EEF3"
 REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
 #: Colour of the shapes.
 _GREEN = (0.08, 0.60, 0.50)
-#: Ends of arcs that are closer than this meet [m].
-_MEET = 1e-9
 #: Longest chord of an arc in a picture, of a planar arm's, and of a shape [rad].
 _CHORD, _FINE, _COARSE = 0.01, math.tau / 360, 0.08
 #: Width of the strips that fill the section, and step along them [m].
 _STRIP, _STEP = 1.5e-3, 0.5e-3
 #: Radius of the boundary line [m].
 _LINE = 1.1e-3
+_ORIGIN = (0.0, 0.0)
 #: Edge of the cells in which self-collision is counted [m].
 CELL = 0.015
 
@@ -80,29 +79,10 @@ def _strips(side: str, outline: FloatArray) -> FloatArray:
     return np.stack(corners, axis=1).reshape(-1, 4, 2)
 
 
-def joined(
-    lines: Iterable[FloatArray], gap: Callable[[FloatArray, FloatArray], float]
-) -> list[FloatArray]:
-    """Put lines (N, 2) end to end, each time the one with the smallest gap, until a loop closes.
-
-    Args:
-        lines: Each in the sense in which the loop runs.
-        gap: Distance from the end of one line to the start of the next.
-    """
-    rest, loops = list(lines), []
-    while rest:
-        loop = [rest.pop(0)]
-        while rest:
-            gaps = [gap(loop[-1][-1], line[0]) for line in (loop[0], *rest)]
-            if not (nearest := int(np.argmin(gaps))):
-                break
-            loop.append(rest.pop(nearest - 1))
-        loops.append(np.concatenate(loop))
-    return loops
-
-
 def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArray]:
-    """Closed outlines of the region that arcs bound, joined along the yaw axis where it is open.
+    """The origin and each arc of a boundary, which together wind once around what it bounds.
+
+    What runs from the origin and back cancels, and so does the yaw axis where the boundary is open.
 
     Args:
         arcs: A whole boundary, as `workspace.boundary` gives it.
@@ -111,24 +91,16 @@ def loops(arcs: Iterable[workspace.Arc], step: float = _CHORD) -> list[FloatArra
     Returns:
         Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
     """
-    # Every arc with the region on its left; along the axis the outline then runs downwards.
-    return joined([polyline(planar_arc(arc), step)[:: arc.filled] for arc in arcs], _gap)
+    lines = (polyline(planar_arc(arc), step)[:: arc.filled] for arc in arcs)
+    return [np.vstack([_ORIGIN, line]) for line in lines]
 
 
-def _gap(end: FloatArray, start: FloatArray) -> float:
-    """Length that no arc covers: none, or a piece down the axis; infinite if neither."""
-    if math.dist(end, start) < _MEET:
-        return 0.0
-    on_axis = abs(end[0]) < _MEET and abs(start[0]) < _MEET and start[1] < end[1]
-    return float(end[1] - start[1]) if on_axis else math.inf
-
-
-def _fill(axes: Any, loops: Iterable[FloatArray], color: str, **options: Any) -> None:
-    """Fill what loops (N, 2) bound; the ones that run the other way around are holes."""
+def _fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) -> None:
+    """Fill what lines (N, 2) bound that have it on their left, in any order: see `loops`."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
-    outlines = [Outline(np.vstack([loop, loop[:1]]), closed=True) for loop in loops]
+    outlines = [Outline(np.vstack([_ORIGIN, line, _ORIGIN]), closed=True) for line in lines]
     if outlines:
         whole = Outline.make_compound_path(*outlines)
         axes.add_patch(PathPatch(whole, facecolor=color, linewidth=0, **options))
@@ -287,7 +259,7 @@ def plot_planar(
     axes = new_axes() if axes is None else axes
     space = arm.workspace()
     edges = [polyline(edge.curve, _FINE)[:: 1 if edge.inside_left else -1] for edge in space.edges]
-    _fill(axes, joined(edges, math.dist), REACHED, label="workspace", zorder=0)
+    _fill(axes, edges, REACHED, label="workspace", zorder=0)
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
     elif dexterous and arm.n == 3 and arm.joints[-1] == "R":
@@ -348,7 +320,7 @@ def save(axes: Any, path: str | os.PathLike[str]) -> None:
 def _dexterous_rings(axes: Any, arm: planar.PlanarArm) -> None:
     point = 1e-12 * arm.reach
     for low, high in planar.dexterous_radii(arm):
-        inner, outer = (polyline(planar.Arc((0.0, 0.0), r), _FINE) for r in (low, high))
+        inner, outer = (polyline(planar.Arc(_ORIGIN, r), _FINE) for r in (low, high))
         if high <= point:
             axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
         elif high - low <= point:
