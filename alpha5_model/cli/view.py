@@ -75,7 +75,7 @@ def view(
     played = shown.motion
     track = np.array([build.with_base(arm, q) for q in played.q]) if played else np.zeros((0, 4))
     along = [build.posed(shown, arm, q).poses for q in track[:: 1 + len(track) // 24]]
-    seen = scene.framed(shown, pixels, along)
+    seen = scene.framed(shown, pixels, also=along)
     files: dict[Path, str | bytes] = {}
     if html is not None:
         files[html] = page.static_page(shown)

@@ -139,7 +139,7 @@ def build_scene(
         motion=None if motion is None else motion_track(motion, arm, position, current),
         target=goal,
     )
-    return replace(whole, camera=scene.framing(whole))
+    return scene.framed(whole)
 
 
 def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:

@@ -33,10 +33,12 @@ VIEWS = {name: np.array(direction) for name, direction in _LOOK["views"].items()
 DEFAULT_SHOW, SEE_THROUGH = tuple(_LOOK["show"]), _LOOK["see_through"]
 #: The fixed frame at the root of the scene.
 WORLD = "world"
-#: Share of the frame's half-width and half-height that is used.
-_MARGIN = 0.86
+#: Share of the frame's half-height that is used, and of its half-width beside that.
+_MARGIN, _ACROSS = 0.86, 0.95
 #: Red, green, blue, each 0 to 1.
 Color = tuple[float, float, float]
+#: Width and height in pixels.
+Size = tuple[int, int]
 #: Pose of every link in the world, (4, 4).
 Poses = Mapping[str, FloatArray]
 
@@ -246,17 +248,19 @@ class Scene:
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
 
 
-def framing(
-    scene: Scene, aspect: float = 1.15, view: str = "home", also: Iterable[Poses] = ()
-) -> Camera:
-    """The nearest camera that sees every corner of the bodies and of what is shown.
+def framed(
+    scene: Scene, size: Size = (1150, 950), view: str = "home", also: Iterable[Poses] = ()
+) -> Scene:
+    """A scene seen by the nearest camera that sees every corner of the bodies and of what is shown.
 
     Args:
         scene: What there is.
-        aspect: Width over height of the part of the frame that may be used.
+        size: Of the picture, in pixels; what a page leaves free by default.
         view: One of `VIEWS`.
         also: Poses of the links elsewhere in a motion, to be seen too.
     """
+    check_size(size)
+    aspect = _ACROSS * size[0] / size[1]
     drawn = [shape for shape in scene.shapes if shape.group in {"bodies", *scene.show}]
     seen = [shape.placed(at).vertices for at in (scene.poses, *also) for shape in drawn]
     points = np.concatenate(seen)
@@ -272,10 +276,10 @@ def framing(
         for coordinate, axis in zip((right, up), axes, strict=False):
             tangent = coordinate / (distance - back)
             center = center + (tangent.max() + tangent.min()) / 2 * distance * axis
-    return Camera(center + distance * sight, center)
+    return replace(scene, camera=Camera(center + distance * sight, center))
 
 
-def check_size(size: tuple[int, int]) -> tuple[int, int]:
+def check_size(size: Size) -> Size:
     """Check width and height of a picture, 16 to 8000 pixels each.
 
     Raises:
@@ -284,9 +288,3 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     if len(size) != 2 or not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
         raise InputError("size", size, "width and height from 16 to 8000 pixels")
     return size
-
-
-def framed(scene: Scene, size: tuple[int, int], also: Iterable[Poses] = ()) -> Scene:
-    """A scene whose camera fits a picture of this size, and what it shows at other poses too."""
-    width, height = check_size(size)
-    return replace(scene, camera=framing(scene, 0.95 * width / height, also=also))

@@ -42,14 +42,12 @@ from alpha5_model.files import PathLike
 from alpha5_model.view import page
 from alpha5_model.view.build import posed, resampled
 from alpha5_model.view.picture import Pixels, picture, video
-from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framing
+from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framed
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
 _HOST = "127.0.0.1"
-#: Sites that may hold the viewer's page in one of theirs.
-_NOTEBOOKS = "http://127.0.0.1:* http://localhost:*"
 
 
 class _Connection(WebSocketHandler):  # type: ignore[misc]
@@ -72,7 +70,8 @@ class _Connection(WebSocketHandler):  # type: ignore[misc]
             return
         self.set_header("Cache-Control", "no-store")
         # A notebook on this machine may hold the page; on another site clicks could be led astray.
-        self.set_header("Content-Security-Policy", f"frame-ancestors {_NOTEBOOKS}")
+        here = "http://127.0.0.1:* http://localhost:*"
+        self.set_header("Content-Security-Policy", f"frame-ancestors {here}")
         self.finish(page.live_page(self.bridge.viewer.scene))
 
     def open(self) -> None:
@@ -161,7 +160,6 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self._thread.start()
         ready.wait()
         self._one_sender = threading.Lock()
-        self.server_proc = None
         self.zmq_url: str = self._bridge.zmq_url
         self.web_url: str = self._bridge.web_url
         self.connect_zmq()
@@ -219,8 +217,6 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         arm: What it shows.
         scene: What is drawn of it, as it stands; its ``q`` is what the pages' sliders say.
     """
-
-    __slots__ = ["_listeners", "_news", "_video", "arm", "scene"]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
@@ -325,7 +321,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def setCameraPreset(self, preset_key: str) -> None:
         """Look from one of `alpha5_model.view.scene.VIEWS` at all that is shown."""
         view = choice("view", preset_key, tuple(VIEWS))
-        self._look(**vars(framing(self.scene, view=view)))
+        self._look(**vars(framed(self.scene, view=view).camera))
 
     def setCameraTarget(self, target: ArrayLike) -> None:
         """Look at a point of the world, (3,) [m]."""
