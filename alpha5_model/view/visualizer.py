@@ -218,6 +218,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         scene: What is drawn of it, as it stands; its ``q`` is what the pages' sliders say.
     """
 
+    __slots__ = ["_listeners", "_news", "_video", "arm", "scene"]
+
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
         self.arm = arm
         self.scene = scene
