@@ -8,7 +8,8 @@ numbers of their own, handed down in the same way.
 
 In moving water, the part of an added mass that a rigid body can have, ``[[m 1, -[h]x], [[h]x, I]]``, acts as one
 would, but has no weight: it joins the base parameters. What is left are ``[[B, C], [C, 0]]``, both symmetric, B
-without its last entry; they and the strips are numbers of their own.
+without its last entry. Of both a multiple of diag(1, 1, 0) turns with the joint and is handed down, too, so that
+B_yy = 0 and C_zz = C_xx + C_yy. They and the strips are numbers of their own.
 
 References:
     [Khalil2002] Khalil, Dombre: Modeling, Identification and Control of Robots, section 9.4.
@@ -26,9 +27,9 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.fluids import GRAVITY, SEA_WATER
-from alpha5_model.hydrodynamics import DragStrip
+from alpha5_model.hydrodynamics import DragStrip, gauss_count
 from alpha5_model.parameters import RigidBody, parameters
-from alpha5_model.spatial import pose
+from alpha5_model.spatial import cross_matrix, pose
 
 _SECOND = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 #: Name -> unit, in order. In the axes of each link, with what the links beyond hand down: ``xx`` to ``yz`` are
@@ -41,16 +42,15 @@ for _i in (1, 2, 3, 4):
     BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m" for name in ("hx", "hy", "nx", "ny")}
 BASE_PARAMETERS |= {f"gravity.{axis}": "m/s^2" for axis in "xyz"}
 
-#: Entries of C; B has all but the last.
-_C = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
-_B = {name: at for name, at in _C.items() if name != "zz"}
-#: The link that carries a strip, and the axis of that link that it runs along.
-STRIPS = ((1, 2), (2, 0), (3, 1), (4, 2), (4, 2))
+#: Entries of B; C has those of second moments.
+_B = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+#: The link that carries a strip, the axis of that link that it runs along, and Gauss's points on it.
+STRIPS = ((1, 2, 4), (2, 0, 6), (3, 1, 4), (4, 2, 6), (4, 2, 4))
 _STRIP = dict.fromkeys(("x", "y", "z", "half"), "m")
 _STRIP |= dict.fromkeys(("across", "along"), "N s^2/m^2")
 #: Name -> unit, in order: B and C of each link, then of each strip its middle, half its length, drag across and along.
 WATER_PARAMETERS = {f"link_{i}.b{name}": "kg" for i in (1, 2, 3, 4) for name in _B}
-WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in _C}
+WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in _SECOND}
 for _k in range(len(STRIPS)):
     WATER_PARAMETERS |= {f"strip_{_k}.{name}": unit for name, unit in _STRIP.items()}
 
@@ -123,8 +123,9 @@ def water_parameters(
         None if a link has other strips than `STRIPS`.
     """
     rigid_parts, values = np.zeros((5, 2, 4, 4)), dict.fromkeys(WATER_PARAMETERS, 0.0)
-    free = dict(enumerate(STRIPS))
-    for link, (matrix, own) in enumerate(zip(added_mass, strips, strict=True), 1):
+    free, handed = dict(enumerate(STRIPS)), np.zeros((6, 6))
+    for link in (4, 3, 2, 1):
+        matrix = added_mass[link - 1] + handed
         heavy, coupling, inertia = matrix[:3, :3], matrix[:3, 3:], matrix[3:, 3:]
         mass, turned = heavy[2, 2], (coupling.T - coupling) / 2  # [h]x
         rigid = rigid_parts[link, 0]
@@ -132,11 +133,24 @@ def water_parameters(
         rigid[:3, 3] = rigid[3, :3] = turned[2, 1], turned[0, 2], turned[1, 0]
         rigid[3, 3] = mass
         left, even = heavy - mass * np.eye(3), (coupling + coupling.T) / 2
+        turning = np.diag([1.0, 1.0, 0.0])
+        shares = left[1, 1], np.trace(even) / 2 - even[2, 2]
+        left, even = left - shares[0] * turning, even - shares[1] * turning
         values |= {f"link_{link}.b{name}": left[at] for name, at in _B.items()}
-        values |= {f"link_{link}.c{name}": even[at] for name, at in _C.items()}
+        values |= {f"link_{link}.c{name}": even[at] for name, at in _SECOND.items()}
+        if link > 1:
+            row = parameters().dh[link - 2]
+            back = np.linalg.inv(pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0)))
+            turn = back[:3, :3]
+            twist = np.kron(np.eye(2), turn)
+            twist[:3, 3:] = cross_matrix(back[:3, 3]) @ turn
+            one, both = np.diag([1.0, 0.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
+            handed = shares[0] * np.kron(one, turning) + shares[1] * np.kron(both, turning)
+            handed = twist.T @ handed @ twist
+        own = strips[link - 1]
         for strip in own:
             ends = np.abs(strip.end - strip.start) / 2
-            kind, half = (link, int(ends.argmax())), ends.max()
+            kind, half = (link, int(ends.argmax()), gauss_count(strip)), ends.max()
             place = next((k for k, free_kind in free.items() if free_kind == kind), None)
             if place is None or np.count_nonzero(ends) > 1:
                 return None

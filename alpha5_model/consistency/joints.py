@@ -130,7 +130,7 @@ def _coupled(water: BodyHydrodynamics) -> FloatArray:
     along = np.outer(line, line) / (line @ line)
     per_strip = added.max() * (np.eye(3) - along) + added.min() * along
     out = np.zeros((6, 6))
-    for point, share in gauss_points(strip, 2):
+    for point, share in gauss_points(strip):
         velocity = np.hstack([np.eye(3), -cross_matrix(point)])
         out += share * velocity.T @ per_strip @ velocity
     return out

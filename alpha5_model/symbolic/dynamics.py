@@ -25,10 +25,8 @@ from alpha5_model.parameters import parameters
 from alpha5_model.symbolic.program import named
 
 JOINTS = 4
-#: Gauss's points on a strip, as many as `alpha5_model.hydrodynamics.gauss_points`.
-POINTS = 8
-#: Of a link's number, velocity relative to the water, angular velocity, acceleration, angular acceleration: force, moment.
-Load = Callable[[int, SX, SX, SX, SX], tuple[SX, SX]]
+#: Of a link's number, first moments, velocity relative to the water, angular velocity, acceleration and U: force, moment.
+Load = Callable[[int, SX, SX, SX, SX, SX], tuple[SX, SX]]
 
 
 class Turn(NamedTuple):
@@ -109,11 +107,11 @@ def newton_euler(
         u = _rates(omega, alpha)
         h, n = vertcat(*of(i + 1, "hx", "hy", "hz")), vertcat(*of(i + 1, "nx", "ny", "nz"))
         second = of(i + 1, "xx", "yy", "xy", "xz", "yz")
-        forces.append(u @ h)
-        moments.append(_turning(u, *second) + cross(h, acceleration) + cross(g, n))
+        force, moment = SX.zeros(3), cross(h, acceleration)
         if load is not None:
-            force, moment = load(i + 1, velocity, omega, acceleration, alpha)
-            forces[i], moments[i] = forces[i] + force, moments[i] + moment
+            force, moment = load(i + 1, h, velocity, omega, acceleration, u)
+        forces.append(u @ h + force)
+        moments.append(_turning(u, *second) + moment + cross(g, n))
     force, moment = SX.zeros(3), SX.zeros(3)
     torques: list[SX] = []
     for i in reversed(range(JOINTS)):
@@ -236,66 +234,88 @@ def in_moving_water() -> tuple[casadi.Function, ...]:
 
 
 def _load(
-    parameters: SX, link: int, velocity: SX, omega: SX, acceleration: SX, alpha: SX
+    parameters: SX, link: int, h: SX, velocity: SX, omega: SX, acceleration: SX, u: SX
 ) -> tuple[SX, SX]:
-    """Force and moment about the origin that a link spends on the water, beside those of a rigid body, in its axes.
+    """What a link spends on the water beside what a rigid body would, and the moment of the first moments.
+
+    Of the momentum ``B v + C omega, C v``: with ``D = 2 C - tr(C)``, ``omega x C v + v x C omega`` is ``D``'s share,
+    ``omega x D v + C (omega x v)``, and ``C alpha + omega x C omega`` turns as second moments ``-D / 2`` do.
 
     Args:
         parameters: Values of `WATER_PARAMETERS`.
         link: 1 to 4.
+        h: First moments, which the acceleration pulls on.
         velocity: Of its origin relative to the water.
-        omega, alpha: Angular velocity and acceleration.
+        omega: Angular velocity.
         acceleration: Of its origin.
+        u: U.
+
+    Returns:
+        Force and moment about its origin, in its axes.
     """
     p = dict(zip(WATER_PARAMETERS, vertsplit(parameters), strict=True))
-    p[f"link_{link}.bzz"] = SX(0)
-    b, c = (_symmetric([p[f"link_{link}.{block}{at}"] for at in _LOWER]) for block in "bc")
-    rate = acceleration - cross(omega, velocity)
-    momentum, turning = b @ velocity + c @ omega, c @ velocity
-    force = b @ rate + c @ alpha + cross(omega, momentum)
-    moment = c @ rate + cross(omega, turning) + cross(velocity, momentum)
-    for k, (carrier, axis) in enumerate(STRIPS):
+    b, c = (
+        _symmetric(*(p.get(f"link_{link}.{block}{at}", SX(0)) for at in _ENTRIES)) for block in "bc"
+    )
+    c[2, 2] = c[0, 0] + c[1, 1]
+    d = 2 * (c - c[2, 2] * SX.eye(3))
+    momentum = b @ velocity
+    force = b @ (acceleration - cross(omega, velocity)) + cross(omega, momentum)
+    force += _turning(u, *(-d[at] / 2 for at in _ENTRIES.values()))
+    moment = (c + casadi.skew(h)) @ acceleration
+    moment += cross(omega, d @ velocity) + cross(velocity, momentum)
+    for k, (carrier, axis, points) in enumerate(STRIPS):
         if carrier == link:
             numbers = [p[name] for name in WATER_PARAMETERS if name.startswith(f"strip_{k}.")]
-            drag, about = _strip(axis, velocity, omega, vertcat(*numbers[:3]), *numbers[3:])
+            drag, about = _strip(
+                axis, points, velocity, omega, u, vertcat(*numbers[:3]), *numbers[3:]
+            )
             force, moment = force + drag, moment + about
     return force, moment
 
 
-_LOWER = ("xx", "xy", "xz", "yy", "yz", "zz")
+_ENTRIES = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
-def _symmetric(entries: list[SX]) -> SX:
-    xx, xy, xz, yy, yz, zz = entries
-    return vertcat(*(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))))
+def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
+    """Without zz."""
+    return vertcat(*(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, SX(0)))))
 
 
 def _strip(
-    axis: int, velocity: SX, omega: SX, middle: SX, half: SX, across: SX, along: SX
+    axis: int,
+    points: int,
+    velocity: SX,
+    omega: SX,
+    u: SX,
+    middle: SX,
+    half: SX,
+    across: SX,
+    along: SX,
 ) -> tuple[SX, SX]:
     """Force of a strip along an axis of its link, and moment about the origin.
 
-    Along it the velocity across is ``u + t w`` for t from -1 to 1: the sums of the speeds, times t and times t^2,
-    over Gauss's points are all that force and moment need of them.
+    At a distance x from its middle the velocity across is ``there + x w``: the sums of the speeds, times x and times
+    x^2, over Gauss's points are all that force and moment need of them.
     """
     one, other = (axis + 1) % 3, (axis + 2) % 3
     there = velocity + cross(omega, middle)
-    u, w = (there[one], there[other]), (half * omega[other], -half * omega[one])
-    uu, uw, ww = u[0] ** 2 + u[1] ** 2, u[0] * w[0] + u[1] * w[1], w[0] ** 2 + w[1] ** 2
+    w = (omega[other], -omega[one])
+    square = there[one] ** 2 + there[other] ** 2
+    mixed = there[one] * w[0] + there[other] * w[1]
     speeds = first = second = SX(0)
-    for t, weight in zip(*np.polynomial.legendre.leggauss(POINTS), strict=True):
+    for t, weight in zip(*np.polynomial.legendre.leggauss(points), strict=True):
         if t > 0:  # and its mirror image
-            even, odd = uu + t**2 * ww, 2 * t * uw
-            ahead, behind = (casadi.sqrt(casadi.fabs(x)) for x in (even + odd, even - odd))
-            both = weight / 2 * (ahead + behind)
-            speeds, second = speeds + both, second + t**2 * both
-            first += t * weight / 2 * (ahead - behind)
-    speeds, first, second = across * speeds, across * first, half * across * second
+            x, share = t * half, weight / 2 * across
+            even, odd = square - x**2 * u[axis, axis], 2 * x * mixed
+            ahead, behind = (casadi.sqrt(casadi.fabs(y)) for y in (even + odd, even - odd))
+            both = share * (ahead + behind)
+            speeds, second = speeds + both, second + x**2 * both
+            first += x * share * (ahead - behind)
     force, moment = SX.zeros(3), SX.zeros(3)
     force[axis] = along * casadi.fabs(there[axis]) * there[axis]
-    for at, x, y in zip((one, other), u, w, strict=True):
-        force[at] = speeds * x + first * y
-    lever = half * first
-    moment[one] = -(lever * u[1] + second * w[1])
-    moment[other] = lever * u[0] + second * w[0]
+    for at, y in zip((one, other), w, strict=True):
+        force[at] = speeds * there[at] + first * y
+    moment[one] = -(first * there[other] + second * w[1])
+    moment[other] = first * there[one] + second * w[0]
     return force, moment + cross(middle, force)
