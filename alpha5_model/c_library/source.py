@@ -38,9 +38,8 @@ _MISSES = {"double": (2e-9, 1e-12, 1e-9), "float": (5e-6, 2e-6, 1e-3)}
 
 def programs(arm: Arm, options: Any) -> list[Program]:
     """The functions of the library, of an arm's parameters or of those in a struct."""
-    known: dict[str, Any] = {
-        "tolerances": plane.SINGLE if options.real == "float" else plane.DOUBLE
-    }
+    tolerances = {"double": plane.DOUBLE, "float": plane.SINGLE}[options.real]
+    known: dict[str, Any] = {"tolerances": tolerances}
     if not options.struct:
         known["parameters"] = arm_parameters(arm)
     return [
@@ -137,10 +136,8 @@ def check_program(arm: Arm, made: Iterable[Program], options: Any) -> str:
     if options.struct:
         inertia = [[4e-4, 1e-5, -2e-5], [1e-5, 5e-4, 3e-5], [-2e-5, 3e-5, 6e-4]]
         body = 0.6, [0.01, -0.02, 0.05], inertia, 2.3e-4, [-0.01, 0.015, 0.04]
-        loaded, call = (
-            arm.with_payload(*body),
-            f"alpha5_parameters loaded; alpha5_with_payload({_DEFAULT}",
-        )
+        loaded = arm.with_payload(*body)
+        call = f"alpha5_parameters loaded; alpha5_with_payload({_DEFAULT}"
         for x in (*body, arm.fluid_density):
             text = numbers(np.ravel(x), real)
             call += f", (const alpha5_real[]){text}" if np.ndim(x) else f", {text[1:-1]}"

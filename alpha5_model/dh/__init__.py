@@ -26,15 +26,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import (
-    FloatArray,
-    float_array,
-    instance,
-    listed,
-    real,
-    rigid_transform,
-    shaped,
-)
+from alpha5_model.checks import FloatArray, float_array, instance, listed, rigid_transform, shaped
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.dh.link import DHLink, dh_transform, frames_on_axes, table_row, unit_vectors
 from alpha5_model.dh.urdf import pinocchio_axes, urdf_model, urdf_text
@@ -177,14 +169,13 @@ class DHChain:
         z = float_array("directions", directions, (3,))
         if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
             raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
-        z = unit_vectors("directions", z.tolist(), 2, "directions that are not zero")
+        z = unit_vectors("directions", z.tolist(), 2)
         n, pairs = len(p), "(lower, upper) of each joint"
         types = [0] * n if sigma is None else listed("sigma", sigma, "0 or 1 for each joint")
         bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
         drawn = np.zeros(n) if q is None else shaped("q", q, (n,))
         if len(types) != n or len(bounds) != n:
             raise ShapeError("sigma, limits", (len(types), len(bounds)), f"{n} joints each")
-        tolerance = real("tolerance", tolerance, minimum=0.0)
         end = None if end_effector is None else rigid_transform("end_effector", end_effector)
         frames = frames_on_axes(p, z, end, tolerance)
         links = []

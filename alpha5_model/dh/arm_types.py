@@ -120,7 +120,7 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
         chain: The arm.
         vertical: Direction of the vertical in the world, (3,).
     """
-    up = _direction("vertical", vertical)
+    up = unit_vectors("vertical", vertical)
     points, z = instance("chain", chain, DHChain).joint_axes(chain.home)
     along = np.linalg.norm(np.cross(z, up), axis=1) <= ANGLE_TOLERANCE
     turning = np.array(chain.sigma) == 0
@@ -172,13 +172,13 @@ def task_capability(
         samples: Number of configurations.
         seed: Of the samples.
     """
-    up = _direction("vertical", vertical)
+    up = unit_vectors("vertical", vertical)
     instance("chain", chain, DHChain)
     if tool_axis is None:  # of the last joint, the same at every joint position
         frames = chain.frames(chain.home)
         axis = np.asarray(frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2])
     else:
-        axis = _direction("tool_axis", tool_axis)
+        axis = unit_vectors("tool_axis", tool_axis)
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
     jacobian, rows = chain.jacobian(q) / row_scale(chain), (slice(6), slice(3), slice(3, 6))
@@ -277,10 +277,6 @@ def matrix_rank(matrix: FloatArray) -> NDArray[np.int64]:
     """Numerical rank of (..., m, n) whose entries are of order 1."""
     s = np.linalg.svd(matrix, compute_uv=False)
     return np.asarray((s > RANK_TOLERANCE).sum(axis=-1))
-
-
-def _direction(name: str, value: ArrayLike) -> FloatArray:
-    return unit_vectors(name, value, 1, "one direction that is not zero")
 
 
 def spatial_conditions(chain: DHChain) -> Conditions:

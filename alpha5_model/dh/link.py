@@ -156,6 +156,7 @@ def frames_on_axes(
         tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
             intersecting.
     """
+    tolerance = real("tolerance", tolerance, minimum=0.0)
     if end is not None:
         p, z = np.vstack([p, end[:3, 3]]), np.vstack([z, end[:3, 2]])
     first = _frame(p[0], np.eye(3)[np.abs(z[0]).argmin()], z[0])  # farthest from z
@@ -236,7 +237,7 @@ def _frame(origin: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:
     return out
 
 
-def unit_vectors(name: str, value: ArrayLike, axes: int, expected: str) -> FloatArray:
+def unit_vectors(name: str, value: ArrayLike, axes: int = 1) -> FloatArray:
     """Directions (..., 3) of so many axes, none of them zero, scaled to length 1.
 
     Raises:
@@ -245,6 +246,7 @@ def unit_vectors(name: str, value: ArrayLike, axes: int, expected: str) -> Float
     v = float_array(name, value, (3,))
     largest = np.abs(v).max(axis=-1, keepdims=True)
     if v.ndim != axes or not largest.all():
+        expected = "one direction that is not zero" if axes == 1 else "directions that are not zero"
         raise InputError(name, value, expected)
     v = v / largest  # squares of large numbers overflow
     return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))

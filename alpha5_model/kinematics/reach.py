@@ -42,6 +42,8 @@ SIDES = ("underarm", "overarm", "both")
 _BLOCK = 8192
 #: Joint positions (M, 4) -> whether each is accepted, (M,).
 Accept = Callable[[FloatArray], BoolArray]
+#: Points of the half-plane R (M,), z (M,) -> whether each belongs to a region, (M,).
+Region = Callable[[FloatArray, FloatArray], BoolArray]
 #: Values of theta_0 that are tried on the yaw axis, where it is free.
 _YAWS = 36
 #: From here on only the direction of a point matters [m].
@@ -144,24 +146,21 @@ def critical_arcs(side: str, limits: bool = True) -> list[Arc]:
     return out
 
 
-def trace(
-    arcs: Sequence[Arc], contains: Callable[[FloatArray, FloatArray], BoolArray]
-) -> tuple[Arc, ...]:
+def trace(arcs: Sequence[Arc], contains: Region) -> tuple[Arc, ...]:
     """The boundary of a region of the half-plane that is known to lie on some arcs.
 
     Args:
         arcs: Where two are of one circle, the boundary is said to lie on the first.
-        contains: Which points (R, z), two arrays (N,), belong to the region.
+        contains: Which points belong to the region.
 
     Returns:
         Arcs with R > 0; the axis itself, which may close the region, is not listed.
     """
     size = 2 * arm_plane().longest
     tolerance, step = RELATIVE_TOLERANCE * size, RELATIVE_STEP * size
-    axis = planar.Segment((0.0, -size), math.pi / 2, 2 * size)
-    edges, _ = bounds(
-        [*map(planar_arc, arcs), axis], lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step
-    )
+    curves: list[planar.Curve] = [*map(planar_arc, arcs)]
+    curves.append(planar.Segment((0.0, -size), math.pi / 2, 2 * size))
+    edges, _ = bounds(curves, lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step)
     out = []
     for edge in edges:
         if isinstance(curve := edge.curve, planar.Arc):
@@ -229,11 +228,9 @@ def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
     return found
 
 
-def _solved(
-    position: FloatArray, limits: bool, angles: bool = False
-) -> tuple[FloatArray, BoolArray]:
+def _solved(target: FloatArray, limits: bool, angles: bool = False) -> tuple[FloatArray, BoolArray]:
     """q (..., 4, 4) if asked for, theta_3 in mid-range, and which branches reach, (..., 4)."""
-    q, exists, within, _ = solve_batch(position, np.asarray(arm_plane().middle[3]), angles)
+    q, exists, within, _ = solve_batch(target, np.asarray(arm_plane().middle[3]), angles)
     return q, within if limits else exists
 
 

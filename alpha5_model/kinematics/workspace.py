@@ -34,7 +34,6 @@ from alpha5_model.checks import (
     FloatArray,
     choice,
     count,
-    flag,
     float_array,
     generator,
     real,
@@ -191,14 +190,10 @@ def first_moment(arcs: Iterable[Arc]) -> float:
     """
     total = 0.0
     for arc in arcs:
-        c, r = arc.center[0], arc.radius
-        primitive = [
-            c * c * math.sin(t)
-            + c * r * (t + math.sin(t) * math.cos(t))
-            + r * r * (math.sin(t) - math.sin(t) ** 3 / 3)
-            for t in (arc.start, arc.end)
-        ]
-        total += arc.filled * r / 2 * (primitive[1] - primitive[0])
+        c, r, t = arc.center[0], arc.radius, np.array([arc.start, arc.end])
+        s = np.sin(t)
+        start, end = c * c * s + c * r * (t + s * np.cos(t)) + r * r * (s - s**3 / 3)
+        total += arc.filled * r / 2 * float(end - start)
     return total
 
 
@@ -209,7 +204,6 @@ def volume(limits: bool = True) -> float:
         limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge of azimuths
             belongs to the overarm pose alone, and the opposite one to the underarm pose alone.
     """
-    limits = flag("limits", limits)
     return _revolved({side: boundary(side, limits) for side in SIDES}, limits)
 
 

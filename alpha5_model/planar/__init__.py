@@ -241,12 +241,9 @@ def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
     """Annulus that the arm without its last link reaches, and the last link's range of length."""
     ranges = instance("arm", arm, PlanarArm).length_ranges
     if ranges is None:
-        raise InputError(
-            "arm",
-            arm,
-            "revolute joints without limits, the first joint one of them, and prismatic joints "
-            "along their links (planar.dexterity takes any arm)",
-        )
+        others = "prismatic joints along their links (planar.dexterity takes any arm)"
+        expected = f"revolute joints without limits, the first joint one of them, and {others}"
+        raise InputError("arm", arm, expected)
     low, high = annulus(ranges[:-1]) if len(ranges) > 1 else (0.0, 0.0)
     return (low, high, *ranges[-1])
 
@@ -267,8 +264,7 @@ def dexterity_map(
     """
     if count("resolution", resolution) < 2:
         raise InputError("resolution", resolution, "at least 2 grid lines")
-    _check_arm(arm)
-    space = arm.workspace()
+    space = workspace(arm)
     points = np.concatenate([c.point(np.linspace(*c.interval, 181)) for c in space.curves])
     low, high = points.min(axis=0), points.max(axis=0)
     spacing = float((high - low).max()) / (resolution - 1)

@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import BoolArray, FloatArray
 
 TURN = 2 * math.pi
+#: (x, y) [m].
+Point = tuple[float, float]
 #: Points (N, 2) [m] -> whether they belong to a set, (N,).
 Contains = Callable[[FloatArray], BoolArray]
 
@@ -33,7 +35,7 @@ class Arc:
         span: Angle that it covers [rad], 0 to 2 pi; 2 pi is the full circle.
     """
 
-    center: tuple[float, float]
+    center: Point
     radius: float
     start: float = 0.0
     span: float = TURN
@@ -73,7 +75,7 @@ class Arc:
         """The part between two parameters."""
         return Arc(self.center, self.radius, start, end - start)
 
-    def moved(self, angle: float, shift: tuple[float, float]) -> Arc:
+    def moved(self, angle: float, shift: Point) -> Arc:
         """Translated by `shift`, then rotated about the origin by `angle`."""
         return Arc(_moved(self.center, angle, shift), self.radius, self.start + angle, self.span)
 
@@ -86,18 +88,15 @@ class Arc:
         """Line integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
         a, b = self.interval
         (x, y), r = self.center, self.radius
-        return 0.5 * (
-            r * r * (b - a)
-            + r * x * (math.sin(b) - math.sin(a))
-            - r * y * (math.cos(b) - math.cos(a))
-        )
+        sine, cosine = math.sin(b) - math.sin(a), math.cos(b) - math.cos(a)
+        return 0.5 * (r * r * (b - a) + r * x * sine - r * y * cosine)
 
 
 @dataclass(frozen=True)
 class Segment:
     """A straight line from `start`, at polar angle `angle`, `length` long."""
 
-    start: tuple[float, float]
+    start: Point
     angle: float
     length: float
 
@@ -128,7 +127,7 @@ class Segment:
         x, y = self.point(start).tolist()
         return Segment((x, y), self.angle, end - start)
 
-    def moved(self, angle: float, shift: tuple[float, float]) -> Segment:
+    def moved(self, angle: float, shift: Point) -> Segment:
         """Translated by `shift`, then rotated about the origin by `angle`."""
         return Segment(_moved(self.start, angle, shift), self.angle + angle, self.length)
 
@@ -233,9 +232,7 @@ def turned(points: FloatArray, angle: float) -> FloatArray:
     return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
-def _moved(
-    point: tuple[float, float], angle: float, shift: tuple[float, float]
-) -> tuple[float, float]:
+def _moved(point: Point, angle: float, shift: Point) -> Point:
     x, y = point[0] + shift[0], point[1] + shift[1]
     c, s = math.cos(angle), math.sin(angle)
     return c * x - s * y, s * x + c * y

@@ -18,10 +18,8 @@ import casadi
 from alpha5_model.errors import InputError
 
 #: What goes in and comes out, and what computes it, by name; how languages write an operation.
-WORDS, _LANGUAGES = (
-    tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
-    for name in ("words.toml", "languages.toml")
-)
+WORDS = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
+_LANGUAGES = tomllib.loads(Path(__file__).with_name("languages.toml").read_text("utf-8"))
 #: Operations that make truth values, 0 or 1; two ``if_else_zero`` become an ``if_else``, which CasADi has not.
 TRUTHS = ("lt", "le", "and", "or", "not")
 OPERATIONS = [name for name in _LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")]
@@ -175,14 +173,12 @@ def _by_rows(shape: tuple[int, ...], element: int) -> int:
     return row * shape[-1] + column if len(shape) == 2 else element
 
 
-def named(
-    name: str, inputs: dict[str, casadi.SX], outputs: dict[str, casadi.SX]
-) -> casadi.Function:
+def named(name: str, inputs: dict[str, casadi.SX], out: dict[str, casadi.SX]) -> casadi.Function:
     """A function of those inputs that the outputs, made dense, depend on."""
-    dense = [casadi.densify(x) for x in outputs.values()]
+    dense = [casadi.densify(x) for x in out.values()]
     used = {str(x) for x in casadi.symvar(casadi.veccat(*dense))}
     given = {k: x for k, x in inputs.items() if used & {*map(str, casadi.symvar(x))}}
-    return casadi.Function(name, [*given.values()], dense, [*given], [*outputs])
+    return casadi.Function(name, [*given.values()], dense, [*given], [*out])
 
 
 def folded(function: casadi.Function, **values: Any) -> casadi.Function:

@@ -113,10 +113,8 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     return solutions
 
 
-def nearest(
-    q: FloatArray, q_reference: ArrayLike, allowed: BoolArray, free: BoolArray
-) -> FloatArray:
-    """The allowed solution of q (..., 4, 4) nearest to a reference, its theta_0 where free, (..., 4)."""
+def nearest(q: FloatArray, q_reference: ArrayLike, valid: BoolArray, free: BoolArray) -> FloatArray:
+    """The valid solution of q (..., 4, 4) nearest to a reference, its theta_0 where free, (..., 4)."""
     reference, shape = float_array("q_reference", q_reference, (4,)), (*q.shape[:-2], 4)
     try:
         reference = np.broadcast_to(reference, shape)
@@ -129,7 +127,7 @@ def nearest(
     with np.errstate(over="ignore"):
         travel = np.square(q - reference[..., None, :]).sum(axis=-1)
     travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
-    index = np.where(allowed, travel, np.inf).argmin(axis=-1)
+    index = np.where(valid, travel, np.inf).argmin(axis=-1)
     return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
 
 
@@ -193,9 +191,7 @@ def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
         l_3 = np.sqrt(np.stack([R - a_0, R + a_0], axis=-1) ** 2 + (z - d_0)[..., None] ** 2)
         out[..., 1] -= np.arccos((l_1**2 + l_3**2 - l_2**2) / (2 * l_1 * l_3))
         out[..., 1] -= np.arcsin(2 * a_2 / l_1)
-        out[..., 2] = (
-            np.arccos((l_1**2 + l_2**2 - l_3**2) / (2 * l_1 * l_2))
-            - np.arcsin(2 * a_2 / l_1)
-            - np.arcsin(a_2 / l_2)
-        )
+        out[..., 2] = np.arccos((l_1**2 + l_2**2 - l_3**2) / (2 * l_1 * l_2))
+        out[..., 2] -= np.arcsin(2 * a_2 / l_1)
+        out[..., 2] -= np.arcsin(a_2 / l_2)
     return np.where(np.isnan(out).any(axis=-1, keepdims=True), np.nan, out)

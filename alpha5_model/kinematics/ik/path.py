@@ -96,18 +96,16 @@ def inverse_kinematics_path(
     return out
 
 
-def _step(
-    solutions: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step: float
-) -> _Ways:
+def _step(found: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step: float) -> _Ways:
     """From joint positions (M, 4) to the solutions of point k; travel so far (M,)."""
-    options = _options(solutions, k)
+    options = _options(found, k)
     size, largest = _sizes(options[:, None, :] - at)
     cost = np.where(largest <= max_step, travel + size, np.inf)
     parent = cost.argmin(axis=1)
     cost = cost[np.arange(len(options)), parent]
     kept = np.isfinite(cost)
     if not kept.any():
-        raise DiscontinuousPathError(k, solutions.position[k], float(largest.min()), max_step)
+        raise DiscontinuousPathError(k, found.position[k], float(largest.min()), max_step)
     return options[kept][:, None], cost[kept], parent[kept]
 
 
