@@ -74,13 +74,13 @@ def sweep(
             raise MissingDependencyError(package, "a sweep", remedy)
     from pyarrow import parquet
 
-    from alpha5_model.sweep.rows import BLOCK, block_count, reductions
-    from alpha5_model.sweep.study import read_study
+    from alpha5_model.sweep.rows import reductions
+    from alpha5_model.sweep.study import BLOCK, read_study
 
     made, target = read_study(study), Path(folder)
     check_outputs([study], folder=(target / "study.toml", (".toml",)))
-    total, recordings = block_count(made)[0], made.cases.get("recording", ())
-    size = max(1, count("rows", rows) // min(BLOCK, made.sizes()[1]))
+    (cases, states, each), recordings = made.sizes(), made.cases.get("recording", ())
+    total, size = cases * each, max(1, count("rows", rows) // min(BLOCK, states))
     size = total // len(recordings) if recordings else size  # each is a chunk
     head = f"# {_made_by()}\n{made.text}"
     head += "".join(f"# recording {k}: {name}\n" for k, name in enumerate(recordings))

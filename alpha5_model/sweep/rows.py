@@ -24,27 +24,21 @@ from alpha5_model.dynamics.series import frame_positions
 from alpha5_model.fluids import SEA_WATER, gravity_in_base
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rotation_from_rpy
-from alpha5_model.sweep.study import Output, Study
+from alpha5_model.sweep.study import BLOCK, Output, Study
 from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
 from alpha5_model.trajectory.analysis import motor_side
-from alpha5_model.uncertainty import Sample, sample
+from alpha5_model.uncertainty import sample
 
-#: States computed at a time: what a kernel reads and writes of them stays in the cache.
-BLOCK = 8192
 #: Numbers set aside for the samples of a recording.
 _RECORDED = 2**32
 #: Edges of a quantile's bins: magnitudes from 2^-20 to 2^20, 256 to an octave.
 _EDGES = np.outer(np.ldexp(1.0, np.arange(-20, 20)), 1 + np.arange(256) / 256).ravel()
 #: Places on the grid, other columns, and the motion.
 States = tuple[dict[str, Any], dict[str, Any], SmoothMotion]
+#: One study's parameter sets.
+_sample = lru_cache(maxsize=1)(sample)
 #: Numbers of the rows (n,), places on the grid, other columns, quantities (n, 4).
 Block = tuple[Any, dict[str, Any], dict[str, Any], dict[str, FloatArray]]
-
-
-def block_count(study: Study) -> tuple[int, int]:
-    """Blocks of a study, and of each case."""
-    cases, states = study.sizes()
-    return cases * -(-states // BLOCK), -(-states // BLOCK)
 
 
 def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
@@ -54,7 +48,7 @@ def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
         Alpha5Error: A recording, or an arm, that cannot be used.
     """
     wanted = {output.quantity for output in study.outputs.values()}
-    grid, size, each = study.cases, study.sizes()[1], block_count(study)[1]
+    grid, (_, size, each) = study.cases, study.sizes()
     for case, n in (divmod(number, each) for number in range(first, last)):
         at = np.unravel_index(case, [*map(len, grid.values())]) if grid else ()
         index, start, row = dict(zip(grid, map(int, at), strict=True)), n * BLOCK, case * size
@@ -70,8 +64,9 @@ def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
 
 def inputs(study: Study, row: int) -> dict[str, Any]:
     """What stands behind a row: the value of each axis, or the recording and its sample."""
-    case, state = divmod(row, _RECORDED if "recording" in study.cases else study.sizes()[1])
-    number = case if "recording" in study.cases else case * block_count(study)[1] + state // BLOCK
+    _, size, each = study.sizes()
+    case, state = divmod(row, _RECORDED if "recording" in study.cases else size)
+    number = case * each + (0 if "recording" in study.cases else state // BLOCK)
     block = next(blocks(study, number, number + 1))
     return {name: x[row - block[0][0]].item() for name, x in columns(study, block).items()}
 
@@ -134,11 +129,6 @@ def _arm(study: Study, place: tuple[tuple[str, int], ...]) -> tuple[Any, list[Ac
     angles = 0.0, -at.get("current_elevation", 0.0), at.get("current_azimuth", 0.0)
     flow = at["current_speed"] * rotation_from_rpy(angles)[:, 0]
     return arm.with_hydrodynamics(rotation.T @ flow), motors
-
-
-@lru_cache(maxsize=1)
-def _sample(count: int, seed: int) -> Sample:
-    return sample(count, seed)
 
 
 def _quantities(

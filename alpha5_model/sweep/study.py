@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alpha5_model.checks import choice, count, float_array, generator, listed, real, shaped
+from alpha5_model.checks import choice, count, float_array, generator, listed, named, real, shaped
 from alpha5_model.corrections import CORRECTIONS
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.files import PathLike, read_named
@@ -25,29 +25,23 @@ SCHEMA: Any = tomllib.loads(Path(__file__).with_name("study.toml").read_text("ut
 _UNITS = SCHEMA["state"] | SCHEMA["case"]
 #: What a recording can be.
 _RECORDED = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
+#: States computed at a time: what a kernel reads and writes of them stays in the cache.
+BLOCK = 8192
 #: Most values of an axis, and most groups or bins of an output.
 _MOST = 10_000_000
 
 
 class Output(NamedTuple):
-    """What is kept of a quantity: its form, the axes of a map, levels, range and bins."""
+    """What is kept of a quantity, its unit and columns: its form, the axes of a map, levels, range and bins."""
 
     quantity: str
+    unit: str
+    columns: Sequence[str]
     form: str
     by: Sequence[str]
     levels: Sequence[float]
     range: tuple[float, float]
     bins: int
-
-    @property
-    def unit(self) -> str:
-        """Of the quantity."""
-        return str(SCHEMA["quantities"][self.quantity][0])
-
-    @property
-    def columns(self) -> list[str]:
-        """Of the quantity."""
-        return list(SCHEMA["quantities"][self.quantity][1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +67,10 @@ class Study:
     drawn: dict[str, Sequence[float]]
     outputs: dict[str, Output]
 
-    def sizes(self) -> tuple[int, int]:
-        """Number of cases, and of states in each; of recordings that is not known, and 1."""
+    def sizes(self) -> tuple[int, int, int]:
+        """Number of cases, of states and of blocks in each; of recordings that is not known, and 1."""
         cases, states = (math.prod(map(len, grid.values())) for grid in (self.cases, self.states))
-        return cases, states * self.samples
+        return cases, states * self.samples, -(-states * self.samples // BLOCK)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A process makes the study of its many tasks once.
@@ -98,8 +92,7 @@ def read_study(study: PathLike) -> Study:
 def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None = None) -> Study:
     try:
         given = tomllib.loads(text)
-        for key in given:
-            choice("key", key, ("seed", "samples", "axes", "outputs"))
+        named("key", given, ("seed", "samples", "axes", "outputs"))
         for key in ("axes", "outputs"):
             if not isinstance(given.get(key), dict) or not given[key]:
                 raise InputError(key, given.get(key), "a table with at least one key")
@@ -109,8 +102,8 @@ def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None =
         generator(seed)
         if count("samples", samples) > 1 and not drawn:
             raise InputError("samples", samples, "none where no axis is random")
-        named, grid = given["outputs"].items(), cases | states
-        outputs = {name: _output(name, table, grid) for name, table in named}
+        asked, grid = given["outputs"].items(), cases | states
+        outputs = {name: _output(name, table, grid) for name, table in asked}
         return Study(text, source, folder, seed, samples, cases, states, drawn, outputs)
     except ValueError as error:  # of TOML, or this package's own
         raise FileFormatError(source, str(error)) from None
@@ -156,8 +149,7 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
         return range(count(place, given))
     if name == "corrections":
         names = listed(place, given, "a list of names, such as ['none', 'base_frame+link3_cob']")
-        for part in "+".join(map(str, names)).split("+"):
-            choice(place, part, ("none", *CORRECTIONS))
+        named(place, "+".join(map(str, names)).split("+"), ("none", *CORRECTIONS))
         return names
     table = given if isinstance(given, dict) else {"values": given}
     units, keys = SCHEMA["units"][unit], {*table} - {"unit"}
@@ -190,8 +182,7 @@ def _output(name: str, given: Any, grid: dict[str, Any]) -> Output:
         raise InputError("outputs", name, "names of letters, digits, _ and -")
     quantity = choice(f"{place}.quantity", table.get("quantity"), tuple(SCHEMA["quantities"]))
     form = choice(f"{place}.as", table.get("as"), tuple(SCHEMA["forms"]))
-    for key in table:
-        choice(f"key of {place}", key, ("quantity", "as", *SCHEMA["forms"][form]))
+    named(f"key of {place}", table, ("quantity", "as", *SCHEMA["forms"][form]))
     by, levels = (listed(f"{place}.{k}", table.get(k, ()), "a list") for k in ("by", "levels"))
     for axis in by:
         choice(f"axis of {place}.by", axis, tuple(grid))
@@ -201,4 +192,6 @@ def _output(name: str, given: Any, grid: dict[str, Any]) -> Output:
     bins = count(f"{place}.bins", bins)
     if max(bins, math.prod(len(grid[axis]) for axis in by)) > _MOST:
         raise InputError(place, given, f"at most {_MOST} groups or bins")
-    return Output(quantity, form, by, levels, _rising(f"{place}.range", span), bins)
+    unit, *columns = SCHEMA["quantities"][quantity]
+    ends = _rising(f"{place}.range", span)
+    return Output(quantity, unit, columns, form, by, levels, ends, bins)

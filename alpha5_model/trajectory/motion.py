@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, choice, float_array, frozen
+from alpha5_model.checks import FloatArray, float_array, frozen, named
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeError
 from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
@@ -104,8 +104,7 @@ def motion(
             if more[name].shape != q.shape:
                 expected = f"the shape of position, {q.shape}"
                 raise ShapeError(name, more[name].shape, expected)
-    for name in names:
-        choice("joint", name, JOINTS)
+    named("joint", names, JOINTS)
     if sorted(names) != sorted(wanted):
         raise InputError("joints", names, f"each of {', '.join(wanted)} once")
     order = [names.index(name) for name in wanted]

@@ -46,6 +46,8 @@ DIRECTION_WINDOW = 0.5
 #: its inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
 LEAST_BANDWIDTH = 1e-4
 _DEGREE = 3
+#: Values, first and second derivatives of signals, (N, k) each.
+_Curve = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,31 +135,23 @@ def smooth(
         spline, reached = CubicSpline(t, signals), None
         value, slope, bend = signals, spline(t, 1), spline(t, 2)
     n = len(motion.joints)
-    position = value[:, :n]
-    slow = slope[:, :n] if method == "interpolate" else _mean_velocity(t, motion.position)
     velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
-    deviation = frozen(np.abs(position - motion.position).max(axis=0))
-    position, velocity, acceleration = map(frozen, (position, velocity, acceleration))
-    moving = (position, velocity, acceleration, frozen(_direction(slow)))
-    return SmoothMotion(t, motion.joints, *moving, method, reached, use_velocity, deviation)
+    mean = slope[:, :n]
+    if method != "interpolate":  # over a window: its sign changes only where the motion reverses
+        ends = t - DIRECTION_WINDOW / 2, t + DIRECTION_WINDOW / 2
+        early, late = (end.clip(t[0], t[-1]) for end in ends)
+        mean = _columns(late, t, motion.position) - _columns(early, t, motion.position)
+        mean /= (late - early)[:, None]
+    rated = np.array([joint.velocity for joint in parameters().joints[:n]])
+    direction = np.where(np.abs(mean) < REST_SHARE * rated, 0.0, np.sign(mean))
+    deviation = np.abs(value[:, :n] - motion.position).max(axis=0)
+    moving = value[:, :n], velocity, acceleration, direction, deviation
+    q, v, a, direction, deviation = map(frozen, moving)
+    joints = motion.joints
+    return SmoothMotion(t, joints, q, v, a, direction, method, reached, use_velocity, deviation)
 
 
-def _mean_velocity(time: FloatArray, position: FloatArray) -> FloatArray:
-    """Over a window around each sample: its sign changes only where the motion reverses."""
-    early = np.maximum(time - DIRECTION_WINDOW / 2, time[0])
-    late = np.minimum(time + DIRECTION_WINDOW / 2, time[-1])
-    displacement = _columns(late, time, position) - _columns(early, time, position)
-    return np.asarray(displacement / (late - early)[:, None])
-
-
-def _direction(slope: FloatArray) -> FloatArray:
-    rated = [joint.velocity for joint in parameters().joints[: slope.shape[1]]]
-    return np.where(np.abs(slope) < REST_SHARE * np.array(rated), 0.0, np.sign(slope))
-
-
-def smoothing_spline(
-    time: FloatArray, signals: FloatArray, bandwidth: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) -> _Curve:
     """Cubic smoothing spline of all columns at once, by Reinsch's banded equations.
 
     The same spline as SciPy's ``make_smoothing_spline`` with the trapezoidal weights, found for the
@@ -184,10 +178,9 @@ def smoothing_spline(
     bands = np.zeros((3, h.size - 1))  # upper form of R + lam Q^T W^-1 Q
     bands[2] = (h[:-1] + h[1:]) / 3
     bands[2] += inverse[:-2] * below**2 + inverse[1:-1] * middle**2 + inverse[2:] * above**2
-    bands[1, 1:] = h[1:-1] / 6
-    bands[1, 1:] += (
-        inverse[1:-2] * middle[:-1] * below[1:] + inverse[2:-1] * above[:-1] * middle[1:]
-    )
+    bands[1, 1:] = inverse[1:-2] * middle[:-1] * below[1:]
+    bands[1, 1:] += inverse[2:-1] * above[:-1] * middle[1:]
+    bands[1, 1:] += h[1:-1] / 6
     bands[0, 2:] = inverse[2:-2] * above[:-2] * below[2:]
     right = np.diff(np.diff(signals, axis=0) / h[:, None], axis=0)
     bend = np.zeros_like(signals)
@@ -207,7 +200,7 @@ def smoothing_spline(
 
 def savitzky_golay(
     time: FloatArray, signals: FloatArray, bandwidth: float
-) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+) -> tuple[*_Curve, float]:
     """Savitzky-Golay filter of third degree, its window chosen for the bandwidth.
 
     Returns:

@@ -91,11 +91,10 @@ def prefixes(
     """What stands before the names of the four arm joints, where all four are among these names."""
     ends, there = [JOINTS[0] + suffix for suffix in suffixes], {*names}
     found = {name.removesuffix(end) for name in names for end in ends if name.endswith(end)}
-
-    def whole(before: str) -> bool:
-        return all(any(before + j + s in there for s in suffixes) for j in JOINTS[:4])
-
-    return sorted(filter(whole, found if asked is None else {asked}))
+    found = found if asked is None else {asked}
+    return sorted(
+        x for x in found if all({x + j + s for s in suffixes} & there for j in JOINTS[:4])
+    )
 
 
 def only(what: str, found: Sequence[str]) -> str:

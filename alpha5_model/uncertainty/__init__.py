@@ -32,17 +32,7 @@ from alpha5_model.fluids import SEA_WATER
 from alpha5_model.parameters import Alpha5Parameters, parameters
 from alpha5_model.trajectory import Motion, smooth
 from alpha5_model.uncertainty import printed
-from alpha5_model.uncertainty.printed import (
-    ALTERNATIVES,
-    Names,
-    PrintedNumber,
-    Sample,
-    believed,
-    parameter_set,
-    printed_numbers,
-    reach,
-    sample,
-)
+from alpha5_model.uncertainty.printed import ALTERNATIVES, PrintedNumber, Sample, sample
 
 __all__ = ["ALTERNATIVES", "Bounds", "Identification", "PrintedNumber", "Sample", "Sensitivity"]
 __all__ += ["Spread", "arm", "bounds", "identify", "printed_numbers", "reach", "sample"]
@@ -59,6 +49,18 @@ _LEAST, _RANK = 1e-12, 1e-12
 _DEVIATION = 3**-0.5
 #: What the rounding of doubles may hide, as a share of the terms.
 _ROUNDING = 1e-14
+
+
+def printed_numbers(alternatives: printed.Names = ()) -> dict[str, PrintedNumber]:
+    """Every number of Tables 1 to 4 by its name, with the interval that its digits allow.
+
+    Args:
+        alternatives: Names of `ALTERNATIVES` to believe.
+
+    Raises:
+        UnknownNameError: An alternative that is not recorded.
+    """
+    return dict(printed.numbers(printed.believed(alternatives)))
 
 
 class Bounds(NamedTuple):
@@ -78,7 +80,11 @@ class Bounds(NamedTuple):
 
 
 def bounds(
-    q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None, alternatives: Names = ()
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    arm: Arm | None = None,
+    alternatives: printed.Names = (),
 ) -> Bounds:
     """What no numbers that round to the printed ones can pass, for a motion of the arm on a fixed base.
 
@@ -104,7 +110,7 @@ def bounds(
     x, y = (regressor_rows(q, still, still, g)[:, 7:] for g in np.eye(3)[:2])
     potential = -np.tensordot(gravity, [y[:, 2], -x[:, 2], x[:, 1]], 1)
     every = linear[:, :4], linear[:, 4:], kinetic, potential
-    return Bounds(*(extremes(part, one, arm, believed(alternatives)) for part in every))
+    return Bounds(*(extremes(part, one, arm, printed.believed(alternatives)) for part in every))
 
 
 def torque_bounds(
@@ -153,8 +159,8 @@ def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, .
     if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
         slack = slack.max(axis=1, keepdims=True)
     total = np.sum(parts, axis=0) + linear @ payload(arm)
-    lower, upper = total + np.array([-slack, slack])
-    return Interval(lower[0], upper[0]) if one else Interval(lower, upper)
+    total = total + np.array([-slack, slack])
+    return Interval(*(total[:, 0] if one else total))
 
 
 def payload(arm: Arm) -> FloatArray:
@@ -194,7 +200,7 @@ class Sensitivity(NamedTuple):
         return tuple((self.names[k], float(effects[k])) for k in order)
 
 
-def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
+def sensitivity(result: Result, alternatives: printed.Names = ()) -> Sensitivity:
     """Which printed digits a result hangs on.
 
     Args:
@@ -205,13 +211,13 @@ def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
     Raises:
         InputError: A result that is not finite numbers.
     """
-    chosen = believed(alternatives)
+    chosen = printed.believed(alternatives)
     intervals = printed.numbers(chosen)
     # The printed numbers stand by themselves.
     middle = {name: x.value for name, x in intervals.items() if x.value != x.printed.si}
 
     def at(values: dict[str, float]) -> FloatArray:
-        return float_array("result", result(parameter_set(middle | values, chosen)), ())
+        return float_array("result", result(printed.parameter_set(middle | values, chosen)), ())
 
     effects = [(at({k: x.upper}) - at({k: x.lower})) / 2 for k, x in intervals.items()]
     return Sensitivity(tuple(intervals), at({}), np.array(effects))
@@ -270,7 +276,7 @@ def identify(
     arm: Arm | None = None,
     *,
     wrench: ArrayLike | None = None,
-    alternatives: Names = (),
+    alternatives: printed.Names = (),
     **smoothing: Any,
 ) -> Identification:
     """Base parameters that a motion with its efforts, or with the load on the mount, supports.
@@ -294,7 +300,7 @@ def identify(
     """
     from scipy.optimize import lsq_linear
 
-    chosen = believed(alternatives)
+    chosen = printed.believed(alternatives)
     arm = load() if arm is None else instance("arm", arm, Arm)
     own, density = arm_parameters(arm), arm.fluid_density
     s = smooth(instance("motion", motion, Motion), **smoothing)
@@ -332,6 +338,12 @@ def identify(
     ends = extremes(np.eye(len(NAMES))[None], True, load(density), chosen)
     lower, upper = np.clip([found - wide, found + wide], *ends)
     values = dict(zip(printed.numbers(chosen), middle + z @ scaled, strict=True))
-    best, combinations = parameter_set(values, chosen), _DEVIATION * ways[told] @ slope
+    best, combinations = printed.parameter_set(values, chosen), _DEVIATION * ways[told] @ slope
     figures = found, lower, upper, covariance, supported, gains[told], combinations, noise
     return Identification(NAMES, *figures, best)
+
+
+def reach(parameters: Alpha5Parameters) -> float:
+    """Farthest that the tcp gets from the shoulder without limits, ``a_1 + hypot(a_2, d_3)`` [m]."""
+    dh = parameters.dh
+    return dh[1].a + float(np.hypot(dh[2].a, dh[3].d))

@@ -34,7 +34,6 @@ ALTERNATIVES: dict[str, str] = {
     "torque_constant": "Table 4's K_t for both constants of a motor, which should agree.",
     "voltage_constant": "Table 4's K_v for both; K_t if that is asked for, too.",
 }
-DISTRIBUTIONS = ("uniform", "normal")
 #: Entries of a symmetric matrix, and the place of each in (3, 3).
 UPPER = np.triu_indices(3)
 SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
@@ -61,18 +60,6 @@ class PrintedNumber:
     upper: float
 
 
-def printed_numbers(alternatives: Names = ()) -> dict[str, PrintedNumber]:
-    """Every number of Tables 1 to 4 by its name, with the interval that its digits allow.
-
-    Args:
-        alternatives: Names of `ALTERNATIVES` to believe.
-
-    Raises:
-        UnknownNameError: An alternative that is not recorded.
-    """
-    return dict(numbers(believed(alternatives)))
-
-
 def believed(alternatives: Names) -> tuple[str, ...]:
     """Check names of `ALTERNATIVES`."""
     return named("alternative", alternatives, tuple(ALTERNATIVES))
@@ -80,7 +67,7 @@ def believed(alternatives: Names) -> tuple[str, ...]:
 
 @cache
 def numbers(alternatives: tuple[str, ...]) -> dict[str, PrintedNumber]:
-    """`printed_numbers` of checked alternatives, not to be changed."""
+    """Every number by its name; the alternatives are checked, and the answer is not to be changed."""
     found: dict[str, Quantity] = {}
     _changed(lambda name, number: found.setdefault(name, number))
     out = {}
@@ -229,7 +216,7 @@ def sample(
         UnknownNameError: No such distribution or alternative.
     """
     rng, chosen, out = generator(seed), believed(alternatives), np.empty((0, 0))
-    normal = choice("distribution", distribution, DISTRIBUTIONS) == "normal"
+    normal = choice("distribution", distribution, ("uniform", "normal")) == "normal"
     middle, half = ends(chosen)
     while len(out) < count("n", n):
         shape = n - len(out), middle.size
@@ -248,9 +235,3 @@ def possible(links: FloatArray) -> Any:
     """
     spread = np.linalg.eigvalsh(links[..., 4 + SYMMETRIC])[..., 0] > 0
     return (spread & (links[..., 0] > 0) & (links[..., 10] >= 0)).all(axis=-1)
-
-
-def reach(parameters: Alpha5Parameters) -> float:
-    """Farthest that the tcp gets from the shoulder without limits, ``a_1 + hypot(a_2, d_3)`` [m]."""
-    dh = parameters.dh
-    return dh[1].a + float(np.hypot(dh[2].a, dh[3].d))
