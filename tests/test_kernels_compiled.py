@@ -24,7 +24,7 @@ from alpha5_model.checks import LARGEST
 from alpha5_model.kernels import numpy_kernels
 from alpha5_model.symbolic import functions
 from alpha5_model.symbolic.program import Program, program
-from alpha5_model.symbolic.sources import PARAMETERS
+from alpha5_model.symbolic.sources import PARAMETERS, UPRIGHT
 
 if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
     compiled = importlib.import_module("alpha5_model.kernels._compiled")
@@ -91,6 +91,23 @@ def test_a_few_rare_rows_do_not_change_the_others(name, any_width):
     any_width(1)
     for got, want in zip(by_batch(name, parameters, inputs, outputs), once, strict=True):
         assert np.array_equal(got[rare], want[rare], equal_nan=True)
+
+
+@pytest.mark.parametrize("name", UPRIGHT)
+@pytest.mark.parametrize("gravity", [(0.0, -0.0), (3.0, 0.0), (0.0, 3.0)])
+def test_an_arm_that_stands_upright_has_bodies_of_its_own(name, gravity, any_width):
+    parameters, inputs, outputs = case(PROGRAMS[name])
+    parameters[-3:-1] = gravity
+    wanted = [np.full_like(x, np.nan) for x in outputs]
+    assert numpy_kernels.batch(name, parameters, *inputs, *wanted)
+    single = by_bind(name, parameters, inputs)
+    for got, want in zip(single, wanted, strict=True):
+        scale = np.abs(want).max(axis=tuple(range(1, want.ndim)), keepdims=True)
+        assert (np.abs(got - want) <= 1e-9 * scale).all()
+    for width in WIDTHS:
+        any_width(width)
+        for got, want in zip(by_batch(name, parameters, inputs, outputs), single, strict=True):
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
 
 
 def test_a_width_that_was_chosen_is_in_use(any_width):

@@ -29,13 +29,12 @@ static int repeated(PyObject *object)
 }
 
 /* The kernel of a name and the constants that its parameters make, in k. */
-static const Kernel *prepared(PyObject *name, PyObject *parameters, double *k)
+static const Kernel *named(PyObject *name, PyObject *parameters, double *k)
 {
     const char *text = PyUnicode_AsUTF8AndSize(name, NULL);
     if (text == NULL)
         return NULL;
-    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
-        const Kernel *kernel = &kernels[i];
+    for (const Kernel *kernel = kernels; kernel < kernels + KERNELS; kernel++) {
         if (strcmp(kernel->name, text) != 0)
             continue;
         if (kernel->parameters == 0)
@@ -46,8 +45,7 @@ static const Kernel *prepared(PyObject *name, PyObject *parameters, double *k)
                          kernel->parameters);
             return NULL;
         }
-        kernel->prepare(PyArray_DATA((PyArrayObject *)parameters), k);
-        return kernel;
+        return prepared(kernel, PyArray_DATA((PyArrayObject *)parameters), k);
     }
     PyErr_Format(PyExc_ValueError, "no kernel %R", name);
     return NULL;
@@ -178,7 +176,7 @@ static PyObject *bind(PyObject *module, PyObject *const *arguments, Py_ssize_t c
         return NULL;
     bound->call = call;
     bound->fallback = count > 2 && arguments[2] != Py_None ? Py_NewRef(arguments[2]) : NULL;
-    bound->kernel = prepared(arguments[0], count > 1 ? arguments[1] : NULL, bound->k);
+    bound->kernel = named(arguments[0], count > 1 ? arguments[1] : NULL, bound->k);
     PyObject_GC_Track(bound);
     if (bound->kernel == NULL)
         Py_CLEAR(bound);
@@ -196,7 +194,7 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
     int good;
     if (count < 3)
         return PyErr_Format(PyExc_TypeError, "batch takes a name, parameters and arrays");
-    const Kernel *kernel = prepared(arguments[0], arguments[1], k);
+    const Kernel *kernel = named(arguments[0], arguments[1], k);
     if (kernel == NULL)
         return NULL;
     if (count - 2 != kernel->inputs + kernel->outputs)

@@ -17,7 +17,7 @@ static int casadi_row(const Kernel *kernel, const double **given, double **resul
     for (int i = 0; i < kernel->inputs; i++)
         in[i] = given[i] ? given[i] : zeros;
     if (kernel->parameters)
-        kernel->prepare(given[kernel->inputs] ? given[kernel->inputs] : zeros, k);
+        kernel = prepared(kernel, given[kernel->inputs] ? given[kernel->inputs] : zeros, k);
     const int good = row(kernel, k, in, y);
     for (int i = 0; i < kernel->outputs; i++)
         for (int j = 0; j < kernel->slots[kernel->inputs + i].size; j++, end++)

@@ -73,7 +73,7 @@ static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py
 /* Finds the kernel, and makes what answers share; 0 after an error. */
 static int share(void)
 {
-    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+    for (size_t i = 0; i < KERNELS; i++)
         if (strcmp(kernels[i].name, "inverse_kinematics") == 0)
             solver = &kernels[i];
     new_tuple = (newfunc)PyType_GetSlot(&PyTuple_Type, Py_tp_new);

@@ -21,6 +21,7 @@ typedef struct {
     const char *name;
     void (*prepare)(const double *parameters, double *k);
     Function rare, one[4], at[4]; /* index: that of the level */
+    int upright; /* place of the one that computes it where gravity has no x and y; 0: none */
     int parameters, inputs, outputs;
     Slot slots[MOST_SLOTS]; /* inputs before outputs */
 } Kernel;
@@ -53,12 +54,12 @@ static const Level levels[] = {
 #endif
 #if WIDEST == 8
     {4, "avx2", to_columns_4, to_rows_4},
-    {8, "avx512", to_columns_4, to_rows_4},
+    {8, "avx512", to_columns_8, to_rows_8},
 #endif
 };
 #define PREPARE(name) static void name##_k(const double *p, double *k)
-#define ENTRY(name, parameters, inputs, outputs, ...) \
-    {#name, name##_k, WIDTHS(name), parameters, inputs, outputs, {__VA_ARGS__}}
+#define ENTRY(name, upright, parameters, inputs, outputs, ...) \
+    {#name, name##_k, WIDTHS(name), upright, parameters, inputs, outputs, {__VA_ARGS__}}
 #include "generated/table.h"
 
 static int level;
@@ -77,6 +78,15 @@ static void choose(long width)
         best = i;
     }
     level = best;
+}
+
+/* What computes a kernel of these parameters, and the constants that they make, in k. */
+static const Kernel *prepared(const Kernel *kernel, const double *parameters, double *k)
+{
+    if (kernel->upright && parameters[GRAVITY] == 0.0 && parameters[GRAVITY + 1] == 0.0)
+        kernel = &kernels[kernel->upright];
+    kernel->prepare(parameters, k);
+    return kernel;
 }
 
 /* ---- one state, and rows of states ---- */

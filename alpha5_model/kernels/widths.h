@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 #ifdef __SSE2__
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -31,7 +31,9 @@
 #define PASTE(name, width) name##_##width
 #define EXPANDED(name, width) PASTE(name, width)
 #define SIZED(name) EXPANDED(name, LABEL)
-#define KERNEL(name) static int SIZED(name)(const double *k, const double *in, double *out)
+/* What goes out lies nowhere in what comes in: values may be stored as soon as they are known, and read late. */
+#define KERNEL(name) \
+    static int SIZED(name)(const double *restrict k, const double *restrict in, double *restrict out)
 #if defined(__clang__) || __GNUC__ >= 12
 #define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 #else

@@ -202,7 +202,11 @@ def constant(value: float, language: str) -> str:
 
 
 def statements(
-    program: Program, language: str, element: Callable[[Slot, int], str], reuse: bool = False
+    program: Program,
+    language: str,
+    element: Callable[[Slot, int], str],
+    reuse: bool = False,
+    store: str = "",
 ) -> tuple[list[str], list[list[str]]]:
     """A program's statements, and what stands for the elements of each output.
 
@@ -213,8 +217,11 @@ def statements(
         language: How to write it.
         element: Text of an element of an input.
         reuse: Give names again, so that memory is.
+        store: A statement that hands out an element, of its place among those of all outputs and its text. With it
+            each is read and handed out where it is computed with: less is held at a time.
     """
-    steps = sorted(program.steps, key=lambda step: step.op != "input")
+    first = "" if store else "input"
+    steps = sorted(program.steps, key=lambda step: step.op != first)
     last = {r: i for i, step in enumerate(steps) for r in step.read}
     last |= {r: len(steps) for step in steps if step.op == "output" for r in step.read}
     table, names, flags = _table(language), dict[int, str](), set[int]()
@@ -224,7 +231,9 @@ def statements(
         if op == "output":
             slot, index, source = arguments
             text = table["flag"] if source in flags else "{}"
-            results[slot][index] = text.format(names[source])
+            results[slot][index] = text = text.format(names[source])
+            place = sum(before.size for before in program.outputs[:slot]) + index
+            lines += [store.format(place, text)] if store else []
         elif op == "const":
             names[register] = constant(float(value or 0.0), language)
         else:

@@ -6,7 +6,9 @@
 #define MOST_PARAMETERS 107
 #define MOST_CONSTANTS 160
 #define MOST_SLOTS 6
+#define KERNELS 21
 #define EACH_KERNEL(X) X(0, forward_kinematics) X(1, link_poses) X(2, jacobian) X(3, gravity_torque) X(4, buoyancy_torque) X(5, hydrostatic_torque) X(6, hydrostatic_torque_derivative) X(7, mass_matrix) X(8, coriolis_torque) X(9, coriolis_matrix) X(10, nonlinear_effects) X(11, inverse_dynamics) X(12, inverse_dynamics_derivatives) X(13, base_wrench) X(14, inverse_dynamics_with_base_wrench) X(15, base_wrench_derivatives) X(16, forward_dynamics) X(17, forward_dynamics_derivatives) X(18, inverse_dynamics_in_current) X(19, forward_dynamics_in_current) X(20, inverse_kinematics)
+#define GRAVITY 38
 #else
 PREPARE(forward_kinematics)
 {
@@ -435,86 +437,94 @@ PREPARE(inverse_dynamics)
 PREPARE(inverse_dynamics_derivatives)
 {
     (void)p, (void)k;
-    const double r8 = p[19];
-    const double r9 = p[38];
-    const double r13 = p[39];
-    const double r24 = p[28];
-    const double r28 = p[37];
-    const double r46 = p[36];
-    const double r52 = p[27];
-    const double r71 = p[18];
-    const double r79 = p[10];
-    const double r81 = p[9];
-    const double r110 = p[13];
-    const double r117 = p[12];
-    const double r126 = p[15];
-    const double r132 = p[14];
-    const double r135 = p[17];
-    const double r155 = p[22];
-    const double r167 = p[21];
-    const double r176 = p[24];
-    const double r183 = p[23];
-    const double r186 = p[26];
-    const double r206 = p[30];
-    const double r218 = p[31];
-    const double r227 = p[33];
-    const double r234 = p[32];
-    const double r237 = p[35];
-    const double r254 = p[40];
-    const double r273 = p[29];
-    const double r278 = p[34];
-    const double r293 = p[20];
-    const double r298 = p[25];
-    const double r540 = p[11];
-    const double r564 = p[16];
-    const double r1521 = p[4];
-    const double r1525 = 0.02 * r135;
-    const double r1584 = 0.02 * r564;
-    const double r1635 = r540 + r117;
-    const double r1641 = r293 + r167;
-    const double r1685 = 0.02 * r237;
-    const double r1688 = 0.02 * r278;
-    const double r1700 = r273 + r206;
-    k[0] = r9;
-    k[1] = r13;
-    k[2] = r8;
-    k[3] = r24;
-    k[4] = r28;
-    k[5] = r46;
-    k[6] = r52;
-    k[7] = r71;
-    k[8] = r79;
-    k[9] = r81;
-    k[10] = r110;
-    k[11] = r117;
-    k[12] = r126;
-    k[13] = r132;
-    k[14] = r135;
-    k[15] = r155;
-    k[16] = r167;
-    k[17] = r176;
-    k[18] = r183;
-    k[19] = r186;
-    k[20] = r206;
-    k[21] = r218;
-    k[22] = r227;
-    k[23] = r234;
-    k[24] = r237;
-    k[25] = r254;
-    k[26] = r273;
-    k[27] = r278;
-    k[28] = r293;
-    k[29] = r298;
-    k[30] = r540;
-    k[31] = r564;
-    k[32] = r1525;
-    k[33] = r1584;
-    k[34] = r1521;
-    k[35] = r1641;
-    k[36] = r1635;
-    k[37] = r1685;
-    k[38] = r1688;
-    k[39] = r1700;
+    const double r2 = p[38];
+    const double r5 = p[36];
+    const double r31 = p[18];
+    const double r35 = p[37];
+    const double r39 = p[27];
+    const double r42 = p[28];
+    const double r48 = p[19];
+    const double r51 = p[9];
+    const double r54 = p[39];
+    const double r72 = p[10];
+    const double r148 = p[13];
+    const double r155 = p[12];
+    const double r164 = p[15];
+    const double r170 = p[14];
+    const double r173 = p[17];
+    const double r195 = p[22];
+    const double r207 = p[21];
+    const double r216 = p[24];
+    const double r223 = p[23];
+    const double r226 = p[26];
+    const double r246 = p[30];
+    const double r258 = p[31];
+    const double r267 = p[33];
+    const double r274 = p[32];
+    const double r277 = p[35];
+    const double r294 = p[40];
+    const double r316 = p[29];
+    const double r321 = p[34];
+    const double r336 = p[20];
+    const double r341 = p[25];
+    const double r566 = p[16];
+    const double r568 = p[11];
+    const double r1446 = p[4];
+    const double r471 = (-0.02) * r173;
+    const double r567 = (-0.02) * r566;
+    const double r819 = (-0.02) * r321;
+    const double r824 = 0.02 * r277;
+    const double r926 = r246 + r316;
+    const double r941 = r246 - r316;
+    const double r1448 = 0.02 * r173;
+    const double r1475 = 0.02 * r566;
+    const double r1516 = r568 + r155;
+    const double r1522 = r336 + r207;
+    const double r1552 = 0.02 * r321;
+    k[0] = r5;
+    k[1] = r31;
+    k[2] = r35;
+    k[3] = r39;
+    k[4] = r42;
+    k[5] = r48;
+    k[6] = r51;
+    k[7] = r2;
+    k[8] = r72;
+    k[9] = r54;
+    k[10] = r148;
+    k[11] = r155;
+    k[12] = r164;
+    k[13] = r170;
+    k[14] = r173;
+    k[15] = r195;
+    k[16] = r207;
+    k[17] = r216;
+    k[18] = r223;
+    k[19] = r226;
+    k[20] = r246;
+    k[21] = r258;
+    k[22] = r267;
+    k[23] = r274;
+    k[24] = r277;
+    k[25] = r294;
+    k[26] = r316;
+    k[27] = r321;
+    k[28] = r336;
+    k[29] = r341;
+    k[30] = r471;
+    k[31] = r568;
+    k[32] = r567;
+    k[33] = r566;
+    k[34] = r819;
+    k[35] = r824;
+    k[36] = r926;
+    k[37] = r941;
+    k[38] = r1448;
+    k[39] = r1475;
+    k[40] = r1446;
+    k[41] = r1522;
+    k[42] = r1516;
+    k[43] = r1552;
 }
 PREPARE(base_wrench)
 {
@@ -907,86 +917,94 @@ PREPARE(forward_dynamics)
 PREPARE(forward_dynamics_derivatives)
 {
     (void)p, (void)k;
-    const double r0 = p[14];
-    const double r10 = p[15];
-    const double r16 = p[24];
-    const double r30 = p[23];
-    const double r37 = p[35];
-    const double r42 = p[34];
-    const double r48 = p[30];
-    const double r50 = p[31];
-    const double r53 = p[32];
-    const double r57 = p[33];
-    const double r59 = p[29];
-    const double r80 = p[4];
-    const double r81 = p[12];
-    const double r83 = p[13];
-    const double r86 = p[17];
-    const double r89 = p[22];
-    const double r91 = p[21];
-    const double r94 = p[26];
-    const double r124 = p[20];
-    const double r128 = p[25];
-    const double r136 = p[11];
-    const double r140 = p[16];
-    const double r259 = p[19];
-    const double r260 = p[39];
-    const double r264 = p[38];
-    const double r270 = p[18];
-    const double r274 = p[27];
-    const double r279 = p[28];
-    const double r285 = p[37];
-    const double r288 = p[36];
-    const double r334 = p[10];
-    const double r336 = p[9];
-    const double r522 = p[40];
-    const double r87 = 0.02 * r86;
-    const double r141 = 0.02 * r140;
-    const double r163 = r136 + r81;
-    const double r169 = r124 + r91;
-    const double r223 = 0.02 * r37;
-    const double r226 = 0.02 * r42;
-    const double r244 = r59 + r48;
+    const double r0 = p[24];
+    const double r25 = p[23];
+    const double r32 = p[35];
+    const double r37 = p[34];
+    const double r43 = p[30];
+    const double r45 = p[31];
+    const double r48 = p[32];
+    const double r52 = p[33];
+    const double r54 = p[29];
+    const double r63 = p[4];
+    const double r64 = p[12];
+    const double r66 = p[13];
+    const double r69 = p[17];
+    const double r72 = p[22];
+    const double r74 = p[21];
+    const double r77 = p[26];
+    const double r110 = p[20];
+    const double r114 = p[25];
+    const double r122 = p[11];
+    const double r126 = p[16];
+    const double r177 = p[14];
+    const double r179 = p[15];
+    const double r256 = p[39];
+    const double r257 = p[27];
+    const double r258 = p[36];
+    const double r261 = p[37];
+    const double r265 = p[28];
+    const double r277 = p[38];
+    const double r296 = p[18];
+    const double r306 = p[19];
+    const double r309 = p[9];
+    const double r327 = p[10];
+    const double r421 = p[40];
+    const double r70 = 0.02 * r69;
+    const double r127 = 0.02 * r126;
+    const double r154 = r110 + r74;
+    const double r194 = r122 + r64;
+    const double r207 = 0.02 * r32;
+    const double r210 = 0.02 * r37;
+    const double r244 = r54 + r43;
+    const double r782 = (-0.02) * r37;
+    const double r1054 = (-0.02) * r69;
+    const double r1138 = (-0.02) * r126;
+    const double r1375 = r43 - r54;
     k[0] = r0;
-    k[1] = r10;
-    k[2] = r16;
-    k[3] = r30;
-    k[4] = r37;
-    k[5] = r42;
+    k[1] = r25;
+    k[2] = r32;
+    k[3] = r37;
+    k[4] = r43;
+    k[5] = r45;
     k[6] = r48;
-    k[7] = r50;
-    k[8] = r53;
-    k[9] = r57;
-    k[10] = r59;
-    k[11] = r81;
-    k[12] = r83;
-    k[13] = r87;
-    k[14] = r89;
-    k[15] = r91;
-    k[16] = r94;
-    k[17] = r124;
-    k[18] = r128;
-    k[19] = r136;
-    k[20] = r141;
-    k[21] = r86;
-    k[22] = r140;
-    k[23] = r80;
-    k[24] = r169;
-    k[25] = r163;
-    k[26] = r223;
-    k[27] = r226;
+    k[7] = r52;
+    k[8] = r54;
+    k[9] = r64;
+    k[10] = r66;
+    k[11] = r70;
+    k[12] = r72;
+    k[13] = r74;
+    k[14] = r77;
+    k[15] = r110;
+    k[16] = r114;
+    k[17] = r122;
+    k[18] = r127;
+    k[19] = r69;
+    k[20] = r126;
+    k[21] = r63;
+    k[22] = r154;
+    k[23] = r177;
+    k[24] = r179;
+    k[25] = r194;
+    k[26] = r207;
+    k[27] = r210;
     k[28] = r244;
-    k[29] = r260;
-    k[30] = r264;
-    k[31] = r259;
-    k[32] = r270;
-    k[33] = r274;
-    k[34] = r279;
-    k[35] = r285;
-    k[36] = r288;
-    k[37] = r334;
-    k[38] = r336;
-    k[39] = r522;
+    k[29] = r258;
+    k[30] = r257;
+    k[31] = r261;
+    k[32] = r265;
+    k[33] = r256;
+    k[34] = r277;
+    k[35] = r296;
+    k[36] = r306;
+    k[37] = r309;
+    k[38] = r327;
+    k[39] = r421;
+    k[40] = r782;
+    k[41] = r1054;
+    k[42] = r1138;
+    k[43] = r1375;
 }
 PREPARE(inverse_dynamics_in_current)
 {
@@ -1681,27 +1699,356 @@ PREPARE(inverse_kinematics)
 {
     (void)p, (void)k;
 }
+PREPARE(hydrostatic_torque_upright)
+{
+    (void)p, (void)k;
+    const double r19 = p[40];
+    const double r28 = p[36];
+    const double r32 = p[37];
+    const double r54 = p[19];
+    const double r56 = p[18];
+    const double r59 = p[28];
+    const double r61 = p[27];
+    k[0] = r19;
+    k[1] = r28;
+    k[2] = r32;
+    k[3] = r54;
+    k[4] = r56;
+    k[5] = r59;
+    k[6] = r61;
+}
+PREPARE(inverse_dynamics_upright)
+{
+    (void)p, (void)k;
+    const double r1 = p[4];
+    const double r21 = p[13];
+    const double r28 = p[12];
+    const double r37 = p[15];
+    const double r43 = p[14];
+    const double r46 = p[17];
+    const double r72 = p[22];
+    const double r84 = p[21];
+    const double r93 = p[24];
+    const double r100 = p[23];
+    const double r103 = p[26];
+    const double r124 = p[30];
+    const double r136 = p[31];
+    const double r145 = p[33];
+    const double r152 = p[32];
+    const double r155 = p[35];
+    const double r172 = p[40];
+    const double r178 = p[37];
+    const double r188 = p[29];
+    const double r193 = p[34];
+    const double r196 = p[36];
+    const double r209 = p[20];
+    const double r214 = p[25];
+    const double r276 = p[11];
+    const double r281 = p[16];
+    const double r318 = p[19];
+    const double r320 = p[18];
+    const double r340 = p[28];
+    const double r342 = p[27];
+    k[0] = r1;
+    k[1] = r21;
+    k[2] = r28;
+    k[3] = r37;
+    k[4] = r43;
+    k[5] = r46;
+    k[6] = r72;
+    k[7] = r84;
+    k[8] = r93;
+    k[9] = r100;
+    k[10] = r103;
+    k[11] = r124;
+    k[12] = r136;
+    k[13] = r145;
+    k[14] = r152;
+    k[15] = r155;
+    k[16] = r172;
+    k[17] = r178;
+    k[18] = r188;
+    k[19] = r193;
+    k[20] = r196;
+    k[21] = r209;
+    k[22] = r214;
+    k[23] = r276;
+    k[24] = r281;
+    k[25] = r318;
+    k[26] = r320;
+    k[27] = r340;
+    k[28] = r342;
+}
+PREPARE(inverse_dynamics_derivatives_upright)
+{
+    (void)p, (void)k;
+    const double r24 = p[13];
+    const double r31 = p[12];
+    const double r40 = p[15];
+    const double r46 = p[14];
+    const double r49 = p[17];
+    const double r75 = p[22];
+    const double r87 = p[21];
+    const double r96 = p[24];
+    const double r103 = p[23];
+    const double r106 = p[26];
+    const double r127 = p[30];
+    const double r139 = p[31];
+    const double r148 = p[33];
+    const double r155 = p[32];
+    const double r158 = p[35];
+    const double r175 = p[40];
+    const double r181 = p[37];
+    const double r191 = p[29];
+    const double r196 = p[34];
+    const double r199 = p[36];
+    const double r212 = p[20];
+    const double r217 = p[25];
+    const double r453 = p[16];
+    const double r455 = p[11];
+    const double r535 = p[19];
+    const double r536 = p[28];
+    const double r540 = p[27];
+    const double r670 = p[18];
+    const double r1339 = p[4];
+    const double r358 = (-0.02) * r49;
+    const double r454 = (-0.02) * r453;
+    const double r719 = (-0.02) * r196;
+    const double r724 = 0.02 * r158;
+    const double r828 = r127 + r191;
+    const double r843 = r127 - r191;
+    const double r1341 = 0.02 * r49;
+    const double r1368 = 0.02 * r453;
+    const double r1409 = r455 + r31;
+    const double r1415 = r212 + r87;
+    const double r1445 = 0.02 * r196;
+    k[0] = r24;
+    k[1] = r31;
+    k[2] = r40;
+    k[3] = r46;
+    k[4] = r49;
+    k[5] = r75;
+    k[6] = r87;
+    k[7] = r96;
+    k[8] = r103;
+    k[9] = r106;
+    k[10] = r127;
+    k[11] = r139;
+    k[12] = r148;
+    k[13] = r155;
+    k[14] = r158;
+    k[15] = r175;
+    k[16] = r181;
+    k[17] = r191;
+    k[18] = r196;
+    k[19] = r199;
+    k[20] = r212;
+    k[21] = r217;
+    k[22] = r358;
+    k[23] = r455;
+    k[24] = r454;
+    k[25] = r453;
+    k[26] = r536;
+    k[27] = r535;
+    k[28] = r540;
+    k[29] = r670;
+    k[30] = r719;
+    k[31] = r724;
+    k[32] = r828;
+    k[33] = r843;
+    k[34] = r1341;
+    k[35] = r1368;
+    k[36] = r1339;
+    k[37] = r1415;
+    k[38] = r1409;
+    k[39] = r1445;
+}
+PREPARE(forward_dynamics_upright)
+{
+    (void)p, (void)k;
+    const double r14 = p[13];
+    const double r22 = p[12];
+    const double r31 = p[15];
+    const double r35 = p[14];
+    const double r59 = p[22];
+    const double r71 = p[21];
+    const double r80 = p[24];
+    const double r84 = p[23];
+    const double r87 = p[26];
+    const double r105 = p[30];
+    const double r115 = p[31];
+    const double r124 = p[33];
+    const double r129 = p[32];
+    const double r132 = p[35];
+    const double r151 = p[40];
+    const double r157 = p[37];
+    const double r167 = p[29];
+    const double r172 = p[34];
+    const double r175 = p[36];
+    const double r187 = p[20];
+    const double r192 = p[25];
+    const double r253 = p[11];
+    const double r270 = p[16];
+    const double r272 = p[17];
+    const double r279 = p[4];
+    const double r463 = p[19];
+    const double r465 = p[18];
+    const double r485 = p[28];
+    const double r487 = p[27];
+    const double r283 = 0.02 * r272;
+    const double r350 = 0.02 * r270;
+    const double r414 = r253 + r22;
+    const double r419 = r187 + r71;
+    const double r531 = 0.02 * r132;
+    const double r534 = 0.02 * r172;
+    const double r553 = r167 + r105;
+    k[0] = r14;
+    k[1] = r22;
+    k[2] = r31;
+    k[3] = r35;
+    k[4] = r59;
+    k[5] = r71;
+    k[6] = r80;
+    k[7] = r84;
+    k[8] = r87;
+    k[9] = r105;
+    k[10] = r115;
+    k[11] = r124;
+    k[12] = r129;
+    k[13] = r132;
+    k[14] = r151;
+    k[15] = r157;
+    k[16] = r167;
+    k[17] = r172;
+    k[18] = r175;
+    k[19] = r187;
+    k[20] = r192;
+    k[21] = r253;
+    k[22] = r270;
+    k[23] = r272;
+    k[24] = r283;
+    k[25] = r350;
+    k[26] = r279;
+    k[27] = r419;
+    k[28] = r414;
+    k[29] = r463;
+    k[30] = r465;
+    k[31] = r485;
+    k[32] = r487;
+    k[33] = r531;
+    k[34] = r534;
+    k[35] = r553;
+}
+PREPARE(forward_dynamics_derivatives_upright)
+{
+    (void)p, (void)k;
+    const double r5 = p[24];
+    const double r30 = p[23];
+    const double r37 = p[35];
+    const double r42 = p[34];
+    const double r48 = p[30];
+    const double r50 = p[31];
+    const double r53 = p[32];
+    const double r57 = p[33];
+    const double r59 = p[29];
+    const double r68 = p[4];
+    const double r69 = p[12];
+    const double r71 = p[13];
+    const double r74 = p[17];
+    const double r77 = p[22];
+    const double r79 = p[21];
+    const double r82 = p[26];
+    const double r115 = p[20];
+    const double r119 = p[25];
+    const double r127 = p[11];
+    const double r131 = p[16];
+    const double r182 = p[14];
+    const double r184 = p[15];
+    const double r259 = p[40];
+    const double r260 = p[28];
+    const double r262 = p[27];
+    const double r263 = p[36];
+    const double r266 = p[37];
+    const double r523 = p[19];
+    const double r525 = p[18];
+    const double r75 = 0.02 * r74;
+    const double r132 = 0.02 * r131;
+    const double r159 = r115 + r79;
+    const double r199 = r127 + r69;
+    const double r212 = 0.02 * r37;
+    const double r215 = 0.02 * r42;
+    const double r249 = r59 + r48;
+    const double r605 = (-0.02) * r42;
+    const double r896 = (-0.02) * r74;
+    const double r980 = (-0.02) * r131;
+    const double r1223 = r48 - r59;
+    k[0] = r5;
+    k[1] = r30;
+    k[2] = r37;
+    k[3] = r42;
+    k[4] = r48;
+    k[5] = r50;
+    k[6] = r53;
+    k[7] = r57;
+    k[8] = r59;
+    k[9] = r69;
+    k[10] = r71;
+    k[11] = r75;
+    k[12] = r77;
+    k[13] = r79;
+    k[14] = r82;
+    k[15] = r115;
+    k[16] = r119;
+    k[17] = r127;
+    k[18] = r132;
+    k[19] = r74;
+    k[20] = r131;
+    k[21] = r68;
+    k[22] = r159;
+    k[23] = r182;
+    k[24] = r184;
+    k[25] = r199;
+    k[26] = r212;
+    k[27] = r215;
+    k[28] = r249;
+    k[29] = r260;
+    k[30] = r263;
+    k[31] = r262;
+    k[32] = r266;
+    k[33] = r259;
+    k[34] = r523;
+    k[35] = r525;
+    k[36] = r605;
+    k[37] = r896;
+    k[38] = r980;
+    k[39] = r1223;
+}
 static const Kernel kernels[] = {
-    ENTRY(forward_kinematics, 0, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
-    ENTRY(link_poses, 0, 1, 4, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
-    ENTRY(jacobian, 0, 1, 1, {4, 1, {4}}, {24, 2, {6, 4}}),
-    ENTRY(gravity_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(buoyancy_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(hydrostatic_torque, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(hydrostatic_torque_derivative, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
-    ENTRY(mass_matrix, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
-    ENTRY(coriolis_torque, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(coriolis_matrix, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}),
-    ENTRY(nonlinear_effects, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(inverse_dynamics, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(inverse_dynamics_derivatives, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
-    ENTRY(base_wrench, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
-    ENTRY(inverse_dynamics_with_base_wrench, 41, 3, 2, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
-    ENTRY(base_wrench_derivatives, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}),
-    ENTRY(forward_dynamics, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
-    ENTRY(forward_dynamics_derivatives, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
-    ENTRY(inverse_dynamics_in_current, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
-    ENTRY(forward_dynamics_in_current, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
-    ENTRY(inverse_kinematics, 0, 2, 4, {3, 1, {3}}, {1, 1, {1}}, {16, 2, {4, 4}}, {4, 1, {4}}, {4, 1, {4}}, {1, 1, {1}}),
+    ENTRY(forward_kinematics, 0, 0, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
+    ENTRY(link_poses, 0, 0, 1, 4, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(jacobian, 0, 0, 1, 1, {4, 1, {4}}, {24, 2, {6, 4}}),
+    ENTRY(gravity_torque, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(buoyancy_torque, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(hydrostatic_torque, 21, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(hydrostatic_torque_derivative, 0, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
+    ENTRY(mass_matrix, 0, 41, 1, 1, {4, 1, {4}}, {16, 2, {4, 4}}),
+    ENTRY(coriolis_torque, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(coriolis_matrix, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}),
+    ENTRY(nonlinear_effects, 0, 41, 2, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(inverse_dynamics, 22, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(inverse_dynamics_derivatives, 23, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(base_wrench, 0, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
+    ENTRY(inverse_dynamics_with_base_wrench, 0, 41, 3, 2, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {6, 1, {6}}),
+    ENTRY(base_wrench_derivatives, 0, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}, {24, 2, {6, 4}}),
+    ENTRY(forward_dynamics, 24, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics_derivatives, 25, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(inverse_dynamics_in_current, 0, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics_in_current, 0, 107, 4, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {3, 1, {3}}, {4, 1, {4}}),
+    ENTRY(inverse_kinematics, 0, 0, 2, 4, {3, 1, {3}}, {1, 1, {1}}, {16, 2, {4, 4}}, {4, 1, {4}}, {4, 1, {4}}, {1, 1, {1}}),
+    ENTRY(hydrostatic_torque_upright, 0, 41, 1, 1, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(inverse_dynamics_upright, 0, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(inverse_dynamics_derivatives_upright, 0, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
+    ENTRY(forward_dynamics_upright, 0, 41, 3, 1, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}),
+    ENTRY(forward_dynamics_derivatives_upright, 0, 41, 3, 3, {4, 1, {4}}, {4, 1, {4}}, {4, 1, {4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}, {16, 2, {4, 4}}),
 };
 #endif
