@@ -12,6 +12,7 @@ from typer import Context, Option, echo
 from alpha5_model.c_library import COptions, c_files
 from alpha5_model.checks import choice
 from alpha5_model.cli import options
+from alpha5_model.cli.options import HELP
 from alpha5_model.description import committed, mesh_assets, mjcf, sdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
@@ -33,8 +34,6 @@ _FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
 }
 #: Why an option is not for the format that was asked for, where that needs a word.
 _REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
-_MESHES = "relative (meshes beside it), package, file."
-_MOVING_WATER = "mjcf: drag, sdf: drag and added mass of moving water; estimated, not published."
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
 
@@ -47,7 +46,7 @@ def generate(
     parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
     xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
     rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")] = "0 0 0",
-    mesh_uri: Annotated[str, Option(help=_MESHES)] = "relative",
+    mesh_uri: Annotated[str, Option(help=HELP["meshes"])] = "relative",
     collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
     dh_frames: Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")] = False,
     ros2_control: Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")] = False,
@@ -61,7 +60,7 @@ def generate(
     buoyancy: Annotated[str, Option(help="mjcf: bodies, or none, for brax.")] = "bodies",
     sdf_version: Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")] = "1.9",
     drag: Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")] = False,
-    hydrodynamics: Annotated[bool, Option("--hydrodynamics", help=_MOVING_WATER)] = False,
+    hydrodynamics: Annotated[bool, Option("--hydrodynamics", help=HELP["moving_water"])] = False,
     check: Annotated[bool, Option("--check", help="Compare the committed files.")] = False,
     update: Annotated[bool, Option("--update", help="Write the committed files anew.")] = False,
 ) -> int:

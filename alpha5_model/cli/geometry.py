@@ -8,7 +8,8 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from alpha5_model import planar as library
-from alpha5_model.cli.options import Json, Lines, Plot, numbers, show, spinner
+from alpha5_model.cli import options
+from alpha5_model.cli.options import HELP
 from alpha5_model.dh import DHChain, DHLink, arm_types
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
@@ -18,17 +19,16 @@ from alpha5_model.text import table
 from alpha5_model.uncertainty import reach, sensitivity
 from alpha5_model.view import figures, workspace_plot
 
-_COLLISION = "Also what is reached in self-collision only; --plot draws it."
-_POSITION = "Joint position (rad or m); the drawn one if left out."
-_LIMITS = "'LOWER UPPER' (rad or m) or none, once per joint in order."
 _LINK = "'THETA D A ALPHA SIGMA'"
 
 
 def workspace(
-    plot: Plot = None,
-    self_collision: Annotated[bool, Option("--self-collision", help=_COLLISION)] = False,
+    plot: options.Plot = None,
+    self_collision: Annotated[
+        bool, Option("--self-collision", help=HELP["self_collision"])
+    ] = False,
     samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """The exact workspace, and how much of the published one is wrong.
 
@@ -37,10 +37,10 @@ def workspace(
     check_outputs((), plot=(plot, figures.FORMATS))
     share = None
     if self_collision:
-        with spinner("trying points for self-collision"):
+        with options.spinner("trying points for self-collision"):
             share = space.sampled_share(without_self_collision, samples)
     if plot is not None:
-        with spinner("drawing"):
+        with options.spinner("drawing"):
             page = (
                 workspace_plot.self_collision_figure(samples=samples)
                 if self_collision
@@ -56,22 +56,19 @@ def workspace(
     record["boundary"] = {side: space.boundary(side) for side in space.SIDES}
     record["published_tori"] = space.published_tori()
     record["singular_theta_2"] = space.singular_elbow_angles()
-    show(as_json, record, _regions(record), plot)
+    options.show(as_json, record, _regions(record), plot)
 
 
-def _regions(record: dict[str, Any]) -> Lines:
+def _regions(record: dict[str, Any]) -> options.Lines:
     e, share = record["errors_of_the_published_region"], record.get("without_self_collision")
+    words = options.WORDS["workspace"]
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
-    for name, area, volume in (
-        ("reachable within the joint limits", e.reachable_area, e.reachable_volume),
-        ("published (Section 1.2)", e.published_area, e.published_volume),
-        ("published, not reachable", e.unreachable_area, e.unreachable_volume),
-        ("reachable, not published", e.missed_area, e.missed_volume),
-    ):
+    for part, name in words["regions"].items():
+        area, volume = vars(e)[f"{part}_area"], vars(e)[f"{part}_volume"]
         rows.append([name, f"{area * 1e4:.2f}", f"{volume * 1e3:.3f}"])
     yield from table(rows)
     area, volume = e.unreachable_area / e.published_area, e.unreachable_volume / e.published_volume
-    yield f"{area:.1%} of the published area and {volume:.1%} of its volume cannot be reached."
+    yield words["outside"].format(area=area, volume=volume)
     value, half = (1e3 * x for x in record["reach"].values())
     yield f"The tcp gets {value:.1f} mm ±{half:.1f} from the shoulder, by the digits of Table 1."
     yield "\nboundary where both poses can turn; R from the axis of axis_e, z above base_link"
@@ -85,19 +82,20 @@ def _regions(record: dict[str, Any]) -> Lines:
     yield from table(rows, "<<>")
     if share is not None:
         hit, error, litres = 1 - share.share, share.standard_error, 1e3 * share.total
-        yield (
-            f"Without self-collision {share.share * litres:.2f} L are reached; {hit:.1%} of the volume, "
-            f"{hit * litres:.2f} L, in self-collision only (standard error {error:.2%}, "
-            f"{error * litres:.3f} L, from {share.samples} points; any wrist angle counts)."
-        )
+        volumes = {
+            "free": share.share * litres,
+            "litres": hit * litres,
+            "error_litres": error * litres,
+        }
+        yield words["collision"].format(share=hit, error=error, samples=share.samples, **volumes)
 
 
 def dh(
-    q: Annotated[list[str] | None, Argument(help=_POSITION, metavar="[Q]...")] = None,
-    link: Annotated[list[str] | None, Option("--link", help=f"{_LINK}, once per link.")] = None,
+    q: Annotated[list[str] | None, Argument(help=HELP["position"], metavar="[Q]...")] = None,
+    link: Annotated[list[str] | None, Option("--link", help=HELP["link"])] = None,
     urdf: Annotated[Path | None, Option(help="Assign the frames to the arm of this URDF.")] = None,
     frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Standard Denavit-Hartenberg table and frames: of the Alpha 5, or of any serial arm.
 
@@ -106,14 +104,14 @@ def dh(
     """
     chain = _chain(link, urdf, frame)
     each = f"one number for each of {', '.join(chain.joint_names)}"
-    position = numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
+    position = options.numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
     kind, task = arm_types.classify(chain), arm_types.task_capability(chain)
     names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
     links = [{"joint": n, **vars(k)} for n, k in zip(chain.joint_names, chain.links, strict=True)]
     record: dict[str, Any] = {"name": chain.name, "links": links}
     record |= {"base": chain.base, "tool": chain.tool, "type": kind, "tasks": task, "q": position}
     record["frames"] = dict(zip(names, chain.frames(position), strict=True))
-    show(as_json, record, _frames(chain, record))
+    options.show(as_json, record, _frames(chain, record))
 
 
 def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHChain:
@@ -123,11 +121,11 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
         raise InputError("--frame", frame, "--urdf with it")
     if urdf is not None:
         return DHChain.from_urdf(urdf, frame)
-    rows = (numbers("--link", text, (), "rad or m", _LINK) for text in link or ())
+    rows = (options.numbers("--link", text, (), "rad or m", _LINK) for text in link or ())
     return DHChain(tuple(map(DHLink.from_vector, rows))) if link else DHChain.alpha5()
 
 
-def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
+def _frames(chain: DHChain, record: dict[str, Any]) -> options.Lines:
     heads = ("theta (rad)", "d (m)", "a (m)", "alpha (rad)", "sigma", "lower", "upper")
     rows = [["joint", *heads]]
     for name, row in zip(chain.joint_names, chain.links, strict=True):
@@ -151,10 +149,10 @@ def _frames(chain: DHChain, record: dict[str, Any]) -> Lines:
 def planar(
     lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
     joints: Annotated[str | None, Option(help="R (turns) or P (slides) per link; all R.")] = None,
-    limits: Annotated[list[str] | None, Option("--limits", "-l", help=_LIMITS)] = None,
+    limits: Annotated[list[str] | None, Option("--limits", "-l", help=HELP["limits"])] = None,
     radius: Annotated[float | None, Option(help="Of the pinned tip, l_4 (m).")] = None,
-    plot: Plot = None,
-    as_json: Json = False,
+    plot: options.Plot = None,
+    as_json: options.Json = False,
 ) -> None:
     """Workspace, dexterous workspace and the lecture notes' theorem for a planar arm.
 
@@ -166,7 +164,7 @@ def planar(
     result = _result(arm, radius)
     if plot is not None:
         workspace_plot.save(workspace_plot.plot_planar(arm), plot)
-    show(as_json, result, _answers(result), plot)
+    options.show(as_json, result, _answers(result), plot)
 
 
 def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
@@ -193,18 +191,16 @@ def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
     return result
 
 
-def _answers(result: dict[str, Any]) -> Lines:
+def _answers(result: dict[str, Any]) -> options.Lines:
     space, dexterous = result["workspace"], result["dexterous_workspace"]
     low, high = space["radii"]
     area = f", area {space['area']:.6g} m^2" if space["area"] else ""
     yield f"workspace            {space['shape']}, {low:.6g} to {high:.6g} m from the base{area}"
     text = "empty"
     if dexterous is None:
-        text = "not computed for this arm; "
-        text += "planar.dexterity_map takes three joints or more, the last R"
+        text = options.WORDS["planar"]["unknown"]
     elif grid := dexterous["resolution"]:
-        text = f"about {dexterous['area']:.4g} m^2, by enumeration every {grid['spacing']:.3g} m"
-        text += f" and with {grid['orientations']} orientations"
+        text = options.WORDS["planar"]["enumerated"].format(area=dexterous["area"], **grid)
     elif dexterous["radii"]:
         spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
         text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
@@ -223,5 +219,5 @@ def _answers(result: dict[str, Any]) -> Lines:
 def _range(text: str) -> tuple[float, float] | None:
     if text.strip().lower() == "none":
         return None
-    lower, upper = numbers("--limits", text, (2,), "rad or m", "'LOWER UPPER' or none")
+    lower, upper = options.numbers("--limits", text, (2,), "rad or m", "'LOWER UPPER' or none")
     return lower, upper

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+import tomllib
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from dataclasses import asdict, is_dataclass
@@ -27,6 +28,9 @@ from alpha5_model.text import readable, wrapped
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
 
+#: What commands print, by command, and the longer helps of their options.
+WORDS: Any = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
+HELP = WORDS["help"]
 #: What a command prints to be read.
 Lines: TypeAlias = Iterable[str]
 # Units stand in round brackets: the terminal takes [m] for a style.
@@ -36,12 +40,9 @@ DOWN = "0 0 -9.81"
 Gravity = Annotated[str, Option(help="In base_link (m/s^2); with --mount in the world.")]
 Gripper = Annotated[str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")]
 Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")]
-_PAYLOAD = "At the tcp: mass (kg); behind it, if wanted, its COM (x y z, m), and its volume (m^3)."
-Payload = Annotated[str | None, Option(help=_PAYLOAD)]
-_WET = "Of the water in base_link (x y z, m/s): adds drag and added mass, estimated, not published."
-Current = Annotated[str | None, Option(help=_WET)]
-_MOTOR = "Of motors, which contradict each other: printed, torque (K_t for both) or voltage (K_v)."
-Constants = Annotated[str, Option(help=_MOTOR)]
+Payload = Annotated[str | None, Option(help=HELP["payload"])]
+Current = Annotated[str | None, Option(help=HELP["current"])]
+Constants = Annotated[str, Option(help=HELP["constants"])]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
 Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}

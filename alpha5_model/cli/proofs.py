@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeVar
 
 from typer import Argument, Option, style
 
-from alpha5_model.cli.options import Json, Lines, Plot, correction_names, show, spinner, width
+from alpha5_model.cli import options
 from alpha5_model.comparison import compare as run
 from alpha5_model.comparison.records import Comparison
 from alpha5_model.consistency import audit
@@ -25,20 +25,14 @@ from alpha5_model.view.figures import FORMATS, plot_comparison
 
 RowT = TypeVar("RowT")
 
-_OF_FILE = "Of that file, with commas; '' for none."
-_ALL = "All rows and reasons."
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
-_TITLES = {
-    "claim": "The documents against themselves",
-    "observation": "Observed in their numbers, not claimed by them",
-}
 
 
 def check(
     urdf: Annotated[Path | None, Option(help="Check this file alone.", metavar="FILE")] = None,
-    corrections: Annotated[str | None, Option(help=_OF_FILE)] = None,
-    verbose: Annotated[bool, Option("--verbose", "-v", "--all", help=_ALL)] = False,
-    as_json: Json = False,
+    corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
+    verbose: Annotated[bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])] = False,
+    as_json: options.Json = False,
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
@@ -51,24 +45,26 @@ def check(
     if urdf is None and corrections is not None:
         raise InputError("corrections", corrections, "a file to check, --urdf FILE")
     document: Sequence[AuditRow] = ()
-    with spinner("checking"):
+    with options.spinner("checking"):
         if urdf is None:
             document, files = audit(), verify_generated()
         else:
-            files = verify_urdf(urdf, correction_names(corrections))
+            files = verify_urdf(urdf, options.correction_names(corrections))
     failed = any(row.verdict == "failed" for row in files)
     record = {"document": document, "files": files, "passed": not failed}
-    show(as_json, record, _report(document, files, verbose))
+    options.show(as_json, record, _report(document, files, verbose))
     return 1 if failed else 0
 
 
-def _report(document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool) -> Lines:
+def _report(
+    document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool
+) -> options.Lines:
     yield _summary(document, files)
     for kind, rows in _grouped(document, lambda row: row.kind).items():
-        yield f"\n{_TITLES[kind]}"
+        yield f"\n{options.WORDS['check'][kind]}"
         shown = [row for row in rows if verbose or row.verdict != "agrees"]
         lines: list[Any] = [(same[0].verdict, sentence(same, verbose)) for same in alike(shown)]
-        yield from table(lines, "<", 2, width())
+        yield from table(lines, "<", 2, options.width())
     yield "\nThe files against the documents"
     for file, checks in _grouped(files, lambda row: row.file).items():
         count = Counter(row.verdict for row in checks)
@@ -78,7 +74,7 @@ def _report(document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: b
             for row in checks
             if verbose or row.verdict != "passed"
         ]
-        yield from table(cells, "<", 4, width()) if cells else ()
+        yield from table(cells, "<", 4, options.width()) if cells else ()
     if not verbose:
         yield "\n--verbose adds the rows in agreement, the claims' words and all reasons"
 
@@ -154,8 +150,8 @@ def compare(
     package: Annotated[list[str] | None, Option(help="Of a xacro file: NAME=FOLDER.")] = None,
     arg: Annotated[list[str] | None, Option(help="Of a xacro file: NAME:=VALUE.")] = None,
     samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
-    as_json: Json = False,
-    plot: Plot = None,
+    as_json: options.Json = False,
+    plot: options.Plot = None,
 ) -> int:
     """Compare another URDF of this arm with the tables.
 
@@ -165,7 +161,7 @@ def compare(
     Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
     """
     check_outputs([other], plot=(plot, FORMATS))
-    with spinner("comparing"):
+    with options.spinner("comparing"):
         pairs = _pairs("map", joints.split(","), "=")
         folders = _pairs("package", package or [], "=")
         words = _pairs("arg", arg or [], ":=")
@@ -173,7 +169,7 @@ def compare(
     plot = plot if comparison.joints else None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)
-    show(as_json, comparison.as_dict(), _differences(comparison), plot)
+    options.show(as_json, comparison.as_dict(), _differences(comparison), plot)
     return 0 if comparison.agrees else 1
 
 
@@ -188,7 +184,7 @@ def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
     return pairs
 
 
-def _differences(comparison: Comparison) -> Lines:
+def _differences(comparison: Comparison) -> options.Lines:
     joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
     yield f"{comparison.name}: {joints or comparison.verdict}"
     if not joints:
@@ -202,11 +198,9 @@ def _differences(comparison: Comparison) -> Lines:
         rows += [[body.name, "theirs", *map(_cell, theirs)], ["", "ours", *map(_cell, ours)]]
         rows.append(["", "diff", *apart])
     yield from table(rows, "<<>", 1)
-    yield (
-        f"\nLargest differences: tip {comparison.tip_error * 1e3:.3f} mm, gravity torque in air "
-        f"{comparison.gravity_error.max():.4g} N m, mass matrix {comparison.mass_matrix_error:.3g} "
-        "kg m²."
-    )
+    tip, gravity = comparison.tip_error * 1e3, comparison.gravity_error.max()
+    most = {"tip": tip, "gravity": gravity, "mass_matrix": comparison.mass_matrix_error}
+    yield options.WORDS["compare"]["largest"].format(**most)
     for found in comparison.findings:
         costs = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
         yield f"{'✗' if found.serious else '·'} {found.where}: {found.text}{costs}"

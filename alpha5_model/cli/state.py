@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 TERMS = ("inertia", "coriolis", "weight", "buoyancy")
 _JOINTS = "axis_e, axis_d, axis_c, axis_b"
 
-_PLOT = "Load on the mount over the direction of a level current as fast as --current, .png, .pdf or .svg."
-
 
 def fk(
     q: Annotated[list[str], Argument(help=f"{_JOINTS} (rad), or also axis_a (m).")],
@@ -112,7 +110,7 @@ def torque(
     payload: options.Payload = None,
     current: options.Current = None,
     constants: options.Constants = "printed",
-    plot: Annotated[Path | None, Option(help=_PLOT)] = None,
+    plot: Annotated[Path | None, Option(help=options.HELP["plot_current"])] = None,
     as_json: options.Json = False,
 ) -> None:
     """Joint torques by cause, motor currents and the load on the mount.
@@ -193,18 +191,11 @@ def _text(result: Any) -> options.Lines:
             rows.append([name, *cells, _range(joint["current_range"])])
     yield from table(rows, gap=1)
     mount = result["mount"]
-    force, moment = (f"({', '.join(map(_cell, mount[key]))})" for key in ("force", "moment"))
-    density, sum_of = result["fluid_density"], "inertia + Coriolis + weight + buoyancy"
-    gravity = ", ".join(f"{round(g, 6) + 0.0:g}" for g in result["gravity"])
-    yield f"\nfluid {density:g} kg/m^3; {sum_of}{' + water' if water else ''} = torque"
-    yield f"gravity ({gravity}) m/s^2 in base_link"
-    halves = (_cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4])
-    yield f"digits of Tables 2 and 3: torques ±({', '.join(halves)}) N m"
-    yield "current of a moving joint: with friction and gear loss;"
-    yield "                           range: friction's printed tolerance"
-    yield "current of a joint at rest: without losses; range: where friction keeps it still"
-    yield f"load on the mount at base_link: force {force} N,"
-    yield f"                                moment {moment} N m"
+    said = {part: ", ".join(map(_cell, mount[part])) for part in ("force", "moment")}
+    said["gravity"] = ", ".join(f"{round(g, 6) + 0.0:g}" for g in result["gravity"])
+    said["digits"] = ", ".join(_cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4])
+    said["water"] = " + water" if water else ""
+    yield options.WORDS["torque"]["notes"].format(**result | said)
     if water:
         yield from _water(joints, mount["moving_water"], water)
     if len(joints) > 4:
@@ -216,8 +207,7 @@ def _text(result: Any) -> options.Lines:
 def _water(joints: Any, loads: Any, current: list[float]) -> options.Lines:
     """What moving water adds, and the interval that its numbers leave."""
     speed = ", ".join(f"{x:g}" for x in current)
-    yield f"\nwater: drag and added mass in a current of ({speed}) m/s in base_link;"
-    yield "       estimated, not published; range: from all their numbers low to all high"
+    yield options.WORDS["torque"]["water"].format(current=speed)
     rows = [["", "nominal", "range", ""]]
     for joint, unit in zip(joints, ("N m",) * 4 + ("N",), strict=False):
         interval = _range(joint["moving_water_range"])

@@ -27,16 +27,6 @@ from alpha5_model.trajectory.report import FORMATS
 from alpha5_model.uncertainty import torque_margin
 from alpha5_model.view import figures
 
-_FILE = (
-    "CSV with a header, columns in any order: time_secs or time (s), time_ms; axis_e_pos, axis_d_pos, "
-    "axis_c_pos, axis_b_pos (rad), if recorded axis_a_pos (jaw rod, m); axis_e_vel, axis_e_effort (N·m) "
-    "and so on if recorded. Parquet (.parquet) with the same columns. A ROS bag (.bag, .db3, .mcap or "
-    "its folder) with sensor_msgs/JointState."
-)
-_GRIPPER = (
-    "auto: jaws (5 joints) if the file has axis_a, else locked (4 joints, jaws closed). "
-    "locked leaves axis_a out; jaws needs it."
-)
 #: Values of an output of a study that are printed; its file has all, and where they come from.
 _PRINTED = 5
 #: What goes wrong on a cluster ends in one line of ours.
@@ -45,7 +35,7 @@ _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
 
 def trajectory(
-    file: Annotated[Path, Argument(help=_FILE)],
+    file: Annotated[Path, Argument(help=options.HELP["file"])],
     topic: Annotated[str | None, Option(help="Of a bag with several arms.")] = None,
     prefix: Annotated[str | None, Option(help="Before the joints' names: left_.")] = None,
     output: Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")] = None,
@@ -56,7 +46,7 @@ def trajectory(
     mount: options.Mount = "0 0 0",
     payload: options.Payload = None,
     current: options.Current = None,
-    gripper: Annotated[str, Option(help=_GRIPPER)] = "auto",
+    gripper: Annotated[str, Option(help=options.HELP["gripper"])] = "auto",
     smoothing: Annotated[str, Option(help="spline, savgol or interpolate (no noise).")] = "spline",
     bandwidth: Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
     velocities: Annotated[str, Option(help="file, positions (their slope) or auto.")] = "auto",

@@ -20,21 +20,15 @@ from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
 from alpha5_model.view import build, page, picture, scene
 
-_GROUPS = (
-    "Groups to show, with commas: bodies, see-through, labels, frames, com, cob, weight, "
-    "buoyancy, workspace, surface, ghosts, collision, current."
-)
-_CURRENT = "Velocity of the water (m/s): an arrow, and its estimated load in the torques."
-
 
 def view(
     pose: Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")] = None,
     target: Annotated[str | None, Option(help="x y z (m): show all solutions of its IK.")] = None,
     motion: Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")] = None,
-    show: Annotated[str | None, Option(help=_GROUPS)] = None,
+    show: Annotated[str | None, Option(help=options.HELP["groups"])] = None,
     gripper: options.Gripper = "jaws",
     fluid: options.Fluid = "sea",
-    current: Annotated[str | None, Option(help=_CURRENT)] = None,
+    current: Annotated[str | None, Option(help=options.HELP["arrow"])] = None,
     html: Annotated[Path | None, Option(help="Write a page that works from disk.")] = None,
     image: Annotated[Path | None, Option(help="Draw a PNG without a screen.")] = None,
     video: Annotated[Path | None, Option(help="Write the motion as .mp4 or .gif.")] = None,
