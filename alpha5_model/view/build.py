@@ -318,11 +318,9 @@ def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
 def resampled(arm: Arm, time: FloatArray, q: FloatArray, rate: float) -> Iterator[FloatArray]:
     """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
     at = time[0] + np.arange(0.0, time[-1] - time[0] + 0.999 / rate, 1.0 / rate)
-    first = np.searchsorted(time, at, side="right") - 1
-    after = np.minimum(first + 1, len(time) - 1)
-    share = np.minimum((at - time[first]) / np.maximum(time[after] - time[first], 1e-12), 1.0)
-    for i, k, part in zip(first, after, share, strict=True):
-        yield pin.interpolate(arm.model, q[i], q[k], float(part))
+    for place in np.interp(at, time, np.arange(float(len(time)))):
+        i = min(int(place), len(time) - 2)
+        yield pin.interpolate(arm.model, q[i], q[i + 1], place - i)
 
 
 def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.errors import InputError
-from alpha5_model.spatial import transform
+from alpha5_model.spatial import moved, transform
 from alpha5_model.view.shapes import Mesh
 
 _LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
@@ -74,10 +74,9 @@ class Mean:
 
     def transform(self, poses: Poses) -> FloatArray:
         """Pose in the world, (4, 4)."""
-        total = sum(weight for _, weight, _ in self.points)
-        placed = ((weight / total, poses[link], point) for link, weight, point in self.points)
-        mean = sum(share * (pose[:3, :3] @ point + pose[:3, 3]) for share, pose, point in placed)
-        return transform(translation=self.offset + mean)
+        links, weights, points = zip(*self.points, strict=True)
+        placed = [moved(poses[link], point) for link, point in zip(links, points, strict=True)]
+        return transform(translation=self.offset + np.average(placed, axis=0, weights=weights))
 
 
 @dataclass(frozen=True, eq=False)
