@@ -90,8 +90,7 @@ def arm_bodies(
         # Closed, the joint is at its lower limit; rod and fingers have +z along -z or across link_4's.
         hinges[hung.name] = Placement("link_4", (x, y, z + joint.lower), (hung.roll, 0.0, 0.0))
     records = (*parameters.links[:4], *jaws.bodies) if moving else parameters.links
-    base = base_placement(parameters)
-    placements = (base, *joint_placements(parameters), *hinges.values())
+    placements = (base_placement(parameters), *joint_placements(parameters), *hinges.values())
     joints = (None, *parameters.joints[:4], *jaws.joints)
     there = {name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)}
     shapes = collision_primitives(gripper)
@@ -100,15 +99,10 @@ def arm_bodies(
         drawn = {record.name: Placement(record.name)}
         if record.name == "link_4" and not moving:  # the closed fingers
             drawn |= {name: hinges[name] for name in ("finger_1", "finger_2")}
-        bodies.append(
-            Body(
-                **{field.name: getattr(record, field.name) for field in fields(RigidBody)},
-                placement=placement,
-                joint=moved,
-                meshes={name: at for name, at in drawn.items() if name in there},
-                shapes=shapes.get(record.name, ()),
-            )
-        )
+        own = {field.name: getattr(record, field.name) for field in fields(RigidBody)}
+        seen = {name: at for name, at in drawn.items() if name in there}
+        touched = shapes.get(record.name, ())
+        bodies.append(Body(**own, placement=placement, joint=moved, meshes=seen, shapes=touched))
     return tuple(bodies)
 
 

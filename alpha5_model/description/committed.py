@@ -50,13 +50,10 @@ def generated_files() -> dict[str, bytes]:
     Meshes and formulas are there only where what they need is, see `not_generated`.
     """
     lacking = _lacking()
-    texts = {
-        "xacro/parameters.yaml": parameter_yaml(parameters()),
-        "urdf/alpha5.urdf": urdf(Variant()),
-        "urdf/alpha5_jaws.urdf": urdf(Variant(gripper="jaws")),
-        "urdf/alpha5.srdf": srdf(),
-        "urdf/alpha5_jaws.srdf": srdf("jaws"),
-    }
+    texts = {"xacro/parameters.yaml": parameter_yaml(parameters())}
+    for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
+        texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
+        texts[f"urdf/{name}.srdf"] = srdf(gripper)
     if _in_checkout() and "casadi" not in lacking:
         from alpha5_model.symbolic.sources import generated_sources
 

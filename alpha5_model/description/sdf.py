@@ -114,9 +114,7 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     root, arm = _document(chosen, meshes)
     root.remove(arm)
     frame = ET.fromstring(tree.template("world.sdf").format(density=text_of(chosen.fluid_density)))
-    mounted = frame.find("model")
-    assert mounted is not None
-    mounted.insert(0, arm)
+    frame[-1].insert(0, arm)  # into the model that is mounted
     root.append(frame)
     return tree.XML_HEAD + tree.serialized(root)
 
@@ -148,8 +146,8 @@ def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, E
 def _buoyancy_box(body: Body, values: Alpha5Parameters) -> tuple[float, float, float]:
     """Edges of a box of the body's displaced volume and of its proportions [m]."""
     jaws = values.jaws
-    edges = [jaws.finger_volume / (jaws.finger_length * jaws.finger_width)]
-    edges += [jaws.finger_length, jaws.finger_width]
+    thick = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
+    edges = [thick, jaws.finger_length, jaws.finger_width]
     if not body.name.startswith("finger"):
         edges = np.ptp(values.links[int(body.name[-1])].bounds, axis=1).tolist()
     scale = math.cbrt(body.volume / math.prod(edges))

@@ -199,10 +199,8 @@ class _Reader:
             raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
         return value
 
-    def numbers(
-        self, element: ET.Element, name: str, count: int, default: str | None = None
-    ) -> list[float]:
-        text = self.attribute(element, name) if default is None else element.get(name, default)
+    def numbers(self, element: ET.Element, name: str, count: int, default: str = "") -> list[float]:
+        text = element.get(name, default) if default else self.attribute(element, name)
         values: list[float] = []
         if text.isascii() and "_" not in text:  # Python reads more as numbers, URDF readers do not
             with suppress(ValueError):
@@ -233,7 +231,7 @@ class _Reader:
                 raise self.fail(element, f"link {link.name!r} is there twice")
             links[link.name] = link
         joints: dict[str, UrdfJoint] = {}
-        parents: set[str] = set()
+        parents, children = set[str](), dict[str, list[UrdfJoint]]()
         for element in self.top.findall("joint"):
             joint = self.joint(element)
             if joint.name in joints:
@@ -244,6 +242,7 @@ class _Reader:
             if joint.child in parents:
                 raise self.fail(element, f"link {joint.child!r} has two parents")
             parents.add(joint.child)
+            children.setdefault(joint.parent, []).append(joint)
             joints[joint.name] = joint
         if not links:
             raise self.fail(self.top, "there is no <link>")
@@ -251,9 +250,6 @@ class _Reader:
         if len(roots) != 1:
             words = f"{len(roots)} root links: {', '.join(roots[:4])}" if roots else "no root link"
             raise self.fail(self.top, f"expected one tree of links, found {words}")
-        children: dict[str, list[UrdfJoint]] = {}
-        for joint in joints.values():
-            children.setdefault(joint.parent, []).append(joint)
         ordered, outwards = {}, [roots[0]]
         for link_name in outwards:
             for joint in children.get(link_name, ()):
@@ -283,8 +279,7 @@ class _Reader:
 
     def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
         """Kind, size and file name of a visual's or collision's shape; see `UrdfShape`."""
-        geometry = element.find("geometry")
-        shape = None if geometry is None or not len(geometry) else geometry[0]
+        shape = element.find("geometry/*")
         if shape is None:
             raise self.fail(element, f"<{element.tag}> has no geometry")
         if shape.tag not in _SIZES:

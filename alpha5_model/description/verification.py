@@ -42,6 +42,7 @@ FRAME_BOUND = 1e-12
 YOURDFPY_BOUND = 1e-9
 SAMPLES = 2000
 JAW_LINKS = ("jaw_rod", "finger_1", "finger_2")
+_CHILDREN = (*BODY_NAMES[1:], "jaw_rod")
 
 
 @dataclass(frozen=True)
@@ -232,11 +233,10 @@ def _missing_names(text: Subject) -> Iterator[str]:
 
 def _joint_differences(text: Subject) -> Iterator[str]:
     """Types, parents, children, axes and limits that are not the arm's."""
-    for i, joint in enumerate(text.expected.joints):
+    for i, (joint, child) in enumerate(zip(text.expected.joints, _CHILDREN, strict=True)):
         given = text.joints.get(text.prefix + joint.name)
         if given is None:
             continue
-        child = "jaw_rod" if joint.name == "axis_a" else f"link_{i + 1}"
         for what, ours, theirs in (
             ("type", joint.kind, given.kind),
             ("parent", text.prefix + f"link_{i}", given.parent),

@@ -20,7 +20,7 @@ from alpha5_model.jaws import split_link_4
 from alpha5_model.meshing.solid import Solid, box, circle_of, cylinder, kernel, loft, prism, union
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
-from alpha5_model.spatial import pose
+from alpha5_model.spatial import pose, transform
 
 #: The outside of a part, and from its one free dimension to the part.
 Part = tuple[Solid, Callable[[float], Solid]]
@@ -68,11 +68,10 @@ WRIST, FINGER, JAWS = (_PARTS[name] for name in ("wrist", "finger", "jaws"))
 
 def frames_in_links() -> dict[str, FloatArray]:
     """Pose in its link of each part that is drawn in a frame of its own, (3, 4) [mm]."""
+    across = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]]
     slant = -math.atan2(UPPER_ARM.drop, UPPER_ARM.reach)
     return {
-        "link_1": np.array(
-            [[-1, 0, 0, SHELL.axes_apart], [0, 0, -1, 0], [0, -1, 0, SHELL.shoulder]], float
-        ),
+        "link_1": transform(across, (SHELL.axes_apart, 0.0, SHELL.shoulder))[:3],
         "link_2": pose((0.0, 0.0, 0.0), (0.0, 0.0, slant))[:3],
         "link_3": np.diag([1.0, -1.0, -1.0, 1.0])[:3],
         "finger_2": np.diag([-1.0, -1.0, 1.0, 1.0])[:3],  # the same part, turned about its hinge
@@ -185,10 +184,8 @@ def wrist() -> Part:
     outside = cylinder(RADIUS, -end, -d.tube_start, edges=(2.5, 0.8), grooves=grooves)
     slot = box((-40, -d.slot_half_width, -end - 1), (40, d.slot_half_width, -end + d.slot_depth))
     rod = cylinder(d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36)
-    pins = union(
-        cylinder(1.5, -40, 40, axis="y", segments=24).translate([x, 0, -pivot])
-        for x in (-across, across)
-    )
+    pin = cylinder(1.5, -40, 40, axis="y", segments=24)
+    pins = union(pin.translate([x, 0, -pivot]) for x in (-across, across))
     slotted = outside - slot - rod - pins
 
     def bored(depth: float) -> Solid:

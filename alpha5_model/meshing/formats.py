@@ -77,11 +77,10 @@ def mtl() -> bytes:
     """The material library that the objects name."""
     text = ""
     for m in MATERIALS:
-        shine = 0.2 + 0.6 * m.metallic * (1.0 - m.roughness)
+        smooth = 1.0 - m.roughness
+        shine = 0.2 + 0.6 * m.metallic * smooth
         text += f"newmtl {m.name}\nKd {_numbers(m.rgba[:3], 3)}\nKs {_numbers([shine] * 3, 3)}\n"
-        text += (
-            f"Ns {10 ** (2.5 * (1.0 - m.roughness)):.1f}\nd {_numbers(m.rgba[3:], 3)}\nillum 2\n"
-        )
+        text += f"Ns {10 ** (2.5 * smooth):.1f}\nd {_numbers(m.rgba[3:], 3)}\nillum 2\n"
     return text.encode("ascii")
 
 

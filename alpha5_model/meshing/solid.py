@@ -156,11 +156,15 @@ def surface(solid: Solid) -> Surface:
     return Surface(vertices, faces, *_smooth_normals(vertices, faces))
 
 
+def _edges(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """A number for each directed edge, and for its reverse, (3 m,) each."""
+    start, stop, n = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1), faces.max() + 1
+    return start * n + stop, stop * n + start
+
+
 def check_closed(faces: NDArray[np.int64]) -> None:
     """Every directed edge once, and once in the other direction."""
-    start, stop = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
-    n = faces.max() + 1
-    here, there = np.sort(start * n + stop), np.sort(stop * n + start)
+    here, there = map(np.sort, _edges(faces))
     if (here[1:] == here[:-1]).any() or (here != there).any():
         raise Alpha5Error("a surface is no longer closed after rounding its coordinates")
 
@@ -187,10 +191,7 @@ def _smooth_normals(
     weight = np.arccos(np.clip(-np.einsum("fcx,fcx->fc", unit, np.roll(unit, 1, axis=1)), -1, 1))
 
     # Directed edge (a, b) of one face is (b, a) of its neighbour.
-    n = len(vertices)
-    start, stop = faces, np.roll(faces, -1, axis=1)
-    here = (start * n + stop).reshape(-1)
-    there = (stop * n + start).reshape(-1)
+    here, there = _edges(faces)
     order = np.argsort(here)
     twin = order[np.searchsorted(here, there, sorter=order)]
     face, other = np.arange(len(here)) // 3, twin // 3

@@ -12,9 +12,8 @@ from alpha5_model.errors import PublishedDataError
 #: Powers of ten from a printed unit to SI. Shifting the decimal point keeps every printed digit:
 #: ``float("-7.120") * 1e-3`` is not the double nearest to -0.00712.
 DECIMAL_SHIFT: dict[str, int] = {
-    **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm"), 0),
+    **dict.fromkeys(("", "kg", "m", "rad", "Nm", "N", "Ohm", "kg.m", "kg.m^2"), 0),
     **dict.fromkeys(("Nm/A", "V/rad/s", "kg/m^3", "rad/m"), 0),
-    **dict.fromkeys(("kg.m", "kg.m^2"), 0),
     "%": -2,
     **dict.fromkeys(("mm", "mm/s", "Nmm", "L"), -3),
     **dict.fromkeys(("uH", "kg.mm^2"), -6),

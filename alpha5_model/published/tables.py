@@ -17,12 +17,10 @@ RowT = TypeVar("RowT")
 
 STATUSES = ("supplementary", "measured", "placeholder", "estimated")
 JOINT_NAMES = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
-_LENGTHS = (
-    "collar_base pivot_height pivot_offset finger_length finger_width rod_length rod_diameter"
-)
+_LENGTHS = ("collar_base", "pivot_height", "pivot_offset", "finger_length", "finger_width")
 #: Quantity of the jaws -> its unit.
 JAW_UNITS: dict[str, str] = {
-    **dict.fromkeys(_LENGTHS.split(), "mm"),
+    **dict.fromkeys((*_LENGTHS, "rod_length", "rod_diameter"), "mm"),
     **dict.fromkeys(("finger_density", "rod_density"), "kg/m^3"),
     **dict.fromkeys(("finger_volume", "second_finger_volume"), "L"),
     "finger_turn": "rad/m",
