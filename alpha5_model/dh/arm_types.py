@@ -252,11 +252,9 @@ def _insertion_dimension(
     return best
 
 
-def _to_vertical(
-    chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray, steps: int = 40
-) -> FloatArray:
+def _to_vertical(chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray) -> FloatArray:
     """Newton steps on the tool axis's horizontal part, in place; what is left of it, (M, 2)."""
-    for left in reversed(range(steps + 1)):
+    for left in reversed(range(41)):
         direction = chain.forward_kinematics(q)[:, :3, :3] @ axis
         tilt: FloatArray = direction @ across.T
         if not left or np.abs(tilt).max(initial=0.0) < 1e-14:

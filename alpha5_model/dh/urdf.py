@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -103,8 +103,9 @@ def urdf_text(
             limits are not finite: URDF needs both.
     """
     robot = ET.Element("robot", name=name)
+    ends = [(pose[:3, 3], rpy_from_rotation(pose[:3, :3])) for pose in (base, tool)]
     ET.SubElement(robot, "link", name="base_link")  # KDL warns about any inertial on a root
-    _joint(robot, "base", "fixed", ("base_link", "frame_0"), *_placement(base))
+    _joint(robot, "base", "fixed", ("base_link", "frame_0"), *ends[0])
     last = "frame_0"
     for j, (joint, row) in enumerate(rows, start=1):
         bounded = math.isfinite(row.lower) and math.isfinite(row.upper)
@@ -122,28 +123,21 @@ def urdf_text(
         fixed = f"{link}_to_{frame}"
         _joint(robot, fixed, "fixed", (link, frame), (row.a, 0.0, 0.0), (row.alpha, 0.0, 0.0))
         last = frame
-    _joint(robot, "tool_joint", "fixed", (last, "tool"), *_placement(tool))
+    _joint(robot, "tool_joint", "fixed", (last, "tool"), *ends[1])
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _joint(
-    robot: ET.Element, name: str, kind: str, links: tuple[str, str], *placement: Sequence[float]
-) -> ET.Element:
-    """A joint and the link that follows it."""
+def _joint(robot: ET.Element, name: str, kind: str, links: tuple[str, str], *at: Any) -> ET.Element:
+    """A joint and the link that follows it, at a position and at roll, pitch, yaw."""
     parent, child = links
     # Zeros are written out: some tools give a link without <inertial> a mass of 1 kg.
     inertial = ET.SubElement(ET.SubElement(robot, "link", name=child), "inertial")
     ET.SubElement(inertial, "mass", value="0")
     ET.SubElement(inertial, "inertia", _NO_INERTIA)
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
-    xyz, rpy = (" ".join(map(repr, map(float, x))) for x in placement)
+    xyz, rpy = (" ".join(map(repr, map(float, x))) for x in at)
     ET.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     return joint
-
-
-def _placement(transform: FloatArray) -> tuple[Sequence[float], Sequence[float]]:
-    """Position and fixed-axis roll, pitch, yaw."""
-    return transform[:3, 3].tolist(), rpy_from_rotation(transform[:3, :3])

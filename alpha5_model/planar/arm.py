@@ -124,15 +124,12 @@ class PlanarArm:
         ranges: list[list[float]] = []
         rows = zip(self.lengths, self.limits, self.joints, self.angles, strict=True)
         for length, limit, kind, angle in rows:
+            low, high = limit or (0.0, 0.0)
+            if limit is not None if kind == "R" else angle != 0.0 or not ranges:
+                return None
             if kind == "R":
-                if limit is not None:
-                    return None
-                ranges.append([length, length])
-            else:
-                if not ranges or angle != 0.0 or limit is None:
-                    return None
-                ranges[-1][0] += length + limit[0]
-                ranges[-1][1] += length + limit[1]
+                ranges.append([0.0, 0.0])
+            ranges[-1] = [ranges[-1][0] + (length + low), ranges[-1][1] + (length + high)]
         return tuple((max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges))
 
     def part(self, start: int, stop: int | None = None) -> PlanarArm:

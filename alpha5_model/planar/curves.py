@@ -209,13 +209,11 @@ def _line_circle(
     return np.asarray(starts[..., None, :] + t[..., None] * along[..., None, :])
 
 
-def _line_line(
-    starts: FloatArray, along: FloatArray, other: FloatArray, other_along: FloatArray
-) -> FloatArray:
-    """Intersections of lines with one other, (M, 1, 2), NaN if parallel."""
-    sine = _cross(along, other_along)
-    t = _cross(other - starts, other_along) / np.where(np.abs(sine) <= 1e-12, np.nan, sine)
-    return np.asarray((starts + t[:, None] * along)[:, None])
+def _line_line(p1: FloatArray, e1: FloatArray, p2: FloatArray, e2: FloatArray) -> FloatArray:
+    """Intersections of lines through p1 along e1 with one other, (M, 1, 2), NaN if parallel."""
+    sine = _cross(e1, e2)
+    t = _cross(p2 - p1, e2) / np.where(np.abs(sine) <= 1e-12, np.nan, sine)
+    return np.asarray((p1 + t[:, None] * e1)[:, None])
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -190,6 +190,7 @@ def dynamics() -> tuple[casadi.Function, ...]:
     acceleration = casadi.ldl_solve(tau - bias, *factors)
     mobility = casadi.tril2symm(casadi.tril(casadi.ldl_solve(SX.eye(JOINTS), *factors)))
     pushed = casadi.substitute(by["q"][0], a, acceleration)
+    slopes = {"a_q": -mobility @ pushed, "a_v": -mobility @ by["v"][0], "a_tau": mobility}
     every = {
         "forward_kinematics": {"tcp": tip},
         "link_poses": {f"link_{i}": pose for i, pose in enumerate(links, 1)},
@@ -208,11 +209,7 @@ def dynamics() -> tuple[casadi.Function, ...]:
         "inverse_dynamics_with_base_wrench": {"tau": torque, "wrench": wrench},
         "base_wrench_derivatives": {f"wrench_{name}": by[name][1] for name in "qva"},
         "forward_dynamics": {"a": acceleration},
-        "forward_dynamics_derivatives": {
-            "a_q": -mobility @ pushed,
-            "a_v": -mobility @ by["v"][0],
-            "a_tau": mobility,
-        },
+        "forward_dynamics_derivatives": slopes,
     }
     return tuple(named(name, inputs, outputs) for name, outputs in every.items())
 
@@ -267,9 +264,8 @@ def _load(
         Force and moment about its origin, in its axes.
     """
     p = dict(zip(WATER_PARAMETERS, vertsplit(parameters), strict=True))
-    b, c = (
-        _symmetric(*(p.get(f"link_{link}.{block}{at}", SX(0)) for at in _ENTRIES)) for block in "bc"
-    )
+    entries = ([p.get(f"link_{link}.{block}{at}", SX(0)) for at in _ENTRIES] for block in "bc")
+    b, c = (_symmetric(*each) for each in entries)
     c[2, 2] = c[0, 0] + c[1, 1]
     d = 2 * (c - c[2, 2] * SX.eye(3))
     momentum = b @ velocity
@@ -280,9 +276,7 @@ def _load(
     for k, (carrier, axis, points) in enumerate(STRIPS):
         if carrier == link:
             numbers = [p[name] for name in WATER_PARAMETERS if name.startswith(f"strip_{k}.")]
-            drag, about = _strip(
-                axis, points, velocity, omega, u, vertcat(*numbers[:3]), *numbers[3:]
-            )
+            drag, about = _strip(axis, points, velocity, omega, u, numbers)
             force, moment = force + drag, moment + about
     return force, moment
 
@@ -296,15 +290,7 @@ def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
 
 
 def _strip(
-    axis: int,
-    points: int,
-    velocity: SX,
-    omega: SX,
-    u: SX,
-    middle: SX,
-    half: SX,
-    across: SX,
-    along: SX,
+    axis: int, points: int, velocity: SX, omega: SX, u: SX, numbers: list[SX]
 ) -> tuple[SX, SX]:
     """Force of a strip along an axis of its link, and moment about the origin.
 
@@ -312,6 +298,7 @@ def _strip(
     x^2, over Gauss's points are all that force and moment need of them.
     """
     one, other = (axis + 1) % 3, (axis + 2) % 3
+    middle, (half, across, along) = vertcat(*numbers[:3]), numbers[3:]
     there = velocity + cross(omega, middle)
     w = (omega[other], -omega[one])
     square = there[one] ** 2 + there[other] ** 2

@@ -20,6 +20,7 @@ from alpha5_model.errors import InputError
 #: What goes in and comes out, and what computes it, by name; how languages write an operation.
 WORDS = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
 _LANGUAGES = tomllib.loads(Path(__file__).with_name("languages.toml").read_text("utf-8"))
+_TABLES = {language: {**_LANGUAGES["double"], **own} for language, own in _LANGUAGES.items()}
 #: Operations that make truth values, 0 or 1; two ``if_else_zero`` become an ``if_else``, which CasADi has not.
 TRUTHS = ("lt", "le", "and", "or", "not")
 OPERATIONS = [name for name in _LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")]
@@ -190,13 +191,9 @@ def folded(function: casadi.Function, **values: Any) -> casadi.Function:
     return casadi.Function(function.name(), [*free.values()], outputs, [*free], function.name_out())
 
 
-def _table(language: str) -> dict[str, str]:
-    return {**_LANGUAGES["double"], **_LANGUAGES[language]}
-
-
 def constant(value: float, language: str) -> str:
     """A number."""
-    table = _table(language)
+    table = _TABLES[language]
     text = table["nan"] if math.isnan(value) else table["constant"].format(repr(value))
     return f"({text})" if value < 0.0 else text
 
@@ -224,7 +221,7 @@ def statements(
     steps = sorted(program.steps, key=lambda step: step.op != first)
     last = {r: i for i, step in enumerate(steps) for r in step.read}
     last |= {r: len(steps) for step in steps if step.op == "output" for r in step.read}
-    table, names, flags = _table(language), dict[int, str](), set[int]()
+    table, names, flags = _TABLES[language], dict[int, str](), set[int]()
     free, lines = list[str](), list[str]()
     results = [[""] * slot.size for slot in program.outputs]
     for i, (op, register, arguments, value) in enumerate(steps):
