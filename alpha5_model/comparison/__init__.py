@@ -11,22 +11,10 @@ import numpy as np
 
 from alpha5_model.checks import count
 from alpha5_model.comparison import reading
-from alpha5_model.comparison.alignment import (
-    align,
-    bodies_in_our_frames,
-    body_transforms,
-    their_tips,
-)
-from alpha5_model.comparison.arm import (
-    DOWN,
-    FourJointArm,
-    our_arm,
-    our_tips,
-    random_positions,
-    reduce_robot,
-)
+from alpha5_model.comparison.alignment import align, bodies_in_our_frames, their_tips
+from alpha5_model.comparison.arm import DOWN, our_arm, our_tips, random_positions, reduce_robot
 from alpha5_model.comparison.bodies import body_findings
-from alpha5_model.comparison.geometry import geometry_findings
+from alpha5_model.comparison.geometry import file_findings, geometry_findings
 from alpha5_model.comparison.records import BodyDifference, Comparison, Finding, finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
@@ -41,8 +29,6 @@ SHAPE = (
     "the elbow out of the arm's plane",
     *(f"{axis} to {before}" for before, axis in pairwise(reading.AXES)),
 )
-#: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
-VOLUME_TOLERANCE = 5e-3
 
 
 def compare(
@@ -113,8 +99,8 @@ def compare_robots(
     tips = our_tips(q) - their_tips(written, alignment, q)
     found = [
         *geometry_findings(other, theirs, written, alignment, q),
-        *body_findings(other, theirs, body_transforms(theirs, alignment), bodies, q),
-        *_remarks(other, theirs, folder),
+        *body_findings(other, theirs, alignment, bodies, q),
+        *file_findings(other, theirs, folder),
     ]
     found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
     return Comparison(
@@ -155,17 +141,3 @@ def _other_arms(chains: list[reading.Chain]) -> Iterator[Finding]:
         if _is_ours(chain) and set(chain.names).isdisjoint(chains[0].names):
             pairs = zip(reading.AXES, chain.names, strict=True)
             yield finding("second_arm", mapping=",".join(map("=".join, pairs)))
-
-
-def _remarks(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
-    """What does not count, or is missing, in its collision shapes and files."""
-    if meshes := sum(len(other.links[name].meshes) for names in theirs.links for name in names):
-        yield finding("volume.meshes", meshes=meshes)
-    # Our own collision shapes enclose the bodies and are not meant to displace water.
-    printed, volume = sum(link.volume for link in parameters().links), theirs.volume
-    near = VOLUME_TOLERANCE * printed
-    if volume and all(abs(volume - ours) > near for ours in (printed, our_arm().volume)):
-        yield finding("volume", theirs=volume * 1e3, ours=printed * 1e3)
-    for name in sorted({file for link in other.links.values() for file in link.files}):
-        if folder and "://" not in name and not (folder / name).is_file():
-            yield finding("file", name)

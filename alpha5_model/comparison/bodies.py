@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison import diagnosis
+from alpha5_model.comparison.alignment import Alignment, body_transforms
 from alpha5_model.comparison.arm import FourJointArm, our_arm
 from alpha5_model.comparison.diagnosis import TOKEN_MASS, Inertial
-from alpha5_model.comparison.records import BodyDifference, Finding
+from alpha5_model.comparison.records import BodyDifference, Finding, finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.inertia import inconsistencies, rotate_tensor
 from alpha5_model.parameters import LinkParameters
@@ -33,7 +33,7 @@ Cost = Callable[[int, float, FloatArray], float]
 def body_findings(
     other: UrdfRobot,
     theirs: FourJointArm,
-    transforms: FloatArray,
+    alignment: Alignment,
     bodies: tuple[BodyDifference, ...],
     q: FloatArray,
 ) -> Iterator[Finding]:
@@ -42,11 +42,11 @@ def body_findings(
     Args:
         other: The other model as read.
         theirs: Its arm, reduced to four joints.
-        transforms: transform_theirs_to_ours of the body frames, (5, 4, 4).
+        alignment: Of that arm.
         bodies: The bodies compared with the tables.
         q: Our joint positions, (N, 4), at which costs are taken [rad].
     """
-    regressor = our_arm().gravity_regressor(q)
+    regressor, transforms = our_arm().gravity_regressor(q), body_transforms(theirs, alignment)
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
         # no joint carries the base: it costs nothing
@@ -66,50 +66,47 @@ def body_findings(
 def _findings(
     index: int, body: BodyDifference, written: list[Inertial], bare: list[str], cost: Cost
 ) -> Iterator[Finding]:
-    link, here = body.ours, partial(Finding, body.name)
+    link, name = body.ours, body.name
     mass_cost = cost(index, body.mass_error, body.mass_error * link.com)
-    yield from _dummies(body.name, written)
+    yield from _dummies(name, written)
     if not written:
-        yield here("no link of the other model is this body", cost=mass_cost)
+        yield finding("body.missing", name, mass_cost)
         return
     mass, com, inertia = _instead(link, written)
-    missing = f"no <inertial> in {', '.join(bare)}"
     if body.mass == 0.0:
-        text = missing if bare else f"no mass in place of {link.mass:g} kg"
         everything = " ".join((mass, com.partition(": ")[2], inertia.partition(": ")[2]))
-        yield here(text, cost=mass_cost, instead=everything if bare else mass)
+        words = {"links": ", ".join(bare), "ours": link.mass, "everything": everything}
+        key = "body.without_inertial" if bare else "body.without_mass"
+        yield finding(key, name, mass_cost, tag=mass, **words)
         return
     if bare:
-        yield here(f"{missing}: some tools take 1 kg for it", serious=False)
+        yield finding("body.partly", name, links=", ".join(bare))
     wrong_mass = abs(body.mass_error) > MASS_TOLERANCE * link.mass
     if wrong_mass:
         reason = _reason(link, written, diagnosis.explain_mass)
         twice = ": the jaws are counted twice" * (index == 4 and "; beside it" in reason)
-        reason = reason or f" ({body.mass / link.mass:.3g} times)"
-        text = f"mass {body.mass:.4g} kg in place of {link.mass:g} kg{reason}{twice}"
-        yield here(text, cost=mass_cost, instead=mass)
+        reason = (reason or f" ({body.mass / link.mass:.3g} times)") + twice
+        words = {"mass": body.mass, "ours": link.mass, "reason": reason}
+        yield finding("body.mass", name, mass_cost, tag=mass, **words)
     wrong_com = body.com_error > COM_TOLERANCE + body.slack
     if wrong_com:
-        text, z = f"COM {body.com_error * 1e3:.1f} mm off", body.com[2] * 1e3
-        if index == 4 and z > 0:
-            text += f": the wrist's COM is on the wrong side of the joint (z = {z:+.1f} mm)"
-        text += _reason(link, written, diagnosis.explain_com)
+        key = "body.com_beyond" if index == 4 and body.com[2] > 0 else "body.com"
         com_cost = cost(index, 0.0, link.mass * (body.com - link.com))
-        yield here(text, cost=com_cost, instead=com)
+        words = {"reason": _reason(link, written, diagnosis.explain_com), "z": body.com[2] * 1e3}
+        yield finding(key, name, com_cost, tag=com, off=body.com_error * 1e3, **words)
     wrong_inertia = body.inertia_error > INERTIA_TOLERANCE * np.abs(link.inertia).max()
     if wrong_inertia:
-        x, y, z = np.diag(body.inertia) / np.diag(link.inertia)
-        text = f"inertia differs, {x:.3g}, {y:.3g}, {z:.3g} times about x, y, z"
-        text += " (z is the wrist's roll)" * (index == 4)
-        reason = _reason(link, written, diagnosis.explain_inertia)
         guess = diagnosis.explain_guess(link, written)
-        yield here(text + (reason or (guess and f": {guess}") or ""), instead=inertia)
+        reason = _reason(link, written, diagnosis.explain_inertia) or (guess and f": {guess}") or ""
+        times = np.diag(body.inertia) / np.diag(link.inertia)
+        key = "body.inertia_of_wrist" if index == 4 else "body.inertia"
+        yield finding(key, name, tag=inertia, times=times, reason=reason)
     if wrong_mass or wrong_com or wrong_inertia:
         # Table 2 itself breaks one body's bounds: the other model is not asked to keep those.
         own = inconsistencies(link.mass, link.com, link.inertia, link.bounds)
         bounds = None if own else link.bounds
         for problem in inconsistencies(body.mass, body.com, body.inertia, bounds):
-            yield here(f"impossible: {problem}")
+            yield finding("body.impossible", name, problem=problem)
 
 
 def _reason(
@@ -137,14 +134,11 @@ def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
         if w.mass > 0 and largest / w.mass > REACH**2:
             alike.setdefault((w.mass, largest), []).append(w.link)
     for (mass, largest), links in alike.items():
-        names, many = ", ".join(links), len(links) > 1
-        dummy = f"dummy link{'s' * many} " if mass <= TOKEN_MASS else ""
-        text = (
-            f"{dummy}{names} {'have' if many else 'has'} {mass * 1e3:g} g and {largest:g} kg m^2: a "
-            f"radius of gyration of {math.sqrt(largest / mass):.2f} m, more than the whole arm"
-        )
         # a body with a mass of its own needs its tensor, not none: that is another finding
-        yield Finding(name, text, instead=f"no <inertial> in {names}" if dummy else "")
+        key = "dummy" if mass <= TOKEN_MASS else "dummy.heavy"
+        words = {"links": ", ".join(links), "s": "s" * (len(links) > 1), "grams": mass * 1e3}
+        words |= {"have": "have" if len(links) > 1 else "has", "inertia": largest}
+        yield finding(key, name, radius=math.sqrt(largest / mass), **words)
 
 
 def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, str]:

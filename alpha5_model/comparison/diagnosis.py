@@ -12,31 +12,16 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from functools import cache
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.hypotheses import (
-    I_LINK,
-    MOST_MISTAKES,
-    SOLIDWORKS,
-    Hypothesis,
-    revisions,
-    wrong_coms,
-    wrong_masses,
-    wrong_tensors,
-)
+from alpha5_model.comparison import hypotheses
+from alpha5_model.comparison.arm import carried
+from alpha5_model.comparison.hypotheses import I_LINK, MOST_MISTAKES, SOLIDWORKS, Hypotheses
 from alpha5_model.fluids import FRESH_WATER
-from alpha5_model.inertia import (
-    combine,
-    flip_products,
-    point_mass_tensor,
-    principal_moments,
-    rotate_tensor,
-)
+from alpha5_model.inertia import combine, flip_products, point_mass_tensor, principal_moments
 from alpha5_model.parameters import LinkParameters
-from alpha5_model.spatial import moved
 
 #: How closely a hypothesis must give a number: the half of its last digit, within these.
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
@@ -75,7 +60,7 @@ class Inertial:
 
     def in_our_frame(self) -> Inertial:
         """The same, in our link frame."""
-        com, tensor = moved(self.pose, self.com), rotate_tensor(self.pose[:3, :3], self.inertia)
+        _, com, tensor = carried(self, self.pose)
         return replace(self, com=com, inertia=tensor, pose=np.eye(4))
 
     @property
@@ -90,8 +75,7 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
     solid = sorted((w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass))
     if len(solid) < 2 or sum(w.mass for w in solid) == 0:
         return solid[:1]
-    seen = [w.in_our_frame() for w in solid]
-    whole = combine([w.mass for w in seen], [w.com for w in seen], [w.inertia for w in seen])
+    whole = combine(*zip(*(carried(w, w.pose) for w in solid), strict=True))
     return [Inertial("", *whole, np.eye(4)), solid[0]]
 
 
@@ -102,11 +86,11 @@ def _index(link: LinkParameters) -> int:
 
 def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a mass is not Table 2's; None if no hypothesis gives it."""
-    if water := _water(link, subject):
+    if water := added_water(link, subject):
         return water[0]
     number, within = np.array(subject.mass), _last_digit(MASS_DIGITS, subject, subject.mass)
     views: list[View] = [("", number, 0, 1.0), ("in grams", number, 1, 1e3)]
-    return _fit(wrong_masses(_index(link)), views, (within, within))
+    return _fit(hypotheses.wrong_masses(_index(link)), views, (within, within))
 
 
 def explain_com(link: LinkParameters, subject: Inertial) -> str | None:
@@ -124,7 +108,7 @@ def explain_com(link: LinkParameters, subject: Inertial) -> str | None:
             ("written in kilometres", written, 1, 1e-3),
         ]
     rounded = _last_digit(COM_DIGITS, subject, *written)
-    return _fit(wrong_coms(body), views, (rounded, COM_DIGITS[0]))
+    return _fit(hypotheses.wrong_coms(body), views, (rounded, COM_DIGITS[0]))
 
 
 def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
@@ -140,18 +124,10 @@ def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
     views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
     views += [(f"wrong unit, a factor of 1e{p}", seen, 1, 10.0**p) for p in (9, 6, 3, -3, -6, -9)]
     within = _tensor_digits(subject)
-    if words := _fit(wrong_tensors(body), views, (within, within)):
+    if words := _fit(hypotheses.wrong_tensors(body), views, (within, within)):
         return words
-    water = _water(link, subject)
+    water = added_water(link, subject)
     return water[1] if water else wrong_point(body, subject.mass, seen, within)
-
-
-def _water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | None:
-    """Water in mass and tensor as they lie, or as it is written where its axes are not ours."""
-    tensors = (subject.in_our_frame().inertia, subject.inertia)
-    within = (_last_digit(MASS_DIGITS, subject, subject.mass), _tensor_digits(subject))
-    waters = (added_water(link, subject.mass, tensor, within) for tensor in tensors)
-    return next(filter(None, waters), None)
 
 
 def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:
@@ -173,17 +149,9 @@ def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | No
     return ": ".join(filter(None, (head, "; ".join(words))))
 
 
-@cache
-def _stacked(hypotheses: tuple[Hypothesis, ...]) -> tuple[FloatArray, FloatArray]:
-    values = np.array([hypothesis.value for hypothesis in hypotheses])
-    return values, np.array([hypothesis.mistakes for hypothesis in hypotheses])
-
-
-def _fit(
-    hypotheses: tuple[Hypothesis, ...], views: Sequence[View], within: tuple[float, float]
-) -> str | None:
+def _fit(table: Hypotheses, views: Sequence[View], within: tuple[float, float]) -> str | None:
     """The fewest mistakes that give the number, in words; ``within`` for one and for more."""
-    values, mistakes = _stacked(hypotheses)
+    words, values, mistakes = table
     axes = tuple(range(1, values.ndim))
     errors = [np.abs(values * scale - x).max(axes, initial=0.0) for _, x, _, scale in views]
     totals = np.array([mistakes + more for _, _, more, _ in views])
@@ -191,8 +159,8 @@ def _fit(
     if not hits.any():
         return None
     best = int(np.where(hits, totals, MOST_MISTAKES + 1).argmin())
-    view, hit = divmod(best, len(hypotheses))
-    return ", ".join(filter(None, (hypotheses[hit].words, views[view][0])))
+    view, hit = divmod(best, len(words))
+    return ", ".join(filter(None, (words[hit], views[view][0])))
 
 
 def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float) -> float:
@@ -208,43 +176,40 @@ def _tensor_digits(subject: Inertial) -> float:
     return _last_digit((low, high), subject, *subject.inertia.ravel())
 
 
-def added_water(
-    link: LinkParameters, mass: float, tensor: FloatArray, within: tuple[float, float]
-) -> tuple[str, str] | None:
+def added_water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | None:
     """If mass and tensor are printed ones with a cylinder of water of the body's width added.
 
     Strip theory: ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about the cylinder's
     end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in the mass. Six of seven
-    numbers test the one unknown, L.
-
-    Args:
-        link: The body of the tables.
-        mass, tensor: Of the other model [kg, kg m^2].
-        within: What they may be off by.
+    numbers test the one unknown, L. The tensor is taken as it lies, or as it is written where its
+    axes are not ours.
 
     Returns:
         Where the mass is from, and where the tensor is from.
     """
     body, radius = _index(link), _radius(link)
+    near, close = _last_digit(MASS_DIGITS, subject, subject.mass), _tensor_digits(subject)
     line, longest = FRESH_WATER * np.pi * radius**2, SIZE_SLACK * np.ptp(link.bounds, axis=1).max()
-    bases = itertools.product(revisions(), (True, False), (False, True), range(3))
-    for table, about_end, solidworks, axis in bases:
+    tensors = (subject.in_our_frame().inertia, subject.inertia)
+    choices = (tensors, hypotheses.revisions(), (True, False), (False, True), range(3))
+    for tensor, table, about_end, solidworks, axis in itertools.product(*choices):
         base = (table.inertia_link if about_end else table.inertia)[body]
         surplus = tensor - (flip_products(base) if solidworks else base)
         across = float(np.delete(np.diag(surplus), axis).mean())
         rest = surplus - across * np.diag(np.arange(3) != axis)
-        if across <= 5 * within[1] or np.abs(rest).max() > within[1]:
+        if across <= 5 * close or np.abs(rest).max() > close:
             continue
         length = float(np.cbrt((3 if about_end else 12) * across / line))
         water = line * length
         # L follows from the tensor to a third of its relative error.
-        allowed = within[0] + water * within[1] / (3 * across)
-        if length <= longest and abs(mass - table.mass[body] - water) <= allowed:
+        allowed = near + water * close / (3 * across)
+        if length <= longest and abs(subject.mass - table.mass[body] - water) <= allowed:
             cylinder = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
+            numbers = f"{table.numbers}, {I_LINK if about_end else 'I_COM'}"
             return (
                 f"{table.numbers.removesuffix(' numbers')} mass and the water's added mass, "
                 f"{water * 1e3:.0f} g, of a cylinder of water {cylinder}",
-                f"{table.numbers}, {I_LINK if about_end else 'I_COM'}{f', {SOLIDWORKS}' * solidworks}, "
+                f"{numbers}{f', {SOLIDWORKS}' * solidworks}, "
                 f"with the added inertia of a cylinder of water {cylinder} (strip theory)",
             )
     return None
@@ -252,7 +217,7 @@ def added_water(
 
 def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
     """If it is the printed I_COM, but about another point: three unknowns, six numbers."""
-    for table, solidworks in itertools.product(revisions(), (False, True)):
+    for table, solidworks in itertools.product(hypotheses.revisions(), (False, True)):
         right = flip_products(table.inertia[body]) if solidworks else table.inertia[body]
         shift = (tensor - right) / mass
         square = float(np.trace(shift)) / 2

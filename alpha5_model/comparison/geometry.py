@@ -1,9 +1,10 @@
-"""What differs in axes, limits and mount, what that costs, and what to write instead."""
+"""What differs in axes, limits, mount and files, what that costs, and what to write instead."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,8 @@ from alpha5_model.spatial import rotation_about, rpy_from_rotation, wrap
 
 #: Limits are printed here to a tenth of a degree.
 LIMIT_TOLERANCE = math.radians(0.1)
+#: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
+VOLUME_TOLERANCE = 5e-3
 #: A COM of link_0 this close to ours settles the zero of axis_e.
 SAME_COM = 1e-3  # [m]
 
@@ -193,3 +196,17 @@ def _mimics(other: UrdfRobot) -> Iterator[Finding]:
         if beyond > ANGLE_TOLERANCE:
             words = {"leader": leader.name, "joint": joint.name, "low": low, "high": high}
             yield finding("mimic", joint.name, beyond=beyond, **words)
+
+
+def file_findings(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
+    """What does not count, or is missing, in its collision shapes and files: remarks only."""
+    if meshes := sum(len(other.links[name].meshes) for names in theirs.links for name in names):
+        yield finding("volume.meshes", meshes=meshes)
+    # Our own collision shapes enclose the bodies and are not meant to displace water.
+    printed, volume = sum(link.volume for link in parameters().links), theirs.volume
+    near = VOLUME_TOLERANCE * printed
+    if volume and all(abs(volume - ours) > near for ours in (printed, our_arm().volume)):
+        yield finding("volume", theirs=volume * 1e3, ours=printed * 1e3)
+    for name in sorted({file for link in other.links.values() for file in link.files}):
+        if folder and "://" not in name and not (folder / name).is_file():
+            yield finding("file", name)

@@ -15,6 +15,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.arm import our_arm
@@ -71,49 +72,39 @@ def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) ->
     def column(rows: Iterable[Any], name: str) -> FloatArray:
         return np.array([in_si(getattr(row, name)) for row in rows])
 
-    return Revision(
-        numbers=numbers,
-        mass=column(inertial, "mass"),
-        com=column(inertial, "com"),
-        inertia=flip_products(column(inertial, "inertia_com")),
-        inertia_link=flip_products(column(inertial, "inertia_link")),
-        volume=column(buoyancy, "volume"),
-        cob=column(buoyancy, "cob"),
-    )
+    mass, com = column(inertial, "mass"), column(inertial, "com")
+    at_com, at_link = (column(inertial, f"inertia_{point}") for point in ("com", "link"))
+    volume, cob = column(buoyancy, "volume"), column(buoyancy, "cob")
+    return Revision(numbers, mass, com, flip_products(at_com), flip_products(at_link), volume, cob)
 
 
-@dataclass(frozen=True, eq=False)
-class Hypothesis:
-    """A wrong number and the mistakes it comes from.
-
-    Attributes:
-        words: The mistakes, as a person would say them.
-        value: Mass (), COM (3,) or tensor (3, 3) that they give, SI.
-        mistakes: How many they are.
-    """
-
-    words: str
-    value: FloatArray
-    mistakes: int = 0
-
-
+#: The mistakes, as a person would say them; the mass (), COM (3,) or tensor (3, 3) that they give,
+#: SI; and how many they are.
+Hypothesis = tuple[str, FloatArray, int]
+#: Several, each of the three side by side, fewest mistakes first.
+Hypotheses = tuple[tuple[str, ...], FloatArray, NDArray[np.int_]]
 Step = tuple[str, Callable[[FloatArray], FloatArray]]
 
 
-def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> tuple[Hypothesis, ...]:
-    """What the steps, at most one of each stage, make of the sources; fewest mistakes first."""
+def _table(found: Iterable[Hypothesis]) -> Hypotheses:
+    words, values, mistakes = zip(*sorted(found, key=lambda one: one[2]), strict=True)
+    return words, np.array(values), np.array(mistakes)
+
+
+def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> Hypotheses:
+    """What the steps, at most one of each stage, make of the sources."""
     found = []
     for source in sources:
         made = [source]
         for stage in stages:
             made += [
-                Hypothesis(f"{before.words}, {words}", change(before.value), before.mistakes + 1)
-                for before in made
-                if before.mistakes < MOST_MISTAKES
+                (f"{before}, {words}", change(value), mistakes + 1)
+                for before, value, mistakes in made
+                if mistakes < MOST_MISTAKES
                 for words, change in stage
             ]
         found += made
-    return tuple(sorted(found, key=lambda hypothesis: hypothesis.mistakes))
+    return _table(found)
 
 
 def frames(body: int) -> dict[str, FloatArray]:
@@ -146,19 +137,18 @@ def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
 
 def _sources(name: str, body: int) -> list[Hypothesis]:
     """The quantity of this body, the COB for a COM, and those of other bodies; both revisions."""
-    found = []
+    found: list[Hypothesis] = []
     for table, whose in zip(revisions(), ("Table 3", "an earlier revision"), strict=True):
         numbers, values = table.numbers, getattr(table, name)
-        found.append(Hypothesis(numbers, values[body]))
+        found.append((numbers, values[body], 0))
         if name == "com":
-            found.append(Hypothesis(f"the centre of buoyancy of {whose}", table.cob[body], 1))
-        others = (k for k in range(5) if k != body)
-        found += [Hypothesis(f"{numbers} of link_{k}", values[k], 1) for k in others]
+            found.append((f"the centre of buoyancy of {whose}", table.cob[body], 1))
+        found += [(f"{numbers} of link_{k}", values[k], 1) for k in range(5) if k != body]
     return found
 
 
 @cache
-def wrong_coms(body: int) -> tuple[Hypothesis, ...]:
+def wrong_coms(body: int) -> Hypotheses:
     """COMs of a body in its own link frame, (3,) [m], the right one among them."""
     axes: list[Step] = [(words, partial(np.dot, m)) for words, m in _signed_axes()]
     elsewhere: list[Step] = [(words, partial(moved, t)) for words, t in frames(body).items()]
@@ -166,27 +156,26 @@ def wrong_coms(body: int) -> tuple[Hypothesis, ...]:
 
 
 @cache
-def wrong_tensors(body: int) -> tuple[Hypothesis, ...]:
+def wrong_tensors(body: int) -> Hypotheses:
     """Tensors of a body in its own link's axes, (3, 3) [kg m^2], the right one among them."""
     sources = _sources("inertia", body)
     for table in revisions():
         own, term = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
         words = f"{table.numbers}, {I_LINK}"
         for tensor in (table.inertia_link[body], own + term):
-            sources.append(Hypothesis(words, tensor, 1))
+            sources.append((words, tensor, 1))
             # Pasted as the document prints it: one slip, although two things are wrong.
-            sources.append(Hypothesis(f"{words}, {SOLIDWORKS}", flip_products(tensor), 1))
+            sources.append((f"{words}, {SOLIDWORKS}", flip_products(tensor), 1))
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
-        sources.append(Hypothesis(words, own - term, 1))
+        sources.append((words, own - term, 1))
     zeroed = "the products of inertia are zeroed"
     signs = [_products(SOLIDWORKS, -1, -1, -1), _products(zeroed, 0, 0, 0)]
     rotations = [(words, m) for words, m in _signed_axes() if np.linalg.det(m) > 0]
     rotations += [(words, pose[:3, :3]) for words, pose in frames(body).items()]
     turns: list[Step] = [(words, partial(rotate_tensor, r)) for words, r in rotations]
     single = [
-        _products("ixy has the wrong sign", -1, 1, 1),
-        _products("ixz has the wrong sign", 1, -1, 1),
-        _products("iyz has the wrong sign", 1, 1, -1),
+        _products(f"i{entry} has the wrong sign", *np.where(np.arange(3) == k, -1, 1))
+        for k, entry in enumerate(("xy", "xz", "yz"))
     ]
     return _with_mistakes(sources, signs, turns, single)
 
@@ -197,7 +186,7 @@ def _products(words: str, xy: float, xz: float, yz: float) -> Step:
 
 
 @cache
-def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
+def wrong_masses(body: int) -> Hypotheses:
     """Masses of a body, () [kg]."""
     now, before = revisions()
     found = [("the mass of Table 2", now.mass[body])]
@@ -217,4 +206,4 @@ def wrong_masses(body: int) -> tuple[Hypothesis, ...]:
     if body == 4:
         parts = sum(part.mass for part in split_link_4(parameters()).bodies[1:])
         found.append(("the jaws are counted twice", now.mass[4] + parts))
-    return tuple(Hypothesis(words, np.array(value), 1) for words, value in found)
+    return _table([(words, value, 1) for words, value in found])
