@@ -13,7 +13,7 @@ import pytest
 import reference
 
 from alpha5_model.cli import main
-from alpha5_model.comparison import bodies, compare_robots
+from alpha5_model.comparison import compare_robots, findings
 from alpha5_model.comparison.records import Finding
 from alpha5_model.description.urdf_reading import parse_urdf
 from alpha5_model.description.variants import urdf
@@ -364,7 +364,7 @@ def test_links_that_together_make_a_body_are_explained_together():
 def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     ours = compared(edited(), 5).bodies[2]
     empty = replace(ours, links=(), mass=0.0)
-    (finding,) = bodies._findings(2, empty, [], [], lambda body, mass, moment: body - mass)
+    (finding,) = findings._of_body(2, empty, [], [], lambda body, mass, moment: body - mass)
     assert finding == Finding("link_2", "no link of the other model is this body", True, 2.38, "")
 
 

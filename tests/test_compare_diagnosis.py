@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import reference
 
-from alpha5_model.comparison import bodies
+from alpha5_model.comparison import findings
 from alpha5_model.comparison.diagnosis import (
     Inertial,
     explain_com,
@@ -127,7 +127,7 @@ def test_its_two_tensors_agree_to_the_last_digit():
 
 
 def test_nothing_but_comparison_reads_it():
-    package = Path(bodies.__file__).parents[1]
+    package = Path(findings.__file__).parents[1]
     texts = {
         path.relative_to(package).as_posix(): path.read_text(encoding="utf-8")
         for path in package.rglob("*.py")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +12,8 @@ from alpha5_model.checks import count
 from alpha5_model.comparison import reading
 from alpha5_model.comparison.alignment import align, bodies_in_our_frames, their_tips
 from alpha5_model.comparison.arm import DOWN, our_arm, our_tips, random_positions, reduce_robot
-from alpha5_model.comparison.bodies import body_findings
-from alpha5_model.comparison.geometry import file_findings, geometry_findings
-from alpha5_model.comparison.records import BodyDifference, Comparison, Finding, finding
+from alpha5_model.comparison.findings import FINDINGS, all_findings, finding
+from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 
@@ -23,12 +21,6 @@ from alpha5_model.parameters import parameters
 #: A model of this arm with an offset on the wrong side comes to 40 mm at most.
 OTHER_ARM = 0.05  # [m]
 SAME_SHAPE = 0.005  # [m]
-#: The numbers of `reading.Chain.shape`: four distances, three angles.
-SHAPE = (
-    *(f"{axis} from {before}" for before, axis in pairwise(reading.AXES)),
-    "the elbow out of the arm's plane",
-    *(f"{axis} to {before}" for before, axis in pairwise(reading.AXES)),
-)
 
 
 def compare(
@@ -97,11 +89,7 @@ def compare_robots(
     signs = np.outer(alignment.sign, alignment.sign)
     inertias = written.mass_matrix(there) * signs - our_arm().mass_matrix(q)
     tips = our_tips(q) - their_tips(written, alignment, q)
-    found = [
-        *geometry_findings(other, theirs, written, alignment, q),
-        *body_findings(other, theirs, alignment, bodies, q),
-        *file_findings(other, theirs, folder),
-    ]
+    found = list(all_findings(other, theirs, written, alignment, bodies, folder, q))
     found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
     return Comparison(
         name=other.name,
@@ -128,9 +116,9 @@ def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     if not chains:
         return finding("another_arm.without_joints", turning=turning)
     best, off = chains[0], chains[0].differences
-    scale, units = (np.repeat(x, (4, 3)) for x in ([1e3, 180 / math.pi], ["mm", "deg"]))
-    rows = zip(SHAPE, best.shape * scale, units, reading.our_shape() * scale, strict=True)
-    texts = ["{} {:.0f} {} (ours {:.0f})".format(*row) for row in rows]
+    scale, words = np.repeat([1e3, 180 / math.pi], (4, 3)), FINDINGS["another_arm"]["shape"]
+    rows = zip(words, best.shape * scale, reading.our_shape() * scale, strict=True)
+    texts = [text.format(theirs, ours) for text, theirs, ours in rows]
     worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
     return finding("another_arm", turning=turning, joints=", ".join(best.names), worst=worst)
 

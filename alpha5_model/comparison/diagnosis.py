@@ -9,7 +9,7 @@ unknowns for six numbers.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
@@ -77,6 +77,23 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
         return solid[:1]
     whole = combine(*zip(*(carried(w, w.pose) for w in solid), strict=True))
     return [Inertial("", *whole, np.eye(4)), solid[0]]
+
+
+def reason(
+    link: LinkParameters,
+    written: Sequence[Inertial],
+    explain: Callable[[LinkParameters, Inertial], str | None],
+) -> str:
+    """The first subject whose number is explained, and which links stand beside it."""
+    for subject in subjects(written):
+        if words := explain(link, subject):
+            beside = [w for w in written if abs(w.mass) > TOKEN_MASS and w.link != subject.link]
+            if not subject.link or not beside:
+                return f": {words}"
+            grams = sum(w.mass for w in beside) * 1e3
+            names = ", ".join(w.link for w in beside)
+            return f": {subject.link} has {words}; beside it {names} with {grams:.0f} g"
+    return ""
 
 
 def _index(link: LinkParameters) -> int:

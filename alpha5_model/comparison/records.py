@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +12,6 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import Alignment
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
-
-_TEXTS: Any = tomllib.loads(Path(__file__).with_name("findings.toml").read_text("utf-8"))
 
 
 @dataclass(frozen=True)
@@ -36,14 +32,6 @@ class Finding:
     serious: bool = True
     cost: float = 0.0
     instead: str = ""
-
-
-def finding(key: str, where: str = "", cost: float = 0.0, /, **words: Any) -> Finding:
-    """A finding in the words of ``findings.toml``, under ``topic`` or ``topic.subject``."""
-    topic, _, subject = key.partition(".")
-    text = {"where": where, **_TEXTS[topic], **_TEXTS[topic].get(subject, {}), **words}
-    said, instead = (text.get(k, "").format_map(text) for k in ("text", "instead"))
-    return Finding(text["where"], said, text.get("serious", True), cost, instead)
 
 
 @dataclass(frozen=True, eq=False)
