@@ -54,7 +54,7 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
         raise ShapeError(name, array.shape, f"shape {shape}")
-    if not _all_finite(array):
+    if not np.isfinite(array).all():
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise NonFiniteError(name, float(array[index]), index)
     return array
@@ -71,15 +71,6 @@ def _plain(value: Any) -> bool:
         return isinstance(value, np.memmap)
     unit = hasattr(value, "unit") or hasattr(value, "units")
     return not unit and not isinstance(value, bool | np.bool_ | bytes | bytearray)
-
-
-def _all_finite(array: FloatArray) -> bool:
-    """Without a mask as long as the array: a sum is finite only if all its terms are."""
-    if array.size > 4096:
-        with np.errstate(over="ignore", invalid="ignore"):
-            if np.isfinite(array.sum()):
-                return True
-    return bool(np.isfinite(array).all())
 
 
 def shaped(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:

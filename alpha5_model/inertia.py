@@ -213,22 +213,19 @@ def inconsistencies(
     """
     mass, tolerance = real("mass", mass), real("tolerance", tolerance, minimum=0.0)
     c, tensor = shaped("com", com, (3,)), shaped("inertia_com", inertia_com, (3, 3))
-    _together(mass=mass, com=c, inertia_com=tensor)
-    found = []
-    if mass <= 0:
-        found.append(f"mass {mass:g} kg is not positive")
-    scale = float(np.abs(tensor).max())
-    if np.abs(tensor - tensor.T).max() > tolerance * scale:
-        found.append("the inertia tensor is not symmetric")
+    least = np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0]
     small, middle, large = principal_moments(tensor)
-    if small <= tolerance * scale:
-        found.append(f"the smallest principal moment {small:.4g} kg m^2 is not positive")
-    if large > (small + middle) * (1 + tolerance):
-        found.append(
-            f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
-            f"{small + middle:.4g}"
-        )
-    if not found and np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0] <= 0:
+    slack, others = tolerance * float(np.abs(tensor).max()), small + middle
+    asymmetric = np.abs(tensor - tensor.T).max() > slack
+    conditions = {
+        f"mass {mass:g} kg is not positive": mass <= 0,
+        "the inertia tensor is not symmetric": asymmetric,
+        f"the smallest principal moment {small:.4g} kg m^2 is not positive": small <= slack,
+        f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
+        f"{others:.4g}": large > others * (1 + tolerance),
+    }
+    found = [violation for violation, holds in conditions.items() if holds]
+    if not found and least <= 0:
         found.append("the pseudo-inertia is not positive definite")
     if bounds is not None:
         box = bounded("bounds", shaped("bounds", bounds, (3, 2)))

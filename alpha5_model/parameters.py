@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any
 
 from alpha5_model.checks import FloatArray, frozen
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
@@ -17,8 +17,6 @@ from alpha5_model.errors import PublishedDataError
 from alpha5_model.inertia import flip_products
 from alpha5_model.published import published, tables
 from alpha5_model.published.quantity import Quantity
-
-Record = TypeVar("Record")
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,9 +277,9 @@ def _link(
     )
 
 
-def _record(kind: type[Record], row: Any) -> Record:
+def _record(kind: type[Any], row: Any) -> Any:
     """A record from the printed row, whose fields have the same names."""
-    return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})  # type: ignore[arg-type]
+    return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})
 
 
 def in_si(value: Any) -> Any:

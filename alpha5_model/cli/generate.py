@@ -133,12 +133,10 @@ def generate(
 
 def _committed(check: bool) -> int:
     """Compare the committed files with fresh ones, or write them anew."""
-    stale: list[committed.StaleFile] = []
+    fresh = committed.generated_files() if check else {}
+    stale = committed.stale_files(fresh=fresh)
     if check:
-        fresh = committed.generated_files()
-        stale = committed.stale_files(fresh=fresh)
-        for file in stale:
-            echo(file.diff, nl=False)
+        echo("".join(file.diff for file in stale), nl=False)
         echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
     else:
         options.show(False, None, (), *committed.update())
