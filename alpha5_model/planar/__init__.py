@@ -299,7 +299,8 @@ def dexterity(
         InputError: Fewer than three joints, or a last joint that slides.
     """
     p = float_array("points", points, (2,))
-    _check_arm(arm)
+    if instance("arm", arm, PlanarArm).n < 3 or arm.joints[-1] != "R":
+        raise InputError("arm", arm.joints, "three joints or more, the last one R")
     orientations, samples = count("orientations", orientations), count("samples", samples)
     flat = p.reshape(-1, 2)
     phi = np.arange(orientations) * (TURN / orientations)
@@ -311,11 +312,6 @@ def dexterity(
         local = turned(wrist - (x, y), -heading)
         found[near] |= _three_joint_reach(tail, local, phi - heading)
     return np.asarray(found.mean(axis=1).reshape(p.shape[:-1]))
-
-
-def _check_arm(arm: PlanarArm) -> None:
-    if instance("arm", arm, PlanarArm).n < 3 or arm.joints[-1] != "R":
-        raise InputError("arm", arm.joints, "three joints or more, the last one R")
 
 
 def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:

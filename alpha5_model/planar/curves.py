@@ -357,17 +357,14 @@ def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float
             for i, points in zip(group, hits(at, size, other, tolerance), strict=True):
                 t = curves[i].parameter(points, tolerance)
                 cuts[i] += t[~np.isnan(t)].tolist() if i != j else []
-    return [_merged(sorted(c), step / _per_parameter(k)) for c, k in zip(cuts, curves, strict=True)]
-
-
-def _merged(cuts: list[float], width: float) -> list[float]:
-    """Cuts closer together than `width` become one, at their mean; the first and last stay.
-
-    Where curves touch, rounding makes two cuts of one, some 1e-8 to either side; the mean is exact.
-    """
-    groups = np.split(cuts, np.flatnonzero(np.diff(cuts) > width) + 1)
-    means = [math.fsum(g) / len(g) for g in groups]
-    return [cuts[0], *means[1:-1], cuts[-1]]
+    out = []
+    for curve, meets in zip(curves, map(sorted, cuts), strict=True):
+        # Closer together than a step they are one. Where curves touch, rounding makes two of one,
+        # some 1e-8 to either side: their mean is exact.
+        apart = np.flatnonzero(np.diff(meets) * _per_parameter(curve) > step) + 1
+        means = [math.fsum(group) / len(group) for group in np.split(meets, apart)]
+        out.append([meets[0], *means[1:-1], meets[-1]])
+    return out
 
 
 def _per_parameter(curve: Curve) -> float:

@@ -50,6 +50,8 @@ def inverse_kinematics() -> casadi.Function:
     turns = casadi.floor((wrist - g.middle[3]) * (1 / math.tau) + 0.5)
     theta_3, _, wrist_fits = _in_range(wrist - turns * math.tau, 3, t.limit)
 
+    back = g.phi_offset + g.middle[1]
+    cos, sin = math.cos(back), math.sin(back)
     branches: dict[int, tuple[SX, ...]] = {}
     for pair, (r, half_turn) in enumerate(((radius - g.a_0, 0.0), (-radius - g.a_0, math.pi))):
         theta_0 = _shifted(azimuth, half_turn - g.azimuth_offset, -math.pi, math.pi, 0)
@@ -65,7 +67,7 @@ def inverse_kinematics() -> casadi.Function:
         s = casadi.sqrt(if_else(reached, fmax(above, 0.0) * fmax(below, 0.0), 1.0))
         c = rho_2 + (g.l_1**2 - g.l_2**2)
         gamma = casadi.atan2(s, g.l_1**2 + g.l_2**2 - rho_2)
-        ahead_h, ahead_r = _turned(r, h, g.phi_offset + g.middle[1])
+        ahead_h, ahead_r = cos * h - sin * r, cos * r + sin * h
         # Close to the stretched arm rounding of rho^2 moves the two angles against each other by
         # rounding / sin(gamma).
         sine = casadi.sqrt(fabs(above) * (1 / (g.l_1 * g.l_2)))
@@ -85,12 +87,6 @@ def inverse_kinematics() -> casadi.Function:
     outputs = {"q": q, "exists": exists, "within_limits": fits, "singular": singular}
     inputs = {"position": position, "wrist": wrist, "tolerances": allowed}
     return named("inverse_kinematics", inputs, outputs)
-
-
-def _turned(x: SX, y: SX, angle: float) -> tuple[SX, SX]:
-    """y and x of a vector turned back by a constant angle."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return cos * y - sin * x, cos * x + sin * y
 
 
 def _shifted(angle: SX, offset: float, low: float, high: float, joint: int) -> SX:
