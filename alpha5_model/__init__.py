@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics import load, robot_wrapper
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.collision import without_self_collision
-    from alpha5_model.dynamics.vehicle import Vehicle
+    from alpha5_model.dynamics.hydrostatics import Vehicle
     from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.hydrodynamics import DragStrip
     from alpha5_model.kernels import backend
@@ -67,7 +67,7 @@ _DEFINED = {
     "dynamics.arm": ("Arm",),
     "dynamics": ("load", "robot_wrapper"),
     "dynamics.collision": ("without_self_collision",),
-    "dynamics.vehicle": ("Vehicle",),
+    "dynamics.hydrostatics": ("Vehicle",),
     "hydrodynamics": ("DragStrip",),
     "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
     "kernels": ("backend",),

@@ -53,7 +53,7 @@ import pinocchio as pin
 import alpha5_model as a5
 from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.series import water_terms
+from alpha5_model.dynamics.batch import water_terms
 from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError, OutputError
 from alpha5_model.files import STDOUT, atomic_write, check_outputs, read_named
 from alpha5_model.hydrodynamics import LEVELS

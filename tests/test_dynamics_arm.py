@@ -20,8 +20,8 @@ from reference import MASS, VOLUME
 import alpha5_model as a5
 from alpha5_model import dynamics
 from alpha5_model.checks import LARGEST
+from alpha5_model.dynamics.batch import torque_terms
 from alpha5_model.dynamics.collision import CollisionModel
-from alpha5_model.dynamics.series import torque_terms
 from alpha5_model.errors import (
     InputError,
     MissingFileError,

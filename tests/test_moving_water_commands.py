@@ -13,7 +13,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.dynamics.series import water_terms
+from alpha5_model.dynamics.batch import water_terms
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.view import figures
 

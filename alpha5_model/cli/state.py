@@ -144,7 +144,7 @@ def torque(
 
 def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
     """The result as it goes to JSON, SI units."""
-    from alpha5_model.dynamics.series import torque_terms, water_terms
+    from alpha5_model.dynamics.batch import torque_terms, water_terms
     from alpha5_model.uncertainty import torque_margin
 
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)

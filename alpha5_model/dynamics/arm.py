@@ -26,13 +26,13 @@ from alpha5_model.dynamics.batch import Regressor, kernel_parameters, kernel_row
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
+    Vehicle,
     displaced_fluid_model,
     net_weight_model,
     on_free_flyer,
     with_body,
 )
 from alpha5_model.dynamics.states import forces, rows, state_check
-from alpha5_model.dynamics.vehicle import Vehicle
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics

@@ -1,4 +1,4 @@
-"""Many states at once: on the generated kernels, and through Pinocchio's parallel algorithms.
+"""Many states at once: on the generated kernels, and through Pinocchio's parallel algorithms; torques by cause.
 
 The kernels know the joints and frames of the Reach Alpha 5 on a fixed base with locked jaws; bodies,
 payloads included, fluid and gravity are parameters. Other arms are Pinocchio's.
@@ -31,6 +31,7 @@ from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import rows
 from alpha5_model.errors import InputError
+from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import RigidBody, parameters
 from alpha5_model.spatial import pose
 
@@ -257,3 +258,117 @@ def regressor_rows(q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLi
         kernels.module().batch("inverse_dynamics_with_base_wrench", one, q, v, a, tau, wrench)
         out[:, :4, k], out[:, 4:, k] = tau, wrench
     return out
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueTerms:
+    """Joint torques by cause, (N, nv) each [N m, N]; their sum is the inverse dynamics.
+
+    Attributes:
+        inertia: ``M(q) a``.
+        coriolis: ``C(q, v) v``.
+        weight: Holds the weight, ``g(q)``.
+        buoyancy: Holds the buoyancy, ``-tau_buoyancy(q)``: against the weight where the water
+            helps.
+    """
+
+    inertia: FloatArray
+    coriolis: FloatArray
+    weight: FloatArray
+    buoyancy: FloatArray
+
+
+def torque_terms(
+    arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
+) -> TorqueTerms:
+    """Inertia, Coriolis, weight and buoyancy torques of many states.
+
+    Args:
+        arm: On a fixed base.
+        q: (N, nq), or one row for all states, as in `Arm.inverse_dynamics_batch`.
+        v: (N, nv).
+        a: (N, nv).
+        threads: How many to use at most; see `Arm.inverse_dynamics_batch`.
+
+    Raises:
+        InputError: An arm on a floating base, or arrays that do not fit.
+    """
+    _on_fixed_base(arm)
+    q, v, a = rows(arm._model, q=q, v=v, a=a)
+    n, own, still = thread_count(threads, len(q)), arm._own, np.zeros_like(v)
+    if arm._kernel_parameters is None:
+        total = rnea(arm._model, own, n, q, v, a)
+        bias = rnea(arm._model, own, n, q, v, still)
+        weight = rnea(arm._model, own, n, q, still, still)
+        buoyancy = -rnea(arm._fluid, own, n, q, still, still)
+        return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
+
+    def term(name: str, **rates: FloatArray) -> FloatArray:
+        return np.asarray(kernel_rows(arm, name, 4, threads, q=q, **rates))
+
+    inertia = term("inverse_dynamics", v=v, a=a) - term("nonlinear_effects", v=v)
+    coriolis = term("coriolis_torque", v=v)
+    return TorqueTerms(inertia, coriolis, term("gravity_torque"), -term("buoyancy_torque"))
+
+
+@dataclass(frozen=True, eq=False)
+class WaterTerms:
+    """What moving water adds to an arm in still water: added mass and drag, estimated, not published.
+
+    Attributes:
+        current: Velocity of the water, uniform, in base_link, (3,) [m/s].
+        torque: Joint torque, (N, 3, nv) [N m, N]: with all numbers low, nominal, high.
+        wrench: Load on the mount in base_link, (N, 3, 6) [N, N m], likewise.
+    """
+
+    current: FloatArray
+    torque: FloatArray
+    wrench: FloatArray
+
+
+def water_terms(
+    arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: ArrayLike
+) -> WaterTerms:
+    """What moving water adds to the inverse dynamics and the base wrench of many states.
+
+    Args:
+        arm: On a fixed base, in still water; q: (N, nq); v: (N, nv); a: (N, nv).
+        current: (3,) [m/s].
+
+    Raises:
+        InputError: An arm on a floating base, or arrays that do not fit.
+    """
+    _on_fixed_base(arm)
+    levels = [arm.with_hydrodynamics(current, level) for level in LEVELS]
+    # Of the tree's torques the first six are the mount's: one pass for both.
+    trees = np.stack([wet._water_torques(q, v, a, None) for wet in levels], axis=1)
+    return WaterTerms(levels[0].current, trees @ levels[0]._tree.g, -trees[..., :6])
+
+
+def _on_fixed_base(arm: Any) -> None:
+    if arm.floating_base:
+        raise InputError("arm", "an arm on a floating base", "an arm on a fixed base")
+
+
+def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
+    """Origin of a frame, state by state; in base_link on a fixed base, else in the world.
+
+    Args:
+        arm: The arm.
+        q: (N, nq).
+        frame: Name of a frame of the model.
+
+    Returns:
+        (N, 3) [m].
+
+    Raises:
+        InputError: q that cannot be used.
+        UnknownNameError: No such frame.
+    """
+    arm._frame(frame)
+    poses = kernel_rows(arm, "forward_kinematics", 16, 1, q=q) if frame == "tcp" else None
+    if poses is not None:
+        return poses[:, 3:12:4].copy()
+    (configurations,) = rows(arm._model, q=q)
+    origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
+    return np.array(origins).reshape(-1, 3)

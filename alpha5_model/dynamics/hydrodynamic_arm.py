@@ -20,8 +20,8 @@ from alpha5_model.base_parameters import water_parameters
 from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree, JointWater
+from alpha5_model.dynamics.hydrostatics import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.dynamics.states import forces, rows, vector
-from alpha5_model.dynamics.vehicle import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 

@@ -20,7 +20,7 @@ from alpha5_model.actuators import Actuator
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.dynamics import arm_of
-from alpha5_model.dynamics.series import frame_positions
+from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.fluids import SEA_WATER, gravity_in_base
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rotation_from_rpy

@@ -21,7 +21,7 @@ from alpha5_model.trajectory.tables import JOINTS, MotionWarning, Progress
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.series import WaterTerms
+    from alpha5_model.dynamics.batch import WaterTerms
 
 #: Velocities are judged where a joint's rms speed is above this share of its rated speed.
 _JUDGED_SHARE = 0.02
@@ -131,7 +131,7 @@ def analyse(
         InputError: An arm with other joints than the motion, or one limit without the other.
         UnknownNameError: No such method, constants or joint.
     """
-    from alpha5_model.dynamics.series import WaterTerms, frame_positions, torque_terms, water_terms
+    from alpha5_model.dynamics.batch import WaterTerms, frame_positions, torque_terms, water_terms
 
     if arm is None:
         from alpha5_model.dynamics import load
