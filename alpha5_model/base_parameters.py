@@ -147,8 +147,7 @@ def water_parameters(
             one, both = np.diag([1.0, 0.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
             handed = shares[0] * np.kron(one, turning) + shares[1] * np.kron(both, turning)
             handed = twist.T @ handed @ twist
-        own = strips[link - 1]
-        for strip in own:
+        for strip in strips[link - 1]:
             ends = np.abs(strip.end - strip.start) / 2
             kind, half = (link, int(ends.argmax()), gauss_count(strip)), ends.max()
             place = next((k for k, free_kind in free.items() if free_kind == kind), None)

@@ -202,12 +202,10 @@ def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parame
     Raises:
         UnknownNameError: A correction that is not recorded.
     """
-    return _parameters(check_corrections(corrections))
+    return _converted(check_corrections(corrections))
 
 
-@cache
-def _parameters(corrections: tuple[str, ...]) -> Alpha5Parameters:
-    return convert(published(), corrections)
+_converted = cache(lambda corrections: convert(published(), corrections))
 
 
 def convert(printed: tables.Published, corrections: tuple[str, ...]) -> Alpha5Parameters:

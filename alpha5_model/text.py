@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeAlias
-
-Rows: TypeAlias = Iterable[Sequence[str]]
+from typing import Any
 
 
 def readable(text: str) -> str:
@@ -30,7 +28,7 @@ def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:
 
 
 def table(
-    rows: Rows, align: str = "<>", indent: int = 0, width: int = 0, gap: int = 2
+    rows: Iterable[Sequence[str]], align: str = "<>", indent: int = 0, width: int = 0, gap: int = 2
 ) -> list[str]:
     """Rows of cells as lines; each column is as wide as its widest cell.
 

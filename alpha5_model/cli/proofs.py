@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from itertools import takewhile
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 from typer import Argument, Option, style
 
@@ -22,8 +22,6 @@ from alpha5_model.errors import InputError
 from alpha5_model.files import check_outputs
 from alpha5_model.text import table
 from alpha5_model.view.figures import FORMATS, plot_comparison
-
-RowT = TypeVar("RowT")
 
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
@@ -123,8 +121,8 @@ def _subjects(rows: Sequence[AuditRow]) -> str:
     return ", ".join(words)
 
 
-def _grouped(rows: Iterable[RowT], key: Callable[[RowT], Any]) -> dict[Any, list[RowT]]:
-    groups: dict[Any, list[RowT]] = {}
+def _grouped(rows: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[Any]]:
+    groups: dict[Any, list[Any]] = {}
     for row in rows:
         groups.setdefault(key(row), []).append(row)
     return groups

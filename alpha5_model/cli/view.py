@@ -44,10 +44,8 @@ def view(
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
     """
     pixels = _size(size)
-    pages = (".html", ".htm")
-    check_outputs(
-        [motion], html=(html, pages), image=(image, (".png",)), video=(video, picture.VIDEO_FORMATS)
-    )
+    pages, films = (".html", ".htm"), picture.VIDEO_FORMATS
+    check_outputs([motion], html=(html, pages), image=(image, (".png",)), video=(video, films))
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
@@ -70,9 +68,7 @@ def view(
     track = np.array([build.with_base(arm, q) for q in played.q]) if played else np.zeros((0, 4))
     along = [build.posed(shown, arm, q).poses for q in track[:: 1 + len(track) // 24]]
     seen = scene.framed(shown, pixels, also=along)
-    files: dict[Path, str | bytes] = {}
-    if html is not None:
-        files[html] = page.static_page(shown)
+    files: dict[Path, str | bytes] = {} if html is None else {html: page.static_page(shown)}
     if image is not None:
         files[image] = picture.picture_png(seen, pixels)
     atomic_write_all(files)
