@@ -33,6 +33,13 @@ needs_browser = pytest.mark.skipif(
 #: WebGL in software, so that it works on any machine.
 _ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 SIZE = (1000, 640)
+#: Smooth edges are four samples for each pixel, which is half of what software takes to draw.
+_ONE_SAMPLE = """
+{ const own = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return own.call(this, kind, { ...options, antialias: false });
+  }; }
+"""
 
 
 @dataclass
@@ -121,6 +128,7 @@ def browser() -> Iterator[Any]:
 def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
     """An empty page that is watched; Playwright's options, such as ``color_scheme="dark"``."""
     page = running.new_page(viewport={"width": size[0], "height": size[1]}, **options)
+    page.add_init_script(_ONE_SAMPLE)
     tab = Tab(page)
     page.on(
         "console",

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import termios
 from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ import pytest
 from demo_run import demo_run
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, _loaded, generate, main, options, proofs
+from alpha5_model.cli import COMMANDS, _loaded, demo, generate, main, options, proofs
 from alpha5_model.description.verification import verify_urdf
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -162,6 +163,12 @@ def test_what_is_printed(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, said = demo_run()
     monkeypatch.chdir(tmp_path)
+    # What takes seconds is made once, in the first run.
+    made = [(folder / f"alpha5.{kind}").read_bytes() for kind in ("html", "png")]
+    monkeypatch.setattr(demo.page, "static_page", lambda scene: made[0])
+    monkeypatch.setattr(demo.picture, "picture_png", lambda scene, size: made[1])
+    monkeypatch.setattr(demo.variants, "urdf", cache(demo.variants.urdf))
+    monkeypatch.setattr(demo, "audit", cache(demo.audit))
     answers = {}
     for columns, terminal in VIEWS:
         monkeypatch.setenv("COLUMNS", str(columns))

@@ -64,11 +64,13 @@ def files(tmp_path_factory: pytest.TempPathFactory, arm: a5.Arm, moved: Motion) 
 
 @pytest.fixture(scope="module")
 def tabs(chromium: Any, files: dict[str, Path]) -> Iterator[dict[str, Tab]]:
-    """A page with a motion in every window."""
+    """A page with a motion in a window of each size, one opened in the dark; a page costs seconds."""
     out = {}
-    for name, (size, scheme) in WINDOWS.items():
-        out[name] = new_tab(chromium, size, color_scheme=scheme, reduced_motion="reduce")
-        out[name].open(files["motion"].as_uri())
+    for name in ("wide dark", "phone light"):
+        size, scheme = WINDOWS[name]
+        one = new_tab(chromium, size, color_scheme=scheme, reduced_motion="reduce")
+        one.open(files["motion"].as_uri())
+        out[name.split()[0]] = one
     yield out
     for name, tab in out.items():
         assert tab.complaints == [], name
@@ -79,7 +81,9 @@ def tabs(chromium: Any, files: dict[str, Path]) -> Iterator[dict[str, Tab]]:
 @pytest.fixture
 def tab(tabs: dict[str, Tab], request: pytest.FixtureRequest) -> Tab:
     """That window, as it was opened."""
-    one = tabs[getattr(request, "param", "wide light")]
+    name = getattr(request, "param", "wide light")
+    one = tabs[name.split()[0]]
+    one.page.emulate_media(color_scheme=WINDOWS[name][1])
     one.run(
         "() => { alpha5.pause(); alpha5.setAim(null); alpha5.setPose(alpha5.data.poses.home);"
         "for (const g of alpha5.data.groups) alpha5.setGroup(g.name, g.shown); alpha5.look('home', false); }"
@@ -89,6 +93,14 @@ def tab(tabs: dict[str, Tab], request: pytest.FixtureRequest) -> Tab:
 
 
 every_window = pytest.mark.parametrize("tab", list(WINDOWS), indirect=True)
+
+
+@pytest.fixture(scope="module")
+def opened(chromium: Any) -> Iterator[Tab]:
+    """A window for one page after the other."""
+    one = new_tab(chromium, (1400, 900))
+    yield one
+    one.page.close()
 
 
 def joints(tab: Tab) -> np.ndarray:
@@ -314,8 +326,8 @@ def red(pixels: np.ndarray) -> int:
     return int(((r > 120) & (r > 1.8 * g) & (r > 1.8 * b)).sum())
 
 
-def test_joints_beyond_their_limits_are_marked(chromium: Any, files: dict[str, Path]) -> None:
-    tab = new_tab(chromium, (1400, 900))
+def test_joints_beyond_their_limits_are_marked(opened: Tab, files: dict[str, Path]) -> None:
+    tab = opened
     tab.open(files["beyond"].as_uri())
     said, rows = beyond(tab)
     assert said == "axis_b at 515.7° is above its upper limit, 355.2°."
@@ -341,14 +353,13 @@ def test_joints_beyond_their_limits_are_marked(chromium: Any, files: dict[str, P
     assert said == "axis_d at \u221210.0° is below its lower limit, 1.0°."
     assert rows == ["axis_d"]
     assert tab.complaints == []
-    tab.page.close()
 
 
 @pytest.mark.parametrize("name", ["reached", "far"])
 def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
-    chromium: Any, files: dict[str, Path], arm: a5.Arm, name: str
+    opened: Tab, files: dict[str, Path], arm: a5.Arm, name: str
 ) -> None:
-    tab = new_tab(chromium, (1400, 900))
+    tab = opened
     tab.open(files[name].as_uri())
     target = np.array(tab.run("() => alpha5.data.target"))
     place = arm.forward_kinematics(joints(tab)).translation
@@ -368,7 +379,6 @@ def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
     place = arm.forward_kinematics(joints(tab)).translation
     np.testing.assert_allclose(place, [-0.18, 0.06, 0.16], atol=1e-9)
     assert beyond(tab)[0] == ""
-    tab.page.close()
 
 
 @pytest.mark.parametrize("tab", ["wide dark", "phone light"], indirect=True)
