@@ -31,7 +31,7 @@ from alpha5_model.hydrodynamics import DragStrip, hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS, material_of
-from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
+from alpha5_model.parameters import JointRange, parameters
 from alpha5_model.paths import REPOSITORY_PATH
 
 ACTUATORS = ("position", "velocity", "motor")
@@ -154,7 +154,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         add(asset, "material", **vars(material))
     for mesh in chain(*(body.meshes for body in bodies)):
         add(asset, "mesh", name=mesh, file=f"{mesh}.obj")
-    _worldbody(root, values, bodies, chosen)
+    _worldbody(root, bodies, chosen)
     if chosen.collision == "primitives":
         contact, names = add(root, "contact"), {body.name for body in bodies}
         for one, other in chain(*UNCHECKED_PAIRS.values()):
@@ -172,9 +172,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     return tree.serialized(root)
 
 
-def _worldbody(
-    root: ET.Element, values: Alpha5Parameters, bodies: tuple[Body, ...], options: MjcfOptions
-) -> None:
+def _worldbody(root: ET.Element, bodies: Iterable[Body], options: MjcfOptions) -> None:
     water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
     base = add(add(root, "worldbody"), "body", name="base_link", childclass="alpha5")
     elements = {"base_link": base}
@@ -212,7 +210,7 @@ def _worldbody(
             mass = body.volume / DILUTION
             add(child, "inertial", pos="0 0 0", mass=mass, diaginertia=[INERTIA] * 3)
             add(child, "geom", "no_drag")
-    tip = tree.tcp_placement(values)
+    tip = tree.tcp_placement(parameters(options.corrections))
     add(elements[tip.parent], "site", name="tcp", size="0.005", group="4", **_pose(tip))
 
 

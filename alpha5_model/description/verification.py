@@ -32,7 +32,7 @@ from alpha5_model.inertia import inconsistencies, pseudo_inertia
 from alpha5_model.parameters import Alpha5Parameters, in_si, parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.published import published
-from alpha5_model.published.tables import BODY_NAMES
+from alpha5_model.published.tables import BODY_NAMES, JOINT_NAMES
 
 Verdict = Literal["passed", "failed", "not run"]
 Finder = Callable[["Subject"], Iterator[str]]
@@ -94,11 +94,6 @@ class Subject(UrdfRobot):
     def jaws(self) -> bool:
         """Whether there is a link of moving jaws."""
         return any(self.prefix + name in self.links for name in JAW_LINKS)
-
-    @property
-    def turning(self) -> list[str]:
-        """Names of the arm's four joints, without prefix."""
-        return [joint.name for joint in self.expected.joints[:4]]
 
     @property
     def carriers(self) -> dict[str, UrdfJoint]:
@@ -226,7 +221,7 @@ def _opposite_products(tensor: FloatArray) -> FloatArray:
 def _missing_names(text: Subject) -> Iterator[str]:
     """Links and joints of the arm that are not there."""
     links = ["base_link", *BODY_NAMES, "tcp", *(JAW_LINKS if text.jaws else ())]
-    joints = [joint.name for joint in text.expected.joints[: 5 if text.jaws else 4]]
+    joints = JOINT_NAMES[: 5 if text.jaws else 4]
     yield from (f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links)
     yield from (f"no joint {text.prefix}{n}" for n in joints if text.prefix + n not in text.joints)
 
@@ -251,7 +246,7 @@ def _joint_differences(text: Subject) -> Iterator[str]:
 def _inertial_differences(text: Subject) -> Iterator[str]:
     """Masses, COMs and tensors that are not Table 2's, to the last bit.
 
-    With jaws, link 4 is in four parts and `closed_jaws` compares their sum.
+    With jaws, link 4 is in four parts and `_closed_jaws` compares their sum.
     """
     for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if text.jaws else 5]):
         name = f"{text.prefix}link_{i}"
@@ -410,9 +405,9 @@ def pinocchio_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator
 
     model = urdf_model(text.path)
     data = model.createData()
-    if absent := [n for n in text.turning if not model.existJointName(text.prefix + n)]:
+    if absent := [n for n in JOINT_NAMES[:4] if not model.existJointName(text.prefix + n)]:
         raise ValueError(f"no movable joint {', '.join(absent)}")
-    columns = [model.joints[model.getJointId(text.prefix + n)].idx_q for n in text.turning]
+    columns = [model.joints[model.getJointId(text.prefix + n)].idx_q for n in JOINT_NAMES[:4]]
     frames = [model.getFrameId(text.prefix + n, pin.FrameType.BODY) for n in links]
     position = pin.neutral(model)
     for row in q:
@@ -427,7 +422,7 @@ def yourdfpy_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator[
     import yourdfpy
 
     robot = yourdfpy.URDF.load(str(text.path), load_meshes=False, build_scene_graph=True)
-    names = [text.prefix + n for n in text.turning]
+    names = [text.prefix + n for n in JOINT_NAMES[:4]]
     for row in q:
         robot.update_cfg(dict(zip(names, row, strict=True)))
         yield [robot.get_transform(text.prefix + n, text.prefix + links[0]) for n in links]

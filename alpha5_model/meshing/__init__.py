@@ -95,9 +95,9 @@ def base() -> Part:
     plug = cylinder(d.plug_radius, d.rear, d.cap, axis="x", edges=(1.2, 0), grooves=thread)
     bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 10.5, 30.0)
     # A saddle under the tube, flat on y = foot_face, sloped towards the hub, with bolt holes.
-    flat, slope = [(d.foot_front, d.foot_face), (d.foot_slope, d.foot_edge)], [(d.foot_slope, -8.0)]
-    outline = [(d.foot_rear, d.foot_face), *flat, *slope, (d.foot_rear, -8.0)]
-    foot = prism(outline, -d.foot_half_width, d.foot_half_width, edge=1.2)
+    low = [(d.foot_rear, d.foot_face), (d.foot_front, d.foot_face)]
+    high = [(d.foot_slope, d.foot_edge), (d.foot_slope, -8.0), (d.foot_rear, -8.0)]
+    foot = prism(low + high, -d.foot_half_width, d.foot_half_width, edge=1.2)
     hole = cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=16)
     places = itertools.product((d.foot_rear + 8.0, d.foot_front - 8.0), (-13.0, 13.0))
     foot -= union(hole.translate([x, 0, z]) for x, z in places)
@@ -205,7 +205,7 @@ def ribbon(start: float = 0.0, stop: float = 1.0, inset: float = 0.0) -> FloatAr
     from scipy.interpolate import CubicSpline
 
     x, y, half_widths = np.array(FINGER.centre_line).T
-    knots = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    knots = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
     knots /= knots[-1]
     parameters = np.linspace(start, stop, STATIONS)
     points = CubicSpline(knots, np.column_stack([x, y]))(parameters)

@@ -15,6 +15,7 @@ from alpha5_model.errors import Alpha5Error, MissingDependencyError
 
 #: A manifold3d solid: closed, outward, exact in its booleans.
 Solid = Any
+Indices = NDArray[np.int64]
 #: Corners of a full circle of 20 mm radius; the chord stays within 0.04 mm of the arc.
 SEGMENTS = 56
 _ROUND = 1.0  # smaller edges are broken by one chamfer, larger ones rounded in three steps or more
@@ -64,8 +65,7 @@ def cylinder(
         outline += [(radius, middle - half), (radius - depth, middle - half + slope)]
         outline += [(radius - depth, middle + half - slope), (radius, middle + half)]
     outline += [*reversed(_corner(radius, high, edges[1], 1.0)), (0.0, high)]
-    section = kernel().CrossSection([np.array(outline)])
-    return section.revolve(segments).rotate(_AXES[axis])
+    return kernel().CrossSection([np.array(outline)]).revolve(segments).rotate(_AXES[axis])
 
 
 def _corner(radius: float, height: float, edge: float, side: float) -> list[tuple[float, float]]:
@@ -113,10 +113,8 @@ def union(solids: Iterable[Solid]) -> Solid:
 
 def circle_of(solid: Solid, count: int, radius: float, start: float = 0.0) -> Solid:
     """Copies of a solid, equally spaced on a circle about z; ``start`` in degrees."""
-    return union(
-        solid.translate([radius, 0, 0]).rotate([0, 0, start + 360.0 * i / count])
-        for i in range(count)
-    )
+    first = solid.translate([radius, 0, 0])
+    return union(first.rotate([0, 0, start + 360.0 * i / count]) for i in range(count))
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +129,9 @@ class Surface:
     """
 
     vertices: FloatArray
-    faces: NDArray[np.int64]
+    faces: Indices
     normals: FloatArray
-    corner_normals: NDArray[np.int64]
+    corner_normals: Indices
 
 
 def surface(solid: Solid) -> Surface:
@@ -156,22 +154,20 @@ def surface(solid: Solid) -> Surface:
     return Surface(vertices, faces, *_smooth_normals(vertices, faces))
 
 
-def _edges(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _edges(faces: Indices) -> tuple[Indices, Indices]:
     """A number for each directed edge, and for its reverse, (3 m,) each."""
     start, stop, n = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1), faces.max() + 1
     return start * n + stop, stop * n + start
 
 
-def check_closed(faces: NDArray[np.int64]) -> None:
+def check_closed(faces: Indices) -> None:
     """Every directed edge once, and once in the other direction."""
     here, there = map(np.sort, _edges(faces))
     if (here[1:] == here[:-1]).any() or (here != there).any():
         raise Alpha5Error("a surface is no longer closed after rounding its coordinates")
 
 
-def _smooth_normals(
-    vertices: FloatArray, faces: NDArray[np.int64]
-) -> tuple[FloatArray, NDArray[np.int64]]:
+def _smooth_normals(vertices: FloatArray, faces: Indices) -> tuple[FloatArray, Indices]:
     """Normals averaged over the faces around a vertex that meet without a crease.
 
     Weighted by the angle of the face's corner, which does not depend on the triangulation:

@@ -228,11 +228,11 @@ _READ: dict[str, Callable[[_Node, Any], Any]] = {
 
 def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
     node.table("number", "section", "caption", "units", "rows", *more)
-    units, origins = _units(record), {}
+    units = _units(record)
     _check_units(node["units"], units)
     rows = _rows(record, node["rows"])
-    if "origins" in more:
-        origins = {name: node["origins"].table(*units)[name].text() for name in units}
+    said = units if "origins" in more else ()
+    origins = {name: node["origins"].table(*units)[name].text() for name in said}
     return t.Table(_source(head, node), rows, origins)
 
 
