@@ -2,15 +2,15 @@
 
 The dexterous workspace is the set of points reached with every orientation of the last link.
 
-Pin the tip at p. The last link then turns about p, and its other end, the wrist, runs on the circle
-about p whose radius is the last link's length. p is dexterous exactly if the rest of the arm
-reaches that whole circle. Where the rest reaches an annulus, low <= r <= high, this is the exact
-condition
+Pin the tip at p, at a distance d from the base. The last link then turns about p, and its other end,
+the wrist, runs on the circle about p whose radius is the last link's length. p is dexterous exactly
+if the rest of the arm reaches that whole circle. Where the rest reaches an annulus, from a radius
+low to a radius high, this is the exact condition
 
-    |p| + l_n <= high   and   | |p| - l_n | >= low,
+    d + l_n <= high   and   |d - l_n| >= low,
 
-for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with the notes' l_4 =
-|p|. The notes' theorem is sufficient only. Both ask for Grashof's inequality (shortest and longest
+for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with l_4 for d as in the
+notes. The notes' theorem is sufficient only. Both ask for Grashof's inequality (shortest and longest
 link together not longer than the other two); the theorem wants l_3 to be the shortest link, but l_3
 also turns fully where the shortest is l_4, the ground: then the four-bar linkage is a double crank.
 
