@@ -218,10 +218,8 @@ def text(record: dict[str, Any]) -> str:
         lines.append(f"  digits of Tables 2, 3: torque peaks ±({halves}) N m")
     lines += _by_joint("left to the limits, negative beyond them", joints, words["left"])
     names = next(iter(joints.values()))["causes_peak"]
-    causes = {
-        x.removeprefix("moving_"): ["torque", f"causes_peak.{x}", ".4g", "-", _ROUNDING]
-        for x in names
-    }
+    how = ".4g", "-", _ROUNDING
+    causes = {x.removeprefix("moving_"): ["torque", f"causes_peak.{x}", *how] for x in names}
     lines += _by_joint("largest torque by cause", joints, causes)
     if recorded := {name: j for name, j in joints.items() if j.get("effort")}:
         title = "recorded effort, and what it has more than the torque"
@@ -238,14 +236,10 @@ def text(record: dict[str, Any]) -> str:
         lines += table(rows, "<>><", 2)
     lines.append(words["whole_arm"].format(**parts))
     for name, j in joints.items():
-        if fast := j["beyond_rated_velocity"]:
-            peak, unit = abs(j["velocity_peak"]["value"]), j["units"]["velocity"]
-            limit = f"its rated speed of {peak + j['velocity_margin']:.4g} {unit}"
-            lines.append(f"  limit: {name} is beyond {limit} in {fast} samples, up to {peak:.4g}")
-        if weak := j["beyond_drive_limits"]:
-            lines.append(f"  limit: {name} is beyond the speed-torque limit in {weak} samples")
-    warnings = (f"{w['text']}: {w['count']} x, first: {w['first']}" for w in record["warnings"])
-    lines += (f"  warning: {warning}" for warning in warnings)
+        peak = abs(j["velocity_peak"]["value"])
+        said = {**j, "name": name, "peak": peak, "rated": peak + j["velocity_margin"]}
+        lines += (form.format(**said) for key, form in words["beyond"].items() if j[key])
+    lines += (words["warning"].format(**w) for w in record["warnings"])
     notes = words["notes"] + words["without_drive"] * (motors["supply_voltage"] is None)
     return readable("\n".join([*lines, *(f"  note: {note.format(**parts)}" for note in notes)]))
 

@@ -14,14 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alpha5_model import errors
 from alpha5_model.checks import FloatArray, choice
-from alpha5_model.errors import (
-    Alpha5Error,
-    FileFormatError,
-    InputError,
-    MissingDependencyError,
-    MissingFileError,
-)
 from alpha5_model.files import PathLike, read_named
 from alpha5_model.published.tables import JOINT_NAMES
 
@@ -89,12 +83,10 @@ def prefixes(
     names: Collection[str], suffixes: Sequence[str] = ("",), asked: str | None = None
 ) -> list[str]:
     """What stands before the names of the four arm joints, where all four are among these names."""
-    ends, there = [JOINTS[0] + suffix for suffix in suffixes], {*names}
+    ends, there, arm = [JOINTS[0] + suffix for suffix in suffixes], {*names}, JOINTS[:4]
     found = {name.removesuffix(end) for name in names for end in ends if name.endswith(end)}
     found = found if asked is None else {asked}
-    return sorted(
-        x for x in found if all({x + j + s for s in suffixes} & there for j in JOINTS[:4])
-    )
+    return sorted(x for x in found if all({x + j + s for s in suffixes} & there for j in arm))
 
 
 def only(what: str, found: Sequence[str]) -> str:
@@ -106,7 +98,9 @@ def only(what: str, found: Sequence[str]) -> str:
         InputError: There are several.
     """
     if len(found) > 1 and "" not in found:
-        raise InputError(what, None, f"one of {', '.join(found)}: each has the joints of an arm")
+        raise errors.InputError(
+            what, None, f"one of {', '.join(found)}: each has the joints of an arm"
+        )
     return min(found)
 
 
@@ -140,7 +134,7 @@ def parquet_table(path: PathLike) -> Table:
             table = np.stack([numbers(data[name]) for name in names], axis=1)
         for row, k in np.argwhere(~np.isfinite(table[:, : len(needed)])):
             problem = f"expected a finite number, got {table[row, k]:g}"
-            raise FileFormatError(path, problem, place(int(row), needed[k]))
+            raise errors.FileFormatError(path, problem, place(int(row), needed[k]))
         return table, "s" if types.is_temporal(data[names[0]].type) else None
 
     return Table(header, read, place)
@@ -151,17 +145,17 @@ def _library(path: PathLike, extra: str) -> Iterator[None]:
     """What a library raises, or its lack, as an error about the file."""
     try:
         yield
-    except Alpha5Error:
+    except errors.Alpha5Error:
         raise
     except ImportError as error:
         remedy = f"python -m pip install 'alpha5-model[{extra}]'"
-        raise MissingDependencyError(str(error.name), f"reading {path}", remedy) from None
+        raise errors.MissingDependencyError(str(error.name), f"reading {path}", remedy) from None
     except Exception as error:  # whatever a damaged file makes it raise
         problem = f"cannot be read as a table of numbers: {error}"
         if extra == "bags":
             problem = f"cannot be read as a ROS bag ({type(error).__name__}: {error}); if it was "
             problem += "cut off: rosbag reindex, ros2 bag reindex or mcap recover"
-        raise FileFormatError(path, problem) from None
+        raise errors.FileFormatError(path, problem) from None
 
 
 def _seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
@@ -179,11 +173,11 @@ def csv_table(path: PathLike, progress: Progress | None) -> Table:
     try:
         text = content.decode("utf-8-sig").rstrip().replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
-        raise FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
+        raise errors.FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
     every = [line.strip() for line in text.split("\n")]
     if not every[0]:
         problem = "is empty" if len(every) == 1 else "no column names in line 1"
-        raise FileFormatError(path, problem, "line 1")
+        raise errors.FileFormatError(path, problem, "line 1")
     lines, numbers = [*filter(None, every)], [*compress(range(1, len(every) + 1), every)]
     header = _header(path, lines[0])
 
@@ -199,13 +193,13 @@ def csv_table(path: PathLike, progress: Progress | None) -> Table:
             fields = _fields(path, line, number)
             if len(fields) != len(header):
                 problem = f"{len(fields)} fields, expected {len(header)} as in line 1"
-                raise FileFormatError(path, problem, number)
+                raise errors.FileFormatError(path, problem, number)
             for column in needed:
                 value = _number(fields[column])
                 if value is None or not math.isfinite(value):
                     problem = f"expected a finite number, got {fields[column][:40]!r}"
-                    raise FileFormatError(path, problem, place(row, column))
-        raise FileFormatError(path, "cannot be read as a table of numbers")
+                    raise errors.FileFormatError(path, problem, place(row, column))
+        raise errors.FileFormatError(path, "cannot be read as a table of numbers")
 
     def place(row: int, column: int) -> str:
         return f"line {numbers[row + 1]}, column {column + 1} ({header[column]})"
@@ -217,21 +211,21 @@ def _fields(path: PathLike, line: str, place: str) -> list[str]:
     try:
         return [text.strip() for text in next(csv.reader([line]))]
     except csv.Error as error:  # a field of more than 131 072 characters
-        raise FileFormatError(path, f"is not a table of numbers: {error}", place) from None
+        raise errors.FileFormatError(path, f"is not a table of numbers: {error}", place) from None
 
 
 def _header(path: PathLike, line: str) -> list[str]:
     others = {";": "';'", "\t": "a tab", " ": "a space"}.items()
     if found := [name for separator, name in others if separator in line and "," not in line]:
         problem = f"columns are separated by {found[0]}, expected ','"
-        raise FileFormatError(path, problem, "line 1")
+        raise errors.FileFormatError(path, problem, "line 1")
     header = _fields(path, line, "line 1")
     if _number(header[0]) is not None:
-        raise FileFormatError(path, "starts with numbers, expected column names", "line 1")
+        raise errors.FileFormatError(path, "starts with numbers, expected column names", "line 1")
     for k, name in enumerate(header):
         if name and name in header[:k]:
             problem = f"column {name[:40]!r} stands twice"
-            raise FileFormatError(path, problem, f"line 1, column {k + 1}")
+            raise errors.FileFormatError(path, problem, f"line 1, column {k + 1}")
     return header
 
 
@@ -266,52 +260,44 @@ def bag_table(
     """
     streams = _streams(path, topic, progress)
     topic, before, wanted = _chosen(path, streams, prefix)
-    nothing, n, rows, values = np.full(len(wanted), np.nan), len(wanted), [], []
-    partial: list[int] = []
+    nothing, rows, values = [np.nan] * len(wanted), [], []
     publishers: dict[str, int] = {}
     for number, (publisher, received, stamp, m) in enumerate(streams[topic], start=1):
         count = len(m.name)
-        if len(m.position) != count or not {*wanted} <= {*m.name}:
-            partial.append(number)
-            continue
-        at = [m.name.index(name) for name in wanted]
-        fields = m.position, m.velocity, m.effort
-        rows.append((number, received, stamp))
-        values.append([x[at] if len(x) == count else nothing for x in fields])
-        publishers.setdefault(publisher, number)
+        if len(m.position) == count and {*wanted} <= {*m.name}:
+            at = [m.name.index(name) for name in wanted]
+            fields = m.position, m.velocity, m.effort
+            values.append([x[at] if len(x) == count else nothing for x in fields])
+            rows.append((number, received, stamp))
+            publishers.setdefault(publisher, number)
     numbers, times, stamps = np.array(rows, dtype=np.int64).reshape(-1, 3).T
+    partial = np.setdiff1d(range(1, len(streams[topic]) + 1), numbers)
     unstamped = numbers[stamps == 0]
     if (stamps < _SOON).sum() > unstamped.size == 1:
         unstamped = unstamped[:0]  # simulated time starts at zero
     ns = times if unstamped.size else stamps
     order = np.argsort(ns, kind="stable")
     back, numbers, ns = numbers[1:][np.diff(ns) < 0], numbers[order], ns[order]
-    table = np.array(values).reshape(-1, 3, n)[order]
+    table = np.array(values).reshape(-1, 3, len(wanted))[order]
     if np.isnan(table[:, 0]).all(axis=0).tolist() == [*[False] * 4, True]:
         wanted, table = wanted[:4], table[..., :4]  # a gripper without a sensor
     whole = np.isfinite(table[:, 0]).all(axis=1)
     holes, numbers, table = numbers[~whole], numbers[whole], table[whole]
     slow = numbers[~np.isfinite(table[:, 1]).all(axis=1)]
-    others = [*publishers.values()][1:]
-    odd: dict[str, tuple[Any, str]] = {
-        "missing_joints": (
-            partial,
-            f"no position of each of {', '.join(wanted)}, message left out",
-        ),
-        "not_finite": (holes, "positions that are not finite, message left out"),
-        "no_stamp": (unstamped, "no stamp; all times are those of recording"),
-        "out_of_order": (back, "time runs back, messages sorted"),
-        "publishers": (others, f"publishers: {', '.join(sorted(publishers))}"),
-        "velocity": (
-            slow[: slow.size * (slow.size < len(numbers))],
-            "no velocities, so none is used",
-        ),
-    }
-    warnings = (
-        MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
-        for kind, (at, text) in odd.items()
-        if len(at)
-    )
+    warnings: list[MotionWarning] = []
+
+    def warn(kind: str, at: Any, text: str) -> None:
+        if len(at):
+            warnings.append(MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text))
+
+    warn("missing_joints", partial, f"no position of each of {', '.join(wanted)}, message left out")
+    warn("not_finite", holes, "positions that are not finite, message left out")
+    warn("no_stamp", unstamped, "no stamp; all times are those of recording")
+    warn("out_of_order", back, "time runs back, messages sorted")
+    others = f"publishers: {', '.join(sorted(publishers))}"
+    warn("publishers", [*publishers.values()][1:], others)
+    if slow.size < numbers.size:
+        warn("velocity", slow, "no velocities, so none is used")
     kinds = {"": 0, "_effort": 2} if slow.size else {"": 0, "_vel": 1, "_effort": 2}
     header = ["time", *(name + kind for kind in kinds for name in wanted)]
     time = _seconds(ns[whole].tolist(), 10**9)
@@ -335,7 +321,7 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
         from rosbags.typesys import Stores, get_typestore
 
         if not file.exists():
-            raise MissingFileError(path, "a ROS bag")
+            raise errors.MissingFileError(path, "a ROS bag")
         first = file.suffix.lower() == ".bag"
         # The message is the same in every release: no need for the definitions in the bag.
         store = get_typestore(Stores.ROS1_NOETIC if first else Stores.LATEST)
@@ -345,7 +331,7 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
             if not here:
                 got = ", ".join(sorted(f"{c.topic} ({c.msgtype})" for c in bag.connections))
                 problem = f"no sensor_msgs/JointState, but {got or 'nothing'}"
-                raise FileFormatError(path, problem)
+                raise errors.FileFormatError(path, problem)
             if topic is not None:
                 choice("topic", topic, sorted({c.topic for c in here}))
                 here = [c for c in here if c.topic == topic]
@@ -365,15 +351,12 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
 def _chosen(path: PathLike, streams: _Streams, asked: str | None) -> tuple[str, str, list[str]]:
     """The only topic of the arm's joints, their only prefix, and the joints in most messages."""
     named = Counter((topic, tuple(m.name)) for topic, got in streams.items() for *_, m in got)
-    found = {
-        (*key, before): count
-        for key, count in named.items()
-        for before in prefixes(key[1], asked=asked)
-    }
+    pairs = ((key, before) for key in named for before in prefixes(key[1], asked=asked))
+    found = {(*key, before): named[key] for key, before in pairs}
     if not found:
         got = "; ".join(sorted(f"{topic}: {', '.join(names)}" for topic, names in named))[:400]
         joints = ", ".join((asked or "") + joint for joint in JOINTS[:4])
-        raise FileFormatError(path, f"no message has all of {joints}, but {got}")
+        raise errors.FileFormatError(path, f"no message has all of {joints}, but {got}")
     topic = only("topic", sorted({topic for topic, *_ in found}))
     before = only("prefix", sorted({before for t, _, before in found if t == topic}))
     most = max((key for key in found if key[::2] == (topic, before)), key=found.__getitem__)
