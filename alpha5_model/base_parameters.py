@@ -126,6 +126,10 @@ def water_parameters(
     free, handed = dict(enumerate(STRIPS)), np.zeros((6, 6))
     for link in (4, 3, 2, 1):
         matrix = added_mass[link - 1] + handed
+        of_b = matrix[1, 1] - matrix[2, 2]
+        of_c = (matrix[0, 3] + matrix[1, 4] - matrix[2, 5]) / 2
+        turning = np.kron([[of_b, of_c], [of_c, 0.0]], np.diag([1.0, 1.0, 0.0]))
+        matrix = matrix - turning
         heavy, coupling, inertia = matrix[:3, :3], matrix[:3, 3:], matrix[3:, 3:]
         mass, turned = heavy[2, 2], (coupling.T - coupling) / 2  # [h]x
         rigid = rigid_parts[link, 0]
@@ -133,20 +137,14 @@ def water_parameters(
         rigid[:3, 3] = rigid[3, :3] = turned[2, 1], turned[0, 2], turned[1, 0]
         rigid[3, 3] = mass
         left, even = heavy - mass * np.eye(3), (coupling + coupling.T) / 2
-        turning = np.diag([1.0, 1.0, 0.0])
-        shares = left[1, 1], np.trace(even) / 2 - even[2, 2]
-        left, even = left - shares[0] * turning, even - shares[1] * turning
         values |= {f"link_{link}.b{name}": left[at] for name, at in _B.items()}
         values |= {f"link_{link}.c{name}": even[at] for name, at in _SECOND.items()}
         if link > 1:
             row = parameters().dh[link - 2]
             back = np.linalg.inv(pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0)))
-            turn = back[:3, :3]
-            twist = np.kron(np.eye(2), turn)
-            twist[:3, 3:] = cross_matrix(back[:3, 3]) @ turn
-            one, both = np.diag([1.0, 0.0]), np.array([[0.0, 1.0], [1.0, 0.0]])
-            handed = shares[0] * np.kron(one, turning) + shares[1] * np.kron(both, turning)
-            handed = twist.T @ handed @ twist
+            twist = np.kron(np.eye(2), back[:3, :3])
+            twist[:3, 3:] = cross_matrix(back[:3, 3]) @ back[:3, :3]
+            handed = twist.T @ turning @ twist
         for strip in strips[link - 1]:
             ends = np.abs(strip.end - strip.start) / 2
             kind, half = (link, int(ends.argmax()), gauss_count(strip)), ends.max()

@@ -29,7 +29,6 @@ from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStr
 Rows = ArrayLike
 #: Velocity of the water, in the world [m/s]; None for the arm's own.
 Flow = ArrayLike | None
-_COMPUTED = ("inverse_dynamics", "forward_dynamics")
 #: Derivatives with respect to positions, velocities and accelerations or torques.
 Partials = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -297,18 +296,12 @@ class HydrodynamicArm:
     @cached_property
     def _numbers(self) -> FloatArray | None:
         """Parameters of the kernels; None where they do not know the arm, or what moves water on it."""
-        still = self.still._kernel_parameters
-        bodies = [body for body in self.bodies if body.joint in [*self._model.names][1:]]
-        straight = all(np.array_equal(b.action, np.eye(6)) for b in bodies if b.data.strips)
-        if (
-            still is None
-            or not straight
-            or any(b.linear.any() or b.quadratic.any() for b in bodies)
-        ):
+        still, joints = self.still._kernel_parameters, [*self._model.names][1:]
+        bodies = [body for body in self.bodies if body.joint in joints]
+        if still is None or not all(body.plain for body in bodies):
             return None
         strips = [
-            [strip for body in bodies if body.joint == joint for strip in body.data.strips]
-            for joint in [*self._model.names][1:]
+            [s for b in bodies if b.joint == joint for s in b.data.strips] for joint in joints
         ]
         added = self._tree.water.added_mass[1:]
         water = water_parameters(added, strips, self.still.fluid_density)
@@ -317,9 +310,10 @@ class HydrodynamicArm:
     @cached_property
     def _kernels(self) -> list[Callable[..., Any]]:
         """Inverse and forward dynamics of this arm by kernels, or what answers None as they do."""
-        if self._numbers is None:
-            return [lambda *_: None] * 2
-        return [kernels.module().bind(f"{name}_in_current", self._numbers) for name in _COMPUTED]
+        names, numbers = ("inverse_dynamics", "forward_dynamics"), self._numbers
+        if numbers is None:
+            return [lambda *_: None for _ in names]
+        return [kernels.module().bind(f"{name}_in_current", numbers) for name in names]
 
     def _derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow

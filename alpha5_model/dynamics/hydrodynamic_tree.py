@@ -27,7 +27,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model, on_free_flyer
 from alpha5_model.dynamics.states import expanded
 from alpha5_model.errors import InputError
-from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip, gauss_points
+from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points
 from alpha5_model.spatial import cross_matrix
 
 #: Two rows of a twist, linear and quadratic resistance.
@@ -249,6 +249,12 @@ class JointWater:
     linear: FloatArray = field(default_factory=lambda: np.zeros(6))
     quadratic: FloatArray = field(default_factory=lambda: np.zeros(6))
 
+    @property
+    def plain(self) -> bool:
+        """Whether it has no such damping, and strips, if any, in the joint's frame."""
+        damped = self.linear.any() or self.quadratic.any()
+        return not damped and (not self.data.strips or np.array_equal(self.action, np.eye(6)))
+
 
 class MovingWater:
     """Added mass and drag on the joints of a tree, in a fluid; twists and forces are (joints, 6, N).
@@ -320,25 +326,19 @@ class MovingWater:
 def _resistances(body: JointWater) -> Iterable[Resistance]:
     nothing = np.zeros(6)
     for strip in body.data.strips:
-        yield from _of_strip(strip)
+        line = strip.end - strip.start
+        # Rows of the last two right singular vectors of the line are across it.
+        axes = np.linalg.svd(line[None])[2]
+        face = WATER_DENSITY / 2 * strip.diameter * float(np.linalg.norm(line))
+        for point, share in gauss_points(strip):
+            _, one, other = axes @ np.hstack([np.eye(3), -cross_matrix(point)])
+            yield one, other, 0.0, strip.across * face * share
+        # The velocity along a line is the same at all its points.
+        along = axes[0] @ np.hstack([np.eye(3), -cross_matrix(strip.start)])
+        yield along, nothing, 0.0, strip.along * face
     for row, linear, quadratic in zip(np.eye(6), body.linear, body.quadratic, strict=True):
         if linear or quadratic:
             yield row, nothing, float(linear), float(quadratic)
-
-
-def _of_strip(strip: DragStrip) -> Iterable[Resistance]:
-    line = strip.end - strip.start
-    length = float(np.linalg.norm(line))
-    # Rows of the last two right singular vectors of the line are across it.
-    along, one, other = np.linalg.svd(line[None])[2]
-    face = WATER_DENSITY / 2 * strip.diameter * length
-    for point, share in gauss_points(strip):
-        at = -cross_matrix(point)
-        rows = [np.concatenate([axis, axis @ at]) for axis in (one, other)]
-        yield rows[0], rows[1], 0.0, strip.across * face * share
-    # The velocity along a line is the same at all its points.
-    row = np.concatenate([along, along @ -cross_matrix(strip.start)])
-    yield row, np.zeros(6), 0.0, strip.along * face
 
 
 def cross_force(nu: FloatArray) -> FloatArray:
