@@ -135,9 +135,8 @@ class MissingParameterError(Alpha5Error, ValueError):
 
     def __init__(self, parameter: str, needed_for: str) -> None:
         self.parameter = parameter
-        super().__init__(
-            f"{needed_for} needs {parameter}, which is not published: give it yourself"
-        )
+        remedy = "give it yourself"
+        super().__init__(f"{needed_for} needs {parameter}, which is not published: {remedy}")
 
 
 class MissingFileError(Alpha5Error, FileNotFoundError):

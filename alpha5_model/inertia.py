@@ -232,9 +232,9 @@ def inconsistencies(
         variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
         for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
             if not low <= position <= high:
+                span = f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
                 found.append(
-                    f"the COM's {axis} = {position * 1e3:.1f} mm is outside the body, "
-                    f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+                    f"the COM's {axis} = {position * 1e3:.1f} mm is outside the body, {span}"
                 )
             elif variance > (high - position) * (position - low) * (1 + tolerance):
                 limit = np.sqrt((high - position) * (position - low))

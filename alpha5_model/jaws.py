@@ -125,11 +125,9 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
         hinges.append(joint)
     moving = [rod, *fingers]
     coms, tensors, cobs = zip(*(body.in_link_4() for body in moving), strict=True)
-    mass, com, inertia = combine(
-        [link.mass, *(-body.mass for body in moving)],
-        [link.com, *coms],
-        [link.inertia, *(-tensor for tensor in tensors)],
-    )
+    masses = [link.mass, *(-body.mass for body in moving)]
+    inertias = [link.inertia, *(-tensor for tensor in tensors)]
+    mass, com, inertia = combine(masses, [link.com, *coms], inertias)
     volumes = [body.volume for body in moving]
     volume = link.volume - sum(volumes)
     cob = frozen((link.volume * link.cob - sum(map(operator.mul, volumes, cobs))) / volume)

@@ -67,11 +67,9 @@ def _report(
     for file, checks in _grouped(files, lambda row: row.file).items():
         count = Counter(row.verdict for row in checks)
         yield f"  {file}: {', '.join(f'{n} {verdict}' for verdict, n in count.items())}"
-        cells = [
-            [row.verdict, row.check, f"{row.measured:.1e}" if row.measured else "", row.finding]
-            for row in checks
-            if verbose or row.verdict != "passed"
-        ]
+        found = [row for row in checks if verbose or row.verdict != "passed"]
+        off = (f"{row.measured:.1e}" if row.measured else "" for row in found)
+        cells = [[x.verdict, x.check, far, x.finding] for x, far in zip(found, off, strict=True)]
         yield from table(cells, "<", 4, options.width()) if cells else ()
     if not verbose:
         yield "\n--verbose adds the rows in agreement, the claims' words and all reasons"
@@ -215,7 +213,4 @@ def _row(side: dict[str, Any]) -> list[float]:
 
 
 def _cell(x: float, sign: str = "") -> str:
-    if math.isnan(x):
-        return "-"
-    digits = 2 if abs(x) < 1e4 else 0
-    return f"{round(x, digits) + 0.0:{sign}.{digits}f}"  # adding zero turns -0.0 into 0.0
+    return "-" if math.isnan(x) else f"{x:{sign}z.{2 if abs(x) < 1e4 else 0}f}"
