@@ -57,16 +57,12 @@ def header(arm: Arm, made: Iterable[Program], options: Any) -> str:
         declared += f"\n/* {comment}\n */\n{_prototype(one)};\n".replace(" \n", "\n")
     units = zip(_MEMBERS, BASE_PARAMETERS.values(), strict=True)
     members = "\n".join(f"    alpha5_real {name}; /* {unit} */" for name, unit in units)
-    return template(
-        "alpha5.h",
-        **provenance(parameters(options.corrections)),
-        fluid_density=f"{arm.fluid_density:g}",
-        gravity=", ".join(f"{x:g}" for x in arm.model.gravity.linear),
-        real=options.real,
-        branches=",\n".join(f"    ALPHA5_{name.upper()}" for name in BRANCHES),
-        parameters=template("parameters.h", members=members) if options.struct else "",
-        functions=declared,
-    )
+    values = provenance(parameters(options.corrections)) | {"real": options.real}
+    values["fluid_density"] = f"{arm.fluid_density:g}"
+    values["gravity"] = ", ".join(f"{x:g}" for x in arm.model.gravity.linear)
+    values["branches"] = ",\n".join(f"    ALPHA5_{name.upper()}" for name in BRANCHES)
+    values["parameters"] = template("parameters.h", members=members) if options.struct else ""
+    return template("alpha5.h", functions=declared, **values)
 
 
 def source(arm: Arm, made: Iterable[Program], options: Any) -> str:
@@ -144,15 +140,11 @@ def check_program(arm: Arm, made: Iterable[Program], options: Any) -> str:
         call += ", &loaded); alpha5_inverse_dynamics(&loaded, q[row], v[row], a[row]"
         expected = [[loaded.inverse_dynamics(row["q"], row["v"], row["a"])] for row in rows]
         tests["with_payload"] = _test("with_payload", call, expected, real)
-    return template(
-        "test_alpha5.c",
-        **{name: numbers(x, real) for name, x in states.items()},
-        **dict(zip(("edge", "miss", "turn"), _MISSES[real], strict=True)),
-        count=_STATES,
-        tests="".join(tests.values()),
-        targets=numbers(_targets(arm), real),
-        calls="\n".join(f"    test_{name}();" for name in tests),
-    )
+    values: dict[str, Any] = {name: numbers(x, real) for name, x in states.items()}
+    values |= zip(("edge", "miss", "turn"), _MISSES[real], strict=True)
+    values |= {"count": _STATES, "targets": numbers(_targets(arm), real)}
+    values["calls"] = "\n".join(f"    test_{name}();" for name in tests)
+    return template("test_alpha5.c", tests="".join(tests.values()), **values)
 
 
 def answer(arm: Arm, name: str, given: Mapping[str, FloatArray]) -> list[FloatArray]:

@@ -203,10 +203,9 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
     if accept is None:
         four = _solved(target, limits)[1].view(np.uint32)  # truth values as one number
         return np.asarray(four[..., 0] != 0)
-    rows = target.reshape(-1, 3)
-    parts = [rows[start : start + _BLOCK] for start in range(0, len(rows), _BLOCK)]
-    out = [np.zeros(0, np.bool_), *(_accepted(part, limits, accept) for part in parts)]
-    return np.concatenate(out).reshape(target.shape[:-1])
+    blocks = np.split(target.reshape(-1, 3), range(_BLOCK, target.size // 3, _BLOCK))
+    out = np.concatenate([_accepted(rows, limits, accept) for rows in blocks])
+    return out.reshape(target.shape[:-1])
 
 
 def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:

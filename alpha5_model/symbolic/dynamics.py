@@ -237,10 +237,8 @@ def in_moving_water() -> tuple[casadi.Function, ...]:
     mass = _mass_matrix(newton_euler(q, still, a, weightless(base), SX.zeros(3), load)[0], a)
     acceleration = casadi.ldl_solve(tau - bias, *casadi.ldl(mass, False))
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "current": current, "parameters": p}
-    return (
-        named("inverse_dynamics_in_current", inputs, {"tau": torque}),
-        named("forward_dynamics_in_current", inputs, {"a": acceleration}),
-    )
+    results = {"inverse": {"tau": torque}, "forward": {"a": acceleration}}
+    return tuple(named(f"{k}_dynamics_in_current", inputs, out) for k, out in results.items())
 
 
 def _load(
