@@ -213,7 +213,14 @@ def savitzky_golay(
     from scipy.signal import savgol_filter
 
     dt = float(np.median(np.diff(time)))
-    window, reached = _window(bandwidth * dt)
+    frequency = bandwidth * dt  # in cycles per sample
+    # [Schafer2011, eq. 12] is the first guess; the response itself decides, and falls with length.
+    guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
+    windows = range(2 * max(2, int(0.8 * guess) - 1) + 1, 2 * int(1.2 * guess) + 7, 2)
+    at = bisect_left(windows, -frequency, 1, key=lambda window: -_cutoff(window))
+    near = {_cutoff(window): window for window in windows[at - 1 : at + 1]}
+    reached = min(near, key=lambda cutoff: abs(cutoff - frequency))
+    window = near[reached]
     grid = np.arange(time[0], time[-1] + dt, dt)
     if window > grid.size:
         most = f"a window of at most the motion's {grid.size} samples (it takes {window})"
@@ -222,17 +229,6 @@ def savitzky_golay(
     by_order = (savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0) for k in range(3))
     value, slope, bend = (_columns(time, grid, even) for even in by_order)
     return value, slope, bend, reached / dt
-
-
-def _window(frequency: float) -> tuple[int, float]:
-    """Odd window whose -3 dB frequency comes nearest, and that frequency, in cycles per sample."""
-    # [Schafer2011, eq. 12] is the first guess; the response itself decides, and falls with length.
-    guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
-    windows = range(2 * max(2, int(0.8 * guess) - 1) + 1, 2 * int(1.2 * guess) + 7, 2)
-    at = bisect_left(windows, -frequency, 1, key=lambda window: -_cutoff(window))
-    near = {_cutoff(window): window for window in windows[at - 1 : at + 1]}
-    reached = min(near, key=lambda cutoff: abs(cutoff - frequency))
-    return near[reached], reached
 
 
 def _cutoff(window: int) -> float:
