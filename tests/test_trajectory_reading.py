@@ -309,9 +309,10 @@ def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
     for name in (None, 3.5, "a\0b"):
         with pytest.raises(InputError, match="path"):
             a5.trajectory.read_motion(name)  # type: ignore[arg-type]
-    for suffix in ("", ".bag"):
-        with pytest.raises(FileFormatError, match="name too long"):
-            a5.trajectory.read_motion("x" * 5000 + suffix)
+    with pytest.raises(FileFormatError, match="name too long"):
+        a5.trajectory.read_motion("x" * 5000)
+    with pytest.raises(FileFormatError, match="mcap recover"):
+        a5.trajectory.read_motion("x" * 5000 + ".bag")
 
 
 @pytest.mark.parametrize("size", [1.01e9, 1e300])
