@@ -17,12 +17,11 @@ from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
 from alpha5_model.base_parameters import water_parameters
-from alpha5_model.checks import FloatArray, bounded, choice, float_array, frozen, rigid_transform
+from alpha5_model.checks import FloatArray, choice, float_array, frozen, rigid_transform
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree, JointWater
 from alpha5_model.dynamics.hydrostatics import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.dynamics.states import forces, rows, vector
-from alpha5_model.errors import ShapeError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 
 #: One state in each row, or one for all.
@@ -268,30 +267,20 @@ class HydrodynamicArm:
 
     def _water_torques(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow) -> FloatArray:
         """What moving water adds to the tree's torques, of each row, (N, tree nv)."""
-        states = rows(self._model, q=q, v=v, a=a)
-        return self._tree.water_torques(
-            self._tree.expand(*states), self._flows(current, len(states[0]))
-        )
-
-    def _flows(self, current: Flow, n: int) -> FloatArray:
-        """The current of each of n rows, (n, 3)."""
-        given = self.current if current is None else current
-        flows = bounded("current", float_array("current", given, (3,)))
-        if flows.ndim > 2 or (flows.ndim == 2 and len(flows) not in (1, n)):
-            raise ShapeError("current", flows.shape, f"shape (3,) or ({n}, 3)")
-        return np.broadcast_to(flows, (n, 3))
+        flow = self.current if current is None else current
+        *states, flows = rows(self._model, q=q, v=v, a=a, current=flow)
+        return self._tree.water_torques(self._tree.expand(*states), flows)
 
     def _rows_of_kernel(
-        self, name: str, threads: int | None, current: Flow, **states: Rows
+        self, name: str, threads: int | None, current: Flow, q: Rows, **rates: Rows
     ) -> FloatArray | None:
         """A kernel's output for each row, (N, 4), None where there is none for this arm."""
         if self._numbers is None:
             return None
-        given: list[Any] = [*states.values()]
-        if not all(type(x) is np.ndarray and x.shape == (len(x), 4) for x in given):
-            given = rows(self._model, **states)
-        state = dict(zip(states, given, strict=True), current=self._flows(current, len(given[0])))
-        return kernel_rows(self.still, name, 4, threads, self._numbers, **state)
+        flow = float_array("current", self.current if current is None else current, (3,))
+        if flow.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
+            flow = np.broadcast_to(flow, (len(q), 3))  # one row for all: kernels know it as such
+        return kernel_rows(self.still, name, 4, threads, self._numbers, q=q, **rates, current=flow)
 
     @cached_property
     def _numbers(self) -> FloatArray | None:
