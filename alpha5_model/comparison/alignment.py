@@ -18,12 +18,14 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.arm import (
     FourJointArm,
+    Pair,
     Z,
+    carried,
     our_arm,
     our_frames,
     random_positions,
     tip_points,
-    with_dimensions,
+    zero_poses,
 )
 from alpha5_model.comparison.reading import foot
 from alpha5_model.parameters import parameters
@@ -45,8 +47,6 @@ LENGTH_TOLERANCE = 1e-5  # [m]
 ANGLE_TOLERANCE = 1e-4  # [rad]
 #: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
 POSITIONS = 10
-#: The unknowns of a fit that changes no dimension.
-ZEROS = range(8)
 #: The first axis that each unknown moves.
 MOVES_FROM = (0,) * 6 + (2, 3) + (1, 2, 3, 2) * 2
 
@@ -121,7 +121,7 @@ def align(theirs: FourJointArm) -> Alignment:
     exact = min(fits, key=lambda one: _oddities(theirs, one, within))
     wrong = np.abs(exact.dimensions) > within
     best = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
-    best = _with_base_link(theirs, fit(theirs, best, (*ZEROS, *(8 + np.flatnonzero(wrong)))))
+    best = _with_base_link(theirs, fit(theirs, best, [*range(8), *(8 + np.flatnonzero(wrong))]))
     return replace(_settle_zeros(theirs, best), exact=_settle_zeros(theirs, exact))
 
 
@@ -198,14 +198,9 @@ def _body_errors(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     return np.asarray(away + np.abs(inertia - ours.inertia).max(axis=(1, 2)))
 
 
-def bodies_in_our_frames(
-    theirs: FourJointArm, alignment: Alignment
-) -> tuple[FloatArray, FloatArray]:
+def bodies_in_our_frames(theirs: FourJointArm, alignment: Alignment) -> Pair:
     """COM (5, 3) [m] and tensor at the COM (5, 3, 3) of the other bodies in our link frames."""
-    transforms = body_transforms(theirs, alignment)
-    rotation = transforms[:, :3, :3]
-    tensors = rotation @ theirs.inertia @ np.swapaxes(rotation, 1, 2)
-    return moved(transforms, theirs.com), tensors
+    return carried(theirs, body_transforms(theirs, alignment))[1:]
 
 
 def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
@@ -216,9 +211,8 @@ def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     that was meant to be base_link, if there is one; body 1 by the base or by the shoulder, whose
     height above it may differ: by the one that fits.
     """
-    here = with_dimensions(alignment.dimensions).poses(np.zeros(4))
     there = alignment.base @ theirs.poses(alignment.zero)
-    transforms: FloatArray = np.linalg.inv(here) @ there
+    transforms: FloatArray = np.linalg.inv(zero_poses(alignment.dimensions)) @ there
     if alignment.same_base:
         base = theirs.link_poses[alignment.base_link]
         transforms[0] = transform(rotation_about(Z, _yaw(alignment))) @ np.linalg.inv(base)
@@ -272,7 +266,7 @@ def _changed(alignment: Alignment, change: FloatArray) -> Alignment:
     return replace(alignment, base=base, zero=zero, dimensions=alignment.dimensions + change[8:])
 
 
-def difference(theirs: FourJointArm, alignment: Alignment) -> tuple[FloatArray, FloatArray]:
+def difference(theirs: FourJointArm, alignment: Alignment) -> Pair:
     """Their axes minus ours in Plücker coordinates, (24 N,), and the derivative, (24 N, 16).
 
     The coordinates are moments about our root [m] and directions. Each unknown, of base (6), zeros
@@ -306,9 +300,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return out
 
 
-def their_lines(
-    theirs: FourJointArm, alignment: Alignment, q: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def their_lines(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Pair:
     """Their axes at our positions q (..., 4), in our root frame and turning our way."""
     points, directions = theirs.axis_lines(alignment.theirs(q))
     rotation, shift = alignment.base[:3, :3], alignment.base[:3, 3]

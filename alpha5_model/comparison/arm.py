@@ -27,6 +27,7 @@ DOWN = np.array(GRAVITY)  # [m/s^2]
 AS_IT_IS = np.zeros(8)
 
 Paths = dict[str, tuple[str, ...]]
+Pair = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ class FourJointArm:
         """Poses of the bodies in the root frame, (..., 5, 4, 4), at its own angles q (..., 4)."""
         return chain_poses(self.placements, self.axes, q)
 
-    def axis_lines(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def axis_lines(self, q: FloatArray) -> Pair:
         """A point on each axis and its direction in the root frame, (..., 4, 3), at q (..., 4)."""
         poses = self.poses(q)[..., 1:, :, :]
         return poses[..., :3, 3], (poses[..., :3, :3] @ self.axes[..., None])[..., 0]
@@ -158,11 +159,17 @@ def our_frames(q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
     return chain_poses(placements, np.tile(Z, (4, 1)), q + offset)[..., 1:, :, :]
 
 
-def with_dimensions(change: FloatArray) -> FourJointArm:
-    """Our arm with changed dimensions; each body stays with its own joint."""
+def zero_poses(change: FloatArray) -> FloatArray:
+    """Poses of our bodies at zero, (5, 4, 4), each with its own joint, with changed dimensions."""
     before, after = our_frames(np.zeros(4)), our_frames(np.zeros(4), change)
     poses = our_arm().poses(np.zeros(4))
     poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
+    return poses
+
+
+def with_dimensions(change: FloatArray) -> FourJointArm:
+    """Our arm with changed dimensions; each body stays with its own joint."""
+    poses = zero_poses(change)
     return replace(our_arm(), placements=np.linalg.inv(poses[:-1]) @ poses[1:])
 
 
@@ -236,9 +243,9 @@ def reduce_robot(
     )
 
 
-def carried(body: Any, pose: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, COM and tensor of a body, carried to where it stands with a pose (4, 4)."""
-    return body.mass, moved(pose, body.com), rotate_tensor(pose[:3, :3], body.inertia)
+def carried(body: Any, pose: FloatArray) -> tuple[Any, FloatArray, FloatArray]:
+    """Mass, COM and tensor of bodies, carried to where they stand with poses (..., 4, 4)."""
+    return body.mass, moved(pose, body.com), rotate_tensor(pose[..., :3, :3], body.inertia)
 
 
 def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | None) -> set[str]:

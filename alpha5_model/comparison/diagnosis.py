@@ -79,11 +79,11 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
     return [Inertial("", *whole, np.eye(4)), solid[0]]
 
 
-def reason(
-    link: LinkParameters,
-    written: Sequence[Inertial],
-    explain: Callable[[LinkParameters, Inertial], str | None],
-) -> str:
+#: Why a number of what carries it is not that of a link of the tables, if a hypothesis gives it.
+Explain = Callable[[LinkParameters, Inertial], str | None]
+
+
+def reason(link: LinkParameters, written: Sequence[Inertial], explain: Explain) -> str:
     """The first subject whose number is explained, and which links stand beside it."""
     for subject in subjects(written):
         if words := explain(link, subject):
@@ -113,31 +113,24 @@ def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
 def explain_com(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a COM is not Table 2's; None if no hypothesis gives it."""
     body, written = _index(link), subject.com
-    views: list[View] = [("", subject.in_our_frame().com, 0, 1.0)]
+    frame = f"in a frame that is not inertial frame {{{body}}}"
+    views = _views(subject, subject.in_our_frame().com, written, frame)
     if subject.link:
         if not written.any():
             return "missing or zero: at the origin of the other model's link frame"
-        frame = f"in a frame that is not inertial frame {{{body}}}"
-        same = subject.meant_in_our_frame
-        views += [
-            ("", written, 0, 1.0) if same else (frame, written, 1, 1.0),
-            ("written in millimetres", written, 1, 1e3),
-            ("written in kilometres", written, 1, 1e-3),
-        ]
+        views.append(("written in millimetres", written, 1, 1e3))
+        views.append(("written in kilometres", written, 1, 1e-3))
     rounded = _last_digit(COM_DIGITS, subject, *written)
     return _fit(hypotheses.wrong_coms(body), views, (rounded, COM_DIGITS[0]))
 
 
 def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a tensor is not Table 2's; None if no hypothesis gives it."""
-    body, written, seen = _index(link), subject.inertia, subject.in_our_frame().inertia
+    body, seen = _index(link), subject.in_our_frame().inertia
     if not seen.any():
         return "missing or zero"
-    views: list[View] = [("", seen, 0, 1.0)]
-    if subject.link:
-        axes = f"in axes that are not those of inertial frame {{{body}}}"
-        same = subject.meant_in_our_frame
-        views.append(("", written, 0, 1.0) if same else (axes, written, 1, 1.0))
+    axes = f"in axes that are not those of inertial frame {{{body}}}"
+    views = _views(subject, seen, subject.inertia, axes)
     views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
     views += [(f"wrong unit, a factor of 1e{p}", seen, 1, 10.0**p) for p in (9, 6, 3, -3, -6, -9)]
     within = _tensor_digits(subject)
@@ -145,6 +138,12 @@ def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
         return words
     water = added_water(link, subject)
     return water[1] if water else wrong_point(body, subject.mass, seen, within)
+
+
+def _views(subject: Inertial, seen: FloatArray, written: FloatArray, elsewhere: str) -> list[View]:
+    """A number as it lies in our frame, and as one link writes it in its own."""
+    own = ("", written, 0, 1.0) if subject.meant_in_our_frame else (elsewhere, written, 1, 1.0)
+    return [("", seen, 0, 1.0), *([own] if subject.link else [])]
 
 
 def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | None:

@@ -74,13 +74,11 @@ def read_model(
 
 def as_meant(robot: UrdfRobot) -> UrdfRobot:
     """The robot with every multiple of pi in its joints' rpy exact, whatever digits are printed."""
-    joints = {name: replace(j, transform=_meant(j)) for name, j in robot.joints.items()}
+    joints = dict(robot.joints)
+    for name, joint in robot.joints.items():
+        if angles := [meant_angle(text) for text in joint.printed[1].split()]:
+            joints[name] = replace(joint, transform=pose(joint.transform[:3, 3], angles))
     return replace(robot, joints=joints)
-
-
-def _meant(joint: UrdfJoint) -> FloatArray:
-    angles = [meant_angle(text) for text in joint.printed[1].split()]
-    return pose(joint.transform[:3, 3], angles) if angles else joint.transform
 
 
 @cache
@@ -222,10 +220,9 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
         found = [tuple([robot.joints[given[axis]] for axis in AXES])]
     found = [row for row in found if all(row[AXES.index(a)].name == n for a, n in given.items())]
     if given and not found:
-        example = ",".join(f"{axis}={name}" for axis, name in given.items())
-        choices = ", ".join(rows) or "none"
-        expected = f"four different joints that follow each other, out of: {choices}"
-        raise InputError("map", example, expected)
+        expected = "four different joints that follow each other, out of: "
+        example = ",".join(map("=".join, given.items()))
+        raise InputError("map", example, expected + (", ".join(rows) or "none"))
     chains = []
     for row in found:
         at = np.array([poses[joint.parent] @ joint.transform for joint in row])

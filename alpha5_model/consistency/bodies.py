@@ -28,7 +28,7 @@ from alpha5_model.inertia import (
     tensor_at_origin,
 )
 from alpha5_model.parameters import Alpha5Parameters, LinkParameters, convert
-from alpha5_model.published.tables import BuoyancyRow, InertialRow, Published
+from alpha5_model.published.tables import BuoyancyRow, InertialRow, Published, Triple
 from alpha5_model.spatial import cross_matrix, rotation_about
 
 ALUMINIUM = 2700.0  # kg/m^3
@@ -69,9 +69,6 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     rows, waters = printed.table_2.rows, printed.table_3.rows
     fastest = max(joint.velocity for joint in p.joints[:4])
     boxes = [link.bounds for link in p.links]
-    inside = (
-        figure(partial(excess_of_box, bounds=b), r.com) for r, b in zip(rows, boxes, strict=True)
-    )
     return [
         *(audited("parallel_axis", of=row, **_worst("parallel_axis", row)) for row in rows),
         *(_product_sign(row, fastest) for row in rows),
@@ -80,7 +77,10 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *_rotation(p),
         *_masses(rows),
         *(_possible(claim, row) for row in rows for claim in TENSORS),
-        *(audited("com_inside", *excess, of=row) for row, excess in zip(rows, inside, strict=True)),
+        *(
+            audited("com_inside", *_outside(r.com, b), of=r)
+            for r, b in zip(rows, boxes, strict=True)
+        ),
         *map(_mass_spread, rows, boxes),
         *_jaw_plane(printed),
         *map(_cob_inside, waters, p.links, convert(printed, ("link3_cob",)).links),
@@ -205,13 +205,18 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     ]
 
 
+def _outside(point: Triple, bounds: FloatArray) -> tuple[Any, Any]:
+    """How far a printed point is from a body's bounds."""
+    return figure(partial(excess_of_box, bounds=bounds), point)
+
+
 def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: LinkParameters) -> AuditRow:
-    excess, words = figure(partial(excess_of_box, bounds=link.bounds), row.cob), dict[str, Any]()
+    words: dict[str, Any] = {}
     if moved := float(np.linalg.norm(corrected.cob - si(row.cob))):
         words["side"] = "outside" if excess_of_box(corrected.cob, link.bounds) else "inside"
         words["effect"] = moved * SEA_WATER * row.volume.si * G
         words["there"] = 1e3 * corrected.cob
-    return audited("cob_inside", *excess, of=row, more=moved > 0, **words)
+    return audited("cob_inside", *_outside(row.cob, link.bounds), of=row, more=moved > 0, **words)
 
 
 def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:

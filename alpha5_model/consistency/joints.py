@@ -14,14 +14,12 @@ References:
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import AuditRow, audited, figure
+from alpha5_model.consistency.row import AuditRow, audited, figure, si
 from alpha5_model.dh import DHChain
 from alpha5_model.fluids import AIR, FRESH_WATER
 from alpha5_model.hydrodynamics import BodyHydrodynamics, gauss_points, hydrodynamics
@@ -46,7 +44,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     # the highest voltage; a supply below this would not reach that speed.
     needed = zip(rows[:4], speeds, strict=False)
     inputs = [[row.voltage_constant, row.gear_ratio, j.velocity.quantity] for row, j in needed]
-    supply = max(inputs, key=_volts)
+    supply = max(inputs, key=lambda needed: np.prod(si(needed)))
     return [
         audited("actuators.turning", sum(turns[:4]) - sum(turns[4:]), expected=4),
         *map(_motor_constants, rows),
@@ -90,14 +88,10 @@ def _friction(row: ActuatorRow, **words: Any) -> AuditRow:
     return audited("friction", value, bound, words["air"], of=row, effect=effect, **words)
 
 
-def _volts(supply: Sequence[Quantity]) -> float:
-    return math.prod(q.si for q in supply)
-
-
 def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> AuditRow:
     inputs = [row.torque_constant, row.gear_ratio, row.efficiency, *supply, row.resistance]
     value, bound = figure(lambda x: np.prod(x[:-1]) / x[-1], inputs)
-    words: dict[str, Any] = {"joint": joint.name, "volts": _volts(supply)}
+    words: dict[str, Any] = {"joint": joint.name, "volts": np.prod(si(supply))}
     effect = max(value - joint.effort, 0.0)
     return audited("stall_torque", value, bound, joint.effort, of=row, effect=effect, **words)
 

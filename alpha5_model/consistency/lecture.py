@@ -25,10 +25,8 @@ LONGEST = 6
 _PRINTED = texts()["experiment"]
 #: The experiment's link lengths, and its table: l_4, the column headed l_2 + l_3, the one headed
 #: l_4/2.
-EXPERIMENT: tuple[float, ...] = tuple(_PRINTED["links"])
-PRINTED_TABLE: tuple[tuple[float, float, float], ...] = tuple(
-    zip(*_PRINTED["columns"], strict=True)
-)
+EXPERIMENT = tuple(_PRINTED["links"])
+PRINTED_TABLE = tuple(zip(*_PRINTED["columns"], strict=True))
 #: Limits to try the lecture's arms with [rad]: 170 deg either way, as far as many industrial joints
 #: turn.
 LIMIT = 2.967
@@ -56,15 +54,15 @@ def _workspaces() -> list[AuditRow]:
         "2r_limits": (limited.radii[0], 0.0),
         "3r": (PlanarArm(EXPERIMENT).workspace().area, math.pi * sum(EXPERIMENT) ** 2),
     }
-    return _exact("planar_workspace", figures, limit=LIMIT, lost=ring - limited.area)
+    return _rows("planar_workspace", figures, limit=LIMIT, lost=ring - limited.area)
 
 
-def _exact(topic: str, figures: dict[str, tuple[float, float]], **words: Any) -> list[AuditRow]:
-    """Rows of statements that hold exactly or not at all: name -> measured, expected."""
-    return [
-        audited(f"{topic}.{name}", measured, ARITHMETIC, expected, **words)
-        for name, (measured, expected) in figures.items()
-    ]
+def _rows(
+    topic: str, figures: dict[str, tuple[float, float]], bound: float = ARITHMETIC, **words: Any
+) -> list[AuditRow]:
+    """Rows of a topic: subject -> measured, expected."""
+    pairs = figures.items()
+    return [audited(f"{topic}.{subject}", m, bound, e, **words) for subject, (m, e) in pairs]
 
 
 def _length(arm: PlanarArm) -> float:
@@ -84,29 +82,23 @@ def _dexterity() -> list[AuditRow]:
     disc = math.pi * reach**2
     (area, error), (least, _) = (disc * np.array(sampled_share(hits)) for hits in shares)
     words: dict[str, Any] = {"standard_error": error, "limit": LIMIT, "least": least}
-    return [
-        audited(f"dexterous_workspace.{name}", area, expected=expected, **words)
-        for name, expected in (
-            ("necessary", 0.0),
-            ("limits", dexterous_area(PlanarArm(EXPERIMENT))),
-        )
-    ]
+    figures = {"necessary": (area, 0.0), "limits": (area, dexterous_area(PlanarArm(EXPERIMENT)))}
+    return _rows("dexterous_workspace", figures, 0.0, **words)
 
 
 def _theorem() -> list[AuditRow]:
     """Both directions of the theorem, for all whole lengths l_1 ... l_4 up to `LONGEST`."""
-    lengths = itertools.product(range(1, LONGEST + 1), repeat=4)
-    rows = [(values, theorem_row(*map(float, values))) for values in lengths]
-    promised = [row for _, row in rows if row.theorem]
-    turning = [(values, row) for values, row in rows if row.exact]
-    missed = [values for values, row in turning if not row.theorem]
+    lengths = np.array([*itertools.product(range(1, LONGEST + 1), repeat=4)])
+    rows = [theorem_row(*map(float, row)) for row in lengths]
+    promised, turning, tied = np.array([(r.theorem, r.exact, r.pair == r.half) for r in rows]).T
+    missed = lengths[turning & ~promised]
     figures = {
-        "sufficient": [not row.exact for row in promised],
-        "necessary": [not row.theorem for _, row in turning],
-        "shortest": [values[2] > min(values) for values, _ in turning],
-        "strict": [row.pair == row.half for row in promised],
+        "sufficient": ~turning[promised],
+        "necessary": ~promised[turning],
+        "shortest": (lengths[:, 2] > lengths.min(axis=1))[turning],
+        "strict": tied[promised],
     }
-    example = ", ".join(map(str, missed[-1])) if missed else "none"
+    example = ", ".join(map(str, missed[-1])) if len(missed) else "none"
     words: dict[str, Any] = {"longest": LONGEST, "example": example}
     return [
         audited(f"lecture.{name}", float(np.mean(sets)), whole=len(sets), **words)
@@ -126,7 +118,7 @@ def _experiment() -> list[AuditRow]:
         "half": (_apart(half, l_4 / 2), 0.0),
         "half_of_all": (_apart(half, links.sum(axis=1) / 2), 0.0),
     }
-    return _exact("experiment", figures)
+    return _rows("experiment", figures)
 
 
 def _apart(column: FloatArray, values: FloatArray | float) -> float:
