@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -212,7 +213,7 @@ def _numbers(values: ArrayLike) -> str:
 def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
     rows = zip(parameters().joints, theirs.joints, alignment.sign, alignment.zero, strict=False)
     for ours, joint, sign, zero in rows:
-        name, words = "limits.none", {}
+        name, words = "limits.none", dict[str, FloatArray]()
         printed = np.array([ours.lower, ours.upper])
         meant = np.sort(zero + sign * printed)
         if joint.lower is not None and joint.upper is not None:
@@ -222,11 +223,7 @@ def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
             ends, meant = ends + turns, meant - sign * turns
             if np.abs(ends - printed).max() <= LIMIT_TOLERANCE:
                 continue
-            values = np.degrees([*ends, *printed])
-            name, words = (
-                "limits",
-                dict(zip(("first", "last", "lower", "upper"), values, strict=True)),
-            )
+            name, words = "limits", {"theirs": np.degrees(ends), "ours": np.degrees(printed)}
         yield finding(name, ours.name, joint=joint.name, low=meant[0], high=meant[1], **words)
 
 
@@ -268,6 +265,7 @@ def _of_body(
         yield finding("body.missing", name, mass_cost)
         return
     mass, com, inertia = _instead(link, written)
+    why = partial(diagnosis.reason, link, written)
     if body.mass == 0.0:
         everything = " ".join((mass, com.partition(": ")[2], inertia.partition(": ")[2]))
         words = {"links": ", ".join(bare), "ours": link.mass, "everything": everything}
@@ -278,7 +276,7 @@ def _of_body(
         yield finding("body.partly", name, links=", ".join(bare))
     wrong_mass = abs(body.mass_error) > MASS_TOLERANCE * link.mass
     if wrong_mass:
-        reason = diagnosis.reason(link, written, diagnosis.explain_mass)
+        reason = why(diagnosis.explain_mass)
         twice = ": the jaws are counted twice" * (index == 4 and "; beside it" in reason)
         reason = (reason or f" ({body.mass / link.mass:.3g} times)") + twice
         words = {"mass": body.mass, "ours": link.mass, "reason": reason}
@@ -287,19 +285,12 @@ def _of_body(
     if wrong_com:
         key = "body.com_beyond" if index == 4 and body.com[2] > 0 else "body.com"
         com_cost = cost(index, 0.0, link.mass * (body.com - link.com))
-        words = {
-            "reason": diagnosis.reason(link, written, diagnosis.explain_com),
-            "z": body.com[2] * 1e3,
-        }
+        words = {"reason": why(diagnosis.explain_com), "z": body.com[2] * 1e3}
         yield finding(key, name, com_cost, tag=com, off=body.com_error * 1e3, **words)
     wrong_inertia = body.inertia_error > INERTIA_TOLERANCE * np.abs(link.inertia).max()
     if wrong_inertia:
         guess = diagnosis.explain_guess(link, written)
-        reason = (
-            diagnosis.reason(link, written, diagnosis.explain_inertia)
-            or (guess and f": {guess}")
-            or ""
-        )
+        reason = why(diagnosis.explain_inertia) or (f": {guess}" if guess else "")
         times = np.diag(body.inertia) / np.diag(link.inertia)
         key = "body.inertia_of_wrist" if index == 4 else "body.inertia"
         yield finding(key, name, tag=inertia, times=times, reason=reason)
