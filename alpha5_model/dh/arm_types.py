@@ -176,9 +176,8 @@ def task_capability(
     instance("chain", chain, DHChain)
     if tool_axis is None:  # of the last joint, the same at every joint position
         frames = chain.frames(chain.home)
-        axis = np.asarray(frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2])
-    else:
-        axis = unit_vectors("tool_axis", tool_axis)
+        tool_axis = frames[-1, :3, :3].T @ frames[chain.n - 1, :3, 2]
+    axis = unit_vectors("tool_axis", tool_axis)
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
     jacobian, rows = chain.jacobian(q) / row_scale(chain), (slice(6), slice(3), slice(3, 6))

@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, float_array, real, shaped, together
 from alpha5_model.errors import InputError
+from alpha5_model.spatial import transform
 
 
 def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike) -> FloatArray:
@@ -232,9 +233,7 @@ def _normal(
 def _frame(origin: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:
     x = x - (x @ z) * z
     x = x / math.sqrt(x @ x)
-    out = np.eye(4)
-    out[:3, 0], out[:3, 1], out[:3, 2], out[:3, 3] = x, np.cross(z, x), z, origin
-    return out
+    return transform(np.column_stack([x, np.cross(z, x), z]), origin)
 
 
 def unit_vectors(name: str, value: ArrayLike, axes: int = 1) -> FloatArray:

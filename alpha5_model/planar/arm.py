@@ -377,18 +377,16 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
         edges = tuple(Edge(_carried(e.curve, arm, limit[0]), e.inside_left) for e in inner.edges)
         thin = tuple(_carried(curve, arm, limit[0]) for curve in inner.thin)
         return Workspace(arm, edges, thin, inner)
-    candidates: list[Curve] = []
+    candidates, (low, high) = list[Curve](), limit or (0.0, TURN)
     for curve in inner.curves:
         candidates += [_carried(curve, arm, q) for q in limit or ()]
         zero = curve.moved(0.0, (arm.lengths[0], 0.0))
         for x, y in _extremes(zero, revolute, tolerance):
             if revolute:
-                low, high = limit or (0.0, TURN)
                 start = math.atan2(y, x) + angle + low
                 candidates.append(Arc((0.0, 0.0), math.hypot(x, y), start, high - low))
             else:
-                assert limit is not None
-                travel = Segment((x + limit[0], y), 0.0, limit[1] - limit[0])
+                travel = Segment((x + low, y), 0.0, high - low)
                 candidates.append(travel.moved(angle, (0.0, 0.0)))
     critical = [c for c in candidates if c.length > tolerance]
     raw = Workspace(arm, (), (), inner)

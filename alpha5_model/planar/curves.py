@@ -20,8 +20,6 @@ from alpha5_model.checks import BoolArray, FloatArray
 TURN = 2 * math.pi
 #: (x, y) [m].
 Point = tuple[float, float]
-#: Points (N, 2) [m] -> whether they belong to a set, (N,).
-Contains = Callable[[FloatArray], BoolArray]
 
 
 @dataclass(frozen=True)
@@ -298,7 +296,7 @@ def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
 
 
 def bounds(
-    curves: list[Curve], contains: Contains, tolerance: float, step: float
+    curves: list[Curve], contains: Callable[[FloatArray], BoolArray], tolerance: float, step: float
 ) -> tuple[tuple[Edge, ...], tuple[Curve, ...]]:
     """The boundary of a set that is known to lie on some curves.
 
