@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = scene.ARROWS["force"]
-#: Current that a page offers if none is given [m/s].
-_FLOW = (1.0, 0.0, 0.0)
 #: Length of the axes of a frame [m].
 _AXES = 0.05
 _YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
@@ -52,8 +50,6 @@ _CENTERS = (
     ("com", "mass", "weight", "centre of mass", (_YELLOW, _BLACK), _OCHRE, _RED, 1.0),
     ("cob", "volume", "buoyancy", "centre of buoyancy", (_BLUE, _WHITE), _BLUE, _SKY, -1.0),
 )
-#: Links that no joint moves.
-_STILL = ("base_link", "link_0")
 #: One colour for each branch.
 _GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
 _ball = cache(ball)
@@ -96,7 +92,9 @@ def build_scene(
         home[:4] = inverse_kinematics(nearest_reachable(goal), home[3]).best(home[:4])
     position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
-    flow = bounded("current", shaped("current", _FLOW if current is None else current, (3,)))
+    flow = bounded(
+        "current", shaped("current", (1.0, 0.0, 0.0) if current is None else current, (3,))
+    )
     inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
     beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
     loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
@@ -119,7 +117,6 @@ def build_scene(
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
     whole = Scene(
-        title="Reach Alpha 5",
         notes=(
             water if arm.fluid_density else f"In air: weight {weight:.2f} N.",
             f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
@@ -262,7 +259,7 @@ def _ghosts(
         solution[len(q) - len(arm.joint_names) :][:4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
-            if isinstance(body.anchor, Rigid) and body.anchor.link not in _STILL:
+            if isinstance(body.anchor, Rigid) and body.anchor.link not in ("base_link", "link_0"):
                 at = Rigid(scene.WORLD, poses[body.anchor.link])
                 yield Shape("ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3)
         limits = "" if solutions.within_limits[i] else ", beyond the limits"

@@ -25,13 +25,13 @@ from alpha5_model.view import scene as scenes
 from alpha5_model.view.scene import DRAWN, GROUPS, Mean, MotionTrack, Rigid, Scene, Shape
 
 #: Fields of a scene that go to the page unchanged.
-_AS_IT_STANDS = "title notes sliders labels statics current streams camera target"
+_AS_IT_STANDS = "notes sliders labels statics current streams camera target"
 #: Most samples of a motion in a page.
 _SAMPLES = 2000
-#: Root of the arm in meshcat's scene tree.
-ROOT = "/meshcat/alpha5"
 #: Typed arrays, and the MessagePack extension codes by which meshcat sends them.
 _CODES = {"<f4": ("Float32Array", 0x17), "<u4": ("Uint32Array", 0x16)}
+#: Root of the arm in meshcat's scene tree.
+ROOT = "/meshcat/alpha5"
 
 
 class Command(dict[str, Any]):
@@ -190,27 +190,23 @@ def _track(motion: MotionTrack) -> dict[str, Any]:
 def meshcat_script() -> str:
     """meshcat's viewer with three.js inside, from the installed package."""
     found = find_spec("meshcat")
-    origin = found.origin if found and found.origin else ""
-    script = Path(origin).parent / "viewer/dist/main.min.js"
+    script = Path(found.origin if found and found.origin else "").parent / "viewer/dist/main.min.js"
     if not script.is_file():
         raise MissingDependencyError("meshcat", "the viewer", "pip install meshcat")
     return script.read_text(encoding="utf-8")
 
 
 def _page(scene: Scene, live: bool, commands: list[str]) -> str:
-    # With this policy the browser itself refuses any request that would leave the machine.
-    policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
     data = {**page_data(scene), "live": live, "commands": commands}
     parts = {
-        "policy": policy + ("; connect-src 'self' ws: wss:" if live else ""),
-        "title": scene.title,
+        "connect": "; connect-src 'self' ws: wss:" if live else "",
         "meshcat": meshcat_script(),
         # "<" cannot close the script element that holds the data.
         "data": json.dumps(data, separators=(",", ":"), default=_plain).replace("<", "\\u003c"),
     }
-    # What is not given is a file.
-    named = re.compile(r"{{([\w/.]+)}}")
-    return named.sub(lambda part: parts.get(part[1]) or _read(part[1]), _read("web/page.html"))
+    # A part, or a file.
+    named = re.compile(r"{{(?:(\w+)|([\w/.]+))}}")
+    return named.sub(lambda at: parts[at[1]] if at[1] else _read(at[2]), _read("web/page.html"))
 
 
 def _plain(part: Any) -> Any:

@@ -209,7 +209,6 @@ class Scene:
     """All that is drawn, and the numbers that the page's sliders need.
 
     Attributes:
-        title: Heading of the page.
         notes: Lines of explanation.
         tree: Joints from the base to the tip.
         sliders: Names of the joints that can be moved.
@@ -228,7 +227,6 @@ class Scene:
         camera: From where the scene is seen.
     """
 
-    title: str
     notes: tuple[str, ...]
     tree: tuple[UrdfJoint, ...]
     sliders: tuple[str, ...]

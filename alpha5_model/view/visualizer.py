@@ -160,8 +160,7 @@ class Window(ViewerWindow):  # type: ignore[misc]
         self._thread.start()
         ready.wait()
         self._one_sender = threading.Lock()
-        self.zmq_url: str = self._bridge.zmq_url
-        self.web_url: str = self._bridge.web_url
+        self.zmq_url, self.web_url = self._bridge.zmq_url, self._bridge.web_url
         self.connect_zmq()
 
     def send(self, command: Any) -> None:

@@ -294,8 +294,7 @@ def title(arm: planar.PlanarArm, space: planar.Workspace) -> str:
     limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
     low, high = space.radii
     size = f"area {space.area:.4g} m²" if space.edges else f"radii {low:.4g} to {high:.4g} m"
-    limits = ", joint limits" if limited else ""
-    return f"{arm.joints}, l = ({lengths}){limits}: {space.shape}, {size}"
+    return f"{arm.joints}, l = ({lengths}){', joint limits' * limited}: {space.shape}, {size}"
 
 
 def new_axes(columns: int = 1, rows: int = 1, size: float = 5.2) -> Any:

@@ -1,5 +1,4 @@
 // The panel: joints, named poses, the tcp, and messages of what is not as it should be.
-document.querySelector("#panel h1").textContent = data.title;
 for (const note of data.notes) added(byId("notes"), "p", { textContent: note });
 
 function fold(on) {
