@@ -301,12 +301,12 @@ class _Reader:
         name, kind = self.attribute(element, "name"), self.attribute(element, "type")
         if kind not in JOINT_TYPES:
             raise self.fail(element, f"joint {name!r}: unknown type {kind!r}")
-        ends = []
+        more: dict[str, Any] = {}
         for tag in ("parent", "child"):
             end = element.find(tag)
             if end is None:
                 raise self.fail(element, f"joint {name!r} has no <{tag}>")
-            ends.append(self.attribute(end, "link"))
+            more[tag] = self.attribute(end, "link")
         axis = np.array([1.0, 0.0, 0.0])
         line = element.find("axis")
         if line is not None and kind not in ("fixed", "floating"):  # those have none: often 0 0 0
@@ -316,7 +316,6 @@ class _Reader:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")
             axis = axis / length
         limit, mimic, origin = (element.find(tag) for tag in ("limit", "mimic", "origin"))
-        more: dict[str, Any] = {}
         if limit is not None:
             for key in LIMITS[2 if kind == "continuous" else 0 :]:
                 if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):
@@ -327,8 +326,7 @@ class _Reader:
             more["mimic"] = self.attribute(mimic, "joint")
         if origin is not None:
             more["printed"] = (origin.get("xyz", ""), origin.get("rpy", ""))
-        parent, child = ends
-        return UrdfJoint(name, kind, parent, child, self.pose(element), axis, **more)
+        return UrdfJoint(name, kind, transform=self.pose(element), axis=axis, **more)
 
 
 def _volume(kind: str, *size: float) -> float:

@@ -191,10 +191,9 @@ def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: floa
     except Exception as error:  # other tools raise anything for a file that they cannot load
         return row("failed", f"{tool}: {' '.join(str(error).split())[:200]}")
     away = np.array([frame_error(given[:, k], expected[name]) for k, name in enumerate(wanted)])
-    count, worst = f"{len(wanted)} frames at {len(q)} joint positions", wanted[away.argmax()]
-    finding = f"{count} against Table 1's DH product [m, rad]; largest at {worst}"
-    verdict: Verdict = "passed" if away.max() <= bound else "failed"
-    return row(verdict, finding, float(away.max()), bound, "m, rad")
+    count, largest = f"{len(wanted)} frames at {len(q)} joint positions", float(away.max())
+    finding = f"{count} against Table 1's DH product [m, rad]; largest at {wanted[away.argmax()]}"
+    return row("passed" if largest <= bound else "failed", finding, largest, bound, "m, rad")
 
 
 # --- the text against the printed digits

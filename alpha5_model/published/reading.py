@@ -38,11 +38,10 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     document = _root(_DOCUMENT, document_text)
     document.table("document", "table_1", "workspace", "table_2", "table_3", "table_4")
     head = document["document"].table(*_HEAD)
-    one = _table(head, document["table_1"], t.DHRow, "elbow")
     numbers = document["workspace"].table("number", "section", "caption", "units", "values")
     _check_units(numbers["units"], _units(t.WorkspaceNumbers))
     return t.Published(
-        table_1=one,
+        table_1=_table(head, document["table_1"], t.DHRow, "elbow"),
         elbow=_record(t.Elbow, document["table_1"]["elbow"]),
         workspace=_record(t.WorkspaceNumbers, numbers["values"], source=_source(head, numbers)),
         table_2=_table(head, document["table_2"], t.InertialRow),
