@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import casadi
 import numpy as np
-from casadi import SX, cross, horzcat, vertcat, vertsplit
+from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
 from alpha5_model.base_parameters import BASE_PARAMETERS, STRIPS, WATER_PARAMETERS
 from alpha5_model.parameters import parameters
@@ -164,7 +164,7 @@ def in_air(base_parameters: SX) -> SX:
 
 def _mass_matrix(torque: SX, a: SX) -> SX:
     """Of a torque linear in a: the lower half of the derivative, mirrored."""
-    return casadi.tril2symm(casadi.tril(casadi.jacobian(torque, a)))
+    return casadi.tril2symm(casadi.tril(jacobian(torque, a)))
 
 
 def dynamics() -> tuple[casadi.Function, ...]:
@@ -181,10 +181,7 @@ def dynamics() -> tuple[casadi.Function, ...]:
     coriolis, _ = newton_euler(q, v, still, weightless(p))
     # From the outputs, row by row, where that takes fewer operations: of four torques, not of six of a wrench.
     rows = {"helper_options": {"ad_weight": 1}}
-    by = {
-        k: (casadi.jacobian(torque, inputs[k], rows), casadi.jacobian(wrench, inputs[k]))
-        for k in "qva"
-    }
+    by = {k: (jacobian(torque, inputs[k], rows), jacobian(wrench, inputs[k])) for k in "qva"}
     mass = _mass_matrix(newton_euler(q, still, a, weightless(p))[0], a)
     factors = casadi.ldl(mass, False)
     acceleration = casadi.ldl_solve(tau - bias, *factors)
@@ -194,14 +191,14 @@ def dynamics() -> tuple[casadi.Function, ...]:
     every = {
         "forward_kinematics": {"tcp": tip},
         "link_poses": {f"link_{i}": pose for i, pose in enumerate(links, 1)},
-        "jacobian": {"jacobian": vertcat(casadi.jacobian(tip[:3, 3], q), axes)},
+        "jacobian": {"jacobian": vertcat(jacobian(tip[:3, 3], q), axes)},
         "gravity_torque": {"tau": weight},
         "buoyancy_torque": {"tau": weight - holding},
         "hydrostatic_torque": {"tau": holding},
-        "hydrostatic_torque_derivative": {"tau_q": casadi.jacobian(holding, q)},
+        "hydrostatic_torque_derivative": {"tau_q": jacobian(holding, q)},
         "mass_matrix": {"tau_a": mass},
         "coriolis_torque": {"tau": coriolis},
-        "coriolis_matrix": {"coriolis": casadi.jacobian(coriolis, v) / 2},
+        "coriolis_matrix": {"coriolis": jacobian(coriolis, v) / 2},
         "nonlinear_effects": {"tau": bias},
         "inverse_dynamics": {"tau": torque},
         "inverse_dynamics_derivatives": {"tau_q": by["q"][0], "tau_v": by["v"][0], "tau_a": mass},

@@ -199,29 +199,24 @@ def constant(value: float, language: str) -> str:
 
 
 def statements(
-    program: Program,
-    language: str,
-    element: Callable[[Slot, int], str],
-    reuse: bool = False,
-    store: str = "",
+    program: Program, language: str, element: Callable[[Slot, int], str], reuse: bool = False
 ) -> tuple[list[str], list[list[str]]]:
     """A program's statements, and what stands for the elements of each output.
 
-    Everything that comes in is read first, so that what goes out may take its place.
+    Everything that comes in is read first, so that what goes out may take its place. A language that has a
+    statement ``store`` reads and hands out each element where it is computed with: less is held at a time.
 
     Args:
         program: What to compute.
         language: How to write it.
         element: Text of an element of an input.
         reuse: Give names again, so that memory is.
-        store: A statement that hands out an element, of its place among those of all outputs and its text. With it
-            each is read and handed out where it is computed with: less is held at a time.
     """
-    first = "" if store else "input"
-    steps = sorted(program.steps, key=lambda step: step.op != first)
+    table, names, flags = _TABLES[language], dict[int, str](), set[int]()
+    store = table.get("store")
+    steps = sorted(program.steps, key=lambda step: not store and step.op != "input")
     last = {r: i for i, step in enumerate(steps) for r in step.read}
     last |= {r: len(steps) for step in steps if step.op == "output" for r in step.read}
-    table, names, flags = _TABLES[language], dict[int, str](), set[int]()
     free, lines = list[str](), list[str]()
     results = [[""] * slot.size for slot in program.outputs]
     for i, (op, register, arguments, value) in enumerate(steps):

@@ -137,10 +137,7 @@ def _body(body: Program) -> str:
     inputs = [(s.name, i) for s in body.inputs if s.name != "k" for i in range(s.size)]
     loads = {each: f"LOAD({place})" for place, each in enumerate(inputs)}
     lines, _ = statements(
-        body,
-        "vector",
-        lambda slot, i: loads.get((slot.name, i), f"SPLAT(k[{i}])"),
-        store="STORE({}, {})",
+        body, "vector", lambda slot, i: loads.get((slot.name, i), f"SPLAT(k[{i}])")
     )
     text = "".join(f"    {line}\n" for line in lines)
     return f"KERNEL({body.name})\n{{\n    INTEGER rare = BITS(SPLAT(0.0));\n    (void)k;\n{text}    return ORDINARY(rare);\n}}\n"
