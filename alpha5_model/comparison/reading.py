@@ -230,9 +230,8 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
         last = rows.get(row[-1].name, ())
         behind = [len(r) - len(last) for r in rows.values() if r[: len(last)] == last]
         chains.append(Chain(row, _shape(at[:, :3, 3], directions), max(behind, default=0)))
-    return sorted(
-        chains, key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES)))
-    )
+    chains.sort(key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES))))
+    return chains
 
 
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:

@@ -119,10 +119,8 @@ def tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         return float(np.hypot(*(x[:2] + x[2:4])))
 
     # The printed radius less that with the caption's lengths; a_2 and d_3 are common.
-    _, shift = figure(
-        lambda x: inner_radius(x) - inner_radius(x[[4, 5, 2, 3]]),
-        [*inner, ours, printed.elbow.adjacent],
-    )
+    both = [*inner, ours, printed.elbow.adjacent]
+    _, shift = figure(lambda x: inner_radius(x) - inner_radius(x[[4, 5, 2, 3]]), both)
     _, drop = figure(lambda x: np.hypot(*x) - abs(x[1]), [a_2, d_3])
     corner = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
     offset, rounding = float(np.hypot(*corner[:2])) - p.dh[0].a, _lengths(printed)[0].rounding
@@ -151,9 +149,8 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     torus = [numbers.inner_offset, numbers.inner_length, numbers.downward_drop]
     inputs = [*_lengths(printed), elbow.opposite, elbow.adjacent, *torus]
     size = p.dh[0].a + p.dh[1].a + float(np.hypot(p.dh[2].a, p.dh[3].d))
-    radius, height = np.meshgrid(
-        np.linspace(0.0, size, GRID), p.dh[0].d + np.linspace(-size, size, 2 * GRID - 1)
-    )
+    heights = p.dh[0].d + np.linspace(-size, size, 2 * GRID - 1)
+    radius, height = np.meshgrid(np.linspace(0.0, size, GRID), heights)
     # Azimuth pi/2 lies within the limits of theta_0 whichever way the arm faces.
     points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
     reached = workspace.reachable(points)

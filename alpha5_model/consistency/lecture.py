@@ -75,10 +75,8 @@ def _dexterity() -> list[AuditRow]:
     turn, square = np.random.default_rng(0).uniform(size=(2, POINTS))
     bearing, radius = 2 * math.pi * turn, reach * np.sqrt(square)
     points = np.stack([radius * np.cos(bearing), radius * np.sin(bearing)], axis=-1)
-    shares = [
-        dexterity(PlanarArm(EXPERIMENT, [(-a, a)] * 3), points, ORIENTATIONS) == 1
-        for a in (LIMIT, 0.75 * math.pi)
-    ]
+    arms = [PlanarArm(EXPERIMENT, [(-a, a)] * 3) for a in (LIMIT, 0.75 * math.pi)]
+    shares = [dexterity(arm, points, ORIENTATIONS) == 1 for arm in arms]
     disc = math.pi * reach**2
     (area, error), (least, _) = (disc * np.array(sampled_share(hits)) for hits in shares)
     words: dict[str, Any] = {"standard_error": error, "limit": LIMIT, "least": least}
