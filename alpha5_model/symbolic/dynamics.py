@@ -212,9 +212,11 @@ def dynamics() -> tuple[casadi.Function, ...]:
 
 
 def upright(function: casadi.Function) -> casadi.Function:
-    """The same for gravity along the z of base_link only: joint torques then do not depend on the first joint."""
+    """The same for gravity along the z of base_link only: in still water no torque then depends on the first joint."""
     *states, p = inputs = function.sx_in()
-    out = [casadi.densify(x) for x in function.call([*states, vertcat(p[:-3], 0, 0, p[-1])])]
+    at = [*BASE_PARAMETERS].index("gravity.x")
+    given = [*states, vertcat(p[:at], 0, 0, p[at + 2 :])]
+    out = [casadi.densify(x) for x in function.call(given)]
     names = function.name_in(), function.name_out()
     return casadi.Function(f"{function.name()}_upright", inputs, out, *names)
 
