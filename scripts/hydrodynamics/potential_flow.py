@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 DENSITY = 1000.0
 #: Constant panels err by size^2, and at a right-angled edge, where the potential goes like r^(2/3), by size^(4/3).
 SMOOTH, EDGED = 2.0, 4 / 3
+#: Panels that are seen at a time; above so many the equations are solved in single precision, which errs by less than 1e-6.
+ROWS, MANY = 1000, 15_000
 
 Array = NDArray[np.float64]
 
@@ -35,6 +37,7 @@ def added_mass(
         (k, k), as computed; its asymmetry is a measure of the error.
     """
     import capytaine  # late: a development tool
+    import scipy.linalg
     from capytaine.green_functions.delhommeau import Delhommeau
 
     capytaine.set_logging("ERROR")
@@ -43,11 +46,20 @@ def added_mass(
     given = rigid_motions(mesh.faces_centers) if motions is None else motions
     speeds = np.stack([(motion * mesh.faces_normals).sum(axis=1) for motion in given], axis=1)
     # Green's identity for the potential ("direct") errs by a quarter of what a distribution of sources does. Without
-    # a free surface there is no frequency, and the matrices are real.
-    single, double = Delhommeau().evaluate_rankine_only(mesh, mesh, adjoint_double_layer=False)
-    sources = single @ speeds
-    del single  # a gigabyte and more
-    potential = np.linalg.solve(double, sources)
+    # a free surface there is no frequency, and the matrices are real; capytaine's are complex: some rows at a time.
+    size = len(faces)
+    double = np.empty((size, size), np.float32 if size > MANY else np.float64)
+    sources = np.empty(speeds.shape)
+    for rows in np.array_split(np.arange(size), -(-size // ROWS)):
+        seen = capytaine.Mesh(vertices, faces[rows], auto_clean=False, auto_check=False)
+        single, double[rows] = Delhommeau().evaluate_rankine_only(
+            seen, mesh, adjoint_double_layer=False, diagonal_term_in_double_layer=False
+        )
+        double[rows, rows] += 0.5  # half of a panel's own flux goes inwards
+        sources[rows] = single @ speeds
+    # In place: a matrix of C's order is the transpose of one of Fortran's.
+    in_place = {"transposed": True, "overwrite_a": True, "check_finite": False}
+    potential = scipy.linalg.solve(double.T, sources.astype(double.dtype), **in_place)
     return np.asarray(-DENSITY * (speeds * mesh.faces_areas[:, None]).T @ potential)
 
 
