@@ -50,8 +50,8 @@ FILE = (
 SIZES = {
     "link_1": (3.2, 2.4, 1.8),
     "link_2": (4.3, 3.5, 2.8),
-    "link_4": (6.3, 5.0, 4.0),
-    "link_4_open": (6.3, 5.0, 4.0),
+    "link_4": (5.0, 4.0, 3.4),
+    "link_4_open": (5.0, 4.0, 3.4),
     "wrist": (4.4, 3.4, 2.6),
     "finger_1": (2.0, 1.5, 1.15),
     "finger_2": (2.0, 1.5, 1.15),
@@ -424,9 +424,8 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 #   filled and the water behind them carried): each body alone pushes water before both its ends, of which those that face a neighbour do not, and no
 #   numbers of single bodies hold both. What is missing, 0.04 of 0.20 kg, is 7 % of the added mass across, 0.63 kg. A
 #   working pose has 0.80 to 1.08; folded it has 0.71 to 1.41, which the interval does not cover.
-#   Extrapolations from the last two sizes of panels and from the two before are 0.6 to 1.3 % apart at most, of link_4,
-#   along its axis, 1.5, of link_4_open, about it, 2.8 (an entry over the geometric mean of its diagonal entries). It is the
-#   fingers' panels: with those of 2, 1.6, 1.4 mm beside a wrist of 6.3 mm link_4_open's are 1.2 apart.
+#   Extrapolations from the last two sizes of panels and from the two before are 0.5 to 1.3 % apart at most (an entry over
+#   the geometric mean of its diagonal entries); link_4's and link_4_open's by their fingers, which need the finest panels.
 # strips: the cross-flow principle. A length ds of a strip, from start to end, resists the water's velocity across
 #   it with rho / 2 * across * diameter * ds * speed * velocity, and so along it [mm; low, nominal, high].
 #   across: 1.0 to 1.2 of an endless cylinder, times 0.58 to 0.7 for its ends. along: 0.05 is the friction of a smooth

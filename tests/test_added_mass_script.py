@@ -37,6 +37,25 @@ def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
     assert script.toml(numbers) == script.FILE.read_text("utf-8")
 
 
+def test_the_interval_covers_the_whole_arm_but_folded(script: ModuleType) -> None:
+    """Low to high is wider than what the bodies do to one another, along the arm too, where most is missing."""
+    kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
+    low, _, high = np.array([body["added_mass_factor"] for body in kept.values()], dtype=float).T
+    poses = tomllib.loads(script.COMPARISON.read_text("utf-8"))
+    assert {"extended"} <= {*poses} <= {*script.POSES}
+    covered = {}
+    for name, pose in poses.items():
+        ratios = np.array([*pose["base"], *pose["joints"]])
+        covered[name] = low.max() <= ratios.min() and ratios.max() <= high.min()
+    assert all(covered[name] == (name != "folded") for name in poses)
+    along, *others = poses["extended"]["base"] + poses["extended"]["joints"]
+    assert along < 0.9  # of the smallest of the three: ends that face one another push no water
+    assert others == pytest.approx([1.0] * len(others), abs=0.1)
+    assert max(poses["extended"]["missing"]) < 0.1
+    whole, parts = np.reshape(poses["extended"]["kg"], (2, 3))
+    assert whole / parts == pytest.approx(poses["extended"]["base"][:3], abs=6e-3)
+
+
 def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Added mass by a source on each panel [Hess1967], seen as a point from others, as a disc from itself.
 
