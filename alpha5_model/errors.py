@@ -8,7 +8,8 @@ what was given, what was expected and, where there is a choice, the possible cho
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 #: Longest message in characters; the middle of a longer one is left out.
@@ -184,6 +185,16 @@ class MissingDependencyError(Alpha5Error, ImportError):
     def __init__(self, dependency: str, needed_for: str, remedy: str) -> None:
         self.dependency = dependency
         super().__init__(f"{needed_for} needs {dependency}, which is not installed: {remedy}")
+
+
+@contextmanager
+def needing(needed_for: str, remedy: str, dependency: str = "") -> Iterator[None]:
+    """Imports of what is optional: its lack, by its name, as a `MissingDependencyError`."""
+    try:
+        yield
+    except ImportError as error:
+        missing = dependency or str(error.name)
+        raise MissingDependencyError(missing, needed_for, remedy) from None
 
 
 def _metres(point: Iterable[float]) -> str:

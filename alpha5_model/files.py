@@ -249,9 +249,6 @@ def _errors_of(target: Path) -> Iterator[None]:
         raise
     except (FileExistsError, NotADirectoryError):
         raise OutputError(shown, "a part of its path is a file, not a folder") from None
-    except (
-        OSError,
-        ValueError,
-    ) as error:  # also a null byte in the path, a lone surrogate in the text
+    except (OSError, ValueError) as error:  # a null byte in the path, a lone surrogate in the text
         problem = error.strerror if isinstance(error, OSError) else None
         raise OutputError(shown, problem or str(error)) from None

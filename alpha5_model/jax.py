@@ -24,17 +24,15 @@ from alpha5_model.checks import instance
 from alpha5_model.dynamics import load as load_arm
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
-from alpha5_model.errors import MissingDependencyError, ShapeError
+from alpha5_model.errors import ShapeError, needing
 from alpha5_model.kernels.generated import formulas, products
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE
 
-try:
+with needing("alpha5_model.jax", "pip install jax"):
     import jax.numpy as jnp
     from jax import Array
     from jax.tree_util import register_dataclass
     from jax.tree_util import tree_leaves as leaves
-except ImportError:
-    raise MissingDependencyError("jax", "alpha5_model.jax", "pip install jax") from None
 
 #: Anything that JAX or NumPy reads as real numbers.
 Numbers: TypeAlias = Any

@@ -78,3 +78,9 @@ def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
 def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:
     """Homogeneous transform (4, 4) of URDF's ``<origin>``."""
     return transform(rotation_from_rpy(rpy), xyz)
+
+
+def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
+    """Distance of a point (3,) from a box (3, 2); 0 inside."""
+    outside = np.maximum(np.maximum(bounds[:, 0] - point, point - bounds[:, 1]), 0.0)
+    return float(np.linalg.norm(outside))

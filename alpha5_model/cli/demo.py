@@ -85,10 +85,9 @@ def _solve() -> FloatArray:
     for i, branch in enumerate(BRANCHES):
         q = solutions.q[i]
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
-        said = (
-            f"{'within' if solutions.within_limits[i] else 'beyond'} limits, back to {error:.0e} m"
-        )
-        rows.append([branch, *(f"{angle:.4f}" for angle in q), f"rad, {said}"])
+        said = f"{'within' if solutions.within_limits[i] else 'beyond'} limits"
+        angles = (f"{angle:.4f}" for angle in q)
+        rows.append([branch, *angles, f"rad, {said}, back to {error:.0e} m"])
     say(*table(rows, "<>>>><", 3))
     return solutions.best(named_pose("home"))
 

@@ -17,16 +17,15 @@ from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.text import table
 from alpha5_model.uncertainty import reach, sensitivity
-from alpha5_model.view import figures, workspace_plot
+from alpha5_model.view import figures
+from alpha5_model.view import workspace_plot as plots
 
 _LINK = "'THETA D A ALPHA SIGMA'"
 
 
 def workspace(
     plot: options.Plot = None,
-    self_collision: Annotated[
-        bool, Option("--self-collision", help=HELP["self_collision"])
-    ] = False,
+    self_collision: Annotated[bool, Option("--self-collision", help=HELP["touching"])] = False,
     samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
     as_json: options.Json = False,
 ) -> None:
@@ -42,9 +41,7 @@ def workspace(
     if plot is not None:
         with options.spinner("drawing"):
             page = (
-                workspace_plot.self_collision_figure(samples=samples)
-                if self_collision
-                else workspace_plot.workspace_figure()
+                plots.self_collision_figure(samples=samples) if share else plots.workspace_figure()
             )
             figures.write_figure(page, plot, dpi=150)
     farthest = sensitivity(reach)
@@ -82,11 +79,8 @@ def _regions(record: dict[str, Any]) -> options.Lines:
     yield from table(rows, "<<>")
     if share is not None:
         hit, error, litres = 1 - share.share, share.standard_error, 1e3 * share.total
-        volumes = {
-            "free": share.share * litres,
-            "litres": hit * litres,
-            "error_litres": error * litres,
-        }
+        volumes = {"free": share.share * litres, "litres": hit * litres}
+        volumes["error_litres"] = error * litres
         yield words["collision"].format(share=hit, error=error, samples=share.samples, **volumes)
 
 
@@ -163,7 +157,7 @@ def planar(
     arm = library.PlanarArm(lengths, ranges, joints)
     result = _result(arm, radius)
     if plot is not None:
-        workspace_plot.save(workspace_plot.plot_planar(arm), plot)
+        plots.save(plots.plot_planar(arm), plot)
     options.show(as_json, result, _answers(result), plot)
 
 

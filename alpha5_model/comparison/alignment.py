@@ -16,17 +16,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison.arm import (
-    FourJointArm,
-    Pair,
-    Z,
-    carried,
-    our_arm,
-    our_frames,
-    random_positions,
-    tip_points,
-    zero_poses,
-)
+from alpha5_model.comparison import arm
+from alpha5_model.comparison.arm import FourJointArm, Pair, Z, our_arm, our_frames, zero_poses
 from alpha5_model.comparison.reading import foot
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import moved, rotation_about, transform, wrap
@@ -200,7 +191,7 @@ def _body_errors(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
 
 def bodies_in_our_frames(theirs: FourJointArm, alignment: Alignment) -> Pair:
     """COM (5, 3) [m] and tensor at the COM (5, 3, 3) of the other bodies in our link frames."""
-    return carried(theirs, body_transforms(theirs, alignment))[1:]
+    return arm.carried(theirs, body_transforms(theirs, alignment))[1:]
 
 
 def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
@@ -228,7 +219,7 @@ def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Flo
 
     Where a link was meant to be our base_link, the arms are mounted by it.
     """
-    tips, stands = tip_points(*their_lines(theirs, alignment, q)), alignment.stands
+    tips, stands = arm.tip_points(*their_lines(theirs, alignment, q)), alignment.stands
     if alignment.same_base:
         tips = (tips - stands[:3, 3]) @ stands[:3, :3] @ rotation_about(Z, -_yaw(alignment))
     return tips
@@ -273,7 +264,7 @@ def difference(theirs: FourJointArm, alignment: Alignment) -> Pair:
     (2) and dimensions (8), is a screw (w, v) that moves the lines (m, d) behind it by w x d and w x
     m + v x d.
     """
-    q, sign = random_positions(POSITIONS), alignment.sign[1:3, None, None]
+    q, sign = arm.random_positions(POSITIONS), alignment.sign[1:3, None, None]
     frames = np.moveaxis(our_frames(q, alignment.dimensions), 1, 0)  # joint, position
     points, x, y, z = (frames[..., :3, k] for k in (3, 0, 1, 2))
     there, heading = (np.moveaxis(part, 1, 0) for part in their_lines(theirs, alignment, q))

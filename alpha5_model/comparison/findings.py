@@ -13,18 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.comparison import alignment as aligned
 from alpha5_model.comparison import diagnosis
-from alpha5_model.comparison.alignment import (
-    ANGLE_TOLERANCE,
-    DIMENSIONS,
-    LENGTH_TOLERANCE,
-    Alignment,
-    allowed,
-    bodies_in_our_frames,
-    body_transforms,
-    their_tips,
-    without_zero,
-)
+from alpha5_model.comparison.alignment import ANGLE_TOLERANCE, LENGTH_TOLERANCE, Alignment, allowed
 from alpha5_model.comparison.arm import FourJointArm, our_arm, our_tips, with_dimensions
 from alpha5_model.comparison.diagnosis import TOKEN_MASS, Inertial
 from alpha5_model.comparison.reading import AXES
@@ -87,7 +78,10 @@ def all_findings(
     yield from _digits(theirs, written, alignment, q)
     yield from _limits(theirs, alignment)
     yield from _mimics(other)
-    regressor, transforms = our_arm().gravity_regressor(q), body_transforms(theirs, alignment)
+    regressor, transforms = (
+        our_arm().gravity_regressor(q),
+        aligned.body_transforms(theirs, alignment),
+    )
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
         # no joint carries the base: it costs nothing
@@ -155,10 +149,13 @@ def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterato
             continue
         name, words = "zero", {"joint": joint.name, "shift": math.degrees(zero)}
         if j in (1, 2):
-            words |= {"fit": _fit(alignment), "without": without_zero(theirs, alignment, j) * 1e3}
+            words |= {
+                "fit": _fit(alignment),
+                "without": aligned.without_zero(theirs, alignment, j) * 1e3,
+            }
             name = "zero.fitted"
         elif j == 0:
-            com = bodies_in_our_frames(theirs, alignment)[0][0]
+            com = aligned.bodies_in_our_frames(theirs, alignment)[0][0]
             if np.linalg.norm(com - our_arm().com[0]) >= SAME_COM:
                 name = "zero.or_base"
         turned = joint.transform[:3, :3] @ rotation_about(joint.axis, zero)
@@ -170,10 +167,10 @@ def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterato
 
 def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)
-    for k, (name, change) in enumerate(zip(DIMENSIONS, alignment.dimensions, strict=True)):
+    for k, (name, change) in enumerate(zip(aligned.DIMENSIONS, alignment.dimensions, strict=True)):
         if abs(change) <= within[k >= 4]:
             continue
-        only = np.where(np.arange(len(DIMENSIONS)) == k, change, 0.0)
+        only = np.where(np.arange(len(aligned.DIMENSIONS)) == k, change, 0.0)
         off = np.linalg.norm(our_tips(q, only) - our_tips(q), axis=1).max() * 1e3
         kind, _, index = name.partition("_")
         scale, unit = (1e3, "mm") if k < 4 else (180 / math.pi, "deg")
@@ -187,15 +184,13 @@ def _digits(
     theirs: FourJointArm, written: FourJointArm, alignment: Alignment, q: FloatArray
 ) -> Iterator[Finding]:
     """What the number of printed digits does to the axes: remarks only."""
-    apart = their_tips(theirs, alignment, q) - their_tips(written, alignment, q)
+    apart = aligned.their_tips(theirs, alignment, q) - aligned.their_tips(written, alignment, q)
     if (off := float(np.linalg.norm(apart, axis=1).max())) > LENGTH_TOLERANCE:
         yield finding("digits.of_pi", off=off * 1e3)
     length, angle = allowed(theirs, short_pi=True)
-    zeros = "".join(
-        f", zero of {axis} {math.degrees(zero):.2f} deg"
-        for axis, zero in zip(AXES[1:3], alignment.zero[1:3], strict=True)
-        if ANGLE_TOLERANCE < abs(zero) <= angle
-    )
+    pairs = zip(AXES[1:3], alignment.zero[1:3], strict=True)
+    seen = [(axis, math.degrees(x)) for axis, x in pairs if ANGLE_TOLERANCE < abs(x) <= angle]
+    zeros = "".join(f", zero of {axis} {zero:.2f} deg" for axis, zero in seen)
     if alignment.residual[0] > LENGTH_TOLERANCE or zeros:
         words = {"length": length * 1e3, "angle": math.degrees(angle), "zeros": zeros}
         yield finding("digits", fit=_fit(alignment), **words)
@@ -326,9 +321,8 @@ def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, s
     # Table 2 prints 1e-6 m and 1e-9 kg m^2; a frame written with fewer digits adds noise beyond.
     xyz = " ".join(f"{x + 0.0:.6g}" for x in moved(back, link.com).round(6))
     tensor = rotate_tensor(back[:3, :3], link.inertia).round(9) + 0.0
-    entries = " ".join(
-        f'i{"xyz"[i]}{"xyz"[j]}="{tensor[i, j]:.6g}"' for i in range(3) for j in range(i, 3)
-    )
+    upper = zip(*np.triu_indices(3), strict=True)
+    entries = " ".join(f'i{"xyz"[i]}{"xyz"[j]}="{tensor[i, j]:.6g}"' for i, j in upper)
     return (
         f'{main.link}: <mass value="{link.mass:g}"/>{alone}',
         f'{main.link}: <origin xyz="{xyz}" rpy="0 0 0"/>{alone}',

@@ -173,10 +173,8 @@ def wrong_tensors(body: int) -> Hypotheses:
     rotations = [(words, m) for words, m in _signed_axes() if np.linalg.det(m) > 0]
     rotations += [(words, pose[:3, :3]) for words, pose in frames(body).items()]
     turns: list[Step] = [(words, partial(rotate_tensor, r)) for words, r in rotations]
-    single = [
-        _products(f"i{entry} has the wrong sign", *np.where(np.arange(3) == k, -1, 1))
-        for k, entry in enumerate(("xy", "xz", "yz"))
-    ]
+    flips = zip(("xy", "xz", "yz"), 1 - 2 * np.eye(3), strict=True)
+    single = [_products(f"i{entry} has the wrong sign", *signs) for entry, signs in flips]
     return _with_mistakes(sources, signs, turns, single)
 
 

@@ -111,11 +111,8 @@ def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
         [text for j in joints for text in j.printed[k].split() if float(text) % 1] for k in (0, 1)
     )
     cut = [abs(meant_angle(text) - float(text)) for text in angles]
-    others = [text for text, off in zip(angles, cut, strict=True) if not off]
-    length, angle = (
-        0.5 * min(map(_last_place, texts), default=0.0) * math.sqrt(len(texts))
-        for texts in (lengths, others)
-    )
+    both = lengths, [text for text, off in zip(angles, cut, strict=True) if not off]
+    length, angle = (0.5 * min(map(_last_place, x), default=0.0) * math.sqrt(len(x)) for x in both)
     return length, angle, max(cut, default=0.0)
 
 

@@ -16,20 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model import inertia
 from alpha5_model.checks import FloatArray
-from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, excess_of_box, figure, si
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, si
 from alpha5_model.fluids import GRAVITY, SEA_WATER
-from alpha5_model.inertia import (
-    flip_products,
-    point_mass_tensor,
-    principal_moments,
-    second_moments,
-    tensor_at_com,
-    tensor_at_origin,
-)
 from alpha5_model.parameters import Alpha5Parameters, LinkParameters, convert
 from alpha5_model.published.tables import BuoyancyRow, InertialRow, Published, Triple
-from alpha5_model.spatial import cross_matrix, rotation_about
+from alpha5_model.spatial import cross_matrix, excess_of_box, rotation_about
 
 ALUMINIUM = 2700.0  # kg/m^3
 G = -GRAVITY[2]  # m/s^2
@@ -44,23 +37,23 @@ def _less(term: Callable[[float, FloatArray], FloatArray]) -> Formula:
 
 #: Claim about a row of Table 2 -> the tensor that vanishes if it is true.
 RESIDUALS: dict[str, Formula] = {
-    "parallel_axis": lambda m, p, com, link: link - tensor_at_origin(m, p, com),
+    "parallel_axis": lambda m, p, com, link: link - inertia.tensor_at_origin(m, p, com),
     # The control: with the products read in URDF sign, the same must be out of bounds.
     "product_sign": lambda m, p, com, link: (
-        flip_products(link) - tensor_at_origin(m, p, flip_products(com))
+        inertia.flip_products(link) - inertia.tensor_at_origin(m, p, inertia.flip_products(com))
     ),
     "equation_1.printed": _less(lambda m, p: m * ((p @ p) * np.eye(3) - (p @ p).T * np.eye(3))),
     "equation_1.corrected": _less(lambda m, p: m * ((p @ p) * np.eye(3) - np.outer(p, p))),
     "equation_2.printed": _less(lambda m, p: m * cross_matrix(p) @ cross_matrix(p)),
     "equation_2.corrected": _less(lambda m, p: -m * cross_matrix(p) @ cross_matrix(p)),
     # {A} at the link frame, {B} at the COM
-    "equation_1.any_frame": lambda m, p, com, link: tensor_at_origin(m, p, link) - com,
+    "equation_1.any_frame": lambda m, p, com, link: inertia.tensor_at_origin(m, p, link) - com,
 }
 EQUATIONS = [claim for claim in RESIDUALS if claim.startswith("equation")]
 #: Claim about a row of Table 2 -> the tensor about the COM that is that of a body.
 TENSORS: dict[str, Formula] = {
     "possible_com": lambda m, p, com, link: com,
-    "possible_link": lambda m, p, com, link: tensor_at_com(m, p, link),
+    "possible_link": lambda m, p, com, link: inertia.tensor_at_com(m, p, link),
 }
 
 
@@ -96,7 +89,7 @@ def _of(row: InertialRow, formula: Formula) -> tuple[Any, Any]:
     def value(x: FloatArray) -> Any:
         read = np.zeros((2, 3, 3))
         read[:, *upper] = read[:, *upper[::-1]] = x[4:].reshape(2, 6)
-        return formula(float(x[0]), x[1:4], *flip_products(read))
+        return formula(float(x[0]), x[1:4], *inertia.flip_products(read))
 
     entries = [t[i][j] for t in tensors for i, j in zip(*upper, strict=True)]
     return figure(value, [row.mass, *row.com, *entries])
@@ -143,7 +136,7 @@ def _rotation(p: Alpha5Parameters) -> list[AuditRow]:
 
 def _mass(_: float, com: FloatArray, at_com: FloatArray, at_link: FloatArray) -> float:
     """The m that minimizes |I_Link - I_COM - m (P.P E - P P^T)|."""
-    term = point_mass_tensor(1.0, com)
+    term = inertia.point_mass_tensor(1.0, com)
     return float(np.sum(term * (at_link - at_com)) / np.sum(term * term))
 
 
@@ -165,7 +158,7 @@ def _masses(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
 
 def _possible(claim: str, row: InertialRow) -> AuditRow:
     def smallest(*numbers: Any) -> Any:
-        return principal_moments(second_moments(TENSORS[claim](*numbers)))[0]
+        return inertia.principal_moments(inertia.second_moments(TENSORS[claim](*numbers)))[0]
 
     return audited(claim, *_of(row, smallest), of=row)
 
@@ -175,7 +168,7 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
 
     def spread(mass: float, com: FloatArray, at_com: FloatArray, _: FloatArray) -> FloatArray:
         """Along each axis [m], 0 where the tensor is impossible; and how much that is too much."""
-        size = np.sqrt(np.maximum(np.diag(second_moments(at_com)) / mass, 0.0))
+        size = np.sqrt(np.maximum(np.diag(inertia.second_moments(at_com)) / mass, 0.0))
         room = np.maximum([com - bounds[:, 0], bounds[:, 1] - com], 0.0)
         return np.array([size, size - np.sqrt(room.prod(axis=0))])
 

@@ -12,15 +12,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.checks import BoolArray, FloatArray
-from alpha5_model.consistency.row import (
-    ARITHMETIC,
-    AuditRow,
-    audited,
-    excess_of_box,
-    figure,
-    sampled_share,
-    si,
-)
+from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, sampled_share, si
 from alpha5_model.dh import DHChain
 from alpha5_model.fluids import GRAVITY
 from alpha5_model.kinematics import workspace
@@ -28,7 +20,7 @@ from alpha5_model.kinematics.ik import inverse_kinematics, published_inverse_kin
 from alpha5_model.parameters import Alpha5Parameters
 from alpha5_model.published.quantity import Quantity
 from alpha5_model.published.tables import Published
-from alpha5_model.spatial import wrap
+from alpha5_model.spatial import excess_of_box, wrap
 
 #: Random joint positions for the printed formulas, and points of the reachable volume for
 #: self-collision.

@@ -99,10 +99,8 @@ def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> 
 def _moving_water(p: Alpha5Parameters) -> list[AuditRow]:
     """Observations, no claims of a document."""
     bodies = hydrodynamics(numbers="supplementary")
-    theirs, ours, most = (
-        {name: body.added_mass for name, body in water.items()}
-        for water in (bodies, hydrodynamics(), hydrodynamics(level="high"))
-    )
+    waters = (bodies, hydrodynamics(), hydrodynamics(level="high"))
+    theirs, ours, most = ({k: body.added_mass for k, body in x.items()} for x in waters)
     joined = {name: _coupled(body) for name, body in bodies.items()}
     sizes = [added_inertia(p, matrices)[:3] for matrices in (theirs, ours, most, joined)]
     rows = []

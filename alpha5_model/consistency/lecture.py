@@ -98,10 +98,8 @@ def _theorem() -> list[AuditRow]:
     }
     example = ", ".join(map(str, missed[-1])) if len(missed) else "none"
     words: dict[str, Any] = {"longest": LONGEST, "example": example}
-    return [
-        audited(f"lecture.{name}", float(np.mean(sets)), whole=len(sets), **words)
-        for name, sets in figures.items()
-    ]
+    sets = figures.items()
+    return [audited(f"lecture.{k}", float(np.mean(x)), whole=len(x), **words) for k, x in sets]
 
 
 def _experiment() -> list[AuditRow]:

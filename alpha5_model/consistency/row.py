@@ -162,9 +162,3 @@ def figure(function: Callable[[FloatArray], Any], printed: Sequence[Quantity]) -
     value, steps = function(centre), np.diag([q.rounding for q in printed])
     moved = [[np.abs(function(x) - value) for x in (centre + s, centre - s)] for s in steps]
     return value, np.max(moved, axis=1).sum(axis=0)
-
-
-def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
-    """Distance of a point (3,) from a box (3, 2); 0 inside."""
-    outside = np.maximum(np.maximum(bounds[:, 0] - point, point - bounds[:, 1]), 0.0)
-    return float(np.linalg.norm(outside))

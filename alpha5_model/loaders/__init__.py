@@ -12,7 +12,7 @@ from typing import Any
 from alpha5_model.description import mesh_assets
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.variants import Variant, urdf
-from alpha5_model.errors import MissingDependencyError
+from alpha5_model.errors import needing
 from alpha5_model.paths import REPOSITORY_PATH
 
 FOLDER = "alpha5_description"
@@ -39,10 +39,7 @@ def loader_class() -> Any:
     Raises:
         MissingDependencyError: example-robot-data-loaders is not installed.
     """
-    try:
+    package = "example-robot-data-loaders"
+    with needing("the loader class", f"python -m pip install {package}", package):
         from alpha5_model.loaders.alpha5_loader import Alpha5Loader
-    except ImportError:
-        package = "example-robot-data-loaders"
-        remedy = f"python -m pip install {package}"
-        raise MissingDependencyError(package, "the loader class", remedy) from None
     return Alpha5Loader

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import Alpha5Error, MissingDependencyError
+from alpha5_model.errors import Alpha5Error, needing
 
 #: A manifold3d solid: closed, outward, exact in its booleans.
 Solid = Any
@@ -34,11 +34,8 @@ def kernel() -> Any:
     Raises:
         MissingDependencyError: It is not installed; only drawing new meshes needs it.
     """
-    try:
+    with needing("drawing the meshes", "pip install manifold3d"):
         import manifold3d
-    except ImportError:
-        name = "manifold3d"
-        raise MissingDependencyError(name, "drawing the meshes", f"pip install {name}") from None
     return manifold3d
 
 

@@ -10,14 +10,11 @@ from functools import cache
 import numpy as np
 
 from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
-from alpha5_model.errors import MissingDependencyError
+from alpha5_model.errors import needing
 from alpha5_model.kinematics.plane import DOUBLE
 
-try:
+with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
-except ImportError:
-    what = "making code of the equations"
-    raise MissingDependencyError("casadi", what, "pip install casadi") from None
 
 from alpha5_model.symbolic.dynamics import dynamics, in_moving_water, turns
 from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics

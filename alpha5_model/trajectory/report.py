@@ -52,6 +52,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         np.stack([m.voltage(i[:, k], velocity[:, k]) * i[:, k] for k, m in known])
         for i in (a.current_lower, a.current_upper)
     ]
+    drawn = [_drawn(end(*powers).sum(axis=0), time) for end in (np.minimum, np.maximum)]
     contradiction = sum(
         (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * velocity[:, k]
         for k, m in known
@@ -84,9 +85,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "energy": {
             "electrical_peak_w": float(power.max()),
             "drawn_j": _drawn(power, time),
-            "drawn_interval_j": [
-                _drawn(end(*powers).sum(axis=0), time) for end in (np.minimum, np.maximum)
-            ],
+            "drawn_interval_j": drawn,
             "fed_back_j": _drawn(-power, time),
             "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
             "contradiction_j": _integral(np.asarray(contradiction), time),

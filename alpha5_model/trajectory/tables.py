@@ -144,12 +144,10 @@ def parquet_table(path: PathLike) -> Table:
 def _library(path: PathLike, extra: str) -> Iterator[None]:
     """What a library raises, or its lack, as an error about the file."""
     try:
-        yield
+        with errors.needing(f"reading {path}", f"python -m pip install 'alpha5-model[{extra}]'"):
+            yield
     except errors.Alpha5Error:
         raise
-    except ImportError as error:
-        remedy = f"python -m pip install 'alpha5-model[{extra}]'"
-        raise errors.MissingDependencyError(str(error.name), f"reading {path}", remedy) from None
     except Exception as error:  # whatever a damaged file makes it raise
         problem = f"cannot be read as a table of numbers: {error}"
         if extra == "bags":

@@ -92,9 +92,8 @@ def build_scene(
         home[:4] = inverse_kinematics(nearest_reachable(goal), home[3]).best(home[:4])
     position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
-    flow = bounded(
-        "current", shaped("current", (1.0, 0.0, 0.0) if current is None else current, (3,))
-    )
+    water: ArrayLike = (1.0, 0.0, 0.0) if current is None else current
+    flow = bounded("current", shaped("current", water, (3,)))
     inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
     beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
     loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
@@ -115,10 +114,10 @@ def build_scene(
         things += _ghosts(arm, tree, bodies, position, goal)
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
-    water = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
+    wet = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
     whole = Scene(
         notes=(
-            water if arm.fluid_density else f"In air: weight {weight:.2f} N.",
+            wet if arm.fluid_density else f"In air: weight {weight:.2f} N.",
             f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
         ),
         tree=tree,

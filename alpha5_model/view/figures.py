@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.errors import InputError, MissingDependencyError
+from alpha5_model.errors import InputError, needing
 from alpha5_model.files import atomic_write, output_format
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
@@ -56,12 +56,9 @@ CAUSES = {
 
 
 def _matplotlib() -> Any:
-    try:
+    with needing("a picture", "pip install 'alpha5-model[plot]'", "matplotlib"):
         import matplotlib.backends.backend_agg
         import matplotlib.figure
-    except ImportError:
-        remedy = "pip install 'alpha5-model[plot]'"
-        raise MissingDependencyError("matplotlib", "a picture", remedy) from None
     return matplotlib
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alpha5_model.checks import FloatArray, real
-from alpha5_model.errors import InputError, MissingDependencyError
+from alpha5_model.errors import InputError, needing
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.view.scene import ARROWS, SEE_THROUGH, Camera, Scene, Shape, check_size
 from alpha5_model.view.shapes import Mesh
@@ -101,12 +101,9 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
     rate = 100 / max(1, round(100 / rate)) if gif else rate
     # Of the whole, H.264 takes even sizes only.
     form: Any = {"duration": 1e3 / rate, "loop": 0} if gif else {"fps": rate, "macro_block_size": 2}
-    try:
+    with needing("a video", "pip install 'alpha5-model[video]'"):
         import imageio_ffmpeg  # noqa: F401 (what imageio writes MP4 with)
         from imageio.v2 import get_writer
-    except ImportError as error:
-        remedy = "pip install 'alpha5-model[video]'"
-        raise MissingDependencyError(str(error.name), "a video", remedy) from None
     with tempfile.TemporaryDirectory() as folder:
         whole = Path(folder, "video").with_suffix(".gif" if gif else ".mp4")
         with get_writer(whole, **form) as writer:

@@ -73,10 +73,8 @@ def read_obj(path: str) -> Mesh:
         MissingFileError, FileFormatError: Not there, or not made of triangles with normals.
     """
     lines = read_named(path, "a mesh named by the URDF").decode("utf-8", "replace").splitlines()
-    vertices, normals = (
-        np.array([line.split()[1:4] for line in lines if line.startswith(tag)], float)
-        for tag in ("v ", "vn ")
-    )
+    rows = ([line.split()[1:4] for line in lines if line.startswith(k)] for k in ("v ", "vn "))
+    vertices, normals = (np.array(numbers, float) for numbers in rows)
     corners = [line.split()[1:] for line in lines if line.startswith("f ")]
     try:
         index = np.array([[part.split("//") for part in corner] for corner in corners], int) - 1

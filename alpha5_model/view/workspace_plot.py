@@ -48,9 +48,7 @@ def workspace_shapes() -> tuple[Shape, ...]:
         edges += [tube(points @ in_plane, _LINE) for points in outline]
         corners = _strips(side, np.concatenate(outline)) @ in_plane
         strips.append(quads(corners, [0.0, 1.0, 0.0]))
-    shell = [
-        lathe(polyline(planar_arc(arc), _COARSE), sides=48) for arc in workspace.boundary("both")
-    ]
+    shell = [lathe(polyline(planar_arc(arc), _COARSE), 48) for arc in workspace.boundary("both")]
     plane, base = Rigid("link_1"), Rigid("base_link")
     return (
         Shape("workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True),
