@@ -31,13 +31,14 @@ from alpha5_model.hydrodynamics import DragStrip, gauss_count
 from alpha5_model.parameters import RigidBody, parameters
 from alpha5_model.spatial import cross_matrix, pose
 
-_SECOND = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+#: Entries of a symmetric matrix without zz.
+SECOND = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 #: Name -> unit, in order. In the axes of each link, with what the links beyond hand down: ``xx`` to ``yz`` are
 #: second moments, sums of ``m x x`` to ``m y z``; ``hx``, ``hy`` first moments; ``n``, ``nx`` to ``nz`` the net mass
 #: and its first moments. Link 1 turns about its z only: there ``izz = xx + yy`` is all that counts of the two.
 BASE_PARAMETERS = {"link_0.n": "kg"} | {f"link_0.n{axis}": "kg m" for axis in "xyz"}
 for _i in (1, 2, 3, 4):
-    _names = ("izz", "xz", "yz") if _i == 1 else tuple(_SECOND)
+    _names = ("izz", "xz", "yz") if _i == 1 else tuple(SECOND)
     BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m^2" for name in _names}
     BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m" for name in ("hx", "hy", "nx", "ny")}
 BASE_PARAMETERS |= {f"gravity.{axis}": "m/s^2" for axis in "xyz"}
@@ -50,7 +51,7 @@ _STRIP = dict.fromkeys(("x", "y", "z", "half"), "m")
 _STRIP |= dict.fromkeys(("across", "along"), "N s^2/m^2")
 #: Name -> unit, in order: B and C of each link, then of each strip its middle, half its length, drag across and along.
 WATER_PARAMETERS = {f"link_{i}.b{name}": "kg" for i in (1, 2, 3, 4) for name in _B}
-WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in _SECOND}
+WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in SECOND}
 for _k in range(len(STRIPS)):
     WATER_PARAMETERS |= {f"strip_{_k}.{name}": unit for name, unit in _STRIP.items()}
 
@@ -80,7 +81,7 @@ def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) ->
     for i in (4, 3, 2, 1, 0):
         mass, net = left = handed + moments[i]
         values |= {f"link_{i}.n": net[3, 3], f"link_{i}.izz": mass[0, 0] + mass[1, 1]}
-        values |= {f"link_{i}.{name}": mass[at] for name, at in _SECOND.items()}
+        values |= {f"link_{i}.{name}": mass[at] for name, at in SECOND.items()}
         for k, axis in enumerate("xyz"):
             values |= {f"link_{i}.h{axis}": mass[k, 3], f"link_{i}.n{axis}": net[k, 3]}
         left[:, :2], left[:, :, :2] = 0.0, 0.0
@@ -138,7 +139,7 @@ def water_parameters(
         rigid[3, 3] = mass
         left, even = heavy - mass * np.eye(3), (coupling + coupling.T) / 2
         values |= {f"link_{link}.b{name}": left[at] for name, at in _B.items()}
-        values |= {f"link_{link}.c{name}": even[at] for name, at in _SECOND.items()}
+        values |= {f"link_{link}.c{name}": even[at] for name, at in SECOND.items()}
         if link > 1:
             row = parameters().dh[link - 2]
             back = np.linalg.inv(pose((row.a, 0.0, row.d), (row.alpha, 0.0, 0.0)))

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, bounded, choice, frozen, instance, listed, real, shaped
 from alpha5_model.errors import InputError
+from alpha5_model.jaws import GRIPPERS
+from alpha5_model.parameters import in_si
 from alpha5_model.published.reading import hydrodynamics as read
-from alpha5_model.published.tables import Interval
+from alpha5_model.published.tables import BODY_NAMES
 
 LEVELS = ("low", "nominal", "high")
 SETS = ("estimated", "supplementary")
@@ -110,9 +111,8 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
     """
     given = bounded("added_mass", shaped("added_mass", matrix, (6, 6)))
     diagonal = np.sqrt(np.abs(np.diag(given)))
-    scale = np.where(
-        diagonal > 0, diagonal, 1.0
-    )  # kg beside kg m^2: entries in units of their rows
+    # kg beside kg m^2: entries in units of their rows.
+    scale = np.where(diagonal > 0, diagonal, 1.0)
     relative = given / np.outer(scale, scale)
     if np.abs(relative - relative.T).max() > _ROUNDING:
         raise InputError("added_mass", given.tolist(), "a symmetric matrix")
@@ -140,22 +140,12 @@ def hydrodynamics(
     """
     at = LEVELS.index(choice("level", level, LEVELS))
     rows = read(choice("set", numbers, SETS))
-    parts = {"locked": ("link_4",), "jaws": ("wrist", "finger_1", "finger_2")}
-    tip = parts[choice("gripper", gripper, tuple(parts))]
-    names = {f"link_{i}": f"link_{i}" for i in range(4)}
-    names |= {("link_4" if name == "wrist" else name): name for name in tip}
+    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
     out = {}
-    for link, name in names.items():
-        if name in rows:
-            row = rows[name]
-            matrix = np.array([[entry.si for entry in line] for line in row.added_mass])
-            strips = [
-                DragStrip(_si(s.start), _si(s.end), s.diameter.si, s.across[at].si, s.along[at].si)
-                for s in row.strips
-            ]
-            out[link] = BodyHydrodynamics(matrix * row.added_mass_factor[at].si, tuple(strips))
+    for link in (*BODY_NAMES, "finger_1", "finger_2") if moving else BODY_NAMES:
+        row = rows.get("wrist" if moving and link == "link_4" else link)
+        if row is not None:
+            strips = ((s.start, s.end, s.diameter, s.across[at], s.along[at]) for s in row.strips)
+            matrix = np.array(in_si(row.added_mass)) * row.added_mass_factor[at].si
+            out[link] = BodyHydrodynamics(matrix, [DragStrip(*in_si(strip)) for strip in strips])
     return out
-
-
-def _si(numbers: Interval | Iterable[Any]) -> FloatArray:
-    return np.array([number.si for number in numbers])

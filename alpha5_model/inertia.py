@@ -232,16 +232,12 @@ def inconsistencies(
         variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
         for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
             if not low <= position <= high:
-                span = f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
-                found.append(
-                    f"the COM's {axis} = {position * 1e3:.1f} mm is outside the body, {span}"
-                )
+                at, span = f"{position * 1e3:.1f} mm", f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+                found.append(f"the COM's {axis} = {at} is outside the body, {span}")
             elif variance > (high - position) * (position - low) * (1 + tolerance):
-                limit = np.sqrt((high - position) * (position - low))
-                found.append(
-                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}, more than a "
-                    f"body of this size can, {limit * 1e3:.1f} mm"
-                )
+                limit = f"{np.sqrt((high - position) * (position - low)) * 1e3:.1f} mm"
+                spread = f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}"
+                found.append(f"{spread}, more than a body of this size can, {limit}")
     return tuple(found)
 
 

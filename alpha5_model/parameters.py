@@ -6,7 +6,7 @@ Everything that computes takes its numbers from `parameters`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
@@ -219,7 +219,7 @@ def convert(printed: tables.Published, corrections: tuple[str, ...]) -> Alpha5Pa
     return Alpha5Parameters(
         dh=dh,
         theta_c=theta_c,
-        links=tuple(_link(*rows, dh, corrections) for rows in bodies),
+        links=tuple(_link(rows, dh, corrections) for rows in bodies),
         joints=tuple(_record(JointParameters, row) for row in extra.joints),
         actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
         jaws=JawParameters(**{name: in_si(value) for name, value in extra.jaws.items()}),
@@ -251,28 +251,18 @@ def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple
     return variable, constant
 
 
-def _link(
-    inertial: tables.InertialRow,
-    buoyancy: tables.BuoyancyRow,
-    body: tables.BodyBounds,
-    dh: tuple[DHParameters, ...],
-    corrections: tuple[str, ...],
-) -> LinkParameters:
+def _link(rows: Any, dh: Sequence[DHParameters], corrections: tuple[str, ...]) -> LinkParameters:
+    """From its rows of Tables 2 and 3 and its bounds."""
+    inertial, buoyancy, body = rows
     cob = in_si(buoyancy.cob)
     if body.name == "link_3" and "link3_cob" in corrections:
         # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
         # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
         x, y, z = cob
         cob = [dh[2].a - x, z - dh[0].d, y]
-    return LinkParameters(
-        name=body.name,
-        mass=inertial.mass.si,
-        com=frozen(in_si(inertial.com)),
-        inertia=frozen(flip_products(in_si(inertial.inertia_com))),
-        volume=buoyancy.volume.si,
-        cob=frozen(cob),
-        bounds=frozen(in_si(body.bounds)),
-    )
+    com, tensor, bounds = map(in_si, (inertial.com, inertial.inertia_com, body.bounds))
+    heavy = inertial.mass.si, frozen(com), frozen(flip_products(tensor))
+    return LinkParameters(body.name, *heavy, buoyancy.volume.si, frozen(cob), frozen(bounds))
 
 
 def _record(kind: type[Any], row: Any) -> Any:

@@ -52,14 +52,6 @@ def rpy_from_rotation(r: FloatArray) -> Triple:
     return math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1]), pitch, yaw
 
 
-def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, float]:
-    """(x, y, z, w) of the same rotation as `rotation_from_rpy`."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
-    x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
-    z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
-    return float(x), float(y), float(z), float(w)
-
-
 def transform(
     rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)
 ) -> FloatArray:

@@ -67,11 +67,9 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
     """``mjcf/``: the arm with its jaws locked, and open, in the form of MuJoCo Menagerie."""
     files, jaws = mjcf_files(), mjcf_files(MjcfOptions(gripper="jaws"))
     title, said = files["README.md"].split(b"\n\n", 1)
-    files |= {
-        "README.md": b"\n\n".join((title, _PICTURE, said)),
-        "alpha5_jaws.xml": jaws["alpha5.xml"],
-        "scene_jaws.xml": files["scene.xml"].replace(b"alpha5", b"alpha5_jaws"),
-    }
+    files["README.md"] = b"\n\n".join((title, _PICTURE, said))
+    files["alpha5_jaws.xml"] = jaws["alpha5.xml"]
+    files["scene_jaws.xml"] = files["scene.xml"].replace(b"alpha5", b"alpha5_jaws")
     texts = {path: content for path, content in files.items() if not path.startswith("assets/")}
     assets = {f"assets/{name}": drawn[name] for name in drawn if name.endswith(".obj")}
     return {f"mjcf/{path}": content for path, content in (texts | assets).items()}

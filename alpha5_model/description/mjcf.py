@@ -220,11 +220,8 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
     own = [joint for joint in joints if not isinstance(joint, FingerJoint)]
     for joint in own:
         limits, effort = (joint.lower, joint.upper), (-joint.effort, joint.effort)
-        ranges = {
-            "motor": effort,
-            "position": limits,
-            "velocity": (-joint.velocity, joint.velocity),
-        }
+        speed = -joint.velocity, joint.velocity
+        ranges = {"motor": effort, "position": limits, "velocity": speed}
         servo: dict[str, Value] = {"kp": _STIFFNESS[joint.name], "forcerange": effort}
         servo |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
         # A position servo whose target moves at the speed asked for: it holds against weight.

@@ -203,12 +203,9 @@ def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> ET.Element
         collision = add(link, "collision", name="displaced_volume")
         _fill(collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}})
     for mesh, at in body.meshes.items():
-        _fill(
-            add(link, "visual", name=mesh),
-            pose=_pose(at),
-            geometry={"mesh": {"uri": f"meshes/{mesh}.obj"}},
-            material=dict.fromkeys(("ambient", "diffuse"), material_of(mesh).rgba),
-        )
+        look = dict.fromkeys(("ambient", "diffuse"), material_of(mesh).rgba)
+        shape = {"mesh": {"uri": f"meshes/{mesh}.obj"}}
+        _fill(add(link, "visual", name=mesh), pose=_pose(at), geometry=shape, material=look)
     return inertial
 
 

@@ -59,9 +59,8 @@ def srdf(gripper: str = "locked") -> str:
         add(add(root, "group", name="gripper"), "joint", name=rod.name)
         ends = {"parent_link": "link_4", "group": "gripper", "parent_group": "arm"}
         add(root, "end_effector", name="jaws", **ends)
-        states += [
-            (n, "gripper", [rod], [q]) for n, q in (("closed", rod.lower), ("open", rod.upper))
-        ]
+        for name, end in (("closed", rod.lower), ("open", rod.upper)):
+            states.append((name, "gripper", [rod], [end]))
     for name, group, joints, q in states:
         state = add(root, "group_state", name=name, group=group)
         for joint, position in zip(joints, q, strict=True):

@@ -97,11 +97,9 @@ class DHChain:
         tool = np.eye(4)
         for row in p.dh[len(moving) :]:
             tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
-        links = tuple(
-            DHLink(0.0, row.d, row.a, row.alpha, 0, row.theta_offset, joint.lower, joint.upper)
-            for row, joint in moving
-        )
+        rows = ((0.0, r.d, r.a, r.alpha, 0, r.theta_offset, j.lower, j.upper) for r, j in moving)
         names = tuple(joint.name for _, joint in moving)
+        links = tuple(DHLink(*row) for row in rows)
         return cls(links, tool=tool, name="alpha5", joint_names=names)
 
     @classmethod

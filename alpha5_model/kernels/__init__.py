@@ -49,9 +49,8 @@ def module() -> Any:
         except ImportError:
             continue
     remedy = "install alpha5-model where a C compiler is, or compile with python hatch_build.py"
-    raise MissingDependencyError(
-        "alpha5_model.kernels._compiled", "ALPHA5_KERNELS=compiled", remedy
-    )
+    wanted = "ALPHA5_KERNELS=compiled"
+    raise MissingDependencyError("alpha5_model.kernels._compiled", wanted, remedy)
 
 
 def backend() -> str:

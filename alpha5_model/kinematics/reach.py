@@ -31,15 +31,13 @@ from numpy.typing import ArrayLike
 from alpha5_model import planar
 from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
 from alpha5_model.errors import InputError
-from alpha5_model.kinematics.plane import arm_plane, on_axis, solve_batch
+from alpha5_model.kinematics.plane import BLOCK, arm_plane, on_axis, solve_batch
 from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
 from alpha5_model.planar.curves import bounds
 from alpha5_model.spatial import wrap
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")
-#: Rows per block, to bound the scratch.
-_BLOCK = 8192
 #: Joint positions (M, 4) -> whether each is accepted, (M,).
 Accept = Callable[[FloatArray], BoolArray]
 #: Points of the half-plane R (M,), z (M,) -> whether each belongs to a region, (M,).
@@ -203,7 +201,7 @@ def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None =
     if accept is None:
         four = _solved(target, limits)[1].view(np.uint32)  # truth values as one number
         return np.asarray(four[..., 0] != 0)
-    blocks = np.split(target.reshape(-1, 3), range(_BLOCK, target.size // 3, _BLOCK))
+    blocks = np.split(target.reshape(-1, 3), range(BLOCK, target.size // 3, BLOCK))
     out = np.concatenate([_accepted(rows, limits, accept) for rows in blocks])
     return out.reshape(target.shape[:-1])
 
@@ -267,8 +265,8 @@ def _nearest(positions: ArrayLike, limits: bool) -> tuple[FloatArray, FloatArray
     target, limits = float_array("positions", positions, (3,)), flag("limits", limits)
     out = target.reshape(-1, 3).copy()
     outside = np.flatnonzero(~reachable(out, limits))
-    for start in range(0, len(outside), _BLOCK):
-        part = outside[start : start + _BLOCK]
+    for start in range(0, len(outside), BLOCK):
+        part = outside[start : start + BLOCK]
         # Very far points come nearer along their ray: squares of their distances overflow.
         far = np.maximum(np.abs(out[part]).max(axis=-1, keepdims=True) / _FAR, 1.0)
         out[part] = _project(out[part] / far, limits)

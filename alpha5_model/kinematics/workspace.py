@@ -29,60 +29,28 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import (
-    BoolArray,
-    FloatArray,
-    choice,
-    count,
-    float_array,
-    generator,
-    real,
-    together,
-)
+from alpha5_model import checks
+from alpha5_model.checks import BoolArray, FloatArray, float_array
+from alpha5_model.kinematics import reach
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.kinematics.reach import (
     SIDES,
-    Accept,
     Arc,
-    azimuth_beyond,
     boundary,
-    critical_arcs,
     distance_to_reach,
     in_half_plane,
     nearest_reachable,
-    planar_arc,
     reachable,
-    trace,
 )
 from alpha5_model.parameters import parameters
 from alpha5_model.published import published
 from alpha5_model.spatial import wrap
 
-__all__ = [
-    "SIDES",
-    "Arc",
-    "PublishedErrors",
-    "SampledShare",
-    "Singularities",
-    "Torus",
-    "boundary",
-    "cross_section_area",
-    "distance_to_reach",
-    "in_half_plane",
-    "in_tori",
-    "manipulability",
-    "nearest_reachable",
-    "published_but_unreachable",
-    "published_errors",
-    "published_reachable",
-    "published_tori",
-    "reachable",
-    "reachable_but_unpublished",
-    "sampled_share",
-    "singular_elbow_angles",
-    "singularities",
-    "volume",
-]
+__all__ = ["SIDES", "Arc", "PublishedErrors", "SampledShare", "Singularities", "Torus", "boundary"]
+__all__ += ["cross_section_area", "distance_to_reach", "in_half_plane", "in_tori", "manipulability"]
+__all__ += ["nearest_reachable", "published_but_unreachable", "published_errors"]
+__all__ += ["published_reachable", "published_tori", "reachable", "reachable_but_unpublished"]
+__all__ += ["sampled_share", "singular_elbow_angles", "singularities", "volume"]
 
 
 class Torus(NamedTuple):
@@ -180,7 +148,7 @@ def cross_section_area(side: str = "both", limits: bool = True) -> float:
 
 def area(arcs: Iterable[Arc]) -> float:
     """Area of the region that arcs and the axis R = 0 bound, by Green's theorem [m^2]."""
-    return sum(arc.filled * planar_arc(arc).area_integral() for arc in arcs)
+    return sum(arc.filled * reach.planar_arc(arc).area_integral() for arc in arcs)
 
 
 def first_moment(arcs: Iterable[Arc]) -> float:
@@ -208,7 +176,7 @@ def volume(limits: bool = True) -> float:
 
 
 def sampled_share(
-    accept: Accept, samples: int = 20_000, seed: int = 0, azimuth: float | None = None
+    accept: reach.Accept, samples: int = 20_000, seed: int = 0, azimuth: float | None = None
 ) -> SampledShare:
     """Share of the reachable volume that is reached in accepted joint positions.
 
@@ -224,8 +192,8 @@ def sampled_share(
     Raises:
         InputError: Bad input, or an answer of ``accept`` that is not one True or False a row.
     """
-    number, rng = count("samples", samples), generator(seed)
-    fixed = None if azimuth is None else real("azimuth", azimuth)
+    number, rng = checks.count("samples", samples), checks.generator(seed)
+    fixed = None if azimuth is None else checks.real("azimuth", azimuth)
     g = arm_plane()
     parts: list[FloatArray] = []
     while (found := sum(map(len, parts))) < number:
@@ -240,7 +208,7 @@ def sampled_share(
     if fixed is None:
         total = volume()
     else:
-        open_to = [side for side in SIDES[:2] if abs(azimuth_beyond(fixed, side)) < 1e-6]
+        open_to = [side for side in SIDES[:2] if abs(reach.azimuth_beyond(fixed, side)) < 1e-6]
         total = cross_section_area(open_to[0] if len(open_to) == 1 else "both")
     smoothed = (hits + 1) / (number + 2)
     error = math.sqrt(smoothed * (1 - smoothed) / number)
@@ -250,7 +218,7 @@ def sampled_share(
 @cache
 def published_errors() -> PublishedErrors:
     """How much of the published region cannot be reached, and what it misses."""
-    printed = trace(_printed_arcs(), in_tori)
+    printed = reach.trace(_printed_arcs(), in_tori)
     wrong = {side: published_but_unreachable(side) for side in SIDES}
     missed = {side: reachable_but_unpublished(side) for side in SIDES}
     areas = area(printed), cross_section_area(), area(wrong["both"]), area(missed["both"])
@@ -264,7 +232,7 @@ def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
     Args:
         side: As for `boundary`.
     """
-    return _difference(choice("side", side, SIDES), True)
+    return _difference(checks.choice("side", side, SIDES), True)
 
 
 def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
@@ -273,14 +241,14 @@ def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
     Args:
         side: As for `boundary`.
     """
-    return _difference(choice("side", side, SIDES), False)
+    return _difference(checks.choice("side", side, SIDES), False)
 
 
 @cache
 def _difference(side: str, published: bool) -> tuple[Arc, ...]:
     """Boundary of what one of the two has, published or reached, and the other lacks."""
-    arcs = _printed_arcs() + [arc for pose in SIDES[:2] for arc in critical_arcs(pose)]
-    return trace(
+    arcs = _printed_arcs() + [arc for pose in SIDES[:2] for arc in reach.critical_arcs(pose)]
+    return reach.trace(
         arcs,
         lambda R, z: (in_tori(R, z) == published) & (in_half_plane(R, z, side) != published),
     )
@@ -293,7 +261,7 @@ def _printed_arcs() -> list[Arc]:
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     """Which points of a half-plane (R, z) [m] satisfy the three inequalities of Section 1.2."""
-    radius, z = together(radius=radius, z=z)
+    radius, z = checks.together(radius=radius, z=z)
     inside = np.ones(radius.shape, np.bool_)
     for torus in published_tori():
         with np.errstate(over="ignore"):  # infinitely far is outside as well
@@ -326,7 +294,7 @@ class Singularities(NamedTuple):
 
     def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
         """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
-        angle, distance = real("angle", angle, 0.0), real("distance", distance, 0.0)
+        angle, distance = checks.real("angle", angle, 0.0), checks.real("distance", distance, 0.0)
         elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
         return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
 

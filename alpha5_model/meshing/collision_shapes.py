@@ -10,19 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from alpha5_model import meshing
 from alpha5_model.checks import FloatArray, choice
 from alpha5_model.jaws import GRIPPERS, split_link_4
-from alpha5_model.meshing import (
-    BASE,
-    FINGER,
-    JAWS,
-    RADIUS,
-    SHELL,
-    UPPER_ARM,
-    WRIST,
-    frames_in_links,
-    ribbon,
-)
+from alpha5_model.meshing import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST, ribbon
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import Triple, pose, rpy_from_rotation
 
@@ -49,6 +40,7 @@ class Primitive:
     rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
+@cache
 def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ...]]:
     """Primitives of each link.
 
@@ -62,27 +54,18 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
     Raises:
         UnknownNameError: Another gripper.
     """
-    shapes = dict(_in_links())
-    if choice("gripper", gripper, GRIPPERS) == "locked":
-        jaws = split_link_4(parameters(()))
-        for finger in (jaws.finger_1, jaws.finger_2):
-            closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
-            shapes["link_4"] += tuple(_moved(s, closed) for s in shapes.pop(finger.name))
-    return {link: tuple(map(_as_written, items)) for link, items in shapes.items()}
-
-
-@cache
-def _in_links() -> dict[str, tuple[Primitive, ...]]:
-    """Primitives of each link, the fingers as links of their own, in mm."""
-    shell, finger, frames = _shell(), _finger(), frames_in_links()
+    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
+    shell, blade, jaws = _shell(), _finger(), split_link_4(parameters(()))
     end = JAWS.collar_base + WRIST.collar_height
     wrist = [_cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
-    links = {"link_0": _base(), "link_1": shell, "link_2": _upper_arm(), "link_3": shell}
-    parts = {**links, "link_4": wrist, "finger_1": finger, "finger_2": finger}
-    return {
-        name: tuple(_moved(s, frames[name]) if name in frames else s for s in shapes)
-        for name, shapes in parts.items()
-    }
+    shapes = {"link_0": _base(), "link_1": shell, "link_2": _upper_arm(), "link_3": shell}
+    shapes |= {"link_4": wrist, "finger_1": blade, "finger_2": blade}
+    for name, frame in meshing.frames_in_links().items():
+        shapes[name] = [_moved(shape, frame) for shape in shapes[name]]
+    for finger in () if moving else (jaws.finger_1, jaws.finger_2):
+        closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
+        wrist += [_moved(shape, closed) for shape in shapes.pop(finger.name)]
+    return {link: tuple(map(_as_written, items)) for link, items in shapes.items()}
 
 
 def _moved(shape: Primitive, frame: FloatArray) -> Primitive:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.meshing.solid import DECIMALS, Surface
-from alpha5_model.spatial import Triple, quaternion_from_rpy
+from alpha5_model.spatial import Triple
 
 MTL_NAME = "alpha5.mtl"
 #: Type of an array's numbers -> its code in glTF.
@@ -109,22 +109,18 @@ class Node:
 
 def glb(nodes: Sequence[Node]) -> bytes:
     """The scene as one GLB file; a parent stands before its children."""
+    from scipy.spatial.transform import Rotation
+
     children: dict[str, list[int]] = {}
     for i, node in enumerate(nodes):
         children.setdefault(node.parent, []).append(i)
-    scene: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": "alpha5-model"},
-        "scene": 0,
-        "scenes": [{"nodes": children[""]}],
-        "nodes": [],
-        "meshes": [],
-        "materials": [_material(m) for m in MATERIALS],
-        "accessors": [],
-        "bufferViews": [],
-    }
+    scene: dict[str, Any] = {"asset": {"version": "2.0", "generator": "alpha5-model"}, "scene": 0}
+    scene |= {"scenes": [{"nodes": children[""]}], "nodes": [], "meshes": []}
+    scene |= {"materials": [_material(m) for m in MATERIALS], "accessors": [], "bufferViews": []}
     blob = bytearray()
     for node in nodes:
-        turn = [round(c, 9) + 0.0 for c in quaternion_from_rpy(node.rpy)]
+        quaternion = Rotation.from_euler("xyz", node.rpy).as_quat()
+        turn = [round(c, 9) + 0.0 for c in quaternion.tolist()]
         entry: dict[str, Any] = {
             "name": node.name,
             "translation": [round(c, 9) for c in node.xyz] if any(node.xyz) else None,
@@ -152,11 +148,8 @@ def _material(material: Material) -> dict[str, Any]:
     # glTF wants linear light, MTL and URDF carry sRGB (IEC 61966-2-1).
     *srgb, alpha = material.rgba
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in srgb]
-    look = {
-        "baseColorFactor": [*(round(c, 6) for c in linear), alpha],
-        "metallicFactor": material.metallic,
-        "roughnessFactor": material.roughness,
-    }
+    look: dict[str, Any] = {"baseColorFactor": [*(round(c, 6) for c in linear), alpha]}
+    look |= {"metallicFactor": material.metallic, "roughnessFactor": material.roughness}
     return {"name": material.name, "pbrMetallicRoughness": look}
 
 
@@ -169,8 +162,9 @@ def _primitive(scene: dict[str, Any], blob: bytearray, surface: Surface) -> dict
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     indices = place.reshape(-1).astype("<u2" if len(pairs) < 2**16 - 1 else "<u4")
     bounds = {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}
+    corner = _accessor(scene, blob, positions, "VEC3", **bounds)
     attributes = {
-        "POSITION": _accessor(scene, blob, positions, "VEC3", **bounds),
+        "POSITION": corner,
         "NORMAL": _accessor(scene, blob, normals.astype("<f4"), "VEC3"),
     }
     return {"attributes": attributes, "indices": _accessor(scene, blob, indices, "SCALAR")}

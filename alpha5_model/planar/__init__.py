@@ -45,28 +45,10 @@ from alpha5_model.errors import InputError
 from alpha5_model.planar.arm import PlanarArm, Workspace, annulus, bring, within_limits, workspace
 from alpha5_model.planar.curves import TURN, Arc, Curve, Edge, Segment, turned
 
-__all__ = [
-    "Arc",
-    "Conditions",
-    "Curve",
-    "DexterityMap",
-    "Edge",
-    "PlanarArm",
-    "Segment",
-    "TheoremRow",
-    "Workspace",
-    "annulus",
-    "dexterity",
-    "dexterity_map",
-    "dexterous_area",
-    "dexterous_radii",
-    "lecture_theorem",
-    "necessary_conditions",
-    "theorem_radii",
-    "theorem_row",
-    "turns_fully",
-    "workspace",
-]
+__all__ = ["Arc", "Conditions", "Curve", "DexterityMap", "Edge", "PlanarArm", "Segment"]
+__all__ += ["TheoremRow", "Workspace", "annulus", "dexterity", "dexterity_map", "dexterous_area"]
+__all__ += ["dexterous_radii", "lecture_theorem", "necessary_conditions", "theorem_radii"]
+__all__ += ["theorem_row", "turns_fully", "workspace"]
 
 #: Equality counts in every condition here; lengths this share of the whole apart count as equal.
 ROUNDING = 1e-14

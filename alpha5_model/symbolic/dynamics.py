@@ -20,7 +20,7 @@ import casadi
 import numpy as np
 from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
-from alpha5_model.base_parameters import BASE_PARAMETERS, STRIPS, WATER_PARAMETERS
+from alpha5_model.base_parameters import BASE_PARAMETERS, SECOND, STRIPS, WATER_PARAMETERS
 from alpha5_model.parameters import parameters
 from alpha5_model.symbolic.program import named
 
@@ -261,13 +261,13 @@ def _load(
         Force and moment about its origin, in its axes.
     """
     p = dict(zip(WATER_PARAMETERS, vertsplit(parameters), strict=True))
-    entries = ([p.get(f"link_{link}.{block}{at}", SX(0)) for at in _ENTRIES] for block in "bc")
+    entries = ([p.get(f"link_{link}.{block}{at}", SX(0)) for at in SECOND] for block in "bc")
     b, c = (_symmetric(*each) for each in entries)
     c[2, 2] = c[0, 0] + c[1, 1]
     d = 2 * (c - c[2, 2] * SX.eye(3))
     momentum = b @ velocity
     force = b @ (acceleration - cross(omega, velocity)) + cross(omega, momentum)
-    force += _turning(u, *(-d[at] / 2 for at in _ENTRIES.values()))
+    force += _turning(u, *(-d[at] / 2 for at in SECOND.values()))
     moment = (c + casadi.skew(h)) @ acceleration
     moment += cross(omega, d @ velocity) + cross(velocity, momentum)
     for k, (carrier, axis, points) in enumerate(STRIPS):
@@ -276,9 +276,6 @@ def _load(
             drag, about = _strip(axis, points, velocity, omega, u, numbers)
             force, moment = force + drag, moment + about
     return force, moment
-
-
-_ENTRIES = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
 def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
