@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, frozen, instance, listed, real
 from alpha5_model.dynamics import batch
-from alpha5_model.dynamics.batch import Regressor, kernel_parameters, kernel_rows, regressor
+from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import (
     Displacement,
@@ -32,7 +32,7 @@ from alpha5_model.dynamics.hydrostatics import (
     on_free_flyer,
     with_body,
 )
-from alpha5_model.dynamics.states import forces, rows, state_check
+from alpha5_model.dynamics.states import Embedding, expanded, forces, state_check
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics
@@ -464,12 +464,13 @@ class Arm:
             dw/dq, dw/dv, dw/da, each (6, nv), force rows above moment rows; the coupling between
             arm and vehicle, linearised.
         """
-        state = self._on_free_flyer(*self._clean_qva(q, v, a))
-        (model, data), (fluid, fluid_data) = ((m, self._own.pool(m).getData(0)) for m in self._free)
-        dq, dv, da = pin.computeRNEADerivatives(model, data, *state)
+        tree, fluid, embedding = self._free
+        state = expanded(embedding, *self._clean_qva(q, v, a))
+        data, fluid_data = (self._own.pool(m).getData(0) for m in (tree, fluid))
+        dq, dv, da = pin.computeRNEADerivatives(tree, data, *state)
         water = pin.computeGeneralizedGravityDerivatives(fluid, fluid_data, state[0])
-        joints = slice(model.nv - self._model.nv, None)
-        return (water - dq)[:6, joints], -dv[:6, joints], -da[:6, joints]
+        g = embedding[0]
+        return (water - dq)[:6] @ g, -dv[:6] @ g, -da[:6] @ g
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """``v^T M(q) v / 2`` [J]."""
@@ -492,21 +493,13 @@ class Arm:
         Returns:
             (N, nv).
         """
-        out = kernel_rows(self, "inverse_dynamics", 4, threads, q=q, v=v, a=a)
-        if out is not None:
-            return out
-        states = rows(self._model, q=q, v=v, a=a)
-        return batch.inverse_dynamics(self._model, self._fluid, self._own, threads, *states)
+        return kernel_rows(self, "inverse_dynamics", 4, threads, q=q, v=v, a=a)
 
     def forward_dynamics_batch(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
     ) -> FloatArray:
         """`forward_dynamics` of many states, in parallel; arguments as `inverse_dynamics_batch`."""
-        out = kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
-        if out is not None:
-            return out
-        states = rows(self._model, q=q, v=v, tau=tau)
-        return batch.forward_dynamics(self._model, self._fluid, self._own, threads, *states)
+        return kernel_rows(self, "forward_dynamics", 4, threads, q=q, v=v, tau=tau)
 
     def base_wrench_batch(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
@@ -519,11 +512,7 @@ class Arm:
         Returns:
             (N, 6): force [N] and moment [N m] on the mount, in base_link.
         """
-        out = kernel_rows(self, "base_wrench", 6, threads, q=q, v=v, a=a)
-        if out is not None:
-            return out
-        states = self._on_free_flyer(*rows(self._model, q=q, v=v, a=a))
-        return -batch.inverse_dynamics(*self._free, self._own, threads, *states)[:, :6]
+        return kernel_rows(self, "base_wrench", 6, threads, q=q, v=v, a=a)
 
     def with_payload(
         self,
@@ -586,9 +575,19 @@ class Arm:
         return HydrodynamicArm(self, ()).on_vehicle(vehicle)
 
     @cached_property
-    def _embedding(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """G, its form for positions and g_0: ``q_tree = G q + g_0``, every joint independent."""
-        return np.eye(self._model.nv), np.eye(self._model.nq), np.zeros(self._model.nq)
+    def _embedded(self) -> tuple[Any, Any, Embedding]:
+        """A model in which every joint is its own, its fluid, and how the arm's states lie in it."""
+        m = self._model
+        return m, self._fluid, (np.eye(m.nv), np.eye(m.nq), np.zeros(m.nq))
+
+    @cached_property
+    def _free(self) -> tuple[Any, Any, Embedding]:
+        """The same on a free-flyer, whose six torques are those of the mount."""
+        if self.floating_base:
+            return self._embedded
+        tree, fluid, (g, g_q, g_0) = self._embedded
+        g, g_q = (np.vstack([np.zeros((n, x.shape[1])), x]) for n, x in ((6, g), (7, g_q)))
+        return on_free_flyer(tree), on_free_flyer(fluid), (g, g_q, np.append(_HOME, g_0))
 
     def _frame(self, name: str) -> int:
         try:
@@ -602,22 +601,8 @@ class Arm:
         return np.concatenate([_HOME, checked[7:]]) if self.floating_base else checked
 
     @cached_property
-    def _free(self) -> tuple[Any, Any]:
-        """Arm and fluid on a free-flyer, whose six torques are those of the mount."""
-        arm, fluid = self._model, self._fluid
-        return (arm, fluid) if self.floating_base else (on_free_flyer(arm), on_free_flyer(fluid))
-
-    def _on_free_flyer(self, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
-        """States (..., n) of the models in `_free`; on a fixed base the free-flyer is at rest."""
-        if self.floating_base:
-            return [q, *rates]
-        start = np.broadcast_to(_HOME, (*q.shape[:-1], 7))
-        still = (np.concatenate([start[..., :6], x], axis=-1) for x in rates)
-        return [np.concatenate([start, q], axis=-1), *still]
-
-    @cached_property
     def _kernel_parameters(self) -> FloatArray | None:
-        return kernel_parameters(self._model, self.displacements, self.fluid_density)
+        return batch.kernel_parameters(self)
 
     @property
     def _arguments(self) -> tuple[Any, ...]:

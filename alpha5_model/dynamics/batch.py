@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,15 +24,14 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
-from alpha5_model.base_parameters import BASE_PARAMETERS, base_parameters
+from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.description import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
-from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.states import rows
+from alpha5_model.dynamics.states import expanded, rows
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.parameters import RigidBody, parameters
+from alpha5_model.parameters import parameters
 from alpha5_model.spatial import pose
 
 #: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
@@ -76,34 +75,43 @@ class Scratch(threading.local):
         return pool
 
 
-def rnea(model: Any, own: Scratch, threads: int, *states: FloatArray) -> FloatArray:
-    """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv)."""
-    tau = np.empty_like(states[1])
-    pin.rneaInParallel(threads, own.pool(model, threads), *(x.T for x in states), tau.T)
+def rnea(model: Any, own: Scratch, threads: int, q: FloatArray, *rates: FloatArray) -> FloatArray:
+    """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv); rates that are not given are 0."""
+    tau, still = np.empty((len(q), model.nv)), np.zeros((len(q), model.nv))
+    v, a = (*rates, still, still)[:2]
+    pin.rneaInParallel(threads, own.pool(model, threads), q.T, v.T, a.T, tau.T)
     return tau
 
 
-def inverse_dynamics(
-    model: Any, fluid: Any, own: Scratch, threads: int | None, *states: FloatArray
-) -> FloatArray:
+def inverse_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
     """RNEA of each row of q, v, a with the torque of the water taken off, (N, nv)."""
-    n = thread_count(threads, len(states[0]))
-    tau = rnea(model, own, n, *states)
-    tau -= _buoyancy(fluid, own, n, states[0])
+    tau = rnea(arm._model, arm._own, threads, *states)
+    tau -= rnea(arm._fluid, arm._own, threads, states[0])
     return tau
+
+
+def base_wrench(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
+    """Wrench on the mount for each row of q, v, a, (N, 6)."""
+    tree, fluid, embedding = arm._free
+    q, v, a = expanded(embedding, *states)
+    water, own = rnea(fluid, arm._own, threads, q), arm._own
+    return (water - rnea(tree, own, threads, q, v, a))[:, :6]
 
 
 def forward_dynamics(
-    model: Any, fluid: Any, own: Scratch, threads: int | None, *states: FloatArray
+    arm: Any, threads: int, q: FloatArray, v: FloatArray, tau: FloatArray
 ) -> FloatArray:
     """ABA of each row of q, v, tau with the torque of the water added, (N, nv)."""
-    q, v, tau = states
-    n = thread_count(threads, len(q))
-    total = _buoyancy(fluid, own, n, q)
+    total, a = rnea(arm._fluid, arm._own, threads, q), np.empty_like(v)
     total += tau
-    a = np.empty_like(v)
-    pin.abaInParallel(n, own.pool(model, n), q.T, v.T, total.T, a.T)
+    pin.abaInParallel(threads, arm._own.pool(arm._model, threads), q.T, v.T, total.T, a.T)
     return a
+
+
+#: Kernel -> the same by Pinocchio.
+_PINOCCHIO: dict[str, Callable[..., FloatArray]] = {
+    way.__name__: way for way in (inverse_dynamics, base_wrench, forward_dynamics)
+}
 
 
 def solved_rows(
@@ -114,11 +122,6 @@ def solved_rows(
     rest = tau - arm.inverse_dynamics_batch(q, v, np.zeros_like(v), threads, **current)
     masses = np.array([arm.mass_matrix(row) for row in q]).reshape(-1, *2 * rest.shape[1:])
     return np.asarray(np.linalg.solve(masses, rest[..., None])[..., 0], dtype=np.float64)
-
-
-def _buoyancy(fluid: Any, own: Scratch, threads: int, q: FloatArray) -> FloatArray:
-    still = np.zeros((len(q), fluid.nv))
-    return rnea(fluid, own, threads, q, still, still)
 
 
 def thread_count(threads: int | None, states: int) -> int:
@@ -141,28 +144,17 @@ def available_threads() -> int:
         return os.cpu_count() or 1
 
 
-def kernel_parameters(
-    model: Any, displaced: Iterable[Displacement], density: float
-) -> FloatArray | None:
-    """Base parameters of an arm, (41,); None if the kernels do not know its joints.
-
-    Args:
-        model: pin.Model.
-        displaced: The volumes on its joints.
-        density: Of the fluid [kg/m^3].
-    """
+def kernel_parameters(arm: Any) -> FloatArray | None:
+    """Base parameters of an arm in its fluid, (41,); None if the kernels do not know its joints."""
+    model, none = arm._model, np.zeros(3)
     if not _known(model):
         return None
-    volumes: list[list[Displacement]] = [[] for _ in model.names]
-    for body in displaced:
-        volumes[model.getJointId(body.joint)].append(body)
-    links = []
-    for name, inertia, there in zip(model.names, model.inertias, volumes, strict=True):
-        volume = sum(body.volume for body in there)
-        moment = sum((body.volume * body.cob for body in there), np.zeros(3))
-        cob = moment / (volume or 1.0)
-        links.append(RigidBody(name, inertia.mass, inertia.lever, inertia.inertia, volume, cob))
-    return base_parameters(links, density, model.gravity.linear)
+    bodies = [moments(x.mass, x.lever, x.inertia, 0.0, none, 0.0) for x in model.inertias]
+    links = np.array(bodies)
+    for x in arm.displacements:
+        water = moments(0.0, none, np.zeros((3, 3)), x.volume, x.cob, arm.fluid_density)
+        links[model.getJointId(x.joint)] += water
+    return regrouped(links, model.gravity.linear)
 
 
 def _known(model: Any) -> bool:
@@ -188,14 +180,16 @@ def kernel_rows(
     threads: int | None,
     parameters: FloatArray | None = None,
     **given: ArrayLike,
-) -> FloatArray | None:
+) -> FloatArray:
     """A kernel's output for each row of q and its rates, (N, columns); of the arm's base parameters unless told others.
 
-    None where the kernels do not know the arm. Errors are those of `rows` and `thread_count`.
+    Where the kernels do not know the arm, Pinocchio computes it.
+    Errors are those of `rows` and `thread_count`.
     """
     parameters = arm._kernel_parameters if parameters is None else parameters
     if parameters is None:
-        return None
+        clean = rows(arm._model, **given)
+        return _PINOCCHIO[name](arm, thread_count(threads, len(clean[0])), *clean)
     states: list[Any] = [*given.values()]
     run = kernels.module().batch
     plain = type(states[0]) is np.ndarray and states[0].ndim == 2
@@ -295,16 +289,14 @@ def torque_terms(
     """
     _on_fixed_base(arm)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
-    n, own, still = thread_count(threads, len(q)), arm._own, np.zeros_like(v)
     if arm._kernel_parameters is None:
-        total = rnea(arm._model, own, n, q, v, a)
-        bias = rnea(arm._model, own, n, q, v, still)
-        weight = rnea(arm._model, own, n, q, still, still)
-        buoyancy = -rnea(arm._fluid, own, n, q, still, still)
+        n, own, every = thread_count(threads, len(q)), arm._own, ((v, a), (v,), ())
+        total, bias, weight = (rnea(arm._model, own, n, q, *rates) for rates in every)
+        buoyancy = -rnea(arm._fluid, own, n, q)
         return TorqueTerms(total - bias, bias - weight, weight, buoyancy)
 
     def term(name: str, **rates: FloatArray) -> FloatArray:
-        return np.asarray(kernel_rows(arm, name, 4, threads, q=q, **rates))
+        return kernel_rows(arm, name, 4, threads, q=q, **rates)
 
     inertia = term("inverse_dynamics", v=v, a=a) - term("nonlinear_effects", v=v)
     coriolis = term("coriolis_torque", v=v)
@@ -366,9 +358,8 @@ def frame_positions(arm: Any, q: ArrayLike, frame: str = "tcp") -> FloatArray:
         UnknownNameError: No such frame.
     """
     arm._frame(frame)
-    poses = kernel_rows(arm, "forward_kinematics", 16, 1, q=q) if frame == "tcp" else None
-    if poses is not None:
-        return poses[:, 3:12:4].copy()
+    if frame == "tcp" and arm._kernel_parameters is not None:
+        return kernel_rows(arm, "forward_kinematics", 16, 1, q=q)[:, 3:12:4].copy()
     (configurations,) = rows(arm._model, q=q)
     origins = [arm.forward_kinematics(row, frame).translation for row in configurations]
     return np.array(origins).reshape(-1, 3)

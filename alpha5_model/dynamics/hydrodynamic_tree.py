@@ -24,7 +24,6 @@ import numpy as np
 import pinocchio as pin
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.dynamics.hydrostatics import displaced_fluid_model, on_free_flyer
 from alpha5_model.dynamics.states import expanded
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points
@@ -47,19 +46,12 @@ class HydrodynamicTree:
     """
 
     def __init__(self, still: Any, bodies: Iterable[JointWater]) -> None:
-        tree, displaced, density = still._arguments[:3]
-        fluid = displaced_fluid_model(tree, displaced, density)
-        self.g, g_q, g_0 = still._embedding
-        if not still.floating_base:
-            tree, fluid = on_free_flyer(tree), on_free_flyer(fluid)
-            self.g = np.vstack([np.zeros((6, self.g.shape[1])), self.g])
-            g_q = np.vstack([np.zeros((7, g_q.shape[1])), g_q])
-            g_0 = np.concatenate([pin.neutral(tree)[:7], g_0])
+        self._tree, self._fluid, embedding = still._free
+        self.g, self._joints = embedding[0], range(1, self._tree.njoints)
         #: States (..., n) of the tree.
-        self.expand = partial(expanded, (self.g, g_q, g_0))
-        self._tree, self._fluid, self._joints = tree, fluid, range(1, tree.njoints)
-        self.water = MovingWater(list(tree.names)[1:], bodies, density)
-        self._own = _Memory(tree, fluid)
+        self.expand = partial(expanded, embedding)
+        self.water = MovingWater([*self._tree.names][1:], bodies, still.fluid_density)
+        self._own = _Memory(self._tree, self._fluid)
 
     def jacobians(self, q: FloatArray) -> FloatArray:
         """Twist of each of the tree's joints, in its frame, by the arm's velocities, (joints, 6, nv)."""

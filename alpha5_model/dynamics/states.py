@@ -18,6 +18,9 @@ from alpha5_model import kernels
 from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, bounded, float_array, listed, shaped
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
+#: How an arm lies in a tree: G (tree nv, nv), G_q (tree nq, nq) and g_0 (tree nq,).
+Embedding = tuple[FloatArray, FloatArray, FloatArray]
+
 
 def state_check(model: Any, *rates: str) -> Callable[..., Any]:
     """A function of q and of rates with these names, which raises if they cannot be used.
@@ -110,13 +113,11 @@ def forces(fext: Any, njoints: int) -> Any:
     return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)
 
 
-def expanded(
-    embedding: tuple[FloatArray, FloatArray, FloatArray], q: FloatArray, *rates: FloatArray
-) -> list[FloatArray]:
+def expanded(embedding: Embedding, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
     """States (..., n) of a tree in which an arm is embedded: ``G_q q + g_0``, then ``G v`` of each rate.
 
     Args:
-        embedding: G (tree nv, nv), G_q (tree nq, nq) and g_0 (tree nq,).
+        embedding: Of the arm.
         q: (..., nq).
         rates: Velocity, acceleration, (..., nv) each.
     """

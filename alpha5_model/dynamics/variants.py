@@ -27,7 +27,7 @@ from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces, Partials
 from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.states import expanded, rows, state_vectors
+from alpha5_model.dynamics.states import Embedding, expanded, state_vectors
 from alpha5_model.errors import InputError
 
 #: Inputs -> methods of `Arm` that the kernels of the same names compute.
@@ -63,9 +63,9 @@ class JawArm(Arm):
         model = mimicking(tree, self._mimics)
         super().__init__(model, displacements, fluid_density)
         self._tree = Arm(tree, self.displacements, fluid_density)
-        self._embedding = _expansion(model, tree, self._mimics)
-        self._g, *_ = self._embedding
-        self._expand = partial(expanded, self._embedding)
+        embedding = _expansion(model, tree, self._mimics)
+        self._embedded = self._tree._model, self._tree._fluid, embedding
+        self._g, self._expand = embedding[0], partial(expanded, embedding)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
         return self._project(self._tree.coriolis_matrix(*self._expand(*self._clean_qv(q, v))))
@@ -91,17 +91,6 @@ class JawArm(Arm):
         tree = self._expand(self._clean_q(q))
         return self._project(self._tree.hydrostatic_torque_derivative(*tree))
 
-    def base_wrench_batch(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, threads: int | None = None
-    ) -> FloatArray:
-        q, v, a = self._expand(*rows(self._model, q=q, v=v, a=a))
-        return self._tree.base_wrench_batch(q, v, a, threads)
-
-    def base_wrench_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
-        state = self._expand(*self._clean_qva(q, v, a))
-        dq, dv, da = self._tree.base_wrench_derivatives(*state)
-        return dq @ self._g, dv @ self._g, da @ self._g
-
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         return self._tree.kinetic_energy(*self._expand(*self._clean_qv(q, v)))
 
@@ -117,9 +106,7 @@ class JawArm(Arm):
         return self._tree._model, self.displacements, self.fluid_density, self._mimics
 
 
-def _expansion(
-    model: Any, tree: Any, mimics: Iterable[UrdfJoint]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _expansion(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
     """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,)."""
     g, g_q, g_0 = np.zeros((tree.nv, model.nv)), np.zeros((tree.nq, model.nq)), np.zeros(tree.nq)
     following = {m.name: (m.mimic, m.multiplier, m.offset) for m in mimics}
