@@ -58,12 +58,6 @@ class JawBody(RigidBody):
     roll: float
     origin: FloatArray
 
-    def in_link_4(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """COM (3,) [m], tensor (3, 3) at the COM [kg m^2] and COB (3,) [m], in link_4's axes."""
-        placed = pose(self.origin, (self.roll, 0.0, 0.0))
-        inertia = rotate_tensor(placed[:3, :3], self.inertia)
-        return moved(placed, self.com), inertia, moved(placed, self.cob)
-
 
 @dataclass(frozen=True, eq=False)
 class Jaws:
@@ -124,7 +118,10 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
         joint = FingerJoint(f"{name}_joint", 0.0, upper, velocity, effort, slide.name, turn, offset)
         hinges.append(joint)
     moving = [rod, *fingers]
-    coms, tensors, cobs = zip(*(body.in_link_4() for body in moving), strict=True)
+    placed = [pose(body.origin, (body.roll, 0.0, 0.0)) for body in moving]
+    coms = map(moved, placed, [body.com for body in moving])
+    cobs = map(moved, placed, [body.cob for body in moving])
+    tensors = [rotate_tensor(at[:3, :3], b.inertia) for at, b in zip(placed, moving, strict=True)]
     masses = [link.mass, *(-body.mass for body in moving)]
     inertias = [link.inertia, *(-tensor for tensor in tensors)]
     mass, com, inertia = combine(masses, [link.com, *coms], inertias)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,21 @@ from numpy.typing import ArrayLike
 from alpha5_model.checks import FloatArray
 
 Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Pose of a child frame in its parent.
+
+    Attributes:
+        parent: Name of the parent frame.
+        xyz: Origin [m].
+        rpy: Fixed-axis roll, pitch, yaw [rad].
+    """
+
+    parent: str
+    xyz: Triple = (0.0, 0.0, 0.0)
+    rpy: Triple = (0.0, 0.0, 0.0)
 
 
 def wrap(angle: ArrayLike, middle: float = 0.0) -> FloatArray:
@@ -52,9 +68,15 @@ def rpy_from_rotation(r: FloatArray) -> Triple:
     return math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1]), pitch, yaw
 
 
-def transform(
-    rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)
-) -> FloatArray:
+def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, float]:
+    """(x, y, z, w) of the same rotation as `rotation_from_rpy`."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
+    x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
+    z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
+    return float(x), float(y), float(z), float(w)
+
+
+def transform(rotation: ArrayLike | None = None, translation: ArrayLike = (0, 0, 0)) -> FloatArray:
     """Transforms (..., 4, 4) of rotations (..., 3, 3), if any, and translations (..., 3)."""
     r = np.eye(3) if rotation is None else np.asarray(rotation)
     out = np.zeros((*r.shape[:-2], 4, 4))

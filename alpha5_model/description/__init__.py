@@ -25,28 +25,13 @@ from alpha5_model.parameters import Alpha5Parameters, DHParameters, JointRange, 
 from alpha5_model.paths import REPOSITORY_PATH
 from alpha5_model.published import published
 from alpha5_model.published.tables import BODY_NAMES
-from alpha5_model.spatial import Triple
+from alpha5_model.spatial import Placement, Triple
 
 #: Bodies that are drawn; the rod is not.
 MESHES = (*BODY_NAMES, "finger_1", "finger_2")
 #: What an attribute may be: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
 XML_HEAD = '<?xml version="1.0"?>\n'
-
-
-@dataclass(frozen=True)
-class Placement:
-    """Pose of a child frame in its parent.
-
-    Attributes:
-        parent: Name of the parent frame.
-        xyz: Origin [m].
-        rpy: Fixed-axis roll, pitch, yaw [rad].
-    """
-
-    parent: str
-    xyz: Triple = (0.0, 0.0, 0.0)
-    rpy: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from alpha5_model.meshing.formats import MTL_NAME, Node, glb, mtl, obj
 from alpha5_model.meshing.solid import Surface, surface
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import REPOSITORY_PATH
+from alpha5_model.spatial import Placement
 
 GLB_NAME = "alpha5.glb"
 #: What part of the files needs, and what is printed where it is not installed.
@@ -131,16 +132,16 @@ def mesh_files() -> dict[str, bytes]:
 def _scene(surfaces: Mapping[str, Surface]) -> Iterator[Node]:
     """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
     # glTF has y up, the base frame has z up.
-    yield Node("base_link", rpy=(-math.pi / 2, 0.0, 0.0))
+    yield Node("base_link", Placement("", rpy=(-math.pi / 2, 0.0, 0.0)))
     angles = iter(NAMED_POSES["home"])
     for body in arm_bodies(parameters(), "jaws"):
         if not body.meshes:  # the rod
             continue
-        parent, turn = body.placement.parent, body.placement.rpy
+        at = body.placement
         if body.joint is not None:
-            yield Node(body.joint.name, parent, body.placement.xyz, turn)
-            parent, turn = body.joint.name, (0.0, 0.0, next(angles, 0.0))
-        yield Node(body.name, parent, rpy=turn, surface=surfaces[body.name])
+            yield Node(body.joint.name, at)
+            at = Placement(body.joint.name, rpy=(0.0, 0.0, next(angles, 0.0)))
+        yield Node(body.name, at, surfaces[body.name])
 
 
 def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:

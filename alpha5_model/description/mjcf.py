@@ -22,7 +22,7 @@ import numpy as np
 from alpha5_model import description as tree
 from alpha5_model.checks import FloatArray, choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Body, Placement, Value, add
+from alpha5_model.description import Body, Value, add
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.errors import InputError
@@ -33,6 +33,7 @@ from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS, material_of
 from alpha5_model.parameters import JointRange, parameters
 from alpha5_model.paths import REPOSITORY_PATH
+from alpha5_model.spatial import Placement
 
 ACTUATORS = ("position", "velocity", "motor")
 BUOYANCIES = ("bodies", "none")

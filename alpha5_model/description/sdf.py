@@ -27,13 +27,13 @@ import numpy as np
 from alpha5_model import description as tree
 from alpha5_model.checks import choice, flag, real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Body, Placement, add, text_of
+from alpha5_model.description import Body, add, text_of
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points, hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.formats import material_of
 from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
-from alpha5_model.spatial import cross_matrix
+from alpha5_model.spatial import Placement, cross_matrix
 
 #: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")

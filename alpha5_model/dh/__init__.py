@@ -197,7 +197,7 @@ class DHChain:
     def to_urdf(self) -> str:
         """The chain as URDF text; see `urdf.urdf_text`."""
         rows = zip(self.joint_names, self.links, strict=True)
-        return urdf_text(self.name, self.base, self.tool, rows)
+        return urdf_text(self.name, (self.base, self.tool), rows)
 
     @property
     def n(self) -> int:

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -270,10 +271,8 @@ def row_scale(chain: DHChain) -> FloatArray:
     return np.array([chain_size(chain)] * 3 + [1.0] * 3)[:, None]
 
 
-def matrix_rank(matrix: FloatArray) -> NDArray[np.int64]:
-    """Numerical rank of (..., m, n) whose entries are of order 1."""
-    s = np.linalg.svd(matrix, compute_uv=False)
-    return np.asarray((s > RANK_TOLERANCE).sum(axis=-1))
+#: Numerical rank of (..., m, n) whose entries are of order 1.
+matrix_rank = partial(np.linalg.matrix_rank, tol=RANK_TOLERANCE)
 
 
 def spatial_conditions(chain: DHChain) -> Conditions:

@@ -84,9 +84,7 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
         raise FileFormatError(path, " ".join(str(error).split())) from None
 
 
-def urdf_text(
-    name: str, base: FloatArray, tool: FloatArray, rows: Iterable[tuple[str, DHLink]]
-) -> str:
+def urdf_text(name: str, ends: Iterable[FloatArray], rows: Iterable[tuple[str, DHLink]]) -> str:
     """The URDF of a DH chain: links ``base_link, frame_0, link_1, frame_1, ..., tool``.
 
     ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1}, displaced by the
@@ -95,7 +93,7 @@ def urdf_text(
 
     Args:
         name: Of the robot.
-        base, tool: As of `DHChain`, (4, 4).
+        ends: Base and tool, as of `DHChain`, (4, 4).
         rows: Name and row of each joint, base to tip.
 
     Raises:
@@ -103,9 +101,9 @@ def urdf_text(
             limits are not finite: URDF needs both.
     """
     robot = ET.Element("robot", name=name)
-    ends = [(pose[:3, 3], rpy_from_rotation(pose[:3, :3])) for pose in (base, tool)]
+    base, tool = ((pose[:3, 3], rpy_from_rotation(pose[:3, :3])) for pose in ends)
     ET.SubElement(robot, "link", name="base_link")  # KDL warns about any inertial on a root
-    _joint(robot, "base", "fixed", ("base_link", "frame_0"), *ends[0])
+    _joint(robot, "base", "fixed", ("base_link", "frame_0"), *base)
     last = "frame_0"
     for j, (joint, row) in enumerate(rows, start=1):
         bounded = math.isfinite(row.lower) and math.isfinite(row.upper)
@@ -123,7 +121,7 @@ def urdf_text(
         fixed = f"{link}_to_{frame}"
         _joint(robot, fixed, "fixed", (link, frame), (row.a, 0.0, 0.0), (row.alpha, 0.0, 0.0))
         last = frame
-    _joint(robot, "tool_joint", "fixed", (last, "tool"), *ends[1])
+    _joint(robot, "tool_joint", "fixed", (last, "tool"), *tool)
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 

@@ -14,13 +14,12 @@ from alpha5_model import meshing
 from alpha5_model.checks import FloatArray, choice
 from alpha5_model.jaws import GRIPPERS, split_link_4
 from alpha5_model.meshing import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST, ribbon
+from alpha5_model.meshing.solid import AXES
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import Triple, pose, rpy_from_rotation
 
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
 _MARGIN = 0.1
-#: Roll, pitch, yaw that turn z to an axis.
-_TO = {"x": (0.0, math.pi / 2, 0.0), "y": (-math.pi / 2, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}
 
 
 @dataclass(frozen=True)
@@ -81,12 +80,10 @@ def _as_written(shape: Primitive) -> Primitive:
     return Primitive(shape.kind, size, xyz, tuple(round(a, 12) + 0.0 for a in shape.rpy))
 
 
-def _cylinder(
-    radius: float, low: float, high: float, axis: str, at: Triple = (0.0, 0.0, 0.0)
-) -> Primitive:
+def _cylinder(r: float, low: float, high: float, axis: str, at: Triple = (0, 0, 0)) -> Primitive:
     """A cylinder between two heights along x, y or z through a point."""
     xyz = tuple(a + (low + high) / 2 * (n == axis) for a, n in zip(at, "xyz", strict=True))
-    return Primitive("cylinder", (radius, high - low), xyz, _TO[axis])
+    return Primitive("cylinder", (r, high - low), xyz, tuple(np.radians(AXES[axis]).tolist()))
 
 
 def _box(low: Triple, high: Triple) -> Primitive:

@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model.meshing.solid import DECIMALS, Surface
-from alpha5_model.spatial import Triple
+from alpha5_model.spatial import Placement, quaternion_from_rpy
 
 MTL_NAME = "alpha5.mtl"
+_ROOT = Placement("")
 #: Type of an array's numbers -> its code in glTF.
 _COMPONENTS = {"<f4": 5126, "<u2": 5123, "<u4": 5125}
 #: Type of an array's rows -> what it is bound to: points and normals, or indices.
@@ -94,43 +95,53 @@ class Node:
 
     Attributes:
         name: Its name, also that of its body.
-        parent: Name of an earlier node; empty for a root.
-        xyz: Origin in the parent [m].
-        rpy: Fixed-axis roll, pitch, yaw [rad].
+        at: Pose in an earlier node; no parent for a root.
         surface: Body drawn in this frame.
     """
 
     name: str
-    parent: str = ""
-    xyz: Triple = (0.0, 0.0, 0.0)
-    rpy: Triple = (0.0, 0.0, 0.0)
+    at: Placement = _ROOT
     surface: Surface | None = None
 
 
 def glb(nodes: Sequence[Node]) -> bytes:
     """The scene as one GLB file; a parent stands before its children."""
-    from scipy.spatial.transform import Rotation
-
     children: dict[str, list[int]] = {}
     for i, node in enumerate(nodes):
-        children.setdefault(node.parent, []).append(i)
+        children.setdefault(node.at.parent, []).append(i)
     scene: dict[str, Any] = {"asset": {"version": "2.0", "generator": "alpha5-model"}, "scene": 0}
     scene |= {"scenes": [{"nodes": children[""]}], "nodes": [], "meshes": []}
     scene |= {"materials": [_material(m) for m in MATERIALS], "accessors": [], "bufferViews": []}
     blob = bytearray()
+
+    def append(array: NDArray[Any], kind: str, **bounds: list[float]) -> int:
+        """An array, and what is where; returns the number of its accessor."""
+        blob.extend(b"\0" * (-len(blob) % 4))
+        number, view = len(scene["accessors"]), {"buffer": 0, "byteOffset": len(blob)}
+        scene["bufferViews"].append({**view, "byteLength": array.nbytes, "target": _TARGETS[kind]})
+        blob.extend(array.tobytes())
+        place = {"bufferView": number, "componentType": _COMPONENTS[array.dtype.str]}
+        scene["accessors"].append({**place, "count": len(array), "type": kind, **bounds})
+        return number
+
     for node in nodes:
-        quaternion = Rotation.from_euler("xyz", node.rpy).as_quat()
-        turn = [round(c, 9) + 0.0 for c in quaternion.tolist()]
+        xyz, turn = node.at.xyz, quaternion_from_rpy(node.at.rpy)
         entry: dict[str, Any] = {
             "name": node.name,
-            "translation": [round(c, 9) for c in node.xyz] if any(node.xyz) else None,
-            "rotation": turn if any(node.rpy) else None,
+            "translation": [round(c, 9) for c in xyz] if any(xyz) else None,
+            "rotation": [round(c, 9) + 0.0 for c in turn] if any(node.at.rpy) else None,
             "children": children.get(node.name),
         }
         if node.surface is not None:
-            entry["mesh"] = len(scene["meshes"])
-            primitive = _primitive(scene, blob, node.surface)
+            points, normals, indices = _split_at_creases(node.surface)
+            bounds = {"min": points.min(0).tolist(), "max": points.max(0).tolist()}
+            corners = {
+                "POSITION": append(points, "VEC3", **bounds),
+                "NORMAL": append(normals, "VEC3"),
+            }
+            primitive = {"attributes": corners, "indices": append(indices, "SCALAR")}
             primitive["material"] = MATERIALS.index(material_of(node.name))
+            entry["mesh"] = len(scene["meshes"])
             scene["meshes"].append({"name": node.name, "primitives": [primitive]})
         scene["nodes"].append({key: value for key, value in entry.items() if value is not None})
     scene["buffers"] = [{"byteLength": len(blob)}]
@@ -153,31 +164,11 @@ def _material(material: Material) -> dict[str, Any]:
     return {"name": material.name, "pbrMetallicRoughness": look}
 
 
-def _primitive(scene: dict[str, Any], blob: bytearray, surface: Surface) -> dict[str, Any]:
-    """Append a surface; glTF has one normal per vertex, so vertices split at creases."""
+def _split_at_creases(surface: Surface) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Points, normals and corners of a surface; glTF has one normal per point."""
     corners = np.column_stack([surface.faces.reshape(-1), surface.corner_normals.reshape(-1)])
     pairs, place = np.unique(corners, axis=0, return_inverse=True)
-    positions = surface.vertices[pairs[:, 0]].astype("<f4")
     normals = surface.normals[pairs[:, 1]]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     indices = place.reshape(-1).astype("<u2" if len(pairs) < 2**16 - 1 else "<u4")
-    bounds = {"min": positions.min(0).tolist(), "max": positions.max(0).tolist()}
-    corner = _accessor(scene, blob, positions, "VEC3", **bounds)
-    attributes = {
-        "POSITION": corner,
-        "NORMAL": _accessor(scene, blob, normals.astype("<f4"), "VEC3"),
-    }
-    return {"attributes": attributes, "indices": _accessor(scene, blob, indices, "SCALAR")}
-
-
-def _accessor(
-    scene: dict[str, Any], blob: bytearray, array: NDArray[Any], kind: str, **bounds: list[float]
-) -> int:
-    """Append an array, and what is where; returns the number of its accessor."""
-    blob += b"\0" * (-len(blob) % 4)
-    number, view = len(scene["accessors"]), {"buffer": 0, "byteOffset": len(blob)}
-    scene["bufferViews"].append({**view, "byteLength": array.nbytes, "target": _TARGETS[kind]})
-    blob += array.tobytes()
-    place = {"bufferView": number, "componentType": _COMPONENTS[array.dtype.str]}
-    scene["accessors"].append({**place, "count": len(array), "type": kind, **bounds})
-    return number
+    return surface.vertices[pairs[:, 0]].astype("<f4"), normals.astype("<f4"), indices

@@ -25,7 +25,8 @@ _SIMPLIFY = 0.01
 DECIMALS = 7
 #: Faces that meet at a smaller angle are shaded as one smooth surface.
 CREASE = np.deg2rad(32.0)
-_AXES = {"x": (0.0, 90.0, 0.0), "y": (-90.0, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}
+#: Roll, pitch, yaw [deg] that turn z to an axis.
+AXES = {"x": (0.0, 90.0, 0.0), "y": (-90.0, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}
 
 
 def kernel() -> Any:
@@ -62,7 +63,7 @@ def cylinder(
         outline += [(radius, middle - half), (radius - depth, middle - half + slope)]
         outline += [(radius - depth, middle + half - slope), (radius, middle + half)]
     outline += [*reversed(_corner(radius, high, edges[1], 1.0)), (0.0, high)]
-    return kernel().CrossSection([np.array(outline)]).revolve(segments).rotate(_AXES[axis])
+    return kernel().CrossSection([np.array(outline)]).revolve(segments).rotate(AXES[axis])
 
 
 def _corner(radius: float, height: float, edge: float, side: float) -> list[tuple[float, float]]:

@@ -283,16 +283,14 @@ def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
     return vertcat(*(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, SX(0)))))
 
 
-def _strip(
-    axis: int, points: int, velocity: SX, omega: SX, u: SX, numbers: list[SX]
-) -> tuple[SX, SX]:
+def _strip(axis: int, points: int, velocity: SX, omega: SX, u: SX, p: list[SX]) -> tuple[SX, SX]:
     """Force of a strip along an axis of its link, and moment about the origin.
 
     At a distance x from its middle the velocity across is ``there + x w``: the sums of the speeds, times x and times
     x^2, over Gauss's points are all that force and moment need of them.
     """
     one, other = (axis + 1) % 3, (axis + 2) % 3
-    middle, (half, across, along) = vertcat(*numbers[:3]), numbers[3:]
+    middle, (half, across, along) = vertcat(*p[:3]), p[3:]
     there = velocity + cross(omega, middle)
     w = (omega[other], -omega[one])
     square = there[one] ** 2 + there[other] ** 2
