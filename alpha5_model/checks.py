@@ -97,6 +97,11 @@ def bounded(name: str, array: FloatArray) -> FloatArray:
     return array
 
 
+def array(name: str, value: ArrayLike, *shape: int) -> FloatArray:
+    """Check and convert an array of one shape that can be computed with: `shaped` and `bounded`."""
+    return bounded(name, shaped(name, value, shape))
+
+
 def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:
     """Check and convert one finite real number that can be computed with, optionally bounded below.
 

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, choice, frozen, instance, listed, real, shaped
+from alpha5_model.checks import FloatArray, array, choice, frozen, instance, listed, real
 from alpha5_model.errors import InputError
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import in_si
@@ -52,8 +52,7 @@ class DragStrip:
 
     def __post_init__(self) -> None:
         for name in ("start", "end"):
-            point = bounded(name, shaped(name, getattr(self, name), (3,)))
-            object.__setattr__(self, name, frozen(point))
+            object.__setattr__(self, name, frozen(array(name, getattr(self, name), 3)))
         for name in ("diameter", "across", "along"):
             object.__setattr__(self, name, real(name, getattr(self, name), minimum=0.0))
         if np.array_equal(self.start, self.end):
@@ -109,7 +108,7 @@ def added_mass(matrix: ArrayLike) -> FloatArray:
     Raises:
         InputError: Not symmetric, or with a negative eigenvalue; ShapeError: not (6, 6).
     """
-    given = bounded("added_mass", shaped("added_mass", matrix, (6, 6)))
+    given = array("added_mass", matrix, 6, 6)
     diagonal = np.sqrt(np.abs(np.diag(given)))
     # kg beside kg m^2: entries in units of their rows.
     scale = np.where(diagonal > 0, diagonal, 1.0)

@@ -10,14 +10,13 @@ from typing import Any
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import choice, flag
+from alpha5_model.checks import array, choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description import base_placement, joint_placements, tcp_placement
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
-from alpha5_model.dynamics.states import vector
 from alpha5_model.dynamics.variants import JawArm, KernelArm, mimicking
 from alpha5_model.files import read_named
 from alpha5_model.fluids import GRAVITY, SEA_WATER
@@ -63,7 +62,7 @@ def load(
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
     on_kernels = choice("backend", backend, BACKENDS) == "kernels" and not floating_base
-    g = vector("gravity", gravity, 3)
+    g = array("gravity", gravity, 3)
     parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
     tree = parsed.copy()
     tree.gravity.linear = g
@@ -116,7 +115,7 @@ def robot_wrapper(
 
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
-    text, folder = _urdf(gripper, chosen)
+    text, folder = _urdf(gripper, chosen), str(Path(URDF_PATH).parent)
     model = mimicking(*_parsed(gripper, flag("floating_base", floating_base), chosen)[:2])
     collision, visual = (
         pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
@@ -130,18 +129,15 @@ def _parsed(
     gripper: str, floating_base: bool, corrections: tuple[str, ...]
 ) -> tuple[Any, tuple[UrdfJoint, ...], tuple[Displacement, ...]]:
     """The URDF's tree with every joint free to move, which joints follow which, and the volumes."""
-    text, _ = _urdf(gripper, corrections)
+    text = _urdf(gripper, corrections)
     root = [pin.JointModelFreeFlyer()] if floating_base else []
     tree = pin.buildModelFromXML(text, *root)
     mimics = tuple(j for j in parse_urdf(text).joints.values() if j.mimic is not None)
     return tree, mimics, displacements(tree, parameters(corrections), gripper)
 
 
-def _urdf(gripper: str, corrections: tuple[str, ...]) -> tuple[str, str]:
-    """Text of the URDF, and the folder to which its mesh paths are relative."""
-    path = Path(JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH)
+def _urdf(gripper: str, corrections: tuple[str, ...]) -> str:
     if corrections == DEFAULT_CORRECTIONS:
-        text = read_named(path, "the generated URDF (alpha5 generate)").decode()
-    else:
-        text = urdf(Variant(gripper=gripper, corrections=corrections))
-    return text, str(path.parent)
+        path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
+        return read_named(path, "the generated URDF (alpha5 generate)").decode()
+    return urdf(Variant(gripper=gripper, corrections=corrections))

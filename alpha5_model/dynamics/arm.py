@@ -21,18 +21,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray, frozen, instance, listed, real
-from alpha5_model.dynamics import batch
+from alpha5_model.dynamics import batch, hydrostatics
 from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
-from alpha5_model.dynamics.hydrostatics import (
-    Displacement,
-    Vehicle,
-    displaced_fluid_model,
-    net_weight_model,
-    on_free_flyer,
-    with_body,
-)
-from alpha5_model.dynamics.states import Embedding, expanded, forces, state_check
+from alpha5_model.dynamics.hydrostatics import Displacement, Vehicle, on_free_flyer
+from alpha5_model.dynamics.states import Embedding, Partials, expanded, forces, state_check
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.hydrodynamics import hydrodynamics
@@ -51,8 +44,6 @@ _jacobian: _Algorithm = pin.computeFrameJacobian
 
 #: External forces: one pin.Force for each joint, the universe included, in the joint's frame.
 Forces = Sequence[Any] | None
-#: Derivatives with respect to positions, velocities and accelerations or torques.
-Partials = tuple[FloatArray, FloatArray, FloatArray]
 #: A free-flyer at the world's origin: position and quaternion.
 _HOME = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
 
@@ -103,11 +94,13 @@ class Arm:
         self.displacements = tuple(instance("displacements", b, Displacement) for b in bodies)
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
         self._model = model.copy()
-        self._fluid = displaced_fluid_model(model, self.displacements, self.fluid_density)
+        self._fluid = hydrostatics.displaced_fluid_model(
+            model, self.displacements, self.fluid_density
+        )
         self.model = model.copy()
         self.fluid_model = self._fluid.copy()
         self.floating_base = model.joints[1].nq == 7
-        self._net = net_weight_model(model, self._fluid)
+        self._net = hydrostatics.net_weight_model(model, self._fluid)
         self._own = batch.Scratch(self._model, self._fluid, self._net, self.model)
         self._clean_q: _Algorithm = state_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
@@ -399,12 +392,8 @@ class Arm:
         q, v, a = self._clean_qva(q, v, a)
         own = self._own
         dq, dv, da = pin.computeRNEADerivatives(self._model, own.data, q, v, a)
-        # Pinocchio hands out views of its data here.
-        return (
-            dq - pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q),
-            dv.copy(),
-            da.copy(),
-        )
+        water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
+        return dq - water, dv.copy(), da.copy()  # Pinocchio hands out views of its data
 
     def forward_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Partials:
         """Analytic derivatives of `forward_dynamics`, from those of its inverse.
@@ -542,7 +531,7 @@ class Arm:
             UnknownNameError: No such frame.
         """
         model, volumes, *rest = self._arguments
-        model, displaced = with_body(model, frame, mass, com, inertia, volume, cob)
+        model, displaced = hydrostatics.with_body(model, frame, mass, com, inertia, volume, cob)
         return type(self)(model, (*volumes, displaced), *rest)
 
     def with_hydrodynamics(

@@ -85,12 +85,9 @@ class CollisionModel:
     def clearance(self, q: FloatArray) -> Clearance:
         """The closest place at q, (nq,), to a micrometre."""
         index = self._closest_pair(q)
-        result = self.data.distanceResults[index]
-        return Clearance(
-            float(result.min_distance),
-            self._links(self.geometry.collisionPairs[index]),
-            frozen([result.getNearestPoint1(), result.getNearestPoint2()]),
-        )
+        result, pair = self.data.distanceResults[index], self.geometry.collisionPairs[index]
+        points = frozen([result.getNearestPoint1(), result.getNearestPoint2()])
+        return Clearance(float(result.min_distance), self._links(pair), points)
 
     def _closest_pair(self, q: FloatArray) -> int:
         # Distances, not coal's quicker yes or no: that one starts from the contact of the last call
@@ -100,10 +97,8 @@ class CollisionModel:
 
     def _links(self, pair: Any) -> tuple[str, str]:
         objects = self.geometry.geometryObjects
-        one, other = (
-            self._model.frames[objects[i].parentFrame].name for i in (pair.first, pair.second)
-        )
-        return one, other
+        one, other = (objects[i].parentFrame for i in (pair.first, pair.second))
+        return self._model.frames[one].name, self._model.frames[other].name
 
 
 def collision_geometry(model: Any) -> Any:
@@ -111,15 +106,15 @@ def collision_geometry(model: Any) -> Any:
 
     Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
     """
-    jaws = model.existFrame("finger_1")
-    geometry = pin.buildGeomFromUrdfString(model, _urdf(jaws), pin.GeometryType.COLLISION)
+    gripper, kind = "jaws" if model.existFrame("finger_1") else "locked", pin.GeometryType.COLLISION
+    geometry = pin.buildGeomFromUrdfString(model, _urdf(gripper), kind)
     geometry.addAllCollisionPairs()
-    pin.removeCollisionPairsFromXML(model, geometry, srdf("jaws" if jaws else "locked"))
+    pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper))
     return geometry
 
 
-def _urdf(jaws: bool) -> str:
-    path = JAWS_URDF_PATH if jaws else URDF_PATH
+def _urdf(gripper: str) -> str:
+    path = JAWS_URDF_PATH if gripper == "jaws" else URDF_PATH
     return read_named(path, "the generated URDF (alpha5 generate)").decode()
 
 
@@ -158,7 +153,7 @@ def without_self_collision(q: ArrayLike, wrists: int = WRISTS) -> BoolArray:
 @cache
 def _model() -> tuple[Any, Any, Any]:
     """The arm, its pairs of bodies that the wrist does not move, and those that it does."""
-    model = pin.buildModelFromXML(_urdf(jaws=False))
+    model = pin.buildModelFromXML(_urdf("locked"))
     wrist = model.getJointId(parameters().joints[3].name)
     parts = []
     for moved in (False, True):

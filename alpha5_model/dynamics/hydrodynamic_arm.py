@@ -17,19 +17,17 @@ from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
 from alpha5_model.base_parameters import water_parameters
-from alpha5_model.checks import FloatArray, choice, float_array, frozen, rigid_transform
+from alpha5_model.checks import FloatArray, array, choice, float_array, frozen, rigid_transform
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.hydrodynamic_tree import HydrodynamicTree, JointWater
 from alpha5_model.dynamics.hydrostatics import Trim, Vehicle, afloat, carrying, trim
-from alpha5_model.dynamics.states import forces, rows, vector
+from alpha5_model.dynamics.states import Partials, forces, rows
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, DragStrip
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
 #: Velocity of the water, in the world [m/s]; None for the arm's own.
 Flow = ArrayLike | None
-#: Derivatives with respect to positions, velocities and accelerations or torques.
-Partials = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class HydrodynamicArm:
@@ -49,7 +47,7 @@ class HydrodynamicArm:
         self, still: Any, bodies: Iterable[JointWater], current: ArrayLike = (0.0, 0.0, 0.0)
     ) -> None:
         self.still, self.bodies, self._model = still, tuple(bodies), still._model
-        self.current = frozen(vector("current", current, 3))
+        self.current = frozen(array("current", current, 3))
         self._tree = HydrodynamicTree(still, self.bodies)
 
     def __getattr__(self, name: str) -> Any:
@@ -249,7 +247,7 @@ class HydrodynamicArm:
         return f"HydrodynamicArm({self.still!r}, current {self.current.tolist()} m/s)"
 
     def _flow(self, current: Flow) -> FloatArray:
-        return self.current if current is None else vector("current", current, 3)
+        return self.current if current is None else array("current", current, 3)
 
     def _moving(self, q: ArrayLike, v: ArrayLike) -> list[FloatArray]:
         """State of the tree without acceleration."""
@@ -323,9 +321,8 @@ class ArmOnVehicle(HydrodynamicArm):
         still = carrying(arm.still, vehicle)
         self.arm, self.vehicle = arm, vehicle
         data = BodyHydrodynamics(vehicle.added_mass)
-        body = joint_water(
-            still, "vehicle", data, vehicle.linear_damping, vehicle.quadratic_damping
-        )
+        damping = vehicle.linear_damping, vehicle.quadratic_damping
+        body = joint_water(still, "vehicle", data, *damping)
         super().__init__(still, (*arm.bodies, body), arm.current)
 
     def configuration(self, transform_vehicle_to_world: ArrayLike, q: ArrayLike) -> FloatArray:
@@ -337,7 +334,7 @@ class ArmOnVehicle(HydrodynamicArm):
         """
         pose = rigid_transform("transform_vehicle_to_world", transform_vehicle_to_world)
         base = pin.SE3(pose @ np.linalg.inv(self.vehicle.transform_vehicle_to_base))
-        joints = vector("q", q, self._model.nq - 7)
+        joints = array("q", q, self._model.nq - 7)
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
     def mount_load(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None) -> Any:
@@ -357,7 +354,7 @@ class ArmOnVehicle(HydrodynamicArm):
         Returns:
             Spatial acceleration of base_link in its axes, (6,), and the torque of the joints, (nv - 6,).
         """
-        joints = vector("a", a, self._model.nv - 6)
+        joints = array("a", a, self._model.nv - 6)
         bias = self.inverse_dynamics(q, v, np.concatenate([np.zeros(6), joints]), current=current)
         mass = self.mass_matrix(q)
         base = np.asarray(np.linalg.solve(mass[:6, :6], -bias[:6]), dtype=np.float64)
@@ -393,6 +390,5 @@ def joint_water(arm: Any, frame: str, data: BodyHydrodynamics, *damping: FloatAr
     """
     model = arm._arguments[0]
     carrier = model.frames[arm._frame(frame)]
-    return JointWater(
-        frame, model.names[carrier.parentJoint], carrier.placement.actionInverse, data, *damping
-    )
+    joint, action = model.names[carrier.parentJoint], carrier.placement.actionInverse
+    return JointWater(frame, joint, action, data, *damping)

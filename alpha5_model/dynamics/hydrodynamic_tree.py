@@ -116,13 +116,11 @@ class HydrodynamicTree:
         Raises:
             InputError: A joint that neither turns about one axis nor slides along one.
         """
-        found = [
-            self._water_torques(
-                *(np.ascontiguousarray(x[i : i + _BLOCK].T) for x in (*states, currents))
-            )
-            for i in range(0, len(currents), _BLOCK)
-        ]
-        return np.concatenate([np.zeros((0, self._tree.nv)), *(tau.T for tau in found)])
+        out = np.empty((len(currents), self._tree.nv))
+        for here in (slice(i, i + _BLOCK) for i in range(0, len(out), _BLOCK)):
+            block = (np.ascontiguousarray(x[here].T) for x in (*states, currents))
+            out[here] = self._water_torques(*block).T
+        return out
 
     def _water_torques(
         self, q: FloatArray, v: FloatArray, a: FloatArray, currents: FloatArray

@@ -19,17 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import (
-    FloatArray,
-    bounded,
-    choice,
-    frozen,
-    instance,
-    real,
-    rigid_transform,
-    shaped,
-)
-from alpha5_model.dynamics.states import vector
+from alpha5_model.checks import FloatArray, array, choice, frozen, instance, real, rigid_transform
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
 from alpha5_model.inertia import inconsistencies
@@ -58,7 +48,7 @@ class Displacement:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "volume", real("volume", self.volume, minimum=0.0))
-        object.__setattr__(self, "cob", frozen(vector("cob", self.cob, 3)))
+        object.__setattr__(self, "cob", frozen(array("cob", self.cob, 3)))
 
 
 def displacements(
@@ -157,15 +147,15 @@ def with_body(
 
     Arguments and errors are those of `alpha5_model.dynamics.arm.Arm.with_payload`.
     """
-    m, centre = real("mass", mass, minimum=0.0), vector("com", com, 3)
+    m, centre = real("mass", mass, minimum=0.0), array("com", com, 3)
     tensor = np.zeros((3, 3))
     if inertia is not None:
-        tensor = bounded("inertia", shaped("inertia", inertia, (3, 3)))
+        tensor = array("inertia", inertia, 3, 3)
         wrong = inconsistencies(m, centre, tensor)
         if wrong:
             raise InputError("inertia", tensor.tolist(), f"a possible body, but {wrong[0]}")
     displaced = real("volume", volume, minimum=0.0)
-    centroid = centre if cob is None else vector("cob", cob, 3)
+    centroid = centre if cob is None else array("cob", cob, 3)
     loaded, names = model.copy(), [f.name for f in model.frames]
     index = loaded.getFrameId(choice("frame", frame, names))
     carrier = loaded.frames[index]
@@ -220,13 +210,10 @@ class Vehicle:
     transform_vehicle_to_base: FloatArray = field(default_factory=lambda: np.eye(4))
 
     def __post_init__(self) -> None:
-        clean: dict[str, Any] = {
-            name: real(name, getattr(self, name), minimum=0.0) for name in ("mass", "volume")
-        }
-        shapes = {"com": (3,), "cob": (3,), "inertia": (3, 3)}
-        shapes |= {"linear_damping": (6,), "quadratic_damping": (6,)}
-        for name, shape in shapes.items():
-            clean[name] = frozen(bounded(name, shaped(name, getattr(self, name), shape)))
+        clean: dict[str, Any] = {k: real(k, getattr(self, k), 0.0) for k in ("mass", "volume")}
+        shapes = {"com": (3,), "cob": (3,), "inertia": (3, 3), "linear_damping": (6,)}
+        for name, shape in (shapes | {"quadratic_damping": (6,)}).items():
+            clean[name] = frozen(array(name, getattr(self, name), *shape))
             if name.endswith("damping") and clean[name].min() < 0:
                 raise InputError(name, clean[name].tolist(), "no negative damping")
         given = np.asarray(self.added_mass)

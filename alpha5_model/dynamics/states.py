@@ -1,7 +1,7 @@
 """Input checks of states, one or many.
 
 One state that is plainly clean is known by a single call. What is not (a list, integers, a wrong shape,
-NaN, masked, too large, no unit quaternion) goes through `vector`, which converts it or says what is wrong.
+NaN, masked, too large, no unit quaternion) goes through `array`, which converts it or says what is wrong.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import kernels
-from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, bounded, float_array, listed, shaped
+from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, array, bounded, float_array, listed
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
+#: Derivatives with respect to positions, velocities and accelerations or torques.
+Partials = tuple[FloatArray, FloatArray, FloatArray]
 #: How an arm lies in a tree: G (tree nv, nv), G_q (tree nq, nq) and g_0 (tree nq,).
 Embedding = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -41,10 +43,10 @@ def state_check(model: Any, *rates: str) -> Callable[..., Any]:
 
 def state_vectors(model: Any, q: Any, **rates: Any) -> list[FloatArray]:
     """Check and convert one state: q, then rates of the length of v by their names."""
-    position = vector("q", q, model.nq)
+    position = array("q", q, model.nq)
     if model.nq > model.nv:
         _check_quaternions(position)
-    return [position, *(vector(name, x, model.nv) for name, x in rates.items())]
+    return [position, *(array(name, x, model.nv) for name, x in rates.items())]
 
 
 def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
@@ -58,20 +60,18 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     arrays: dict[str, FloatArray] = {}
     for name, value in states.items():
         n = 3 if name == "current" else model.nv if arrays else model.nq
-        array = bounded(name, float_array(name, value, (n,)))
-        if array.ndim > 2:
-            raise ShapeError(name, array.shape, f"shape (N, {n})")
-        arrays[name] = np.atleast_2d(array)
+        given = bounded(name, float_array(name, value, (n,)))
+        if given.ndim > 2:
+            raise ShapeError(name, given.shape, f"shape (N, {n})")
+        arrays[name] = np.atleast_2d(given)
     n_rows = max(map(len, arrays.values()), key=lambda n: (n != 1, n))
-    for name, array in arrays.items():
-        if len(array) not in (1, n_rows):
-            raise ShapeError(name, array.shape, f"{n_rows} rows, as the others, or one")
+    for name, given in arrays.items():
+        if len(given) not in (1, n_rows):
+            raise ShapeError(name, given.shape, f"{n_rows} rows, as the others, or one")
     if model.nq > model.nv:
         _check_quaternions(arrays["q"])
-    return [
-        np.ascontiguousarray(np.broadcast_to(array, (n_rows, array.shape[1])))
-        for array in arrays.values()
-    ]
+    whole = (np.broadcast_to(x, (n_rows, x.shape[1])) for x in arrays.values())
+    return [*map(np.ascontiguousarray, whole)]
 
 
 def _check_quaternions(q: FloatArray) -> None:
@@ -79,17 +79,6 @@ def _check_quaternions(q: FloatArray) -> None:
     for row in np.argwhere(np.abs(norms - 1.0) > ROTATION_TOLERANCE):
         place, norm = ", ".join([*map(str, row), "3:7"]), norms[tuple(row)]
         raise InputError(f"q[{place}]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
-
-
-def vector(name: str, value: ArrayLike, n: int) -> FloatArray:
-    """Check and convert one vector.
-
-    Raises:
-        InputError: Not real numbers, or too large to compute with.
-        ShapeError: Not of shape (n,).
-        NonFiniteError: NaN or infinity.
-    """
-    return bounded(name, shaped(name, value, (n,)))
 
 
 def forces(fext: Any, njoints: int) -> Any:

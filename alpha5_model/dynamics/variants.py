@@ -24,10 +24,10 @@ from numpy.typing import ArrayLike
 from alpha5_model import kernels
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
-from alpha5_model.dynamics.arm import Arm, Forces, Partials
+from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.states import Embedding, expanded, state_vectors
+from alpha5_model.dynamics.states import Embedding, Partials, expanded, state_vectors
 from alpha5_model.errors import InputError
 
 #: Inputs -> methods of `Arm` that the kernels of the same names compute.

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.base_parameters import regrouped
-from alpha5_model.checks import FloatArray, choice, count, frozen, generator, named, real
+from alpha5_model.checks import FloatArray, array, choice, count, frozen, generator, named, real
 from alpha5_model.consistency.bodies import implied_mass
 from alpha5_model.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
-from alpha5_model.dynamics.states import vector
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.inertia import second_moments
 from alpha5_model.parameters import Alpha5Parameters, convert
@@ -195,7 +194,7 @@ class Sample:
         """
         density = real("fluid_density", fluid_density, minimum=0.0)
         own = groups(self.values, self.alternatives, density)
-        weight = np.broadcast_to(vector("gravity", gravity, 3), (len(self), 3))
+        weight = np.broadcast_to(array("gravity", gravity, 3), (len(self), 3))
         return np.concatenate([own, weight], axis=1)
 
 
