@@ -1,17 +1,38 @@
-"""Text to be read: columns side by side, long lines wrapped, units with their signs."""
+"""Results to be read, columns side by side, long lines wrapped, units with their signs; and for JSON."""
 
 from __future__ import annotations
 
+import math
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict, is_dataclass
 from typing import Any
+
+import numpy as np
 
 
 def readable(text: str) -> str:
     """Units as a reader writes them: ``N m`` and ``kg m^2`` as ``N·m`` and ``kg·m²``."""
     text = text.replace("^2", "²").replace("^3", "³")
     return re.sub(r"\b(N|kg) (mm?)(?![a-z])", r"\1·\2", text)
+
+
+def plain(value: Any) -> Any:
+    """Numbers, texts, arrays, records and collections of them in the types that JSON has.
+
+    A number that is not finite is None.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    value = value._asdict() if hasattr(value, "_asdict") else value
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:

@@ -9,12 +9,10 @@ import sys
 import tomllib
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
-from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import numpy as np
 from typer import BadParameter, Option, echo, style
 
 from alpha5_model.checks import real
@@ -23,7 +21,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
 from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
 from alpha5_model.spatial import rotation_from_rpy
-from alpha5_model.text import readable, wrapped
+from alpha5_model.text import plain, readable, wrapped
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -213,26 +211,12 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
     # Messages go to standard error where a file goes to standard output.
     with redirect_stdout(sys.stderr) if any(map(is_stdout, files)) else nullcontext():
         if as_json:
-            echo(json.dumps(_plain(record), indent=2, allow_nan=False))
+            echo(json.dumps(plain(record), indent=2, allow_nan=False))
             return
         if text:
             say(*text)
         for path in files:
             echo(f"wrote {path}")
-
-
-def _plain(value: Any) -> Any:
-    """In the types that JSON has; a number that is not finite is null."""
-    if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    value = value._asdict() if hasattr(value, "_asdict") else value
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def say(*lines: str) -> None:

@@ -12,6 +12,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import Alignment
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
+from alpha5_model.text import plain
 
 
 @dataclass(frozen=True)
@@ -73,28 +74,16 @@ class BodyDifference:
 
     def as_dict(self) -> dict[str, Any]:
         """Both sides and their difference, for JSON."""
-        return {
-            "name": self.name,
-            "links": list(self.links),
-            **_side(self),
-            "ours": _side(self.ours),
-            "mass_error_kg": self.mass_error,
-            "com_error_m": _plain(self.com_error),
-            "inertia_error_kgm2": self.inertia_error,
-        }
+        out = {"name": self.name, "links": self.links, **_side(self), "ours": _side(self.ours)}
+        out |= {"mass_error_kg": self.mass_error, "com_error_m": self.com_error}
+        record: dict[str, Any] = plain(out | {"inertia_error_kgm2": self.inertia_error})
+        return record
 
 
 def _side(body: BodyDifference | LinkParameters) -> dict[str, Any]:
-    return {
-        "mass_kg": body.mass,
-        "com_m": body.com.tolist() if body.mass else None,
-        "inertia_kgm2": body.inertia.tolist(),
-        "principal_moments_kgm2": principal_moments(body.inertia).tolist(),
-    }
-
-
-def _plain(value: float) -> float | None:
-    return None if math.isnan(value) else value
+    com, moments = body.com if body.mass else None, principal_moments(body.inertia)
+    out = {"mass_kg": body.mass, "com_m": com, "inertia_kgm2": body.inertia}
+    return out | {"principal_moments_kgm2": moments}
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,26 +133,16 @@ class Comparison:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and texts, for JSON."""
-        return {
-            "name": self.name,
-            "agrees": self.agrees,
-            "verdict": self.verdict,
-            "joints": self.joints,
-            "base": self.alignment.base.tolist(),
-            "base_link": self.alignment.base_link,
-            "carried_kg": self.carried,
-            "sign": self.alignment.sign.tolist(),
-            "zero_rad": self.alignment.zero.tolist(),
-            "dimension_error": self.alignment.changes(),
-            "residual_m": _plain(self.alignment.residual[0]),
-            "residual_rad": _plain(self.alignment.residual[1]),
-            "tip_error_m": _plain(self.tip_error),
-            "gravity_error_Nm": [_plain(float(error)) for error in self.gravity_error],
-            "mass_matrix_error_kgm2": _plain(self.mass_matrix_error),
-            "volume_m3": _plain(self.volume),
-            "bodies": [body.as_dict() for body in self.bodies],
-            "findings": [
-                {"cost_Nm" if key == "cost" else key: value for key, value in vars(finding).items()}
-                for finding in self.findings
-            ],
-        }
+        a, keys = self.alignment, {"cost": "cost_Nm"}
+        out = {"name": self.name, "agrees": self.agrees, "verdict": self.verdict}
+        out |= {"joints": self.joints, "base": a.base, "base_link": a.base_link}
+        out |= {"carried_kg": self.carried, "sign": a.sign, "zero_rad": a.zero}
+        length, angle = a.residual
+        out |= {"dimension_error": a.changes(), "residual_m": length, "residual_rad": angle}
+        out |= {"tip_error_m": self.tip_error, "gravity_error_Nm": self.gravity_error}
+        out |= {"mass_matrix_error_kgm2": self.mass_matrix_error, "volume_m3": self.volume}
+        out["bodies"] = [body.as_dict() for body in self.bodies]
+        found = (vars(finding).items() for finding in self.findings)
+        out["findings"] = [{keys.get(k, k): v for k, v in one} for one in found]
+        record: dict[str, Any] = plain(out)
+        return record

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
-from dataclasses import asdict
 from functools import reduce
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 from alpha5_model.checks import FloatArray
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.parameters import JointParameters, parameters
-from alpha5_model.text import readable, table
+from alpha5_model.text import plain, readable, table
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
 from alpha5_model.trajectory.motion import LIMIT_SLACK
 from alpha5_model.trajectory.smoothing import REST_SHARE
@@ -58,11 +58,11 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         for k, m in known
     )
     model: dict[str, Any] = {"gripper": "jaws" if "axis_a" in s.joints else "locked"}
-    model |= {"fluid_density": a.arm.fluid_density, "gravity": a.arm.model.gravity.linear.tolist()}
+    model |= {"fluid_density": a.arm.fluid_density, "gravity": a.arm.model.gravity.linear}
     sizes = np.linalg.norm(a.base_wrench.reshape(-1, 2, 3), axis=2)
     mount = {name: _peak(sizes[:, i], time) for i, name in enumerate(_MOUNT)}
     if water is not None:
-        model["water_current"] = water.current.tolist()
+        model["water_current"] = water.current
         sizes = np.linalg.norm(water.wrench.reshape(-1, 3, 2, 3), axis=3)
         mount |= {f"water_{x}": _water_peak(sizes[..., i], time) for i, x in enumerate(_MOUNT)}
     ends = {"first_m": a.tcp[0], "last_m": a.tcp[-1]}
@@ -70,31 +70,21 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     derivatives = {"derivatives_from": "velocities" if s.from_velocity else "positions"}
     ratios = {m.joint: m.constants_ratio for m in a.actuators}
     drive = {"supply_voltage": a.supply_voltage, "current_limit": a.current_limit}
+    energy = {"electrical_peak_w": power.max(), "drawn_j": _drawn(power, time)}
+    energy |= {"drawn_interval_j": drawn, "fed_back_j": _drawn(-power, time)}
+    energy["mechanical_j"] = _integral(a.mechanical_power.sum(axis=1), time)
+    energy["contradiction_j"] = _integral(np.asarray(contradiction), time)
+    out: dict[str, Any] = {"source": a.motion.source, "samples": time.size, "start_s": time[0]}
+    out |= {"duration_s": time[-1] - time[0], "time_unit_of_file": a.motion.time_unit}
+    out |= {"sample_time_s": {"median": np.median(steps), "longest": steps.max()}, "model": model}
+    out["smoothing"] = {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives}
+    out["motors"] = {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive}
     joints = enumerate(parameters().joints[: len(s.joints)])
-    return {
-        "source": a.motion.source,
-        "samples": int(time.size),
-        "start_s": float(time[0]),
-        "duration_s": float(time[-1] - time[0]),
-        "time_unit_of_file": a.motion.time_unit,
-        "sample_time_s": {"median": float(np.median(steps)), "longest": float(steps.max())},
-        "model": model,
-        "smoothing": {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives},
-        "motors": {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive},
-        "joints": {joint.name: _joint(a, k, joint) for k, joint in joints},
-        "energy": {
-            "electrical_peak_w": float(power.max()),
-            "drawn_j": _drawn(power, time),
-            "drawn_interval_j": drawn,
-            "fed_back_j": _drawn(-power, time),
-            "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
-            "contradiction_j": _integral(np.asarray(contradiction), time),
-        },
-        "mount": mount,
-        "tcp": {k: x.tolist() for k, x in ends.items()} | {"path_length_m": float(path.sum())},
-        "warnings": [asdict(w) for w in a.warnings],
-        "ignored_columns": list(a.motion.ignored),
-    }
+    out |= {"joints": {joint.name: _joint(a, k, joint) for k, joint in joints}, "energy": energy}
+    out |= {"mount": mount, "tcp": ends | {"path_length_m": path.sum()}}
+    out |= {"warnings": a.warnings, "ignored_columns": a.motion.ignored}
+    record: dict[str, Any] = plain(out)
+    return record
 
 
 def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
@@ -103,41 +93,32 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     q, velocity, acceleration, torque = (x[:, k] for x in states)
     motor = a.current, a.current_lower, a.current_upper, a.voltage, a.electrical_power
     current, least, most, voltage, power = (x[:, k] for x in motor)
-    margin = float(min(q.min() - joint.lower, joint.upper - q.max()))
+    margin = min(q.min() - joint.lower, joint.upper - q.max())
     if -LIMIT_SLACK * (joint.upper - joint.lower) <= margin < 0:
         margin = 0.0  # at the limit, as the warnings have it
-    out: dict[str, Any] = {
-        "units": dict(_SLIDING if joint.name == "axis_a" else _TURNING),
-        "position_range": [float(q.min()), float(q.max())],
-        "position_margin": margin,
-        "velocity_margin": float(joint.velocity - np.abs(velocity).max()),
-        "beyond_rated_velocity": int(np.count_nonzero(np.abs(velocity) > joint.velocity)),
-        "velocity_peak": _peak(velocity, time),
-        "acceleration_peak": _peak(acceleration, time),
-        "torque_peak": _peak(torque, time),
-        "smoothing_deviation": float(s.deviation[k]),
-        "torque_rms": _rms(torque, time),
-        # Against the effort that every public model copies; no rating is published.
-        "torque_margin": float(joint.effort - np.abs(torque).max()),
-        "causes_peak": {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()},
-        "effort": _effort(a, k),
-        "current_peak": _peak(current, time, least, most),
-        "current_rms": _rms(current, time),
-        "voltage_peak": _peak(voltage, time),
-        "power_peak": _peak(power, time),
-        "energy_drawn_j": _drawn(power, time),
-        **dict.fromkeys(_BY_DRIVE),
-    }
+    units = _SLIDING if joint.name == "axis_a" else _TURNING
+    out: dict[str, Any] = {"units": units, "position_range": [q.min(), q.max()]}
+    out |= {"position_margin": margin, "velocity_margin": joint.velocity - np.abs(velocity).max()}
+    out["beyond_rated_velocity"] = np.count_nonzero(np.abs(velocity) > joint.velocity)
+    out |= {"velocity_peak": _peak(velocity, time), "acceleration_peak": _peak(acceleration, time)}
+    out |= {"torque_peak": _peak(torque, time), "smoothing_deviation": s.deviation[k]}
+    # Against the effort that every public model copies; no rating is published.
+    out |= {"torque_rms": _rms(torque, time), "torque_margin": joint.effort - np.abs(torque).max()}
+    out["causes_peak"] = {c: np.abs(x[:, k]).max() for c, x in a.causes().items()}
+    out |= {"effort": _effort(a, k), "current_peak": _peak(current, time, least, most)}
+    out |= {"current_rms": _rms(current, time), "voltage_peak": _peak(voltage, time)}
+    out |= {"power_peak": _peak(power, time), "energy_drawn_j": _drawn(power, time)}
+    out |= dict.fromkeys(_BY_DRIVE)
     if a.moving_water is not None:
         out["moving_water_peak"] = _water_peak(a.moving_water.torque[:, :, k], time)
     if a.torque_limits and a.current_limit and a.supply_voltage and out["current_peak"]:
-        out["current_margin"] = float(a.current_limit - np.abs([least, most]).max())
-        out["voltage_margin"] = float(a.supply_voltage - np.abs(voltage).max())
+        out["current_margin"] = a.current_limit - np.abs([least, most]).max()
+        out["voltage_margin"] = a.supply_voltage - np.abs(voltage).max()
         lower, upper = (end[:, k] for end in a.torque_limits)
         reserve = np.minimum(upper - torque, torque - lower)
         possible = reserve[np.isfinite(reserve)]
-        out["drive_torque_margin"] = float(possible.min()) if possible.size else None
-        out["beyond_drive_limits"] = int(np.count_nonzero(~(reserve >= 0)))
+        out["drive_torque_margin"] = possible.min() if possible.size else None
+        out["beyond_drive_limits"] = np.count_nonzero(~(reserve >= 0))
     return out
 
 
@@ -149,24 +130,21 @@ def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
     effort, torque, friction = (x[there, k] for x in tables)
     difference = effort - torque
     varied = min(np.ptp(effort), np.ptp(torque)) > _ROUNDING
-    return {
-        "samples": int(effort.size),
-        "peak": _peak(effort, time),
-        "rms": _finite(np.sqrt(np.mean(effort**2))),
-        "difference_mean": float(difference.mean()),
-        "difference_rms": _finite(np.sqrt(np.mean(difference**2))),
-        "difference_peak": _peak(difference, time),
-        "difference_rms_with_friction": _finite(np.sqrt(np.mean((difference - friction) ** 2))),
-        "correlation": float(np.corrcoef(effort, torque)[0, 1]) if varied else None,
-    }
+    parts = effort, difference, difference - friction
+    whole, rms, with_friction = (np.sqrt(np.mean(x**2)) for x in parts)
+    out = {"samples": effort.size, "peak": _peak(effort, time), "rms": whole}
+    out |= {"difference_mean": difference.mean(), "difference_rms": rms}
+    out |= {"difference_peak": _peak(difference, time)}
+    out |= {"difference_rms_with_friction": with_friction}
+    return out | {"correlation": np.corrcoef(effort, torque)[0, 1] if varied else None}
 
 
 def _peak(values: FloatArray, time: FloatArray, *ends: FloatArray) -> dict[str, Any] | None:
     """The largest value, and there its interval; None of a motor that cannot be computed."""
     at = int(np.abs(values).argmax())
-    out: dict[str, Any] = {"value": float(values[at]), "time_s": float(time[at])}
+    out: dict[str, Any] = {"value": values[at], "time_s": time[at]}
     if ends:
-        out["interval"] = [float(end[at]) for end in ends]
+        out["interval"] = [end[at] for end in ends]
     return out if np.isfinite(values[at]) else None
 
 
@@ -179,17 +157,13 @@ def _integral(values: FloatArray, time: FloatArray) -> float:
     return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(time)))
 
 
-def _drawn(power: FloatArray, time: FloatArray) -> float | None:
+def _drawn(power: FloatArray, time: FloatArray) -> float:
     """Energy of the positive part."""
-    return _finite(_integral(np.maximum(power, 0.0), time))
+    return _integral(np.maximum(power, 0.0), time)
 
 
-def _rms(values: FloatArray, time: FloatArray) -> float | None:
-    return _finite(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _rms(values: FloatArray, time: FloatArray) -> float:
+    return math.sqrt(_integral(values**2, time) / (time[-1] - time[0]))
 
 
 def text(record: dict[str, Any]) -> str:
