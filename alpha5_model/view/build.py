@@ -40,18 +40,7 @@ if TYPE_CHECKING:
 ARROW_SCALE = scene.ARROWS["force"]
 #: Length of the axes of a frame [m].
 _AXES = 0.05
-_YELLOW, _BLACK, _OCHRE = (0.98, 0.80, 0.10), (0.10, 0.10, 0.10), (0.45, 0.33, 0.0)
-_BLUE, _WHITE, _ORANGE = (0.10, 0.45, 0.85), (0.97, 0.97, 0.97), (0.95, 0.55, 0.1)
-_TEAL = (0.0, 0.5, 0.55)
-_RED, _SKY, _PINK = (0.80, 0.17, 0.15), (0.16, 0.55, 0.86), (0.85, 0.1, 0.5)
-#: Kinds of centre: the attributes of `Load` for the point, its weight in the mean and its force;
-#: text of the label; colours of the centre, label and arrow; 1 along gravity, -1 against it.
-_CENTERS = (
-    ("com", "mass", "weight", "centre of mass", (_YELLOW, _BLACK), _OCHRE, _RED, 1.0),
-    ("cob", "volume", "buoyancy", "centre of buoyancy", (_BLUE, _WHITE), _BLUE, _SKY, -1.0),
-)
-#: One colour for each branch.
-_GHOSTS = ((0.05, 0.55, 0.50), (0.85, 0.45, 0.05), (0.45, 0.30, 0.75), (0.55, 0.50, 0.10))
+_COLORS: Any = {name: tuple(rgb) for name, rgb in scene.LOOK["colors"].items()}
 _ball = cache(ball)
 #: Samples per second of a tour, and its rest at each pose [s].
 _RATE, _PAUSE = 25.0, 0.6
@@ -143,7 +132,7 @@ def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
         at, mesh = Rigid(shape.link), drawn(shape, folder)
         if element == "collision":
             name = f"{shape.link}_{shape.index}"
-            yield Shape("collision", name, at, mesh, _ORANGE, opacity=0.35)
+            yield Shape("collision", name, at, mesh, _COLORS["orange"], opacity=0.35)
         else:
             name, (r, g, b) = f"{shape.link}/part_{shape.index}", shape.color[:3]
             # Only highlights show the form of a dark body.
@@ -197,21 +186,22 @@ def _frames(tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]) -> Iterator[S
         if joint.name in beyond or link == "tcp":
             out = beyond.get(joint.name, False)
             text = "tcp" if link == "tcp" else joint.name + ", beyond its limit" * out
-            yield Label("bodies", text, Rigid(link), _RED if out else Label.color)
+            yield Label("bodies", text, Rigid(link), _COLORS["red"] if out else Label.color)
 
 
 def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
     """Balls at the centres of each body, arrows of its forces to scale; larger of the whole arm."""
     down = gravity / (np.linalg.norm(gravity) or 1.0)
     named = {**{f"load_{i}": [load] for i, load in enumerate(loads)}, "arm": loads}
-    for kind, (name, carried) in product(_CENTERS, named.items()):
-        center, share, force, text, balls, ink, color, sense = kind
+    for kind, (name, carried) in product(scene.LOOK["centers"], named.items()):
+        center, share, force, text, *colors, sense = kind
+        one, other, ink, color = (_COLORS[name] for name in colors)
         weighted = map(attrgetter("link", share, center), carried)
         points = tuple(point for point in weighted if point[1])
         if not points:
             continue
         at, whole = Mean(points), name == "arm"
-        yield Shape(center, name, at, _ball(0.0095 if whole else 0.0048, *balls), on_top=2)
+        yield Shape(center, name, at, _ball(0.0095 if whole else 0.0048, one, other), on_top=2)
         if whole:
             yield Label(center, text, at, ink)
         if strength := sum(getattr(load, force) for load in carried):
@@ -225,12 +215,12 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
 
 def _current(flow: FloatArray) -> Iterator[Shape | Label]:
     """An arrow beside the base along the current."""
-    tip = scene.ARROWS["current"] * flow
+    teal, tip = _COLORS["teal"], scene.ARROWS["current"] * flow
     at = Rigid(scene.WORLD, transform(translation=(0.0, -0.16, 0.05)))
     speed = float(np.linalg.norm(flow))
-    mesh = arrow(tip, 0.004) if speed else _ball(0.004, _TEAL, _TEAL)
-    yield Shape("current", "arrow", at, mesh, _TEAL, on_top=1)
-    yield Label("current", f"current {speed:.3g} m/s, load estimated", at, _TEAL)
+    mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
+    yield Shape("current", "arrow", at, mesh, teal, on_top=1)
+    yield Label("current", f"current {speed:.3g} m/s, load estimated", at, teal)
 
 
 def _streams(arm: Arm) -> tuple[Stream, ...]:
@@ -254,7 +244,7 @@ def _ghosts(
     """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
     solutions = inverse_kinematics(target)
     for i in np.flatnonzero(solutions.exists):
-        branch, color, solution = BRANCHES[i], _GHOSTS[i], q.copy()
+        branch, color, solution = BRANCHES[i], scene.LOOK["ghosts"][i], q.copy()
         solution[len(q) - len(arm.joint_names) :][:4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
@@ -266,7 +256,7 @@ def _ghosts(
         yield Label("ghosts", branch.replace("_", " ") + limits, elbow, color)
     base = arm.forward_kinematics(q, frame="base_link")
     at = Rigid(scene.WORLD, transform(translation=base.act(target)))
-    yield Shape("ghosts", "target", at, ball(0.008, _PINK, _WHITE), on_top=2)
+    yield Shape("ghosts", "target", at, ball(0.008, _COLORS["pink"], _COLORS["white"]), on_top=2)
     away = float(distance_to_reach(target))
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))

@@ -149,26 +149,17 @@ def live_page(scene: Scene) -> str:
 def page_data(scene: Scene) -> dict[str, Any]:
     """What the page's script knows about the scene; arrays become nested lists, records objects."""
     drawn = {"ghosts", *(shape.group for shape in scene.shapes)}
-    return {
-        **{name: getattr(scene, name) for name in _AS_IT_STANDS.split()},
-        "tree": [{**vars(joint), "source": joint.source} for joint in scene.tree],
-        "root": pose_message(scene)["root"],
-        "q": dict(zip(scene.sliders, scene.q.tolist(), strict=True)),
-        "links": {link: f"{ROOT}/bodies/{link}" for link in scene.poses},
-        "anchors": [{"path": path, "anchor": at} for path, at in _anchors(scene).items()],
-        "groups": [
-            {"name": name, "title": title, "shown": name in scene.show}
-            for name, title in GROUPS.items()
-            if name in drawn or name not in DRAWN
-        ],
-        "seeThrough": scenes.SEE_THROUGH,
-        "branches": BRANCHES,
-        "poses": scene.named_poses,
-        "views": scenes.VIEWS,
-        "plane": arm_plane()._asdict(),
-        "arrows": scenes.ARROWS,
-        "motion": scene.motion and _track(scene.motion),
-    }
+    out: dict[str, Any] = {name: getattr(scene, name) for name in _AS_IT_STANDS.split()}
+    out["tree"] = [{**vars(joint), "source": joint.source} for joint in scene.tree]
+    out["root"] = pose_message(scene)["root"]
+    out["q"] = dict(zip(scene.sliders, scene.q.tolist(), strict=True))
+    out["links"] = {link: f"{ROOT}/bodies/{link}" for link in scene.poses}
+    out["anchors"] = [{"path": path, "anchor": at} for path, at in _anchors(scene).items()]
+    titles = {name: x for name, x in GROUPS.items() if name in drawn or name not in DRAWN}
+    out["groups"] = [{"name": k, "title": x, "shown": k in scene.show} for k, x in titles.items()]
+    out |= {"seeThrough": scenes.SEE_THROUGH, "branches": BRANCHES, "poses": scene.named_poses}
+    out |= {"views": scenes.VIEWS, "plane": arm_plane()._asdict(), "arrows": scenes.ARROWS}
+    return out | {"motion": scene.motion and _track(scene.motion)}
 
 
 def pose_message(scene: Scene) -> Command:

@@ -20,17 +20,18 @@ from alpha5_model.errors import InputError
 from alpha5_model.spatial import moved, transform
 from alpha5_model.view.shapes import Mesh
 
-_LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+#: All of ``scene.toml``.
+LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 #: Groups of things that can be shown and hidden -> what the page calls them.
-GROUPS: dict[str, str] = _LOOK["groups"]
+GROUPS: dict[str, str] = LOOK["groups"]
 #: Groups of shapes; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
 #: Length of an arrow per force [m/N], and of the current's per speed [s].
-ARROWS: dict[str, float] = _LOOK["arrows"]
+ARROWS: dict[str, float] = LOOK["arrows"]
 #: Directions from which the arm is seen, by name, (3,).
-VIEWS = {name: np.array(direction) for name, direction in _LOOK["views"].items()}
+VIEWS = {name: np.array(direction) for name, direction in LOOK["views"].items()}
 #: Shown by default; opacity of bodies that are seen through.
-DEFAULT_SHOW, SEE_THROUGH = tuple(_LOOK["show"]), _LOOK["see_through"]
+DEFAULT_SHOW, SEE_THROUGH = tuple(LOOK["show"]), LOOK["see_through"]
 #: The fixed frame at the root of the scene.
 WORLD = "world"
 #: Share of the frame's half-height that is used, and of its half-width beside that.
