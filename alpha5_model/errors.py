@@ -123,8 +123,7 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
     """
 
     def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
-        self.index, self.position = index, position
-        self.step, self.max_step = step, max_step
+        self.index, self.position, self.step, self.max_step = index, position, step, max_step
         super().__init__(
             f"positions[{index}] = {_metres(position)} has no continuation within the joint "
             f"limits: a joint would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"

@@ -18,21 +18,22 @@ def readable(text: str) -> str:
     return re.sub(r"\b(N|kg) (mm?)(?![a-z])", r"\1·\2", text)
 
 
-def plain(value: Any) -> Any:
+def plain(value: Any, unknown: float | None = None) -> Any:
     """Numbers, texts, arrays, records and collections of them in the types that JSON has.
 
-    A number that is not finite is None.
+    Args:
+        unknown: In place of a number that is not finite.
     """
     if is_dataclass(value) and not isinstance(value, type):
         value = asdict(value)
     value = value._asdict() if hasattr(value, "_asdict") else value
     if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
+        return {key: plain(item, unknown) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return [plain(item, unknown) for item in value]
+    return unknown if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:

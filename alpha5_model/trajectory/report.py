@@ -83,7 +83,7 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     out |= {"joints": {joint.name: _joint(a, k, joint) for k, joint in joints}, "energy": energy}
     out |= {"mount": mount, "tcp": ends | {"path_length_m": path.sum()}}
     out |= {"warnings": a.warnings, "ignored_columns": a.motion.ignored}
-    record: dict[str, Any] = plain(out)
+    record: dict[str, Any] = plain(out, math.nan)  # which JSON refuses: what may lack is None
     return record
 
 
@@ -104,7 +104,7 @@ def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
     out |= {"torque_peak": _peak(torque, time), "smoothing_deviation": s.deviation[k]}
     # Against the effort that every public model copies; no rating is published.
     out |= {"torque_rms": _rms(torque, time), "torque_margin": joint.effort - np.abs(torque).max()}
-    out["causes_peak"] = {c: np.abs(x[:, k]).max() for c, x in a.causes().items()}
+    out["causes_peak"] = {c: _finite(np.abs(x[:, k]).max()) for c, x in a.causes().items()}
     out |= {"effort": _effort(a, k), "current_peak": _peak(current, time, least, most)}
     out |= {"current_rms": _rms(current, time), "voltage_peak": _peak(voltage, time)}
     out |= {"power_peak": _peak(power, time), "energy_drawn_j": _drawn(power, time)}
@@ -131,7 +131,7 @@ def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
     difference = effort - torque
     varied = min(np.ptp(effort), np.ptp(torque)) > _ROUNDING
     parts = effort, difference, difference - friction
-    whole, rms, with_friction = (np.sqrt(np.mean(x**2)) for x in parts)
+    whole, rms, with_friction = (_finite(np.sqrt(np.mean(x**2))) for x in parts)
     out = {"samples": effort.size, "peak": _peak(effort, time), "rms": whole}
     out |= {"difference_mean": difference.mean(), "difference_rms": rms}
     out |= {"difference_peak": _peak(difference, time)}
@@ -157,13 +157,17 @@ def _integral(values: FloatArray, time: FloatArray) -> float:
     return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(time)))
 
 
-def _drawn(power: FloatArray, time: FloatArray) -> float:
+def _drawn(power: FloatArray, time: FloatArray) -> float | None:
     """Energy of the positive part."""
-    return _integral(np.maximum(power, 0.0), time)
+    return _finite(_integral(np.maximum(power, 0.0), time))
 
 
-def _rms(values: FloatArray, time: FloatArray) -> float:
-    return math.sqrt(_integral(values**2, time) / (time[-1] - time[0]))
+def _rms(values: FloatArray, time: FloatArray) -> float | None:
+    return _finite(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def text(record: dict[str, Any]) -> str:
