@@ -172,9 +172,8 @@ class Arm:
         """
         q = self._clean_q(q)
         if type(reference_frame) is not pin.ReferenceFrame:
-            raise InputError(
-                "reference_frame", reference_frame, "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
-            )
+            expected = "pin.LOCAL, pin.WORLD or LOCAL_WORLD_ALIGNED"
+            raise InputError("reference_frame", reference_frame, expected)
         index = self._frame(frame)
         return _jacobian(self._model, self._own.data, q, index, reference_frame)
 
@@ -605,7 +604,5 @@ class Arm:
         base = "floating" if self.floating_base else "fixed"
         bodies = (f for f in self._model.frames if f.name.startswith("payload"))
         held = (f", {f.name} {f.inertia.mass:g} kg" for f in bodies)
-        return (
-            f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
-            f"fluid {self.fluid_density:g} kg/m^3{''.join(held)})"
-        )
+        joints = f"{type(self).__name__}({', '.join(self.joint_names)}; {base} base, "
+        return f"{joints}fluid {self.fluid_density:g} kg/m^3{''.join(held)})"

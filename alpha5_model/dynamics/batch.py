@@ -98,10 +98,11 @@ def base_wrench(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
     return (water - rnea(tree, own, threads, q, v, a))[:, :6]
 
 
-def forward_dynamics(
-    arm: Any, threads: int, q: FloatArray, v: FloatArray, tau: FloatArray
-) -> FloatArray:
-    """ABA of each row of q, v, tau with the torque of the water added, (N, nv)."""
+def forward_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
+    """ABA of each row of q, v, tau with the torque of the water added, (N, nv); with jaws, which it refuses, solved."""
+    q, v, tau = states
+    if arm._embedded[0] is not arm._model:
+        return solved_rows(arm, q, v, tau, threads)
     total, a = rnea(arm._fluid, arm._own, threads, q), np.empty_like(v)
     total += tau
     pin.abaInParallel(threads, arm._own.pool(arm._model, threads), q.T, v.T, total.T, a.T)

@@ -111,14 +111,14 @@ class HydrodynamicArm:
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> Partials:
         """dtau/dq, dtau/dv, dtau/da = M, each (nv, nv); see `Arm.inverse_dynamics_derivatives`."""
-        dq, dv, da, _ = self._derivatives(q, v, a, current)
+        dq, dv, da, _ = self._derivatives(current, q, v, a)
         return self._tree.g.T @ dq, self._tree.g.T @ dv, self._tree.g.T @ da
 
     def inverse_dynamics_current_derivative(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `inverse_dynamics` with respect to the current, (nv, 3) [N s]."""
-        return np.asarray(self._tree.g.T @ self._derivatives(q, v, a, current)[3])
+        return np.asarray(self._tree.g.T @ self._derivatives(current, q, v, a)[3])
 
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, current: Flow = None
@@ -147,14 +147,14 @@ class HydrodynamicArm:
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> Partials:
         """dw/dq, dw/dv, dw/da, each (6, nv); see `Arm.base_wrench_derivatives`."""
-        dq, dv, da, _ = self._derivatives(q, v, a, current)
+        dq, dv, da, _ = self._derivatives(current, q, v, a)
         return -dq[:6], -dv[:6], -da[:6]
 
     def base_wrench_current_derivative(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
     ) -> FloatArray:
         """Derivative of `base_wrench` with respect to the current, (6, 3)."""
-        return -self._derivatives(q, v, a, current)[3][:6]
+        return -self._derivatives(current, q, v, a)[3][:6]
 
     def current_load(self, q: ArrayLike, current: Flow = None) -> tuple[FloatArray, FloatArray]:
         """What a steady current alone loads an arm at rest with: weight and buoyancy are left out.
@@ -287,9 +287,7 @@ class HydrodynamicArm:
         bodies = [body for body in self.bodies if body.joint in joints]
         if still is None or not all(body.plain for body in bodies):
             return None
-        strips = [
-            [s for b in bodies if b.joint == joint for s in b.data.strips] for joint in joints
-        ]
+        strips = [[s for b in bodies if b.joint == name for s in b.data.strips] for name in joints]
         added = self._tree.water.added_mass[1:]
         water = water_parameters(added, strips, self.still.fluid_density)
         return None if water is None else np.concatenate([still + water[0], water[1]])
@@ -302,10 +300,8 @@ class HydrodynamicArm:
             return [lambda *_: None for _ in names]
         return [kernels.module().bind(f"{name}_in_current", numbers) for name in names]
 
-    def _derivatives(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        state = self._tree.expand(*self.still._clean_qva(q, v, a))
+    def _derivatives(self, current: Flow, *given: ArrayLike) -> tuple[FloatArray, ...]:
+        state = self._tree.expand(*self.still._clean_qva(*given))
         return self._tree.derivatives(state, self._flow(current))
 
 

@@ -122,10 +122,9 @@ class HydrodynamicTree:
             out[here] = self._water_torques(*block).T
         return out
 
-    def _water_torques(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, currents: FloatArray
-    ) -> FloatArray:
-        """The same of columns: twists down the tree, forces up, all states at once."""
+    def _water_torques(self, *columns: FloatArray) -> FloatArray:
+        """The same of columns of q, v, a and currents: twists down the tree, forces up, all states at once."""
+        q, v, a, currents = columns
         motion = np.empty((len(self._joints), 2, 6, q.shape[1]))  # twists and their rates
         motion[0] = v[:6], a[:6]
         axis, w = q[3:6], q[6]
@@ -170,9 +169,7 @@ class HydrodynamicTree:
             out.append((tree.parents[i] - 1, terms, s, bool(s[3:].any()), at))
         return out
 
-    def derivatives(
-        self, state: State, current: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def derivatives(self, state: State, current: FloatArray) -> tuple[FloatArray, ...]:
         """Of `torque`, by the arm's q, v, a, (tree nv, nv) each, and by the current, (tree nv, 3)."""
         own, water, tree, data = self._own, self.water, self._tree, self._own.data
         nu, dnu = self.motion(state, current)
@@ -182,10 +179,9 @@ class HydrodynamicTree:
         dq -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, state[0])
         # Next, how each joint's velocity and acceleration in its frame change with the state.
         pin.computeForwardKinematicsDerivatives(tree, data, *state)
-        found = [
-            pin.getJointAccelerationDerivatives(tree, data, i, pin.LOCAL) for i in self._joints
-        ]
-        v_q, a_q, a_v, a_a = (np.array(x) for x in zip(*found, strict=True))
+        of = partial(pin.getJointAccelerationDerivatives, tree, data)
+        found = zip(*(of(i, pin.LOCAL) for i in self._joints), strict=True)
+        v_q, a_q, a_v, a_a = map(np.array, found)
         v_v, rotations = a_a, np.array(own.rotations)
         # A turn of the joint's frame turns the stream in it the other way.
         stream_q, stream_u = cross_matrix(stream) @ v_v[:, 3:], rotations.swapaxes(1, 2)

@@ -134,19 +134,13 @@ def net_weight_model(model: Any, fluid: Any) -> Any:
 
 
 def with_body(
-    model: Any,
-    frame: str,
-    mass: float,
-    com: ArrayLike,
-    inertia: ArrayLike | None,
-    volume: float,
-    cob: ArrayLike | None,
-    name: str = "payload",
+    model: Any, frame: str, *body: Any, name: str = "payload"
 ) -> tuple[Any, Displacement]:
     """A copy of a pin.Model with a rigid body fixed to a frame, and its volume on the joint below.
 
-    Arguments and errors are those of `alpha5_model.dynamics.arm.Arm.with_payload`.
+    Its mass, COM, inertia, volume and COB, and the errors, are those of `alpha5_model.dynamics.arm.Arm.with_payload`.
     """
+    mass, com, inertia, volume, cob = body
     m, centre = real("mass", mass, minimum=0.0), array("com", com, 3)
     tensor = np.zeros((3, 3))
     if inertia is not None:
@@ -161,10 +155,9 @@ def with_body(
     carrier = loaded.frames[index]
     count = 1 + sum(known.startswith(name) for known in names)
     name = name if count == 1 else f"{name}_{count}"
-    body = pin.Inertia(m, centre, tensor)
-    kind = pin.FrameType.BODY
+    solid, kind = pin.Inertia(m, centre, tensor), pin.FrameType.BODY
     # This adds the inertia to the joint, too.
-    loaded.addFrame(pin.Frame(name, carrier.parentJoint, index, carrier.placement, kind, body))
+    loaded.addFrame(pin.Frame(name, carrier.parentJoint, index, carrier.placement, kind, solid))
     return loaded, displacement(loaded, name, name, displaced, centroid)
 
 
@@ -283,9 +276,8 @@ def trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
     righting = strength * (displaced * cob - mass * com)
     moment = float(np.linalg.norm(righting))
     if moment < 1e-9 * strength * mass:
-        raise InputError(
-            "vehicle", "a centre of buoyancy at the centre of mass", "a righting moment"
-        )
+        without = "a centre of buoyancy at the centre of mass"
+        raise InputError("vehicle", without, "a righting moment")
     x, y, z = righting / moment * -np.sign(gravity[2])
     roll, pitch = math.atan2(y, z), math.asin(-min(1.0, max(-1.0, x)))
     rotation = pin.rpy.rpyToMatrix(roll, pitch, 0.0)

@@ -25,7 +25,6 @@ from alpha5_model import kernels
 from alpha5_model.checks import FloatArray
 from alpha5_model.description.urdf_reading import UrdfJoint
 from alpha5_model.dynamics.arm import Arm, Forces
-from alpha5_model.dynamics.batch import solved_rows
 from alpha5_model.dynamics.hydrostatics import Displacement
 from alpha5_model.dynamics.states import Embedding, Partials, expanded, state_vectors
 from alpha5_model.errors import InputError
@@ -76,11 +75,6 @@ class JawArm(Arm):
         q, v, tau = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
         return np.asarray(np.linalg.solve(self.mass_matrix(q), tau - bias), dtype=np.float64)
-
-    def forward_dynamics_batch(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None = None
-    ) -> FloatArray:
-        return solved_rows(self, q, v, tau, threads)
 
     def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
         state = self._expand(*self._clean_qva(q, v, a))

@@ -150,11 +150,9 @@ def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, .
     dlift = (np.abs(w[..., 11:]) * width[:, 11:]).sum(axis=-1)
     # Digits of the tensor, each of which is in several second moments.
     tensor = np.tensordot(w[..., 4:10], to_links[:, :, 4:10], ((-2, -1), (1, 2)))
-    parts = (
-        _product(link[:, 0], width[:, 0], s, ds).sum(axis=-1),
-        np.tensordot(tensor, middle, 1) + np.multiply.outer((-1, 1), np.abs(tensor) @ half),
-        _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1),
-    )
+    digits = np.tensordot(tensor, middle, 1) + np.multiply.outer((-1, 1), np.abs(tensor) @ half)
+    weight = _product(link[:, 0], width[:, 0], s, ds).sum(axis=-1)
+    parts = weight, digits, _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1)
     slack = _ROUNDING * np.abs(parts).sum(axis=(0, 1))
     if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
         slack = slack.max(axis=1, keepdims=True)
