@@ -221,12 +221,9 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
 def _totals(printed: Published, boxes: list[FloatArray]) -> list[AuditRow]:
     masses = [row.mass for row in printed.table_2.rows]
     volumes = [row.volume for row in printed.table_3.rows]
-
-    def wet_weight(x: FloatArray) -> float:
-        return float((x[:5].sum() - SEA_WATER * x[5:].sum()) * G)
-
+    wet = figure(lambda x: (x[:5].sum() - SEA_WATER * x[5:].sum()) * G, [*masses, *volumes])
     whole = sum(float(np.prod(np.diff(bounds))) for bounds in boxes)
     return [
         audited("total.volume", *figure(np.sum, volumes), whole),
-        audited("total.wet_weight", *figure(wet_weight, [*masses, *volumes])),
+        audited("total.wet_weight", *wet),
     ]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import BoolArray, FloatArray
+from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, sampled_share, si
 from alpha5_model.dh import DHChain
 from alpha5_model.fluids import GRAVITY
@@ -147,17 +147,14 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
     reached = workspace.reachable(points)
 
-    def published(x: FloatArray) -> BoolArray:
+    def differing(x: FloatArray) -> FloatArray:
+        """Shares of the published region that is not reached, and of the reached that is left out."""
         a_0, d_0, a_2, d_3, opp, adj, offset, length, drop = x
         square = (radius - a_0) ** 2 + (height - d_0) ** 2
         outer = (np.hypot(opp, adj) + np.hypot(d_3, a_2)) ** 2
         inner = (offset + a_2) ** 2 + (length + d_3) ** 2
         below = (radius - a_0) ** 2 + (height - d_0 + drop) ** 2
-        return np.asarray((inner <= square) & (square <= outer) & (below >= d_3**2))
-
-    def differing(x: FloatArray) -> FloatArray:
-        """Shares of the published region that is not reached, and of the reached that is left out."""
-        region = published(x)
+        region = (inner <= square) & (square <= outer) & (below >= d_3**2)
         beyond, missed = region & ~reached, reached & ~region
         return np.array([beyond.sum() / region.sum(), missed.sum() / reached.sum()])
 

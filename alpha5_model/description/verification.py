@@ -138,12 +138,9 @@ def verify_urdf(
     """
     text = Subject.read(path, parameters(corrections))
     q = configurations(text.expected, samples)
-    rows = [
-        *(_listed(text, check, *how) for check, how in CHECKS.items()),
-        _check_urdf(text),
-        _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND),
-        _frames("yourdfpy", text, q[:: max(1, len(q) // 100)], yourdfpy_frames, YOURDFPY_BOUND),
-    ]
+    rows, few = [_listed(text, k, *how) for k, how in CHECKS.items()], max(1, len(q) // 100)
+    rows += [_check_urdf(text), _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND)]
+    rows.append(_frames("yourdfpy", text, q[::few], yourdfpy_frames, YOURDFPY_BOUND))
     if text.jaws:
         limits = _jaw_limit_differences, "rod and finger limits agree"
         rows += [_closed_jaws(text), _listed(text, "jaw limits", *limits)]

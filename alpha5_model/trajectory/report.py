@@ -44,19 +44,15 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     recorded; an effort's differences are those of what was recorded less the torque computed.
     """
     a, s = analysis, analysis.smooth
-    time, velocity, water = s.time, s.signed_velocity, a.moving_water
+    time, v, water = s.time, s.signed_velocity, a.moving_water
     steps, path = np.diff(time), np.linalg.norm(np.diff(a.tcp, axis=0), axis=1)
     power = np.nansum(a.electrical_power, axis=1)
     known = [(k, m) for k, m in enumerate(a.actuators) if np.isfinite(a.current[:, k]).all()]
-    powers = [  # over the printed tolerance of friction
-        np.stack([m.voltage(i[:, k], velocity[:, k]) * i[:, k] for k, m in known])
-        for i in (a.current_lower, a.current_upper)
-    ]
+    currents = a.current_lower, a.current_upper  # over the printed tolerance of friction
+    powers = [np.stack([m.voltage(i[:, k], v[:, k]) * i[:, k] for k, m in known]) for i in currents]
     drawn = [_drawn(end(*powers).sum(axis=0), time) for end in (np.minimum, np.maximum)]
-    contradiction = sum(
-        (m.back_emf_constant - m.torque_constant) * m.ratio * a.current[:, k] * velocity[:, k]
-        for k, m in known
-    )
+    excess = ((k, (m.back_emf_constant - m.torque_constant) * m.ratio) for k, m in known)
+    contradiction = sum(torque * a.current[:, k] * v[:, k] for k, torque in excess)
     model: dict[str, Any] = {"gripper": "jaws" if "axis_a" in s.joints else "locked"}
     model |= {"fluid_density": a.arm.fluid_density, "gravity": a.arm.model.gravity.linear}
     sizes = np.linalg.norm(a.base_wrench.reshape(-1, 2, 3), axis=2)
