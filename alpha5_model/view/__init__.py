@@ -48,5 +48,4 @@ def view(
     from alpha5_model.view.build import build_scene
     from alpha5_model.view.visualizer import ArmVisualizer
 
-    scene = build_scene(arm, q, target=target, motion=motion, show=show)
-    return ArmVisualizer(arm, scene, port)
+    return ArmVisualizer(arm, build_scene(arm, q, target=target, motion=motion, show=show), port)

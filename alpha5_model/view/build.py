@@ -8,7 +8,7 @@ from functools import cache
 from itertools import pairwise, product
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,7 @@ from alpha5_model.base_parameters import regrouped
 from alpha5_model.checks import FloatArray, bounded, choice, float_array, shaped
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf, urdf_shapes
+from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
@@ -32,9 +33,6 @@ from alpha5_model.view import scene
 from alpha5_model.view.scene import Label, Load, Mean, MotionTrack, Rigid, Scene, Shape, Stream
 from alpha5_model.view.shapes import arrow, ball, drawn, triad
 from alpha5_model.view.workspace_plot import workspace_shapes
-
-if TYPE_CHECKING:
-    from alpha5_model.dynamics.arm import Arm
 
 #: Length of an arrow per force [m/N].
 ARROW_SCALE = scene.ARROWS["force"]
@@ -85,45 +83,28 @@ def build_scene(
     flow = bounded("current", shaped("current", water, (3,)))
     inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
     beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
-    loads, gravity = _loads(arm, tree), np.array(arm.model.gravity.linear)
+    frames = _frames(tree, dict(zip(sliders, beyond, strict=True)))
+    loads, gravity = tuple(_loads(arm, tree)), np.array(arm.model.gravity.linear)
     if show is None:
         given = {"ghosts": target, "current": current}
         show = (*scene.DEFAULT_SHOW, *(name for name, value in given.items() if value is not None))
     shown = tuple(choice("group", group, tuple(scene.GROUPS)) for group in show)
     bodies = list(_bodies(text, folder, "visual"))
-    things: list[Shape | Label] = [
-        *bodies,
-        *_frames(tree, dict(zip(sliders, beyond, strict=True))),
-        *_centers(gravity, loads),
-        *_bodies(text, folder, "collision"),
-        *workspace_shapes(),
-        *_current(flow),
-    ]
+    things: list[Shape | Label] = [*bodies, *frames, *_centers(gravity, loads)]
+    things += [*_bodies(text, folder, "collision"), *workspace_shapes(), *_current(flow)]
     if goal is not None:
         things += _ghosts(arm, tree, bodies, position, goal)
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
+    labels = tuple(thing for thing in things if isinstance(thing, Label))
     weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
     wet = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
-    whole = Scene(
-        notes=(
-            wet if arm.fluid_density else f"In air: weight {weight:.2f} N.",
-            f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest.",
-        ),
-        tree=tree,
-        sliders=sliders,
-        q=position[-len(sliders) :],
-        poses=poses,
-        shapes=shapes,
-        labels=tuple(thing for thing in things if isinstance(thing, Label)),
-        loads=loads,
-        statics=_statics(arm, loads, tree[0].parent),
-        current=flow,
-        streams=_streams(arm),
-        show=shown,
-        named_poses=named,
-        motion=None if motion is None else motion_track(motion, arm, position, current),
-        target=goal,
-    )
+    dry = f"In air: weight {weight:.2f} N."
+    scale = f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest."
+    notes, joints = (wet if arm.fluid_density else dry, scale), position[-len(sliders) :]
+    statics, streams = _statics(arm, loads, tree[0].parent), tuple(_streams(arm))
+    track = None if motion is None else motion_track(motion, arm, position, current)
+    fields = notes, tree, sliders, joints, poses, shapes, labels, loads, statics, shown, named
+    whole = Scene(*fields, motion=track, current=flow, streams=streams, target=goal)
     return scene.framed(whole)
 
 
@@ -140,20 +121,18 @@ def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
             yield Shape("bodies", name, at, mesh, (r, g, b), shine=shine)
 
 
-def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> tuple[Load, ...]:
+def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
     """Weight and buoyancy on each joint of the model, payloads included."""
     carrier = {joint.name: joint.child for joint in tree}
     strength = float(np.linalg.norm(arm.model.gravity.linear))
     water = displaced_fluid_model(arm.model, arm.displacements, 1.0)  # its masses are volumes
-    loads = []
     for name, body, fluid in zip(arm.model.names, arm.model.inertias, water.inertias, strict=True):
         if body.mass or fluid.mass:
             # The universe and the free-flyer carry the base.
             link = carrier.get(name, tree[0].parent)
             com, cob = body.lever.copy(), fluid.lever.copy()
             forces = strength * body.mass, strength * arm.fluid_density * fluid.mass
-            loads.append(Load(link, body.mass, com, fluid.mass, cob, *forces))
-    return tuple(loads)
+            yield Load(link, body.mass, com, fluid.mass, cob, *forces)
 
 
 def _statics(arm: Arm, loads: Sequence[Load], base: str) -> dict[str, Any]:
@@ -196,8 +175,7 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
     for kind, (name, carried) in product(scene.LOOK["centers"], named.items()):
         center, share, force, text, *colors, sense = kind
         one, other, ink, color = (_COLORS[name] for name in colors)
-        weighted = map(attrgetter("link", share, center), carried)
-        points = tuple(point for point in weighted if point[1])
+        points = tuple(p for p in map(attrgetter("link", share, center), carried) if p[1])
         if not points:
             continue
         at, whole = Mean(points), name == "arm"
@@ -223,9 +201,8 @@ def _current(flow: FloatArray) -> Iterator[Shape | Label]:
     yield Label("current", f"current {speed:.3g} m/s, load estimated", at, teal)
 
 
-def _streams(arm: Arm) -> tuple[Stream, ...]:
+def _streams(arm: Arm) -> Iterator[Stream]:
     """What a current does to each link, at the arm's fluid density."""
-    streams = []
     for link, water in hydrodynamics("jaws" if "axis_a" in arm.joint_names else "locked").items():
         strips = []
         for s in water.strips:
@@ -234,8 +211,7 @@ def _streams(arm: Arm) -> tuple[Stream, ...]:
             face = arm.fluid_density / 2 * s.diameter * length
             strips.append(((s.start + s.end) / 2, line / length, face * s.across, face * s.along))
         added = water.added_mass[:3, :3] * (arm.fluid_density / WATER_DENSITY)
-        streams.append(Stream(link, tuple(strips), added))
-    return tuple(streams)
+        yield Stream(link, tuple(strips), added)
 
 
 def _ghosts(
@@ -297,8 +273,8 @@ def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, 
 
 def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
     """A scene with its arm at joint positions q (nq,)."""
-    joints = q[len(q) - len(scene.sliders) :]
-    return replace(scene, q=joints, poses=link_poses(arm, scene.tree, q))
+    poses = link_poses(arm, scene.tree, q)
+    return replace(scene, q=q[len(q) - len(scene.sliders) :], poses=poses)
 
 
 def resampled(arm: Arm, time: FloatArray, q: FloatArray, rate: float) -> Iterator[FloatArray]:
@@ -313,12 +289,9 @@ def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
     """The joint tree of a URDF, placed as in the arm's model: its corrections may differ."""
     tree = tuple(parse_urdf(urdf).joints.values())
     poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
-    placed = []
-    for joint in tree:
-        child_in_parent = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
-        still = np.linalg.inv(joint.motion(joint.offset))
-        placed.append(replace(joint, transform=child_in_parent @ still))
-    return tuple(placed)
+    inv = np.linalg.inv
+    placed = [inv(poses[j.parent]) @ poses[j.child] @ inv(j.motion(j.offset)) for j in tree]
+    return tuple(replace(j, transform=at) for j, at in zip(tree, placed, strict=True))
 
 
 def motion_track(

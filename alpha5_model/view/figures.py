@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from enum import StrEnum
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.errors import InputError, needing
-from alpha5_model.files import atomic_write, output_format
+from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
 
@@ -88,7 +87,7 @@ def new_figure(width: float, height: float) -> Any:
     return mpl.backends.backend_agg.FigureCanvasAgg(figure).figure
 
 
-def write_figure(figure: Any, path: str | os.PathLike[str], dpi: int) -> Path:
+def write_figure(figure: Any, path: PathLike, dpi: int) -> Path:
     """Write a figure in the format of the suffix, one of `FORMATS`.
 
     Standard output (``-``), devices and pipes get PNG.
@@ -109,7 +108,7 @@ def number(value: float) -> str:
 
 
 @style(xtick={"labelsize": 8}, ytick={"labelsize": 8})
-def plot_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Path:
+def plot_comparison(comparison: Comparison, path: PathLike) -> Path:
     """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
 
     Args:
@@ -215,10 +214,9 @@ def motion_figure(analysis: Analysis) -> Any:
     for axes in (panels[-2, 2], *panels[-1, :2]):
         axes.set_xlabel("time [s]")
     panels[0, 0].set_title("joint position (dots: samples)")
-    for column, what, values, unit, note in (
-        (1, "joint torque by cause", a.torque, "N·m", ""),
-        (2, "motor current", a.current, "A", "; band: friction"),
-    ):
+    torque = 1, "joint torque by cause", a.torque, "N·m", ""
+    current = 2, "motor current", a.current, "A", "; band: friction"
+    for column, what, values, unit, note in (torque, current):
         sizes = np.nanmax(np.abs(values[:, :4]), axis=0)
         most = f"at most {number(sizes.max())} {unit} ({a.smooth.joints[int(sizes.argmax())]})"
         panels[0, column].set_title(f"{what}, {most}{note}")

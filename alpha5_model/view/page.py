@@ -19,8 +19,7 @@ import umsgpack  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics import ik, plane
 from alpha5_model.view import scene as scenes
 from alpha5_model.view.scene import DRAWN, GROUPS, Mean, MotionTrack, Rigid, Scene, Shape
 
@@ -157,8 +156,8 @@ def page_data(scene: Scene) -> dict[str, Any]:
     out["anchors"] = [{"path": path, "anchor": at} for path, at in _anchors(scene).items()]
     titles = {name: x for name, x in GROUPS.items() if name in drawn or name not in DRAWN}
     out["groups"] = [{"name": k, "title": x, "shown": k in scene.show} for k, x in titles.items()]
-    out |= {"seeThrough": scenes.SEE_THROUGH, "branches": BRANCHES, "poses": scene.named_poses}
-    out |= {"views": scenes.VIEWS, "plane": arm_plane()._asdict(), "arrows": scenes.ARROWS}
+    out |= {"seeThrough": scenes.SEE_THROUGH, "branches": ik.BRANCHES, "poses": scene.named_poses}
+    out |= {"views": scenes.VIEWS, "plane": plane.arm_plane()._asdict(), "arrows": scenes.ARROWS}
     return out | {"motion": scene.motion and _track(scene.motion)}
 
 

@@ -53,14 +53,10 @@ def picture_png(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> bytes:
 def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> Pixels:
     """The scene as pixels, (height, width, 3)."""
     width, height = check_size(size)
-    canvas = Canvas(scene.camera, _FINER * width, _FINER * height)
-    layer = 0
+    canvas, layer = Canvas(scene.camera, _FINER * width, _FINER * height), 0
     veiled = "bodies" if "see-through" in scene.show else None
-    shown = [
-        (shape, shape.placed(scene.poses), SEE_THROUGH if shape.group == veiled else shape.opacity)
-        for shape in scene.shapes
-        if shape.group in scene.show
-    ]
+    there, poses = [s for s in scene.shapes if s.group in scene.show], scene.poses
+    shown = [(s, s.placed(poses), SEE_THROUGH if s.group == veiled else s.opacity) for s in there]
 
     def order(entry: tuple[Shape, Mesh, float]) -> tuple[float, ...]:
         """Layers on top last; bodies before the rest of what is seen through, from far to near."""
@@ -164,8 +160,7 @@ class Canvas:
 
     def __init__(self, camera: Camera, width: int, height: int) -> None:
         self.width, self.height = width, height
-        self._camera = camera
-        self.axes = camera.axes()
+        self._camera, self.axes = camera, camera.axes()
         self.focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
         backdrop = np.linspace((1.0, 1.0, 1.0), (0.80, 0.86, 0.90), height, dtype=np.float32)
         self.color = np.repeat(backdrop, width, axis=0)

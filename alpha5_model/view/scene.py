@@ -260,8 +260,7 @@ def framed(
     check_size(size)
     aspect = _ACROSS * size[0] / size[1]
     drawn = [shape for shape in scene.shapes if shape.group in {"bodies", *scene.show}]
-    seen = [shape.placed(at).vertices for at in (scene.poses, *also) for shape in drawn]
-    points = np.concatenate(seen)
+    points = np.concatenate([s.placed(at).vertices for at in (scene.poses, *also) for s in drawn])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
     camera = Camera(center + sight, center)

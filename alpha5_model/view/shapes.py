@@ -91,12 +91,10 @@ def join(meshes: list[Mesh]) -> Mesh:
     """Several meshes as one; colours are kept if all have them."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])], dtype=np.uint32)
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
-    return Mesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.normals for mesh in meshes]),
-        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
-        np.concatenate(colors) if len(colors) == len(meshes) else None,
-    )
+    parts = [(m.vertices, m.normals, m.faces + n) for m, n in zip(meshes, starts, strict=True)]
+    vertices, normals, faces = (np.concatenate(part) for part in zip(*parts, strict=True))
+    painted = np.concatenate(colors) if len(colors) == len(meshes) else None
+    return Mesh(vertices, normals, faces, painted)
 
 
 def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:

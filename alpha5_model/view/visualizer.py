@@ -21,7 +21,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 import meshcat
@@ -37,15 +37,11 @@ from numpy.typing import ArrayLike
 from tornado.websocket import WebSocketClosedError
 
 from alpha5_model.checks import FloatArray, choice, float_array, real, shaped
+from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError, PortInUseError, ShapeError
 from alpha5_model.files import PathLike
-from alpha5_model.view import page
-from alpha5_model.view.build import posed, resampled
-from alpha5_model.view.picture import Pixels, picture, video
+from alpha5_model.view import build, page, picture
 from alpha5_model.view.scene import DRAWN, VIEWS, Scene, framed
-
-if TYPE_CHECKING:
-    from alpha5_model.dynamics.arm import Arm
 
 _HOST = "127.0.0.1"
 
@@ -220,11 +216,10 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     __slots__ = ["_listeners", "_news", "_video", "arm", "scene"]
 
     def __init__(self, arm: Arm, scene: Scene, port: int = 0) -> None:
-        self.arm = arm
-        self.scene = scene
+        self.arm, self.scene = arm, scene
         self._listeners: list[Callable[[FloatArray], object]] = []
         self._news: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
-        self._video: tuple[float, tuple[int, int], Callable[[Pixels], None]] | None = None
+        self._video: tuple[float, tuple[int, int], Callable[[picture.Pixels], None]] | None = None
         super().__init__(window=Window(port, self))
         for command in page.scene_commands(scene):
             self.window.send(command)
@@ -243,7 +238,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
 
     def place(self, q: FloatArray, mover: Any = None) -> None:
         """`display` in the server's thread, for the page that moved the arm to q (nq,)."""
-        self.scene = posed(self.scene, self.arm, q)
+        self.scene = build.posed(self.scene, self.arm, q)
         self.window.move(page.pose_commands(self.scene))
         self.window.tell(page.pose_message(self.scene), mover)
         if mover and self._listeners:
@@ -288,7 +283,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         start, row = time.perf_counter(), -1
         if self._video is not None:
             fps, size, add = self._video
-            for position in resampled(self.arm, np.arange(float(len(track))) * step, track, fps):
+            ticks = step * np.arange(float(len(track)))
+            for position in build.resampled(self.arm, ticks, track, fps):
                 self.display(position)
                 add(self.captureImage(*size))
             return time.perf_counter() - start
@@ -341,9 +337,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def _alter(self, **changes: Any) -> None:
         self.window.run(lambda: setattr(self, "scene", replace(self.scene, **changes)))
 
-    def captureImage(self, w: int = 1600, h: int = 1000) -> Pixels:
+    def captureImage(self, w: int = 1600, h: int = 1000) -> picture.Pixels:
         """The scene as the pages show it, drawn here, (h, w, 3)."""
-        return picture(self.scene, (w, h))
+        return picture.picture(self.scene, (w, h))
 
     @contextmanager
     def create_video_ctx(
@@ -368,7 +364,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         """
         name = filename or time.strftime("%Y%m%d_%H%M%S.mp4")
         path = Path("" if filename else directory or tempfile.gettempdir(), name)
-        with video(path, fps) as (rate, add):
+        with picture.video(path, fps) as (rate, add):
             self._video = rate, size, add
             try:
                 yield path

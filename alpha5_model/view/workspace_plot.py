@@ -223,8 +223,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     views[0].annotate("theta_0 stops", (-300, 20), (-385, 330), fontsize=8, arrowprops=line)
     found = workspace.sampled_share(without_self_collision, samples)
     hit = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
-    title = f"{hit} of the reachable volume is reached only in self-collision"
-    page.suptitle(title, fontsize=11)
+    page.suptitle(f"{hit} of the reachable volume is reached only in self-collision", fontsize=11)
     page.colorbar(image, ax=views, shrink=0.8, pad=0.02, label="reached only in self-collision [%]")
     return page
 
