@@ -40,30 +40,22 @@ _VERSION = typer.Option("--version", callback=_print_version, is_eager=True, hel
 
 
 def _root(version: Annotated[bool, _VERSION] = False) -> None:
-    """Model of the Reach Alpha 5, generated from the manufacturer's printed tables."""
+    """The Reach Alpha 5 arm: generate, check, solve, compute, look."""
 
 
 def application(*commands: str) -> typer.Typer:
     """The application with these commands; without any, all of them in outline, for the help."""
-    app = typer.Typer(
-        name="alpha5",
-        help="The Reach Alpha 5 arm: generate, check, solve, compute, look.",
-        no_args_is_help=True,
-        add_completion=False,
-        rich_markup_mode="rich",
-        context_settings={"help_option_names": ["-h", "--help"]},
-    )
-    app.callback()(_root)
+    settings = {"help_option_names": ["-h", "--help"]}
+    app = typer.Typer(name="alpha5", add_completion=False, context_settings=settings)
+    app.callback(no_args_is_help=True)(_root)
     for name in commands or COMMANDS:
         function = _loaded(name) if commands else _outline(name)
         app.command(name, context_settings=_NUMBERS.get(name))(function)
     return app
 
 
-def _loaded(name: str) -> Callable[..., Any]:
-    module = import_module(f"alpha5_model.cli.{COMMANDS[name]}")
-    function: Callable[..., Any] = getattr(module, name)
-    return function
+def _loaded(name: str) -> Any:
+    return getattr(import_module(f"alpha5_model.cli.{COMMANDS[name]}"), name)
 
 
 def _outline(name: str) -> Callable[[], None]:
@@ -104,12 +96,10 @@ def main(args: Sequence[str] | None = None) -> int:
         unknown = error.object[error.start : error.end]
         remedy = "try PYTHONIOENCODING=utf-8:backslashreplace"
         return _complain(f"{error.encoding} output cannot hold {unknown!a}: {remedy}")
-    except Exception as error:
-        if isinstance(error, _PARSER_ERROR):
-            message = error.format_message()
-            # Without any argument the help has just been printed: nothing to complain about.
-            return _complain(f"{message} (see --help)") if message else 2
-        raise
+    except _PARSER_ERROR as error:
+        message = error.format_message()
+        # Without any argument the help has just been printed: nothing to complain about.
+        return _complain(f"{message} (see --help)") if message else 2
     for hint in hints[:1]:
         print(f"alpha5: note: {hint}", file=sys.stderr)
     return status if isinstance(status, int) else 0

@@ -13,9 +13,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.cli.options import say
 from alpha5_model.cli.proofs import alike, sentence
 from alpha5_model.consistency import audit
-from alpha5_model.description import mesh_assets, variants
-from alpha5_model.description.srdf import named_pose
-from alpha5_model.description.verification import verify_urdf
+from alpha5_model.description import mesh_assets, srdf, variants, verification
 from alpha5_model.dynamics import load
 from alpha5_model.errors import OutputError
 from alpha5_model.files import atomic_write, is_stream
@@ -51,7 +49,7 @@ def _describe(output: Path) -> bool:
     failed = 0
     for gripper, name in (("locked", "alpha5.urdf"), ("jaws", "alpha5_jaws.urdf")):
         text = variants.urdf(variants.Variant(gripper=gripper, mesh_prefix="meshes/"))
-        rows = verify_urdf(atomic_write(output / name, text))
+        rows = verification.verify_urdf(atomic_write(output / name, text))
         count = Counter(row.verdict.replace("failed", "FAILED") for row in rows)
         found = ", ".join(f"{n} {verdict}" for verdict, n in count.items())
         say(f"   {name}: checks against the tables: {found}")
@@ -89,7 +87,7 @@ def _solve() -> FloatArray:
         angles = (f"{angle:.4f}" for angle in q)
         rows.append([branch, *angles, f"rad, {said}, back to {error:.0e} m"])
     say(*table(rows, "<>>>><", 3))
-    return solutions.best(named_pose("home"))
+    return solutions.best(srdf.named_pose("home"))
 
 
 def _compute(q: FloatArray) -> None:

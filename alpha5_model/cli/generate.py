@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,14 +18,11 @@ from alpha5_model.errors import InputError, OutputError
 from alpha5_model.files import atomic_write_all, check_outputs, is_stream
 from alpha5_model.paths import REPOSITORY_PATH
 
-MESH_URIS = {
-    "relative": "meshes/",
-    "package": "package://alpha5_description/meshes/",
-    "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
-}
+MESH_URIS = {"relative": "meshes/", "package": "package://alpha5_description/meshes/"}
+MESH_URIS["file"] = (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/"
 #: Format -> record of its options, what makes its files, and the main one of them. An option has
 #: the name of the field it fills, except for two.
-_FORMATS: dict[str, tuple[Any, Callable[[Any], dict[str, bytes]], str]] = {
+_FORMATS: dict[str, tuple[Any, Any, str]] = {
     "urdf": (Variant, lambda variant: {"alpha5.urdf": urdf(variant).encode()}, "alpha5.urdf"),
     "mjcf": (mjcf.MjcfOptions, mjcf.mjcf_files, "alpha5.xml"),
     "sdf": (sdf.SdfOptions, sdf.sdf_files, "model.sdf"),
@@ -98,14 +94,11 @@ def generate(
         if formats and description_format not in formats:
             expected = f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
             raise InputError(words[name], description_format, expected)
-    values = context.params | {
-        "xyz": options.numbers("xyz", xyz, (3,), "m"),
-        "rpy": options.numbers("rpy", rpy, (3,), "rad"),
-        "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
-        "fluid_density": options.fluid_density(fluid),
-        "gravity": options.numbers("gravity", gravity, (3,), "m/s^2"),
-        "corrections": options.correction_names(corrections),
-    }
+    vectors = (("xyz", xyz, "m"), ("rpy", rpy, "rad"), ("gravity", gravity, "m/s^2"))
+    values = context.params | {n: options.numbers(n, x, (3,), unit) for n, x, unit in vectors}
+    values["mesh_prefix"] = MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))]
+    values["fluid_density"] = options.fluid_density(fluid)
+    values["corrections"] = options.correction_names(corrections)
     record, made, main = _FORMATS[description_format]
     files = made(record(**{name: values[name] for name in names[description_format]}))
     if output is None:

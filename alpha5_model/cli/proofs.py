@@ -42,23 +42,19 @@ def check(
     """
     if urdf is None and corrections is not None:
         raise InputError("corrections", corrections, "a file to check, --urdf FILE")
-    document: Sequence[AuditRow] = ()
+    names = options.correction_names(corrections)
     with options.spinner("checking"):
-        if urdf is None:
-            document, files = audit(), verify_generated()
-        else:
-            files = verify_urdf(urdf, options.correction_names(corrections))
+        document = audit() if urdf is None else ()
+        files = verify_generated() if urdf is None else verify_urdf(urdf, names)
     failed = any(row.verdict == "failed" for row in files)
     record = {"document": document, "files": files, "passed": not failed}
     options.show(as_json, record, _report(document, files, verbose))
     return 1 if failed else 0
 
 
-def _report(
-    document: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool
-) -> options.Lines:
-    yield _summary(document, files)
-    for kind, rows in _grouped(document, lambda row: row.kind).items():
+def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool) -> options.Lines:
+    yield _summary(claims, files)
+    for kind, rows in _grouped(claims, lambda row: row.kind).items():
         yield f"\n{options.WORDS['check'][kind]}"
         shown = [row for row in rows if verbose or row.verdict != "agrees"]
         lines: list[Any] = [(same[0].verdict, sentence(same, verbose)) for same in alike(shown)]
@@ -159,9 +155,8 @@ def compare(
     check_outputs([other], plot=(plot, FORMATS))
     with options.spinner("comparing"):
         pairs = _pairs("map", joints.split(","), "=")
-        folders = _pairs("package", package or [], "=")
-        words = _pairs("arg", arg or [], ":=")
-        comparison = run(other, pairs, samples, base, folders, words)
+        more = _pairs("package", package or [], "="), _pairs("arg", arg or [], ":=")
+        comparison = run(other, pairs, samples, base, *more)
     plot = plot if comparison.joints else None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)

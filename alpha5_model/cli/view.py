@@ -52,14 +52,12 @@ def view(
     arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
     if pose and pose.endswith(("deg", "mm")):
         pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
-    shown = build.build_scene(
-        arm,
-        None if pose is None else build.pose_of(arm, pose),
-        target=None if target is None else options.numbers("target", target, (3,), "m"),
-        motion=None if motion is None else read_motion(motion),
-        show=None if show is None else options.names(show),
-        current=options.current_vector(current),
-    )
+    q = None if pose is None else build.pose_of(arm, pose)
+    point = None if target is None else options.numbers("target", target, (3,), "m")
+    moved = None if motion is None else read_motion(motion)
+    groups = None if show is None else options.names(show)
+    flow = options.current_vector(current)
+    shown = build.build_scene(arm, q, target=point, motion=moved, show=groups, current=flow)
     displays = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if not (html or image or video or serve or displays or sys.platform in ("darwin", "win32")):
         remedy = "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"

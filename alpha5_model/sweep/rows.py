@@ -19,14 +19,12 @@ import numpy as np
 from alpha5_model.actuators import Actuator
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
-from alpha5_model.dynamics import arm_of
-from alpha5_model.dynamics.batch import frame_positions
+from alpha5_model.dynamics import arm_of, batch
 from alpha5_model.fluids import SEA_WATER, gravity_in_base
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import rotation_from_rpy
 from alpha5_model.sweep.study import BLOCK, Output, Study
-from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
-from alpha5_model.trajectory.analysis import motor_side
+from alpha5_model.trajectory import SmoothMotion, analysis, read_motion, smooth
 from alpha5_model.uncertainty import sample
 
 #: Numbers set aside for the samples of a recording.
@@ -143,13 +141,13 @@ def _quantities(
         # No rating is published: this is the effort that public models have.
         out["margin"] = arm.limits.effort - np.abs(tau)
     if wanted & {"current", "power"}:
-        found, _ = motor_side(motors, motion, tau, None)
+        found, _ = analysis.motor_side(motors, motion, tau, None)
         out |= {"current": found["current"], "power": found["electrical_power"]}
     if wanted & {"mount_force", "mount_moment"}:
         wrench = arm.base_wrench_batch(q, v, a, 1)
         out |= {"mount_force": _with_norm(wrench[:, :3]), "mount_moment": _with_norm(wrench[:, 3:])}
     if "reach" in wanted:
-        out["reach"] = _with_norm(frame_positions(getattr(arm, "still", arm), q))
+        out["reach"] = _with_norm(batch.frame_positions(getattr(arm, "still", arm), q))
     return out
 
 

@@ -202,10 +202,9 @@ def motor_side(
         v, tau, rest = velocity[:, k], torque[:, k], s.direction[:, k] == 0
         state = tau, v, None if motor.rotor_inertia is None else s.acceleration[:, k]
         with suppress(MissingParameterError):
-            current, *ends = (
-                np.where(rest, np.clip(0.0, *m.holding_current(tau)), m.current(*state))
-                for m in (motor, *motor.extremes())
-            )
+            every = motor, *motor.extremes()
+            held = [np.clip(0.0, *m.holding_current(tau)) for m in every]
+            current, *ends = np.where(rest, held, [m.current(*state) for m in every])
             friction = motor.torque_constant * motor.ratio * current - tau
             voltage = motor.voltage(current, v)
             interval = np.minimum(*ends), np.maximum(*ends)

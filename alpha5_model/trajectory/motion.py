@@ -28,12 +28,6 @@ LIMIT_SLACK = 1e-3
 #: A gap is longer than this many median sample times.
 GAP_FACTOR = 10.0
 
-#: Larger positions [rad], velocities and times [s] are refused: derivatives would overflow.
-_MOST = 1e9
-_MOST_TIME = 1e12
-#: Times nearer than this are the same [s].
-_LEAST_STEP = 1e-9
-
 _BAGS, _PARQUET = (".bag", ".db3", ".mcap"), (".parquet", ".pq")
 _TIME = ("time_secs", "time")
 #: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
@@ -267,7 +261,7 @@ def _checked(
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
     rates = {"position": raw.position, "velocity": raw.velocity, "recorded effort": effort}
     for what, table in {"time": time[:, None], **rates}.items():
-        most = _MOST_TIME if what == "time" else _MOST
+        most = 1e12 if what == "time" else 1e9  # derivatives of more would overflow
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
             joint = None if what == "time" else raw.joints[k]
@@ -276,7 +270,7 @@ def _checked(
     if (steps < 0).any():
         k = int(np.argmax(steps < 0)) + 1
         raise refuse(k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back")
-    keep = np.concatenate([[True], steps >= _LEAST_STEP])
+    keep = np.concatenate([[True], steps >= 1e-9])  # [s]; nearer times are the same
     samples = np.flatnonzero(keep)
     warn("repeated_time", np.flatnonzero(~keep), None, "time repeated, sample dropped")
     t, q = time[keep], raw.position[keep]

@@ -47,7 +47,7 @@ DIRECTION_WINDOW = 0.5
 LEAST_BANDWIDTH = 1e-4
 _DEGREE = 3
 #: Values, first and second derivatives of signals, (N, k) each.
-_Curve = tuple[FloatArray, FloatArray, FloatArray]
+_Fit = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +151,7 @@ def smooth(
     return SmoothMotion(t, joints, q, v, a, direction, method, reached, use_velocity, deviation)
 
 
-def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) -> _Curve:
+def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) -> _Fit:
     """Cubic smoothing spline of all columns at once, by Reinsch's banded equations.
 
     The same spline as SciPy's ``make_smoothing_spline`` with the trapezoidal weights, found for the
@@ -198,9 +198,7 @@ def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) ->
     return value, slope, bend
 
 
-def savitzky_golay(
-    time: FloatArray, signals: FloatArray, bandwidth: float
-) -> tuple[*_Curve, float]:
+def savitzky_golay(time: FloatArray, signals: FloatArray, bandwidth: float) -> tuple[*_Fit, float]:
     """Savitzky-Golay filter of third degree, its window chosen for the bandwidth.
 
     Returns:

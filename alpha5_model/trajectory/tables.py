@@ -98,9 +98,8 @@ def only(what: str, found: Sequence[str]) -> str:
         InputError: There are several.
     """
     if len(found) > 1 and "" not in found:
-        raise errors.InputError(
-            what, None, f"one of {', '.join(found)}: each has the joints of an arm"
-        )
+        expected = f"one of {', '.join(found)}: each has the joints of an arm"
+        raise errors.InputError(what, None, expected)
     return min(found)
 
 

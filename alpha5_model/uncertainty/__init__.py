@@ -32,7 +32,7 @@ from alpha5_model.fluids import SEA_WATER
 from alpha5_model.parameters import Alpha5Parameters, parameters
 from alpha5_model.trajectory import Motion, smooth
 from alpha5_model.uncertainty import printed
-from alpha5_model.uncertainty.printed import ALTERNATIVES, PrintedNumber, Sample, sample
+from alpha5_model.uncertainty.printed import ALTERNATIVES, Names, PrintedNumber, Sample, sample
 
 __all__ = ["ALTERNATIVES", "Bounds", "Identification", "PrintedNumber", "Sample", "Sensitivity"]
 __all__ += ["Spread", "arm", "bounds", "identify", "printed_numbers", "reach", "sample"]
@@ -42,7 +42,6 @@ __all__ += ["sensitivity", "spread", "torque_bounds"]
 Result = Callable[[Alpha5Parameters], ArrayLike]
 #: Half of a 95 % interval in standard deviations.
 _WIDE = NormalDist().inv_cdf(0.975)
-_STEPS = 4
 #: Noise [N m, N] below which a recording is a computation, and gains that are rounding.
 _LEAST, _RANK = 1e-12, 1e-12
 #: Standard deviation of a number that is uniform in -1 to 1.
@@ -51,7 +50,7 @@ _DEVIATION = 3**-0.5
 _ROUNDING = 1e-14
 
 
-def printed_numbers(alternatives: printed.Names = ()) -> dict[str, PrintedNumber]:
+def printed_numbers(alternatives: Names = ()) -> dict[str, PrintedNumber]:
     """Every number of Tables 1 to 4 by its name, with the interval that its digits allow.
 
     Args:
@@ -80,11 +79,7 @@ class Bounds(NamedTuple):
 
 
 def bounds(
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    arm: Arm | None = None,
-    alternatives: printed.Names = (),
+    q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None, alternatives: Names = ()
 ) -> Bounds:
     """What no numbers that round to the printed ones can pass, for a motion of the arm on a fixed base.
 
@@ -156,8 +151,7 @@ def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, .
     slack = _ROUNDING * np.abs(parts).sum(axis=(0, 1))
     if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
         slack = slack.max(axis=1, keepdims=True)
-    total = np.sum(parts, axis=0) + linear @ payload(arm)
-    total = total + np.array([-slack, slack])
+    total = np.sum(parts, axis=0) + linear @ payload(arm) + np.array([-slack, slack])
     return Interval(*(total[:, 0] if one else total))
 
 
@@ -198,7 +192,7 @@ class Sensitivity(NamedTuple):
         return tuple((self.names[k], float(effects[k])) for k in order)
 
 
-def sensitivity(result: Result, alternatives: printed.Names = ()) -> Sensitivity:
+def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
     """Which printed digits a result hangs on.
 
     Args:
@@ -274,7 +268,7 @@ def identify(
     arm: Arm | None = None,
     *,
     wrench: ArrayLike | None = None,
-    alternatives: printed.Names = (),
+    alternatives: Names = (),
     **smoothing: Any,
 ) -> Identification:
     """Base parameters that a motion with its efforts, or with the load on the mount, supports.
@@ -319,7 +313,7 @@ def identify(
         return printed.groups(middle + z @ scaled, chosen, density)
 
     slope = (base(np.eye(free)) - base(-np.eye(free))) / 2
-    for _ in range(_STEPS):
+    for _ in range(4):
         table = np.concatenate([linear, y[..., None]], axis=-1) / noise[:, None]
         triangle = np.asarray(np.linalg.qr(table[known], mode="r"))
         data = triangle[:, :-1] @ slope.T
