@@ -11,7 +11,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.comparison import hypotheses
 from alpha5_model.comparison.arm import carried
 from alpha5_model.comparison.hypotheses import I_LINK, MOST_MISTAKES, SOLIDWORKS, Hypotheses
+from alpha5_model.comparison.reading import last_place
 from alpha5_model.fluids import FRESH_WATER
 from alpha5_model.inertia import combine, flip_products, point_mass_tensor, principal_moments
 from alpha5_model.parameters import LinkParameters
@@ -181,10 +181,10 @@ def _fit(table: Hypotheses, views: Sequence[View], within: tuple[float, float]) 
 
 def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float) -> float:
     """Half of the last decimal place that any of the numbers is written with, within the limits."""
-    places = [Decimal(repr(float(x))).as_tuple().exponent for x in numbers if x]
+    places = [last_place(repr(float(x))) for x in numbers if x]
     if not subject.link or not places:
         return limits[0]
-    return float(np.clip(0.5 * 10.0 ** min(int(place) for place in places), *limits))
+    return float(np.clip(0.5 * min(places), *limits))
 
 
 def _tensor_digits(subject: Inertial) -> float:

@@ -88,7 +88,7 @@ def meant_angle(text: str) -> float:
     It is one if it equals, to its last printed digit, a multiple of 15 deg computed from pi cut or
     rounded to 3 digits or more: 3.1415 and 1.57075, but neither 1.5 nor 1.572.
     """
-    angle, unit = float(text), _last_place(text)
+    angle, unit = float(text), last_place(text)
     with_digits = [10.0**n for n in range(2, 16)]
     pis = [f(math.pi * n) / n for n in with_digits for f in (math.floor, round)]
     # Two decimals are too few to tell thirds of pi from any other angle.
@@ -112,11 +112,12 @@ def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
     )
     cut = [abs(meant_angle(text) - float(text)) for text in angles]
     both = lengths, [text for text, off in zip(angles, cut, strict=True) if not off]
-    length, angle = (0.5 * min(map(_last_place, x), default=0.0) * math.sqrt(len(x)) for x in both)
+    length, angle = (0.5 * min(map(last_place, x), default=0.0) * math.sqrt(len(x)) for x in both)
     return length, angle, max(cut, default=0.0)
 
 
-def _last_place(text: str) -> float:
+def last_place(text: str) -> float:
+    """What one unit of the last digit of a printed number is worth."""
     exponent = Decimal(text).as_tuple().exponent
     return 10.0**exponent if isinstance(exponent, int) else 0.0
 

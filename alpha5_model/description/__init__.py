@@ -113,12 +113,9 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
 
 def fixed_frames(parameters: Alpha5Parameters) -> dict[str, Placement]:
     """Frames that stand still in their parents: link_0, tcp, and the DH frames, ``dh_1`` to ``dh_5``."""
-    return {
-        "link_0": base_placement(parameters),
-        "tcp": tcp_placement(parameters),
-        **{f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])},
-        "dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset)),
-    }
+    frames = {"link_0": base_placement(parameters), "tcp": tcp_placement(parameters)}
+    frames |= {f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])}
+    return frames | {"dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset))}
 
 
 def _after(i: int, row: DHParameters, angle: float) -> Placement:
@@ -142,11 +139,9 @@ def _turn(alpha: float, beta: float) -> Triple:
 def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
     """Where the numbers come from: document, package and corrections."""
     source = published().table_2.source
-    return {
-        "document": f"{source.publisher}, {source.document}, version {source.version}, {source.date}",
-        "package": f"alpha5_model {__version__}",
-        "corrections": ", ".join(parameters.corrections) or "none",
-    }
+    edition = f"{source.publisher}, {source.document}, version {source.version}, {source.date}"
+    names = ", ".join(parameters.corrections) or "none"
+    return {"document": edition, "package": f"alpha5_model {__version__}", "corrections": names}
 
 
 def text_of(value: str | float | Iterable[float]) -> str:

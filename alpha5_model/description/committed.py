@@ -23,11 +23,8 @@ from alpha5_model.paths import REPOSITORY_PATH
 from alpha5_model.spatial import Placement
 
 GLB_NAME = "alpha5.glb"
-#: What part of the files needs, and what is printed where it is not installed.
-_NEEDED = {
-    "manifold3d": "manifold3d is not installed: the meshes are not drawn anew (pip install manifold3d)",
-    "casadi": "casadi is not installed: the formulas are not generated anew (pip install casadi)",
-}
+#: What part of the files needs, and what is not done where it is not installed.
+_NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not generated"}
 #: Drawn by ``scripts/make_figures.py``, not compared: pixels depend on the renderer.
 _PICTURE = b"![The arm in its home pose](alpha5.png)"
 
@@ -78,7 +75,8 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
 
 def not_generated() -> tuple[str, ...]:
     """Why some files are not generated here, one line for each package that is not installed."""
-    return tuple(_NEEDED[package] for package in _lacking())
+    lacking = ((name, _NEEDED[name]) for name in _lacking())
+    return tuple(f"{n} is not installed: the {x} anew (pip install {n})" for n, x in lacking)
 
 
 def _lacking() -> list[str]:

@@ -32,13 +32,8 @@ NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNO
 LIMITS = ("lower", "upper", "velocity", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 #: Kind of shape -> its attributes, and how many numbers each holds.
-_SIZES: dict[str, dict[str, int]] = {
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "capsule": {"radius": 1, "length": 1},
-    "sphere": {"radius": 1},
-    "mesh": {},
-}
+_SIZES: dict[str, dict[str, int]] = {"box": {"size": 3}, "sphere": {"radius": 1}, "mesh": {}}
+_SIZES |= {kind: {"radius": 1, "length": 1} for kind in ("cylinder", "capsule")}
 
 
 @dataclass(frozen=True, eq=False)

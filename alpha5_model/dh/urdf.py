@@ -54,12 +54,9 @@ def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
         direction = linear if slides else angular
         rows.append((data.oMi[j].translation, direction, int(slides), limits))
     table = "points", "directions", "sigma", "limits"
-    return dict(zip(table, zip(*rows, strict=True), strict=True)) | {
-        "end_effector": data.oMf[tip].homogeneous,
-        "q": np.zeros(len(path)),
-        "name": model.name,
-        "joint_names": tuple(model.names[j] for j in path),
-    }
+    drawn: dict[str, Any] = dict(zip(table, zip(*rows, strict=True), strict=True))
+    drawn |= {"end_effector": data.oMf[tip].homogeneous, "q": np.zeros(len(path))}
+    return drawn | {"name": model.name, "joint_names": tuple(model.names[j] for j in path)}
 
 
 def urdf_model(path: str | os.PathLike[str]) -> Any:

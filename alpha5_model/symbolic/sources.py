@@ -155,9 +155,8 @@ def _table(split: Sequence[tuple[Program, Program]], known: int) -> str:
         parameters = sum(s.size for s in constants.inputs if s.name == PARAMETERS)
         inputs = [slot for slot in body.inputs if slot.name != "k"]
         slots = (*inputs, *body.outputs)
-        shapes = ", ".join(
-            f"{{{s.size}, {len(s.shape)}, {{{', '.join(map(str, s.shape))}}}}}" for s in slots
-        )
+        pairs = ((s, ", ".join(map(str, s.shape))) for s in slots)
+        shapes = ", ".join(f"{{{s.size}, {len(s.shape)}, {{{shape}}}}}" for s, shape in pairs)
         counts = f"{parameters}, {len(inputs)}, {len(body.outputs)}"
         upright = places.get(f"{body.name}_upright", 0)
         rows += f"    ENTRY({body.name}, {upright}, {counts}, {shapes}),\n"
@@ -169,7 +168,5 @@ def _table(split: Sequence[tuple[Program, Program]], known: int) -> str:
     each = " ".join(f"X({i}, {name})" for name, i in places.items() if i < known)
     defines += f"#define KERNELS {known}\n#define EACH_KERNEL(X) {each}\n"
     defines += f"#define GRAVITY {[*BASE_PARAMETERS].index('gravity.x')}\n"
-    return (
-        f"#ifndef ENTRY\n#define LARGEST {LARGEST!r}\n{defines}#else\n{functions}"
-        f"static const Kernel kernels[] = {{\n{rows}}};\n#endif\n"
-    )
+    head = f"#ifndef ENTRY\n#define LARGEST {LARGEST!r}\n{defines}#else\n"
+    return f"{head}{functions}static const Kernel kernels[] = {{\n{rows}}};\n#endif\n"
