@@ -18,7 +18,7 @@ from alpha5_model.kinematics import workspace as space
 from alpha5_model.text import table
 from alpha5_model.uncertainty import reach, sensitivity
 from alpha5_model.view import figures
-from alpha5_model.view import workspace_plot as plots
+from alpha5_model.view import workspace_plot as draw
 
 _LINK = "'THETA D A ALPHA SIGMA'"
 
@@ -40,9 +40,7 @@ def workspace(
             share = space.sampled_share(without_self_collision, samples)
     if plot is not None:
         with options.spinner("drawing"):
-            page = (
-                plots.self_collision_figure(samples=samples) if share else plots.workspace_figure()
-            )
+            page = draw.self_collision_figure(samples=samples) if share else draw.workspace_figure()
             figures.write_figure(page, plot, dpi=150)
     farthest = sensitivity(reach)
     record: dict[str, Any] = {} if share is None else {"without_self_collision": share}
@@ -157,7 +155,7 @@ def planar(
     arm = library.PlanarArm(lengths, ranges, joints)
     result = _result(arm, radius)
     if plot is not None:
-        plots.save(plots.plot_planar(arm), plot)
+        draw.save(draw.plot_planar(arm), plot)
     options.show(as_json, result, _answers(result), plot)
 
 
