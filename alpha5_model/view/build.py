@@ -22,8 +22,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
-from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
-from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable
+from alpha5_model.kinematics import ik, reach
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.spatial import transform
@@ -76,7 +75,7 @@ def build_scene(
     goal = None if target is None else shaped("target", target, (3,))
     home = named["home"].copy()
     if goal is not None:
-        home[:4] = inverse_kinematics(nearest_reachable(goal), home[3]).best(home[:4])
+        home[:4] = ik.inverse_kinematics(reach.nearest_reachable(goal), home[3]).best(home[:4])
     position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
     water: ArrayLike = (1.0, 0.0, 0.0) if current is None else current
@@ -104,8 +103,7 @@ def build_scene(
     statics, streams = _statics(arm, loads, tree[0].parent), tuple(_streams(arm))
     track = None if motion is None else motion_track(motion, arm, position, current)
     fields = notes, tree, sliders, joints, poses, shapes, labels, loads, statics, shown, named
-    whole = Scene(*fields, motion=track, current=flow, streams=streams, target=goal)
-    return scene.framed(whole)
+    return scene.framed(Scene(*fields, motion=track, current=flow, streams=streams, target=goal))
 
 
 def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
@@ -218,9 +216,9 @@ def _ghosts(
     arm: Arm, tree: Sequence[UrdfJoint], bodies: Sequence[Shape], q: FloatArray, target: FloatArray
 ) -> Iterator[Shape | Label]:
     """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
-    solutions = inverse_kinematics(target)
+    solutions = ik.inverse_kinematics(target)
     for i in np.flatnonzero(solutions.exists):
-        branch, color, solution = BRANCHES[i], scene.LOOK["ghosts"][i], q.copy()
+        branch, color, solution = ik.BRANCHES[i], scene.LOOK["ghosts"][i], q.copy()
         solution[len(q) - len(arm.joint_names) :][:4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
@@ -233,7 +231,7 @@ def _ghosts(
     base = arm.forward_kinematics(q, frame="base_link")
     at = Rigid(scene.WORLD, transform(translation=base.act(target)))
     yield Shape("ghosts", "target", at, ball(0.008, _COLORS["pink"], _COLORS["white"]), on_top=2)
-    away = float(distance_to_reach(target))
+    away = float(reach.distance_to_reach(target))
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))
 

@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
 #: Directions of a current; the last is the first again.
 _DIRECTIONS = 73
-#: Most points of a curve; longer ones are thinned and keep the extremes of each stretch.
-_POINTS = 4000
-#: Points at which the band of the printed digits is computed, at most.
-_BAND_POINTS = 500
+#: Most points of a curve, longer ones are thinned and keep the extremes of each stretch; most points
+#: at which the band of the printed digits is computed.
+_POINTS, _BAND_POINTS = 4000, 500
 FORMATS = (".png", ".pdf", ".svg")
 
 

@@ -102,7 +102,6 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
 
     The profile runs with the body to its left, from the bottom up, so that normals point outward.
     """
-    points = np.asarray(profile, dtype=np.float64)
     angles = np.linspace(0.0, 2 * np.pi, sides + 1)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -110,7 +109,7 @@ def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
         return np.column_stack([radius * ring, np.full(sides + 1, z)])
 
     parts = []
-    for (r0, z0), (r1, z1) in pairwise(points):
+    for (r0, z0), (r1, z1) in pairwise(np.asarray(profile, np.float64)):
         slope = np.hypot(r1 - r0, z1 - z0)
         if slope > 0.0:
             vertices = np.concatenate([circle(r0, z0), circle(r1, z1)])
@@ -130,8 +129,7 @@ def box(size: ArrayLike) -> Mesh:
     """A box about the origin with edges along the axes, (3,) [m]."""
     side = np.array([[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]) / 2
     # Mirroring at the origin reverses the sense of a face, so its corners are reversed too.
-    sides = [np.roll(sign * side[::sign], k, axis=1) for sign in (1, -1) for k in range(3)]
-    corners = np.array(sides)
+    corners = np.array([np.roll(s * side[::s], k, axis=1) for s in (1, -1) for k in range(3)])
     return quads(corners * np.asarray(size), 2.0 * corners.mean(axis=1))
 
 

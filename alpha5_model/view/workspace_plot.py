@@ -29,10 +29,8 @@ REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d",
 _GREEN = (0.08, 0.60, 0.50)
 #: Longest chord of an arc in a picture, of a planar arm's, and of a shape [rad].
 _CHORD, _FINE, _COARSE = 0.01, math.tau / 360, 0.08
-#: Width of the strips that fill the section, and step along them [m].
-_STRIP, _STEP = 1.5e-3, 0.5e-3
-#: Radius of the boundary line [m].
-_LINE = 1.1e-3
+#: Width of the strips that fill the section, step along them, and radius of the boundary line [m].
+_STRIP, _STEP, _LINE = 1.5e-3, 0.5e-3, 1.1e-3
 _ORIGIN = (0.0, 0.0)
 #: Edge of the cells in which self-collision is counted [m].
 CELL = 0.015
@@ -50,11 +48,10 @@ def workspace_shapes() -> tuple[Shape, ...]:
         strips.append(quads(corners, [0.0, 1.0, 0.0]))
     shell = [lathe(polyline(planar_arc(arc), _COARSE), 48) for arc in workspace.boundary("both")]
     plane, base = Rigid("link_1"), Rigid("base_link")
-    return (
-        Shape("workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True),
-        Shape("workspace", "boundary", plane, join(edges), _GREEN),
-        Shape("surface", "shell", base, join(shell), _GREEN, opacity=0.10, flat=True),
-    )
+    section = Shape("workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True)
+    boundary = Shape("workspace", "boundary", plane, join(edges), _GREEN)
+    surface = Shape("surface", "shell", base, join(shell), _GREEN, opacity=0.10, flat=True)
+    return section, boundary, surface
 
 
 def polyline(curve: planar.Curve, step: float) -> FloatArray:
