@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from alpha5_model.checks import count
-from alpha5_model.comparison import reading
+from alpha5_model.comparison import arm, findings, reading
 from alpha5_model.comparison.alignment import align, bodies_in_our_frames, their_tips
-from alpha5_model.comparison.arm import DOWN, our_arm, our_tips, random_positions, reduce_robot
-from alpha5_model.comparison.findings import FINDINGS, all_findings, finding
 from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 
 #: Shapes of axes that lie farther apart than this are not the same arm's: a third of the upper arm.
 #: A model of this arm with an offset on the wrong side comes to 40 mm at most.
-OTHER_ARM = 0.05  # [m]
-SAME_SHAPE = 0.005  # [m]
+OTHER_ARM, SAME_SHAPE = 0.05, 0.005  # [m]
 
 
 def compare(
@@ -65,44 +62,41 @@ def compare_robots(
     base: str | None = None,
 ) -> Comparison:
     """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
-    q, meant = random_positions(count("samples", samples)), reading.as_meant(other)
+    q, meant = arm.random_positions(count("samples", samples)), reading.as_meant(other)
     chains = reading.find_chains(meant, names)
     if not chains or not _is_ours(chains[0]):
         return Comparison(other.name, (_another_arm(other, chains),))
     mapped = chains[0].joints
-    theirs = reduce_robot(meant, mapped, base)
+    theirs = arm.reduce_robot(meant, mapped, base)
     alignment = align(theirs)
     way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
     if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
         # What stands before our base_link carries it, even if it weighs nothing.
         base = alignment.base_link
-        theirs = reduce_robot(meant, mapped, base)
-    written = reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
+        theirs = arm.reduce_robot(meant, mapped, base)
+    written = arm.reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
     com, inertia = bodies_in_our_frames(theirs, alignment)
     exact = bodies_in_our_frames(theirs, alignment.exact or alignment)[0]
     ours, slack = parameters().links, np.linalg.norm(exact - com, axis=1).tolist()
     columns = (theirs.links, theirs.mass.tolist(), com, inertia, ours, slack)
     bodies = tuple(map(BodyDifference, [link.name for link in ours], *columns))
     # Gravity points down in our base frame, wherever the other root stands.
-    there, down = alignment.theirs(q), alignment.base[:3, :3].T @ DOWN
-    gravity = written.gravity_torque(there, down) * alignment.sign - our_arm().gravity_torque(q)
-    signs = np.outer(alignment.sign, alignment.sign)
-    inertias = written.mass_matrix(there) * signs - our_arm().mass_matrix(q)
-    tips = our_tips(q) - their_tips(written, alignment, q)
-    found = list(all_findings(other, theirs, written, alignment, bodies, folder, q))
+    there, down = alignment.theirs(q), alignment.base[:3, :3].T @ arm.DOWN
+    torques, signs = arm.our_arm().gravity_torque(q), np.outer(alignment.sign, alignment.sign)
+    gravity = written.gravity_torque(there, down) * alignment.sign - torques
+    inertias = written.mass_matrix(there) * signs - arm.our_arm().mass_matrix(q)
+    tips = np.linalg.norm(arm.our_tips(q) - their_tips(written, alignment, q), axis=1)
+    found = list(findings.all_findings(other, theirs, written, alignment, bodies, folder, q))
     found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
-    return Comparison(
-        name=other.name,
-        findings=(*found, *_other_arms(chains)),
-        joints=dict(zip(reading.AXES, chains[0].names, strict=True)),
-        alignment=alignment,
-        bodies=bodies,
-        tip_error=float(np.linalg.norm(tips, axis=1).max()),
-        gravity_error=np.abs(gravity).max(axis=0),
-        mass_matrix_error=float(np.abs(inertias).max()),
-        volume=theirs.volume or math.nan,
-        carried={name: other.links[name].mass or 0.0 for name in theirs.carried},
-    )
+    # Further chains of the shape of this arm, such as a second arm on the vehicle.
+    named = [dict(zip(reading.AXES, c.names, strict=True)) for c in chains if _is_ours(c)]
+    second = [n for n in named[1:] if set(n.values()).isdisjoint(chains[0].names)]
+    mappings = [",".join(map("=".join, n.items())) for n in second]
+    found += [findings.finding("second_arm", mapping=mapping) for mapping in mappings]
+    carried = {name: other.links[name].mass or 0.0 for name in theirs.carried}
+    errors = float(tips.max()), np.abs(gravity).max(axis=0), float(np.abs(inertias).max())
+    rest = bodies, *errors, theirs.volume or math.nan, carried
+    return Comparison(other.name, tuple(found), named[0], alignment, *rest)
 
 
 def _is_ours(chain: reading.Chain) -> bool:
@@ -114,18 +108,12 @@ def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     """Why a model is not of this arm."""
     turning = sum(j.kind in reading.TURNING and j.mimic is None for j in other.joints.values())
     if not chains:
-        return finding("another_arm.without_joints", turning=turning)
+        return findings.finding("another_arm.without_joints", turning=turning)
     best, off = chains[0], chains[0].differences
-    scale, words = np.repeat([1e3, 180 / math.pi], (4, 3)), FINDINGS["another_arm"]["shape"]
+    words = findings.FINDINGS["another_arm"]["shape"]
+    scale = np.repeat([1e3, 180 / math.pi], (4, 3))
     rows = zip(words, best.shape * scale, reading.our_shape() * scale, strict=True)
     texts = [text.format(theirs, ours) for text, theirs, ours in rows]
     worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
-    return finding("another_arm", turning=turning, joints=", ".join(best.names), worst=worst)
-
-
-def _other_arms(chains: list[reading.Chain]) -> Iterator[Finding]:
-    """Further chains of the shape of this arm, such as a second arm on the vehicle."""
-    for chain in chains[1:]:
-        if _is_ours(chain) and set(chain.names).isdisjoint(chains[0].names):
-            pairs = zip(reading.AXES, chain.names, strict=True)
-            yield finding("second_arm", mapping=",".join(map("=".join, pairs)))
+    names = ", ".join(best.names)
+    return findings.finding("another_arm", turning=turning, joints=names, worst=worst)

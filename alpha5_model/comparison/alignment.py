@@ -27,15 +27,11 @@ from alpha5_model.spatial import moved, rotation_about, transform, wrap
 #: twist about their second direction).
 DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
 #: A frame that lies closer to ours than this was meant to be the same one.
-SAME_FRAME = 0.005  # [m]
-SAME_TILT = 0.02  # [rad]
-
-
+SAME_FRAME, SAME_TILT = 0.005, 0.02  # [m], [rad]
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
 #: Smaller differences are no findings: of the axes, and of their angles, at arm's length 0.03 mm.
-LENGTH_TOLERANCE = 1e-5  # [m]
-ANGLE_TOLERANCE = 1e-4  # [rad]
+LENGTH_TOLERANCE, ANGLE_TOLERANCE = 1e-5, 1e-4  # [m], [rad]
 #: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
 POSITIONS = 10
 #: The first axis that each unknown moves.
@@ -106,8 +102,7 @@ def align(theirs: FourJointArm) -> Alignment:
     # Where a direction is reversed no dimension helps.
     close = [s for s, e in zip(starts, errors, strict=True) if e <= max(REVERSED, 2 * min(errors))]
     # With all dimensions free the axes coincide: each dimension shows its own error only.
-    length, angle = allowed(theirs)
-    within = np.where(np.arange(8) < 4, length, angle)
+    within = np.repeat(allowed(theirs), 4)
     fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in close]
     exact = min(fits, key=lambda one: _oddities(theirs, one, within))
     wrong = np.abs(exact.dimensions) > within

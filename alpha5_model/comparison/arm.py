@@ -26,6 +26,7 @@ DOWN = np.array(GRAVITY)  # [m/s^2]
 #: Change of our dimensions, see `alpha5_model.comparison.alignment.DIMENSIONS`.
 AS_IT_IS = np.zeros(8)
 
+Joints = tuple[UrdfJoint, ...]
 Paths = dict[str, tuple[str, ...]]
 Pair = tuple[FloatArray, FloatArray]
 
@@ -52,7 +53,7 @@ class FourJointArm:
         digits: What the digits of the printed origins leave open, see `last_digits`.
     """
 
-    joints: tuple[UrdfJoint, ...]
+    joints: Joints
     placements: FloatArray
     axes: FloatArray
     mass: FloatArray
@@ -138,8 +139,7 @@ def our_arm() -> FourJointArm:
 @lru_cache(maxsize=4)
 def random_positions(count: int) -> FloatArray:
     """Joint positions of our arm within its limits, (count, 4) [rad]; always the same."""
-    joints = parameters().joints[:4]
-    lower, upper = [j.lower for j in joints], [j.upper for j in joints]
+    lower, upper = np.array([(j.lower, j.upper) for j in parameters().joints[:4]]).T
     return np.random.default_rng(0).uniform(lower, upper, (count, 4))
 
 
@@ -184,9 +184,7 @@ def tip_points(points: FloatArray, directions: FloatArray) -> FloatArray:
     return foot(points, directions, 3, 2) + parameters().dh[3].d * directions[:, 3]
 
 
-def reduce_robot(
-    robot: UrdfRobot, joints: tuple[UrdfJoint, ...], base: str | None = None
-) -> FourJointArm:
+def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> FourJointArm:
     """Freeze all other joints and sum up what moves together.
 
     Args:
@@ -227,20 +225,11 @@ def reduce_robot(
         seen = [carried(robot.links[n], pose[n]) for n in group if robot.links[n].mass]
         if sum(body[0] for body in seen) != 0.0:
             mass[i], com[i], inertia[i] = combine(*zip(*seen, strict=True))
-    return FourJointArm(
-        joints=joints,
-        placements=np.array(placements),
-        axes=np.array([joint.axis for joint in joints]),
-        mass=mass,
-        com=com,
-        inertia=inertia,
-        volume=sum(robot.links[name].volume for group in groups for name in group),
-        links=tuple(map(tuple, groups)),
-        link_poses=pose,
-        base_path=base_path,
-        carried=tuple(name for name in still if name not in own),
-        digits=last_digits([j for j in robot.joints.values() if j.child in between]),
-    )
+    volume = sum(robot.links[name].volume for group in groups for name in group)
+    digits = last_digits([j for j in robot.joints.values() if j.child in between])
+    shape = joints, np.array(placements), np.array([joint.axis for joint in joints])
+    links, others = tuple(map(tuple, groups)), tuple(name for name in still if name not in own)
+    return FourJointArm(*shape, mass, com, inertia, volume, links, pose, base_path, others, digits)
 
 
 def carried(body: Any, pose: FloatArray) -> tuple[Any, FloatArray, FloatArray]:

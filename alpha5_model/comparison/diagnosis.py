@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from alpha5_model.checks import FloatArray
-from alpha5_model.comparison import hypotheses
-from alpha5_model.comparison.arm import carried
+from alpha5_model.comparison import arm, hypotheses
 from alpha5_model.comparison.hypotheses import I_LINK, MOST_MISTAKES, SOLIDWORKS, Hypotheses
 from alpha5_model.comparison.reading import last_place
 from alpha5_model.fluids import FRESH_WATER
@@ -60,7 +59,7 @@ class Inertial:
 
     def in_our_frame(self) -> Inertial:
         """The same, in our link frame."""
-        _, com, tensor = carried(self, self.pose)
+        _, com, tensor = arm.carried(self, self.pose)
         return replace(self, com=com, inertia=tensor, pose=np.eye(4))
 
     @property
@@ -75,7 +74,7 @@ def subjects(written: Sequence[Inertial]) -> list[Inertial]:
     solid = sorted((w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass))
     if len(solid) < 2 or sum(w.mass for w in solid) == 0:
         return solid[:1]
-    whole = combine(*zip(*(carried(w, w.pose) for w in solid), strict=True))
+    whole = combine(*zip(*(arm.carried(w, w.pose) for w in solid), strict=True))
     return [Inertial("", *whole, np.eye(4)), solid[0]]
 
 
@@ -220,14 +219,12 @@ def added_water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | No
         # L follows from the tensor to a third of its relative error.
         allowed = near + water * close / (3 * across)
         if length <= longest and abs(subject.mass - table.mass[body] - water) <= allowed:
-            cylinder = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
-            numbers = f"{table.numbers}, {I_LINK if about_end else 'I_COM'}"
-            return (
-                f"{table.numbers.removesuffix(' numbers')} mass and the water's added mass, "
-                f"{water * 1e3:.0f} g, of a cylinder of water {cylinder}",
-                f"{numbers}{f', {SOLIDWORKS}' * solidworks}, "
-                f"with the added inertia of a cylinder of water {cylinder} (strip theory)",
-            )
+            size = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
+            whose, cylinder = table.numbers.removesuffix(" numbers"), f"a cylinder of water {size}"
+            mass = f"{whose} mass and the water's added mass, {water * 1e3:.0f} g, of {cylinder}"
+            point = I_LINK if about_end else "I_COM"
+            numbers = f"{table.numbers}, {point}{f', {SOLIDWORKS}' * solidworks}"
+            return mass, f"{numbers}, with the added inertia of {cylinder} (strip theory)"
     return None
 
 

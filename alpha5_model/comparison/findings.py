@@ -14,11 +14,10 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison import alignment as aligned
-from alpha5_model.comparison import diagnosis
+from alpha5_model.comparison import diagnosis, reading
 from alpha5_model.comparison.alignment import ANGLE_TOLERANCE, LENGTH_TOLERANCE, Alignment, allowed
 from alpha5_model.comparison.arm import FourJointArm, our_arm, our_tips, with_dimensions
-from alpha5_model.comparison.diagnosis import TOKEN_MASS, Inertial
-from alpha5_model.comparison.reading import AXES
+from alpha5_model.comparison.diagnosis import Inertial
 from alpha5_model.comparison.records import BodyDifference, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.inertia import inconsistencies, rotate_tensor
@@ -32,10 +31,9 @@ LIMIT_TOLERANCE = math.radians(0.1)
 VOLUME_TOLERANCE = 5e-3
 #: A COM of link_0 this close to ours settles the zero of axis_e.
 SAME_COM = 1e-3  # [m]
-#: What still agrees with the tables: a model may print fewer digits.
-MASS_TOLERANCE = 1e-3  # of the mass
-COM_TOLERANCE = 1e-4  # [m]
-INERTIA_TOLERANCE = 5e-3  # of the largest moment
+#: What still agrees with the tables, as a model may print fewer digits: of the mass; [m]; of the
+#: largest moment.
+MASS_TOLERANCE, COM_TOLERANCE, INERTIA_TOLERANCE = 1e-3, 1e-4, 5e-3
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]
 
@@ -75,28 +73,24 @@ def all_findings(
     yield from _shoulder(theirs, alignment)
     yield from _zeros(theirs, alignment, q)
     yield from _dimensions(theirs, alignment, q)
-    yield from _digits(theirs, written, alignment, q)
+    apart = aligned.their_tips(theirs, alignment, q) - aligned.their_tips(written, alignment, q)
+    yield from _digits(theirs, alignment, apart)
     yield from _limits(theirs, alignment)
     yield from _mimics(other)
-    regressor, transforms = (
-        our_arm().gravity_regressor(q),
-        aligned.body_transforms(theirs, alignment),
-    )
+    transforms = aligned.body_transforms(theirs, alignment)
+    regressor = our_arm().gravity_regressor(q)
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
         # no joint carries the base: it costs nothing
         return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
 
     for i, body in enumerate(bodies):
-        written_by_link = []
-        for link in (other.links[name] for name in body.links):
-            pose = transforms[i] @ theirs.link_poses[link.name]
-            inertial = Inertial(link.name, link.mass or 0.0, link.com, link.inertia, pose)
-            written_by_link.append(inertial)
+        placed = [(other.links[n], transforms[i] @ theirs.link_poses[n]) for n in body.links]
+        by_link = [Inertial(x.name, x.mass or 0.0, x.com, x.inertia, pose) for x, pose in placed]
         # on a root, nothing is what KDL wants
         links = [name for name in body.links if name != other.root or not body.mass]
         bare = [name for name in links if other.links[name].mass is None]
-        yield from _of_body(i, body, written_by_link, bare, cost)
+        yield from _of_body(i, body, by_link, bare, cost)
     yield from _files(other, theirs, folder)
 
 
@@ -140,7 +134,7 @@ def _torque_change(arm: FourJointArm, there: FloatArray, q: FloatArray) -> float
 
 def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)[1]
-    for j, (axis, joint) in enumerate(zip(AXES, theirs.joints, strict=True)):
+    for j, (axis, joint) in enumerate(zip(reading.AXES, theirs.joints, strict=True)):
         here, zero = np.arange(4) == j, float(alignment.zero[j])
         if alignment.sign[j] < 0:
             cost = round(_torque_change(our_arm(), np.where(here, -q, q), q), 9)
@@ -149,18 +143,14 @@ def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterato
             continue
         name, words = "zero", {"joint": joint.name, "shift": math.degrees(zero)}
         if j in (1, 2):
-            words |= {
-                "fit": _fit(alignment),
-                "without": aligned.without_zero(theirs, alignment, j) * 1e3,
-            }
-            name = "zero.fitted"
+            name, words["fit"] = "zero.fitted", _fit(alignment)
+            words["without"] = aligned.without_zero(theirs, alignment, j) * 1e3
         elif j == 0:
             com = aligned.bodies_in_our_frames(theirs, alignment)[0][0]
             if np.linalg.norm(com - our_arm().com[0]) >= SAME_COM:
                 name = "zero.or_base"
-        turned = joint.transform[:3, :3] @ rotation_about(joint.axis, zero)
-        words["xyz"] = _numbers(joint.transform[:3, 3])
-        words["rpy"] = _numbers(rpy_from_rotation(turned))
+        turned = rpy_from_rotation(joint.transform[:3, :3] @ rotation_about(joint.axis, zero))
+        words["xyz"], words["rpy"] = _numbers(joint.transform[:3, 3]), _numbers(turned)
         cost = round(_torque_change(our_arm(), q - alignment.sign * zero * here, q), 9)
         yield finding(name, axis, cost, **words)
 
@@ -180,15 +170,12 @@ def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> It
         yield finding(f"dimension.{name}", "", cost, name=name, **words)
 
 
-def _digits(
-    theirs: FourJointArm, written: FourJointArm, alignment: Alignment, q: FloatArray
-) -> Iterator[Finding]:
-    """What the number of printed digits does to the axes: remarks only."""
-    apart = aligned.their_tips(theirs, alignment, q) - aligned.their_tips(written, alignment, q)
+def _digits(theirs: FourJointArm, alignment: Alignment, apart: FloatArray) -> Iterator[Finding]:
+    """What the number of printed digits does to the axes and tips (N, 3) [m]: remarks only."""
     if (off := float(np.linalg.norm(apart, axis=1).max())) > LENGTH_TOLERANCE:
         yield finding("digits.of_pi", off=off * 1e3)
     length, angle = allowed(theirs, short_pi=True)
-    pairs = zip(AXES[1:3], alignment.zero[1:3], strict=True)
+    pairs = zip(reading.AXES[1:3], alignment.zero[1:3], strict=True)
     seen = [(axis, math.degrees(x)) for axis, x in pairs if ANGLE_TOLERANCE < abs(x) <= angle]
     zeros = "".join(f", zero of {axis} {zero:.2f} deg" for axis, zero in seen)
     if alignment.residual[0] > LENGTH_TOLERANCE or zeros:
@@ -306,13 +293,13 @@ def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
             alike.setdefault((w.mass, largest), []).append(w.link)
     for (mass, largest), links in alike.items():
         # a body with a mass of its own needs its tensor, not none: that is another finding
-        key = "dummy" if mass <= TOKEN_MASS else "dummy.heavy"
+        key = "dummy" if mass <= diagnosis.TOKEN_MASS else "dummy.heavy"
         words = {"links": ", ".join(links), "s": "s" * (len(links) > 1), "grams": mass * 1e3}
         words |= {"have": "have" if len(links) > 1 else "has", "inertia": largest}
         yield finding(key, name, radius=math.sqrt(largest / mass), **words)
 
 
-def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, str]:
+def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, ...]:
     """Mass, COM and tensor of Table 2 as URDF, in the frame of the other model's heaviest link."""
     main = max(written, key=lambda w: abs(w.mass))
     rest = [w.link for w in written if w is not main and w.mass]
@@ -323,8 +310,5 @@ def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, s
     tensor = rotate_tensor(back[:3, :3], link.inertia).round(9) + 0.0
     upper = zip(*np.triu_indices(3), strict=True)
     entries = " ".join(f'i{"xyz"[i]}{"xyz"[j]}="{tensor[i, j]:.6g}"' for i, j in upper)
-    return (
-        f'{main.link}: <mass value="{link.mass:g}"/>{alone}',
-        f'{main.link}: <origin xyz="{xyz}" rpy="0 0 0"/>{alone}',
-        f"{main.link}: <inertia {entries}/>{alone}",
-    )
+    tags = f'mass value="{link.mass:g}"', f'origin xyz="{xyz}" rpy="0 0 0"', f"inertia {entries}"
+    return tuple([f"{main.link}: <{tag}/>{alone}" for tag in tags])

@@ -60,10 +60,8 @@ class Revision:
 def revisions() -> tuple[Revision, Revision]:
     """Version 7, then the earlier revision."""
     document, earlier = published(), earlier_revision()
-    return (
-        _revision("Table 2's numbers", document.table_2.rows, document.table_3.rows),
-        _revision("an earlier revision's numbers", earlier, earlier),
-    )
+    now = _revision("Table 2's numbers", document.table_2.rows, document.table_3.rows)
+    return now, _revision("an earlier revision's numbers", earlier, earlier)
 
 
 def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) -> Revision:
@@ -97,12 +95,8 @@ def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> Hypotheses
     for source in sources:
         made = [source]
         for stage in stages:
-            made += [
-                (f"{before}, {words}", change(value), mistakes + 1)
-                for before, value, mistakes in made
-                if mistakes < MOST_MISTAKES
-                for words, change in stage
-            ]
+            pairs = itertools.product([one for one in made if one[2] < MOST_MISTAKES], stage)
+            made += [(f"{old}, {new}", change(x), n + 1) for (old, x, n), (new, change) in pairs]
         found += made
     return _table(found)
 
@@ -125,12 +119,9 @@ def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
             if order == (0, 1, 2):
                 wrong = [axis[1:] for axis in axes if axis.startswith("-")]
                 right = [axis for axis in axes if not axis.startswith("-")]
-                words = (
-                    "",
-                    f"the sign of {''.join(wrong)} is wrong (mirrored)",
-                    f"turned by pi about {''.join(right)}",
-                    "mirrored through the origin",
-                )[len(wrong)]
+                one = f"the sign of {''.join(wrong)} is wrong (mirrored)"
+                two = f"turned by pi about {''.join(right)}"
+                words = ("", one, two, "mirrored through the origin")[len(wrong)]
             if words:
                 yield words, np.diag(signs) @ np.eye(3)[list(order)]
 
@@ -163,9 +154,8 @@ def wrong_tensors(body: int) -> Hypotheses:
         own, term = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
         words = f"{table.numbers}, {I_LINK}"
         for tensor in (table.inertia_link[body], own + term):
-            sources.append((words, tensor, 1))
             # Pasted as the document prints it: one slip, although two things are wrong.
-            sources.append((f"{words}, {SOLIDWORKS}", flip_products(tensor), 1))
+            sources += [(words, tensor, 1), (f"{words}, {SOLIDWORKS}", flip_products(tensor), 1)]
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append((words, own - term, 1))
     zeroed = "the products of inertia are zeroed"

@@ -31,9 +31,7 @@ PARTS = np.arange(1, 25)[:, None] / 12
 
 
 def read_model(
-    path: Any,
-    packages: Mapping[str, str] | None = None,
-    arguments: Mapping[str, str] | None = None,
+    path: Any, packages: Mapping[str, str] | None = None, arguments: Mapping[str, str] | None = None
 ) -> UrdfRobot:
     """Read a URDF, or expand a xacro file and read the result.
 
@@ -107,9 +105,8 @@ def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
     lost its trailing zeros: the most decimals among the lengths are taken for all of them, and so
     for the angles. Zeros and integers are exact. Of the multiples of pi the largest error of any.
     """
-    lengths, angles = (
-        [text for j in joints for text in j.printed[k].split() if float(text) % 1] for k in (0, 1)
-    )
+    printed = [" ".join(j.printed[k] for j in joints).split() for k in (0, 1)]
+    lengths, angles = ([text for text in texts if float(text) % 1] for texts in printed)
     cut = [abs(meant_angle(text) - float(text)) for text in angles]
     both = lengths, [text for text, off in zip(angles, cut, strict=True) if not off]
     length, angle = (0.5 * min(map(last_place, x), default=0.0) * math.sqrt(len(x)) for x in both)

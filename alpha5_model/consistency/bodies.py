@@ -70,10 +70,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *_rotation(p),
         *_masses(rows),
         *(_possible(claim, row) for row in rows for claim in TENSORS),
-        *(
-            audited("com_inside", *_outside(r.com, b), of=r)
-            for r, b in zip(rows, boxes, strict=True)
-        ),
+        *(_inside("com_inside", r, r.com, b) for r, b in zip(rows, boxes, strict=True)),
         *map(_mass_spread, rows, boxes),
         *_jaw_plane(printed),
         *map(_cob_inside, waters, p.links, convert(printed, ("link3_cob",)).links),
@@ -113,8 +110,7 @@ def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
     (_, xy, xz), (_, _, yz), _ = row.inertia_com
     effect = 2 * np.abs(si([xy, xz, yz])).max() * fastest**2
     worst = _worst("product_sign", row)
-    found = {"measured": worst["measured"], "expected": worst["bound"], "effect": effect}
-    return audited("product_sign", of=row, **found)
+    return audited("product_sign", worst["measured"], 0.0, worst["bound"], of=row, effect=effect)
 
 
 def _rotation(p: Alpha5Parameters) -> list[AuditRow]:
@@ -192,15 +188,14 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     offset, density, *volumes = si(finger)
     words: dict[str, Any] = {"offset": finger[0], "implied": 1e3 * spread / (2 * offset**2)}
     words["first"], words["second"] = (1e3 * volume * density for volume in volumes)
-    return [
-        audited("jaw_plane.direction", angle, rounding + sdk.rounding, sdk.si),
-        audited("jaw_plane.spread", spread, bound + digits, expected, **words),
-    ]
+    direction = audited("jaw_plane.direction", angle, rounding + sdk.rounding, sdk.si)
+    return [direction, audited("jaw_plane.spread", spread, bound + digits, expected, **words)]
 
 
-def _outside(point: Triple, bounds: FloatArray) -> tuple[Any, Any]:
-    """How far a printed point is from a body's bounds."""
-    return figure(partial(excess_of_box, bounds=bounds), point)
+def _inside(claim: str, row: Any, point: Triple, bounds: FloatArray, **words: Any) -> AuditRow:
+    """How far a row's point is from the body's bounds."""
+    outside = figure(partial(excess_of_box, bounds=bounds), point)
+    return audited(claim, *outside, of=row, **words)
 
 
 def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: LinkParameters) -> AuditRow:
@@ -209,7 +204,7 @@ def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: LinkParameter
         words["side"] = "outside" if excess_of_box(corrected.cob, link.bounds) else "inside"
         words["effect"] = moved * SEA_WATER * row.volume.si * G
         words["there"] = 1e3 * corrected.cob
-    return audited("cob_inside", *_outside(row.cob, link.bounds), of=row, more=moved > 0, **words)
+    return _inside("cob_inside", row, row.cob, link.bounds, more=moved > 0, **words)
 
 
 def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
@@ -221,9 +216,7 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
 def _totals(printed: Published, boxes: list[FloatArray]) -> list[AuditRow]:
     masses = [row.mass for row in printed.table_2.rows]
     volumes = [row.volume for row in printed.table_3.rows]
-    wet = figure(lambda x: (x[:5].sum() - SEA_WATER * x[5:].sum()) * G, [*masses, *volumes])
+    weight = figure(lambda x: (x[:5].sum() - SEA_WATER * x[5:].sum()) * G, [*masses, *volumes])
     whole = sum(float(np.prod(np.diff(bounds))) for bounds in boxes)
-    return [
-        audited("total.volume", *figure(np.sum, volumes), whole),
-        audited("total.wet_weight", *wet),
-    ]
+    volume = audited("total.volume", *figure(np.sum, volumes), whole)
+    return [volume, audited("total.wet_weight", *weight)]

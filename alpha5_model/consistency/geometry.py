@@ -34,13 +34,8 @@ REFERENCES = {"1.1": ("2", "2"), "2.2": ("2.1", "2")}
 
 def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     """The rows of frames, inverse kinematics and workspace."""
-    return [
-        *_frames(printed, p),
-        *_inverse_kinematics(printed, p),
-        *tori(printed, p),
-        *_shares(printed, p),
-        _self_collision(),
-    ]
+    topics = (_frames, _inverse_kinematics, tori, _shares)
+    return [*(row for topic in topics for row in topic(printed, p)), _self_collision()]
 
 
 def _lengths(printed: Published) -> list[Quantity]:
@@ -161,10 +156,8 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     exact, (_, bounds) = workspace.published_errors(), figure(differing, inputs)
     beyond = exact.unreachable_area / exact.published_area
     missed = exact.missed_area / exact.reachable_area
-    return [
-        audited("workspace.beyond_reach", beyond, bounds[0]),
-        audited("workspace.left_out", missed, bounds[1]),
-    ]
+    outside = audited("workspace.beyond_reach", beyond, bounds[0])
+    return [outside, audited("workspace.left_out", missed, bounds[1])]
 
 
 @cache
@@ -172,5 +165,4 @@ def _self_collision() -> AuditRow:
     from alpha5_model.dynamics.collision import without_self_collision  # late: Pinocchio
 
     free = workspace.sampled_share(without_self_collision, SAMPLES)
-    error = free.standard_error
-    return audited("workspace.self_collision", 1 - free.share, standard_error=error)
+    return audited("workspace.self_collision", 1 - free.share, standard_error=free.standard_error)

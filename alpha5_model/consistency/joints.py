@@ -74,8 +74,7 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
 def _motor_constants(row: ActuatorRow) -> AuditRow:
     k_t, k_v = row.torque_constant, row.voltage_constant
     turns = row.actuator != "4"
-    per_ampere = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si
-    effect = per_ampere if turns else None
+    effect = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si if turns else None
     ratio = figure(lambda x: x[0] / x[1], [k_t, k_v])
     return audited("motor_constants", *ratio, 1.0, of=row, effect=effect, more=turns)
 

@@ -32,6 +32,8 @@ PRINTED_TABLE = tuple(zip(*_PRINTED["columns"], strict=True))
 LIMIT = 2.967
 #: Points and orientations that the dexterous workspace with limits is sampled with.
 POINTS, ORIENTATIONS = 4000, 120
+#: Subject -> measured, expected.
+Figures = dict[str, tuple[float, float]]
 
 
 def audit(p: Alpha5Parameters) -> list[AuditRow]:
@@ -41,8 +43,7 @@ def audit(p: Alpha5Parameters) -> list[AuditRow]:
 
 def _workspaces() -> list[AuditRow]:
     """The lecture's shapes, each by its measure: length of a curve, area, radius of a hole."""
-    one, two = EXPERIMENT[:1], EXPERIMENT[:2]
-    limit = (-LIMIT, LIMIT)
+    one, two, limit = EXPERIMENT[:1], EXPERIMENT[:2], (-LIMIT, LIMIT)
     reach, hole = sum(two), abs(two[0] - two[1])
     ring = math.pi * (reach**2 - hole**2)
     limited = PlanarArm(two, [limit] * 2).workspace()
@@ -57,12 +58,9 @@ def _workspaces() -> list[AuditRow]:
     return _rows("planar_workspace", figures, limit=LIMIT, lost=ring - limited.area)
 
 
-def _rows(
-    topic: str, figures: dict[str, tuple[float, float]], bound: float = ARITHMETIC, **words: Any
-) -> list[AuditRow]:
-    """Rows of a topic: subject -> measured, expected."""
-    pairs = figures.items()
-    return [audited(f"{topic}.{subject}", m, bound, e, **words) for subject, (m, e) in pairs]
+def _rows(topic: str, figures: Figures, bound: float = ARITHMETIC, **words: Any) -> list[AuditRow]:
+    """Rows of a topic."""
+    return [audited(f"{topic}.{k}", m, bound, e, **words) for k, (m, e) in figures.items()]
 
 
 def _length(arm: PlanarArm) -> float:
