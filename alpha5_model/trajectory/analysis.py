@@ -14,17 +14,14 @@ from alpha5_model.actuators import Actuator, Interval, actuator
 from alpha5_model.checks import FloatArray, choice, frozen
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
-from alpha5_model.trajectory import smoothing
+from alpha5_model.trajectory import smoothing, tables
 from alpha5_model.trajectory.motion import Motion
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
-from alpha5_model.trajectory.tables import JOINTS, MotionWarning, Progress
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.batch import WaterTerms
 
-#: Velocities are judged where a joint's rms speed is above this share of its rated speed.
-_JUDGED_SHARE = 0.02
 #: Attributes of an analysis that need a motor's constants: NaN without.
 BY_MOTOR = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
 #: Rows computed between two reports of progress.
@@ -85,7 +82,7 @@ class Analysis:
     torque_limits: Interval | None
     supply_voltage: float | None
     current_limit: float | None
-    warnings: tuple[MotionWarning, ...]
+    warnings: tuple[tables.MotionWarning, ...]
     moving_water: WaterTerms | None = None
 
     def causes(self) -> dict[str, FloatArray]:
@@ -108,7 +105,7 @@ def analyse(
     supply_voltage: float | None = None,
     current_limit: float | None = None,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: tables.Progress | None = None,
     current: ArrayLike | None = None,
 ) -> Analysis:
     """Torques, currents, powers, mount load and TCP path of a motion.
@@ -178,14 +175,14 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
     """The motion of the joints that the arm has; a locked gripper leaves the jaw rod out."""
     if arm.floating_base or arm.model.nv not in (4, 5):
         raise InputError("arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base")
-    wanted = JOINTS[: arm.model.nv]
+    wanted = tables.JOINTS[: arm.model.nv]
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
     if len(wanted) == len(motion.joints):
         return motion
-    tables = {name: getattr(motion, name) for name in ("position", "velocity", "effort")}
-    fewer: dict[str, Any] = {k: x[:, :4] for k, x in tables.items() if x is not None}
+    arrays = {name: getattr(motion, name) for name in ("position", "velocity", "effort")}
+    fewer: dict[str, Any] = {k: x[:, :4] for k, x in arrays.items() if x is not None}
     warnings = tuple(w for w in motion.warnings if "axis_a" not in w.text)
     ignored = (*motion.ignored, "axis_a")
     return replace(motion, joints=wanted, warnings=warnings, ignored=ignored, **fewer)
@@ -219,7 +216,7 @@ def motor_side(
     return dict(zip(BY_MOTOR, out, strict=True)), limits
 
 
-def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
+def _velocity_warnings(motion: Motion) -> tuple[tables.MotionWarning, ...]:
     """Joints whose velocities are not the slope of their positions, by slow parts of both."""
     if motion.velocity is None:
         return ()
@@ -229,10 +226,10 @@ def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     found = []
     for k, joint in enumerate(parameters().joints[: len(motion.joints)]):
         power = float(np.mean(slope[:, k] ** 2))
-        if power < (_JUDGED_SHARE * joint.velocity) ** 2:
+        if power < (0.02 * joint.velocity) ** 2:  # too slow to judge its velocities
             continue
         gain = float(np.mean(slope[:, k] * given[:, k])) / power
         if not 0.8 < gain < 1.25:
             text = f"{joint.name}'s velocities are {gain:.3g} times the slope of its positions"
-            found.append(MotionWarning("velocity", 1, "all samples", text))
+            found.append(tables.MotionWarning("velocity", 1, "all samples", text))
     return tuple(found)

@@ -15,10 +15,9 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.parameters import JointParameters, parameters
 from alpha5_model.text import plain, readable, table
+from alpha5_model.trajectory import smoothing, tables
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
 from alpha5_model.trajectory.motion import LIMIT_SLACK
-from alpha5_model.trajectory.smoothing import REST_SHARE
-from alpha5_model.trajectory.tables import Progress
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")
@@ -122,16 +121,15 @@ def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
     """Recorded effort of a joint against the torque computed, over the samples that have one."""
     if a.motion.effort is None or not (there := np.isfinite(a.motion.effort[:, k])).any():
         return None
-    time, tables = a.smooth.time[there], (a.motion.effort, a.torque, a.friction)
-    effort, torque, friction = (x[there, k] for x in tables)
+    time, efforts = a.smooth.time[there], (a.motion.effort, a.torque, a.friction)
+    effort, torque, friction = (x[there, k] for x in efforts)
     difference = effort - torque
     varied = min(np.ptp(effort), np.ptp(torque)) > _ROUNDING
     parts = effort, difference, difference - friction
-    whole, rms, with_friction = (_finite(np.sqrt(np.mean(x**2))) for x in parts)
+    whole, rms, rest = (_finite(np.sqrt(np.mean(x**2))) for x in parts)
     out = {"samples": effort.size, "peak": _peak(effort, time), "rms": whole}
     out |= {"difference_mean": difference.mean(), "difference_rms": rms}
-    out |= {"difference_peak": _peak(difference, time)}
-    out |= {"difference_rms_with_friction": with_friction}
+    out |= {"difference_peak": _peak(difference, time), "difference_rms_with_friction": rest}
     return out | {"correlation": np.corrcoef(effort, torque)[0, 1] if varied else None}
 
 
@@ -178,7 +176,7 @@ def text(record: dict[str, Any]) -> str:
         "gravity": ", ".join(f"{round(g, 9) + 0.0:g}" for g in record["model"]["gravity"]),
         "width": "" if width is None else f", {width:.3g} Hz (-3 dB)",
         "drawn": _cell(energy, "drawn_interval_j", ".4g"),
-        "rest": REST_SHARE,
+        "rest": smoothing.REST_SHARE,
         "ratios": ", ".join(f"{name} {r:.3f}" for name, r in motors["constants_ratio"].items()),
         "left": left if motors["constants"] == "printed" else "",
     }
@@ -267,7 +265,7 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     return {name: column for name, column in out.items() if not np.isnan(column).all()}
 
 
-def write(analysis: Analysis, path: PathLike, progress: Progress | None = None) -> Path:
+def write(analysis: Analysis, path: PathLike, progress: tables.Progress | None = None) -> Path:
     """Write the table; the suffix says how, ``.csv`` (also ``-``, devices and pipes) or ``.json``.
 
     Args:

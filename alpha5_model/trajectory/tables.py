@@ -24,11 +24,7 @@ JOINTS = JOINT_NAMES
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 #: Lines of CSV parsed between two reports of progress.
 CHUNK = 50_000
-#: Messages of a bag read between two reports of progress.
-_MESSAGES = 10_000
 _JOINT_STATE = "sensor_msgs/msg/JointState"
-#: A stamp of zero is a time if there are others below this [ns].
-_SOON = 10**11
 #: (stage, part done, 0 to 1)
 Progress = Callable[[str, float], None]
 #: Of a message: publisher, time of recording and stamp [ns], content.
@@ -270,7 +266,7 @@ def bag_table(
     numbers, times, stamps = np.array(rows, dtype=np.int64).reshape(-1, 3).T
     partial = np.setdiff1d(range(1, len(streams[topic]) + 1), numbers)
     unstamped = numbers[stamps == 0]
-    if (stamps < _SOON).sum() > unstamped.size == 1:
+    if (stamps < 10**11).sum() > unstamped.size == 1:
         unstamped = unstamped[:0]  # simulated time starts at zero
     ns = times if unstamped.size else stamps
     order = np.argsort(ns, kind="stable")
@@ -338,7 +334,7 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
                 stamp = m.header.stamp.sec * 10**9 + m.header.stamp.nanosec
                 publisher = getattr(c.ext, "callerid", None) or f"connection {c.id}"
                 streams.setdefault(c.topic, []).append((publisher, received, stamp, m))
-                if progress and count % _MESSAGES == 0:
+                if progress and count % 10_000 == 0:
                     progress("read", count / max(total, count))
     if progress:
         progress("read", 1.0)

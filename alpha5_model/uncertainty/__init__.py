@@ -46,8 +46,6 @@ _WIDE = NormalDist().inv_cdf(0.975)
 _LEAST, _RANK = 1e-12, 1e-12
 #: Standard deviation of a number that is uniform in -1 to 1.
 _DEVIATION = 3**-0.5
-#: What the rounding of doubles may hide, as a share of the terms.
-_ROUNDING = 1e-14
 
 
 def printed_numbers(alternatives: Names = ()) -> dict[str, PrintedNumber]:
@@ -148,7 +146,7 @@ def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, .
     digits = np.tensordot(tensor, middle, 1) + np.multiply.outer((-1, 1), np.abs(tensor) @ half)
     weight = _product(link[:, 0], width[:, 0], s, ds).sum(axis=-1)
     parts = weight, digits, _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1)
-    slack = _ROUNDING * np.abs(parts).sum(axis=(0, 1))
+    slack = 1e-14 * np.abs(parts).sum(axis=(0, 1))  # what the rounding of doubles may hide
     if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
         slack = slack.max(axis=1, keepdims=True)
     total = np.sum(parts, axis=0) + linear @ payload(arm) + np.array([-slack, slack])
