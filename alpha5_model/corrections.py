@@ -7,8 +7,10 @@ letter.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from alpha5_model.checks import named
 
@@ -30,30 +32,9 @@ class Correction:
     effect: str
 
 
+_RECORDED = Path(__file__).with_suffix(".toml").read_text("utf-8")
 #: Every correction by its name.
-CORRECTIONS: dict[str, Correction] = {
-    correction.name: correction
-    for correction in (
-        Correction(
-            name="base_frame",
-            statement="Section 2 puts inertial frame {0} at DH frame {0} after the rotation pi; "
-            "the correction takes DH frame {0} itself.",
-            evidence="Figures 1 and 7 draw the base body on the -x side of DH frame {0}; Table 2's COM "
-            "(-52.425 mm) and Table 3's COB (-53 mm) lie on that side only without the rotation.",
-            effect="Turns link_0 by pi about z. The torques of a fixed-base arm stay the same; the load "
-            "on the mount and every floating-base result change.",
-        ),
-        Correction(
-            name="link3_cob",
-            statement="Table 3 prints link 3's centre of buoyancy as (2, -4, 29) mm; the correction reads "
-            "it in the convention of link 1's frame and expresses it in inertial frame {3}.",
-            evidence="z = 29 mm is outside the body (|z| <= 20 mm), which a centroid cannot be. Links 1 and 3 "
-            "are the same kind of part, and the point expressed in {3} lands within 2 mm of the "
-            "centroid of the manufacturer's public CAD.",
-            effect="Moves the buoyancy of link 3, 0.032 L, by about 39 mm.",
-        ),
-    )
-}
+CORRECTIONS = {name: Correction(name, **text) for name, text in tomllib.loads(_RECORDED).items()}
 #: Applied where nothing else is asked for.
 DEFAULT_CORRECTIONS: tuple[str, ...] = ("base_frame",)
 
