@@ -80,8 +80,7 @@ def _solve() -> FloatArray:
     x, y, z = (1e3 * c for c in TARGET)
     say(f"3. Inverse kinematics of the tcp at ({x:g}, {y:g}, {z:g}) mm")
     rows = []
-    for i, branch in enumerate(BRANCHES):
-        q = solutions.q[i]
+    for i, (branch, q) in enumerate(zip(BRANCHES, solutions.q, strict=True)):
         error = abs(arm.forward_kinematics(q).translation - TARGET).max()
         said = f"{'within' if solutions.within_limits[i] else 'beyond'} limits"
         angles = (f"{angle:.4f}" for angle in q)

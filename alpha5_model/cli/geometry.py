@@ -118,8 +118,7 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
 
 
 def _frames(chain: DHChain, record: dict[str, Any]) -> options.Lines:
-    heads = ("theta (rad)", "d (m)", "a (m)", "alpha (rad)", "sigma", "lower", "upper")
-    rows = [["joint", *heads]]
+    rows = [["joint", "theta (rad)", "d (m)", "a (m)", "alpha (rad)", "sigma", "lower", "upper"]]
     for name, row in zip(chain.joint_names, chain.links, strict=True):
         cells = [*(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)), str(row.sigma)]
         cells[0 if row.revolute else 1] = f"q{row.offset:+.6f}" if row.offset else "q"

@@ -113,7 +113,7 @@ def smooth(
         signals = np.hstack([signals, motion.velocity])
     elif use_velocity:
         raise InputError("use_velocity", True, "False: the motion has no velocities")
-    t = motion.time
+    t, joints = motion.time, motion.joints
     if method != "interpolate":
         bandwidth = real("bandwidth", bandwidth, minimum=0.0, strict=True)
         rate = 1 / float(np.median(np.diff(t)))
@@ -134,7 +134,7 @@ def smooth(
 
         spline, reached = CubicSpline(t, signals), None
         value, slope, bend = signals, spline(t, 1), spline(t, 2)
-    n = len(motion.joints)
+    n = len(joints)
     velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
     mean = slope[:, :n]
     if method != "interpolate":  # over a window: its sign changes only where the motion reverses
@@ -147,7 +147,6 @@ def smooth(
     deviation = np.abs(value[:, :n] - motion.position).max(axis=0)
     moving = value[:, :n], velocity, acceleration, direction, deviation
     q, v, a, direction, deviation = map(frozen, moving)
-    joints = motion.joints
     return SmoothMotion(t, joints, q, v, a, direction, method, reached, use_velocity, deviation)
 
 
