@@ -11,7 +11,7 @@ Triple = tuple[Quantity, Quantity, Quantity]
 Tensor = tuple[Triple, Triple, Triple]
 Interval = tuple[Quantity, Quantity, Quantity]
 Matrix = tuple[tuple[Quantity, ...], ...]
-#: One of `STATUSES`.
+# One of `STATUSES`.
 Status = str
 RowT = TypeVar("RowT")
 
