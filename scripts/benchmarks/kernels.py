@@ -79,12 +79,14 @@ def _casadi(q: Any, v: Any, a: Any) -> list[Row]:
     model, data = arm.model, arm.model.createData()
     expected = arm.inverse_dynamics(q, v, a)
     candidates: dict[str, Callable[[], object]] = {}
+    kept = []  # a buffer holds no reference to what it writes into
     for compiled in (True, False)[kernels.backend() == "numpy" :]:
         buffer, run = load(arm, compiled=compiled).inverse_dynamics.buffer()
         tau = np.zeros(4)
         for i, x in enumerate((q, v, a)):
             buffer.set_arg(i, memoryview(x))
         buffer.set_res(0, memoryview(tau))
+        kept.append((buffer, tau))
         run()
         if np.abs(tau - expected).max() > 1e-12:
             raise AssertionError(f"CasADi disagrees: {tau}")
