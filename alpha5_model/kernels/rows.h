@@ -54,7 +54,7 @@ static const Level levels[] = {
 #endif
 #if WIDEST == 8
     {4, "avx2", to_columns_4, to_rows_4},
-    {8, "avx512", to_columns_8, to_rows_8},
+    {8, "avx512", to_columns_4, to_rows_4},
 #endif
 };
 #define PREPARE(name) static void name##_k(const double *p, double *k)

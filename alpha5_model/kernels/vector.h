@@ -195,51 +195,32 @@ static double atan2_or_libm(double y, double x)
 #endif
 #include BODIES
 
-/* ---- rows to columns and back, in blocks of 2 or 4 columns ---- */
+/* ---- rows to columns and back, in square blocks of 2 or 4 ---- */
 
 #if WIDTH == 2
-#define BLOCK 2
 #define TRANSPOSE(x) { const V a = x[0], b = x[1]; x[0] = SHUFFLE(a, b, 0, 2); x[1] = SHUFFLE(a, b, 1, 3); }
 #elif WIDTH == 4
-#define BLOCK 4
 #define TRANSPOSE(x) { \
     const V a = SHUFFLE(x[0], x[1], 0, 4, 2, 6), b = SHUFFLE(x[0], x[1], 1, 5, 3, 7); \
     const V c = SHUFFLE(x[2], x[3], 0, 4, 2, 6), d = SHUFFLE(x[2], x[3], 1, 5, 3, 7); \
     x[0] = SHUFFLE(a, c, 0, 1, 4, 5), x[1] = SHUFFLE(b, d, 0, 1, 4, 5); \
     x[2] = SHUFFLE(a, c, 2, 3, 6, 7), x[3] = SHUFFLE(b, d, 2, 3, 6, 7); }
-#elif WIDTH == 8 /* each half as at width 4 */
-#define BLOCK 4
-#define TRANSPOSE(x) { \
-    const V a = SHUFFLE(x[0], x[1], 0, 8, 2, 10, 4, 12, 6, 14), b = SHUFFLE(x[0], x[1], 1, 9, 3, 11, 5, 13, 7, 15); \
-    const V c = SHUFFLE(x[2], x[3], 0, 8, 2, 10, 4, 12, 6, 14), d = SHUFFLE(x[2], x[3], 1, 9, 3, 11, 5, 13, 7, 15); \
-    x[0] = SHUFFLE(a, c, 0, 1, 8, 9, 4, 5, 12, 13), x[1] = SHUFFLE(b, d, 0, 1, 8, 9, 4, 5, 12, 13); \
-    x[2] = SHUFFLE(a, c, 2, 3, 10, 11, 6, 7, 14, 15), x[3] = SHUFFLE(b, d, 2, 3, 10, 11, 6, 7, 14, 15); }
 #endif
-#if WIDTH >= 2
-#if WIDTH == 8 /* BLOCK numbers of a row, and of the fourth row after it */
-#define READ(rows, size) \
-    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(rows)), _mm256_loadu_pd((rows) + 4 * (size)), 1)
-#define WRITE(rows, size, x) \
-    (_mm256_storeu_pd(rows, _mm512_castpd512_pd256(x)), \
-     _mm256_storeu_pd((rows) + 4 * (size), _mm512_extractf64x4_pd(x, 1)))
-#else
-#define READ(rows, size) (*(const SIZED(anywhere) *)(rows))
-#define WRITE(rows, size, x) (*(SIZED(anywhere) *)(rows) = (x))
-#endif
+#ifdef TRANSPOSE
 /* PANEL rows of `size` numbers to `size` columns; whether all can be computed with. */
 static int SIZED(to_columns)(const double *rows, int size, double *columns)
 {
     INTEGER rare = BITS(SPLAT(0.0));
     for (int row = 0; row < PANEL; row += WIDTH, rows += WIDTH * size) {
         int i = 0;
-        for (; i + BLOCK <= size; i += BLOCK) {
-            V x[BLOCK];
-            for (int j = 0; j < BLOCK; j++) {
-                x[j] = READ(rows + j * size + i, size);
+        for (; i + WIDTH <= size; i += WIDTH) {
+            V x[WIDTH];
+            for (int j = 0; j < WIDTH; j++) {
+                x[j] = *(const SIZED(anywhere) *)(rows + j * size + i);
                 rare |= ABOVE(ABS(x[j]), LARGEST);
             }
             TRANSPOSE(x)
-            for (int j = 0; j < BLOCK; j++)
+            for (int j = 0; j < WIDTH; j++)
                 *(V *)(columns + (i + j) * PANEL + row) = x[j];
         }
         for (; i < size; i++) {
@@ -257,22 +238,19 @@ static void SIZED(to_rows)(const double *columns, int size, double *rows)
 {
     for (int row = 0; row < PANEL; row += WIDTH, rows += WIDTH * size) {
         int i = 0;
-        for (; i + BLOCK <= size; i += BLOCK) {
-            V x[BLOCK];
-            for (int j = 0; j < BLOCK; j++)
+        for (; i + WIDTH <= size; i += WIDTH) {
+            V x[WIDTH];
+            for (int j = 0; j < WIDTH; j++)
                 x[j] = *(const V *)(columns + (i + j) * PANEL + row);
             TRANSPOSE(x)
-            for (int j = 0; j < BLOCK; j++)
-                WRITE(rows + j * size + i, size, x[j]);
+            for (int j = 0; j < WIDTH; j++)
+                *(SIZED(anywhere) *)(rows + j * size + i) = x[j];
         }
         for (; i < size; i++)
             for (int j = 0; j < WIDTH; j++)
                 rows[j * size + i] = columns[i * PANEL + row + j];
     }
 }
-#undef BLOCK
-#undef READ
-#undef WRITE
 #undef TRANSPOSE
 #endif
 #undef WIDTH
