@@ -65,6 +65,38 @@ def test_close_to_contact_the_quick_answer_is_that_of_the_distance(arm: Any) -> 
         assert (got == expected).all()
 
 
+def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
+    from alpha5_model.dynamics.collision import _model, collision_geometry
+
+    def link_pairs(geometry: Any) -> list[tuple[str, str, int, int]]:
+        names = [model.frames[body.parentFrame].name for body in geometry.geometryObjects]
+        return [
+            (names[pair.first], names[pair.second], pair.first, pair.second)
+            for pair in geometry.collisionPairs
+        ]
+
+    model, before_wrist, with_wrist = _model()
+    before, moved = link_pairs(before_wrist), link_pairs(with_wrist)
+    hand = {"link_4", "tcp"}  # what hangs on axis_b
+    assert not any(hand & {one, other} for one, other, _, _ in before)
+    assert all(hand & {one, other} for one, other, _, _ in moved)
+    assert (len(before), len(moved)) == (517, 1798)
+    assert sorted(before + moved) == sorted(link_pairs(collision_geometry(model)))
+
+
+def test_a_wrist_angle_is_not_held_against_the_others(arm: Any) -> None:
+    """Positions where the hand touches at the given wrist angle and is free at another one."""
+    q = sample(3000, seed=94)
+    touching = q[[arm.in_collision(row) for row in q]]
+    freed = 0
+    for row, free in zip(touching, a5.without_self_collision(touching), strict=True):
+        turned = np.tile(row, (25, 1))
+        turned[:, 3] = np.linspace(LOWER[3], UPPER[3], 25)
+        assert free == (not all(arm.in_collision(other) for other in turned))
+        freed += free
+    assert freed > 0
+
+
 def test_positions_of_note() -> None:
     assert not a5.without_self_collision(np.zeros(4))  # the zero position, folded upon itself
     assert a5.without_self_collision([math.pi, 1.6, 1.6, 1.0])

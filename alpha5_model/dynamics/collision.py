@@ -155,15 +155,30 @@ def _model() -> tuple[Any, Any, Any]:
     """The arm, its pairs of bodies that the wrist does not move, and those that it does."""
     model = pin.buildModelFromXML(_urdf("locked"))
     wrist = model.getJointId(parameters().joints[3].name)
-    parts = []
-    for moved in (False, True):
-        geometry = collision_geometry(model)
-        for pair in list(geometry.collisionPairs):
-            joints = (geometry.geometryObjects[i].parentJoint for i in (pair.first, pair.second))
-            if (wrist in joints) != moved:
-                geometry.removeCollisionPair(pair)
-        parts.append(geometry)
-    return model, *parts
+
+    before_wrist = collision_geometry(model)
+    with_wrist = collision_geometry(model)
+    for pair in _pairs(before_wrist):
+        geometry = before_wrist if _moved_by(wrist, pair, before_wrist) else with_wrist
+        geometry.removeCollisionPair(pair)
+
+    return model, before_wrist, with_wrist
+
+
+def _pairs(geometry: Any) -> list[Any]:
+    """Copies of the collision pairs.
+
+    The elements of ``geometry.collisionPairs`` are references into Pinocchio's vector:
+    removing one of them makes the others refer to the pairs that follow.
+    """
+    return [pin.CollisionPair(pair.first, pair.second) for pair in geometry.collisionPairs]
+
+
+def _moved_by(joint: int, pair: Any, geometry: Any) -> bool:
+    """Whether one body of a pair hangs on a joint, and so moves against the other."""
+    first = geometry.geometryObjects[pair.first]
+    second = geometry.geometryObjects[pair.second]
+    return joint in (first.parentJoint, second.parentJoint)
 
 
 def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
