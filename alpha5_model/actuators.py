@@ -22,8 +22,16 @@ ones to believe is the caller's choice, `constants`:
   do not balance, and `ActuatorPower.contradiction` holds what is left over;
 - ``"torque"``: K_t for both; ``"voltage"``: K_v for both.
 
+**Table 4 does not say whose efficiency eta_max is**: its columns come from "motor/gearbox"
+data sheets. All currents and powers depend on it, and the choice is the caller's, `efficiency`:
+
+- ``"gearbox"``: the gearbox has the efficiency eta_max, as above;
+- ``"motor"``: eta_max is the highest efficiency of the motor alone, whose losses are R i^2 and F w
+  already, and no loss of the gearbox is printed: eta = 1. A gearbox of 1754:1 with 86 % beside one
+  of 340:1 with 77 % speaks for this (`alpha5_model.audit`, row ``efficiency``).
+
 Not published, hence without default: rotor inertia, the lead of the jaw's screw, supply voltage and
-current limit. Friction F carries its printed tolerance; eta is the printed *highest* efficiency, so
+current limit. Friction F carries its printed tolerance; eta_max is the *highest* efficiency, so
 that currents are on the low side while driving. An effort rating is not published either.
 
 References:
@@ -46,6 +54,8 @@ from alpha5_model.parameters import ActuatorParameters, parameters
 
 #: Which of the contradicting motor constants are believed.
 CONSTANTS = ("printed", "torque", "voltage")
+#: Whose efficiency Table 4's eta_max is taken for.
+EFFICIENCIES = ("gearbox", "motor")
 
 
 class Interval(NamedTuple):
@@ -92,6 +102,10 @@ class Actuator:
         rotor_inertia: Rotor and first gear stage, at the motor shaft [kg m^2]; not published.
         screw_lead: Travel of the jaw rod per turn of the gearbox output [m]; not published. The
             screw is taken as free of loss.
+        efficiency: Whose efficiency eta_max is, one of `EFFICIENCIES`.
+
+    Raises:
+        UnknownNameError: No such choice of efficiency.
     """
 
     joint: str
@@ -99,6 +113,10 @@ class Actuator:
     constants: str = "printed"
     rotor_inertia: float | None = None
     screw_lead: float | None = None
+    efficiency: str = "gearbox"
+
+    def __post_init__(self) -> None:
+        choice("efficiency", self.efficiency, EFFICIENCIES)
 
     # Constants of the motor -----------------------------------------------------------------
 
@@ -132,6 +150,11 @@ class Actuator:
         if self.screw_lead is None:
             raise MissingParameterError("screw_lead", "the jaw rod axis_a")
         return gear * 2 * math.pi / self.screw_lead
+
+    @property
+    def gear_efficiency(self) -> float:
+        """Efficiency of the gearbox, by the choice of `efficiency`."""
+        return self.parameters.efficiency if self.efficiency == "gearbox" else 1.0
 
     @property
     def joint_friction(self) -> float:
@@ -176,7 +199,7 @@ class Actuator:
         i, v, _ = _numbers(current=current, velocity=velocity, acceleration=acceleration)
         shaft = self.torque_constant * i - self.parameters.friction * np.sign(v)
         shaft = shaft - self._rotor_torque(acceleration)
-        loss = self.parameters.efficiency ** np.sign(shaft * v)
+        loss = self.gear_efficiency ** np.sign(shaft * v)
         return shaft * self.ratio * loss
 
     def holding_current(self, torque: ArrayLike) -> Interval:
@@ -186,7 +209,7 @@ class Actuator:
         it; contains 0 where friction alone holds.
         """
         (tau,) = _numbers(torque=torque)
-        eta, friction = self.parameters.efficiency, self.parameters.friction
+        eta, friction = self.gear_efficiency, self.parameters.friction
         ends = np.stack([tau * eta, tau / eta]) / self.ratio
         k = self.torque_constant
         return Interval((ends.min(axis=0) - friction) / k, (ends.max(axis=0) + friction) / k)
@@ -196,7 +219,7 @@ class Actuator:
         (i,) = _numbers(current=current)
         shaft, friction = self.torque_constant * i, self.parameters.friction
         low, high = shaft - friction, shaft + friction
-        eta, ratio = self.parameters.efficiency, self.ratio
+        eta, ratio = self.gear_efficiency, self.ratio
         return Interval(low * ratio * eta ** np.sign(low), high * ratio * eta ** -np.sign(high))
 
     # Voltage and speed ----------------------------------------------------------------------
@@ -317,7 +340,7 @@ class Actuator:
 
     def _gear_input(self, torque: FloatArray, velocity: FloatArray) -> FloatArray:
         """Torque into the gearbox at the motor shaft [N m]; at rest without loss."""
-        loss = self.parameters.efficiency ** -np.sign(torque * velocity)
+        loss = self.gear_efficiency ** -np.sign(torque * velocity)
         return torque / self.ratio * loss
 
     def _rotor_torque(self, acceleration: ArrayLike | None) -> FloatArray:
@@ -335,6 +358,7 @@ def actuator(
     constants: str = "printed",
     rotor_inertia: float | None = None,
     screw_lead: float | None = None,
+    efficiency: str = "gearbox",
 ) -> Actuator:
     """The actuator of a joint, from Table 4.
 
@@ -344,9 +368,11 @@ def actuator(
             head of this module.
         rotor_inertia: At the motor shaft [kg m^2].
         screw_lead: Of the jaw rod [m per turn].
+        efficiency: Whose efficiency eta_max is: ``"gearbox"`` or ``"motor"``; see the head of this
+            module.
 
     Raises:
-        UnknownNameError: No such joint or choice of constants.
+        UnknownNameError: No such joint, or choice of constants or efficiency.
         InputError: A rotor inertia below 0, or a screw lead not above 0.
     """
     p = parameters()
@@ -357,7 +383,7 @@ def actuator(
         rotor_inertia = real("rotor_inertia", rotor_inertia, minimum=0.0)
     if screw_lead is not None:
         screw_lead = real("screw_lead", screw_lead, minimum=1 / LARGEST)
-    return Actuator(joint, row, constants, rotor_inertia, screw_lead)
+    return Actuator(joint, row, constants, rotor_inertia, screw_lead, efficiency)
 
 
 def _drive(supply_voltage: float, current_limit: float) -> tuple[float, float]:

@@ -27,8 +27,12 @@ def states(count: int = 400, seed: int = 4) -> tuple[np.ndarray, np.ndarray]:
     return rng.uniform(-3, 3, count), velocity
 
 
-def current_by_cases(row: tuple[float, ...], torque: float, velocity: float) -> float:
+def current_by_cases(
+    row: tuple[float, ...], torque: float, velocity: float, efficiency: str = "gearbox"
+) -> float:
     _, _, friction, _, eta, k_t, _, gear = row
+    if efficiency == "motor":  # then nothing is lost in the gearbox
+        eta = 1.0
     if velocity == 0:
         return torque / gear / k_t
     driving = (torque > 0) == (velocity > 0)
@@ -36,14 +40,49 @@ def current_by_cases(row: tuple[float, ...], torque: float, velocity: float) -> 
     return (shaft + (friction if velocity > 0 else -friction)) / k_t
 
 
+@pytest.mark.parametrize("efficiency", actuators.EFFICIENCIES)
 @pytest.mark.parametrize("joint", REVOLUTE)
-def test_current_in_four_quadrants(joint: str) -> None:
+def test_current_in_four_quadrants(joint: str, efficiency: str) -> None:
     torque, velocity = states()
-    motor = a5.actuators.actuator(joint)
+    motor = a5.actuators.actuator(joint, efficiency=efficiency)
     expected = [
-        current_by_cases(TABLE_4[joint], t, v) for t, v in zip(torque, velocity, strict=True)
+        current_by_cases(TABLE_4[joint], t, v, efficiency)
+        for t, v in zip(torque, velocity, strict=True)
     ]
     np.testing.assert_allclose(motor.current(torque, velocity), expected, rtol=1e-13)
+    np.testing.assert_allclose(motor.torque(expected, velocity), torque, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("joint", REVOLUTE)
+def test_whose_efficiency_eta_max_is(joint: str) -> None:
+    """Without the gearbox's loss its heat is zero, and holding takes what weight and friction take."""
+    resistance, _, friction, _, eta, k_t, _, gear = TABLE_4[joint]
+    torque, velocity = states()
+    plain = actuators.actuator(joint)
+    lossless = actuators.actuator(joint, efficiency="motor")
+    assert (plain.efficiency, plain.gear_efficiency) == ("gearbox", eta)
+    assert (lossless.efficiency, lossless.gear_efficiency) == ("motor", 1.0)
+    np.testing.assert_allclose(lossless.power(torque, velocity).gear, 0.0, atol=1e-15)
+    assert (plain.power(torque, velocity).gear[velocity != 0] > 0).all()
+
+    low, high = lossless.holding_current(2.0)
+    assert (low, high) == pytest.approx(((2 / gear - friction) / k_t, (2 / gear + friction) / k_t))
+    low, high = lossless.holding_torque(0.05)
+    assert (low, high) == pytest.approx(
+        ((k_t * 0.05 - friction) * gear, (k_t * 0.05 + friction) * gear)
+    )
+
+    # Stalled at full voltage, friction left out: eta apart.
+    ends = [motor.torque_limits(0.0, 24.0, 100.0).upper for motor in (plain, lossless)]
+    assert ends == pytest.approx([k_t * 24 / resistance * gear] * 2)
+    ends = [motor.torque_limits(1e-12, 24.0, 100.0).upper for motor in (plain, lossless)]
+    stalled = (k_t * 24 / resistance - friction) * gear
+    assert ends == pytest.approx([stalled * eta, stalled])
+
+    with pytest.raises(UnknownNameError, match="efficiency 'best'; choose from gearbox, motor"):
+        actuators.actuator(joint, efficiency="best")
+    with pytest.raises(UnknownNameError, match="gearbox, motor"):
+        actuators.Actuator(joint, plain.parameters, efficiency="best")
 
 
 @pytest.mark.parametrize("constants", actuators.CONSTANTS)

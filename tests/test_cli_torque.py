@@ -104,6 +104,18 @@ def test_degrees_and_tilt(capsys):
     assert [j["torque"] for j in tilted["joints"]] == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.parametrize("efficiency", ["gearbox", "motor"])
+def test_the_currents_follow_the_choice_of_efficiency(capsys, efficiency):
+    state = ["--q", *text(Q), "--v", "0.1", "0.2", "-0.3", "0.1", "--json"]
+    assert main(["torque", *state, "--efficiency", efficiency]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["efficiency"] == efficiency
+    for joint in found["joints"]:
+        motor = a5.actuators.actuator(joint["joint"], efficiency=efficiency)
+        expected = motor.current(joint["torque"], joint["velocity"])
+        assert joint["current"] == pytest.approx(float(expected), rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -115,6 +127,7 @@ def test_degrees_and_tilt(capsys):
         (["--q", *text(Q), "--fluid", "-5"], "fluid"),
         (["--q", *text(Q), "--gravity", "down"], "gravity"),
         (["--q", *text(Q), "--constants", "best"], "printed, torque, voltage"),
+        (["--q", *text(Q), "--efficiency", "best"], "gearbox, motor"),
         (["--q", *text(Q), "--v", "0", "0", "0", "inf"], "v[3]"),
     ],
 )

@@ -58,6 +58,7 @@ def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFi
         method="savgol",
         bandwidth=3.0,
         constants="torque",
+        efficiency="motor",
         supply_voltage=18,
         current_limit=0.5,
     )
@@ -65,6 +66,7 @@ def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFi
         capsys,
         *(str(motion_file), "--fluid", "fresh", "--gripper", "locked", "--gravity", "0.5 0 -9.7"),
         *("--smoothing", "savgol", "--bandwidth", "3", "--constants", "torque"),
+        *("--efficiency", "motor"),
         *("--supply-voltage", "18", "--current-limit", "0.5"),
     )
     # What the printed digits leave of the peaks is the command's to add.
@@ -150,6 +152,7 @@ def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFi
         (["--bandwidth", "1e-100", "--smoothing", "savgol"], "at least 0.0001 of the sample rate"),
         (["--velocities", "file"], "no velocities"),
         (["--constants", "both"], "printed, torque, voltage"),
+        (["--efficiency", "both"], "gearbox, motor"),
         (["--supply-voltage", "24"], "both or neither"),
         (["--screw-lead", "0.001", "--gripper", "locked"], "not part of the motion"),
         (["--output", "x.xls"], ".csv, .json"),

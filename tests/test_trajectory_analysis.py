@@ -380,6 +380,26 @@ def test_constants_change_what_they_should() -> None:
     assert unexplained["printed"] < -1e-3
 
 
+def test_efficiency_changes_what_it_should() -> None:
+    motion = planned(101)
+    plain = a5.trajectory.analyse(motion)
+    lossless = a5.trajectory.analyse(motion, efficiency="motor")
+    np.testing.assert_array_equal(plain.torque, lossless.torque)
+    for k, name in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
+        motor = a5.actuators.actuator(name, efficiency="motor")
+        moving = np.abs(lossless.smooth.velocity[:, k]) > 0.05
+        expected = motor.current(lossless.torque[:, k], lossless.smooth.velocity[:, k])
+        np.testing.assert_allclose(lossless.current[moving, k], expected[moving], rtol=1e-12)
+        assert (lossless.current[moving, k] != plain.current[moving, k]).any()
+    for analysis, word in ((plain, "gearbox"), (lossless, "motor")):
+        summary = a5.trajectory.summary(analysis)
+        assert summary["motors"]["efficiency"] == word
+        words = " ".join(a5.trajectory.text(summary).split())
+        assert f"eta_max is; taken here for that of the {word}" in words
+    with pytest.raises(UnknownNameError, match="gearbox, motor"):
+        a5.trajectory.analyse(motion, efficiency="both")
+
+
 def test_velocities_that_contradict_positions_are_reported() -> None:
     m = planned(401)
     slope = np.gradient(m.position, m.time, axis=0)

@@ -423,6 +423,7 @@ def record(**joint: Any) -> dict[str, Any]:
         "motors": {
             "constants": "printed",
             "constants_ratio": {"axis_e": 1.1551},
+            "efficiency": "gearbox",
             "supply_voltage": None,
             "current_limit": None,
         },
@@ -478,6 +479,7 @@ the least current
   note: torque limits are the 9 N·m (jaw rod 10 N) of every public model; no rating is published
   note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
 which leaves -5 J of the electrical energy unexplained
+  note: Table 4 does not say whose efficiency eta_max is; taken here for that of the gearbox
   note: current limits need --supply-voltage and --current-limit; neither is published"""
 
 

@@ -41,6 +41,7 @@ Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, 
 Payload = Annotated[str | None, Option(help=HELP["payload"])]
 Current = Annotated[str | None, Option(help=HELP["current"])]
 Constants = Annotated[str, Option(help=HELP["constants"])]
+Efficiency = Annotated[str, Option(help=HELP["efficiency"])]
 Plot = Annotated[Path | None, Option(help="Write a picture: .png, .pdf or .svg.")]
 Json = Annotated[bool, Option("--json", help="Everything as JSON, in SI units.")]
 _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}

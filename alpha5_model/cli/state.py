@@ -110,6 +110,7 @@ def torque(
     payload: options.Payload = None,
     current: options.Current = None,
     constants: options.Constants = "printed",
+    efficiency: options.Efficiency = "gearbox",
     plot: Annotated[Path | None, Option(help=options.HELP["plot_current"])] = None,
     as_json: options.Json = False,
 ) -> None:
@@ -133,7 +134,7 @@ def torque(
         row = options.joint_numbers(name, f"{text} deg" if degrees else text, unit, (4, n))
         closed = arm.limits.lower[4:].tolist() if name == "--q" else [0.0]
         state.append([*row, *closed] if len(row) < n else row)
-    result = _result(arm, constants, flow, *state)
+    result = _result(arm, constants, efficiency, flow, *state)
     if plot is not None:
         if not (speed := math.hypot(*(flow or ()))):
             raise InputError("plot", plot, "a --current that flows, with it")
@@ -142,7 +143,7 @@ def torque(
     options.show(as_json, result, _text(result), plot)
 
 
-def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> Any:
+def _result(arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: Any, a: Any) -> Any:
     """The result as it goes to JSON, SI units."""
     from alpha5_model.dynamics.batch import torque_terms, water_terms
     from alpha5_model.uncertainty import torque_margin
@@ -162,7 +163,7 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
         columns |= {"moving_water": levels[1], "moving_water_range": interval}
     flows: list[Any] = []
     for name, torque, speed in zip(arm.joint_names, total, v, strict=True):
-        motor = actuator(name, constants)
+        motor = actuator(name, constants, efficiency=efficiency)
         flows.append((None, None))
         with suppress(MissingParameterError):  # the jaw rod's screw lead is not published
             held = motor.current_interval(torque, speed) if speed else motor.holding_current(torque)
@@ -173,7 +174,13 @@ def _result(arm: Arm, constants: str, current: Any, q: Any, v: Any, a: Any) -> A
     columns["within_limits"] = [name not in beyond for name in arm.joint_names]
     rows = zip(*columns.values(), strict=True)
     joints = [dict(zip(columns, row, strict=True)) for row in rows]
-    return {**around, "constants": constants, "joints": joints, "mount": _wrench(wrench) | load}
+    return {
+        **around,
+        "constants": constants,
+        "efficiency": efficiency,
+        "joints": joints,
+        "mount": _wrench(wrench) | load,
+    }
 
 
 def _wrench(vector: FloatArray) -> dict[str, Any]:

@@ -51,6 +51,7 @@ def trajectory(
     bandwidth: Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
     velocities: Annotated[str, Option(help="file, positions (their slope) or auto.")] = "auto",
     constants: options.Constants = "printed",
+    efficiency: options.Efficiency = "gearbox",
     supply_voltage: Annotated[float | None, Option(help="For limits (V); not published.")] = None,
     current_limit: Annotated[float | None, Option(help="Of each motor (A); not published.")] = None,
     screw_lead: Annotated[float | None, Option(help="Jaw rod (m per turn); not published.")] = None,
@@ -78,7 +79,9 @@ def trajectory(
             gripper = "jaws" if "axis_a" in motion.joints else "locked"
         motors = {}
         if screw_lead is not None:
-            motors["axis_a"] = actuator("axis_a", constants, screw_lead=screw_lead)
+            motors["axis_a"] = actuator(
+                "axis_a", constants, screw_lead=screw_lead, efficiency=efficiency
+            )
             if gripper != "jaws":
                 expected = "no value: the jaw rod is not part of the motion"
                 raise InputError("screw-lead", screw_lead, expected)
@@ -86,6 +89,7 @@ def trajectory(
         how: dict[str, Any] = {"method": smoothing, "bandwidth": bandwidth}
         how |= {"use_velocity": use_velocity, "constants": constants, "actuators": motors}
         how |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
+        how |= {"efficiency": efficiency}
         analysis = library.analyse(motion, arm, progress=progress, current=flow, **how)
         summary = library.summary(analysis)
         s, at = analysis.smooth, np.abs(analysis.torque).argmax(axis=0)

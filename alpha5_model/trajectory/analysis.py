@@ -107,6 +107,7 @@ def analyse(
     threads: int | None = None,
     progress: tables.Progress | None = None,
     current: ArrayLike | None = None,
+    efficiency: str = "gearbox",
 ) -> Analysis:
     """Torques, currents, powers, mount load and TCP path of a motion.
 
@@ -123,10 +124,11 @@ def analyse(
         progress: Called with a stage's name and the part done, 0 to 1.
         current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are
             estimated, not published. None for water that only bears.
+        efficiency: Whose efficiency Table 4's eta_max is (`alpha5_model.actuators`).
 
     Raises:
         InputError: An arm with other joints than the motion, or one limit without the other.
-        UnknownNameError: No such method, constants or joint.
+        UnknownNameError: No such method, constants, efficiency or joint.
     """
     from alpha5_model.dynamics.batch import WaterTerms, frame_positions, torque_terms, water_terms
 
@@ -138,7 +140,7 @@ def analyse(
     given: Any = supply_voltage, current_limit
     if (supply_voltage is None) != (current_limit is None):
         raise InputError("supply_voltage and current_limit", given, "both or neither")
-    by_joint = {name: actuator(name, constants) for name in motion.joints}
+    by_joint = {name: actuator(name, constants, efficiency=efficiency) for name in motion.joints}
     own = (actuators or {}).items()
     by_joint |= {choice("joint", name, motion.joints): motor for name, motor in own}
     motors = tuple(by_joint.values())

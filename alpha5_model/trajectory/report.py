@@ -73,7 +73,12 @@ def summary(analysis: Analysis) -> dict[str, Any]:
     out |= {"duration_s": time[-1] - time[0], "time_unit_of_file": a.motion.time_unit}
     out |= {"sample_time_s": {"median": np.median(steps), "longest": steps.max()}, "model": model}
     out["smoothing"] = {"method": s.method, "bandwidth_hz": s.bandwidth, **derivatives}
-    out["motors"] = {"constants": a.actuators[0].constants, "constants_ratio": ratios, **drive}
+    out["motors"] = {
+        "constants": a.actuators[0].constants,
+        "constants_ratio": ratios,
+        "efficiency": a.actuators[0].efficiency,
+        **drive,
+    }
     joints = enumerate(parameters().joints[: len(s.joints)])
     out |= {"joints": {joint.name: _joint(a, k, joint) for k, joint in joints}, "energy": energy}
     out |= {"mount": mount, "tcp": ends | {"path_length_m": path.sum()}}
