@@ -19,7 +19,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import LARGEST, FloatArray, bounded, fitting, is_rotation, real, shaped
+from alpha5_model.checks import (
+    LARGEST,
+    FloatArray,
+    array,
+    bounded,
+    fitting,
+    is_rotation,
+    real,
+    shaped,
+)
 from alpha5_model.errors import InputError
 
 
@@ -116,9 +125,9 @@ def combine(
     """
     (m,) = fitting(masses=(masses, ()))
     n = m.size
-    m = bounded("masses", shaped("masses", m, (n,)))
-    c = bounded("coms", shaped("coms", coms, (n, 3)))
-    tensors = bounded("inertias", shaped("inertias", inertias, (n, 3, 3)))
+    m = array("masses", m, n)
+    c = array("coms", coms, n, 3)
+    tensors = array("inertias", inertias, n, 3, 3)
     mass = float(m.sum())
     if mass == 0:
         raise InputError("masses", m.tolist(), "masses that do not add up to zero")
@@ -228,7 +237,7 @@ def inconsistencies(
     if not found and least <= 0:
         found.append("the pseudo-inertia is not positive definite")
     if bounds is not None:
-        box = bounded("bounds", shaped("bounds", bounds, (3, 2)))
+        box = array("bounds", bounds, 3, 2)
         variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
         for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
             if not low <= position <= high:

@@ -1,7 +1,7 @@
 """A recursive Newton-Euler of our own, in NumPy, from the tables of the document as printed.
 
-It shares nothing with the package: Tables 1 to 3 as typed in `reference`, frames from Section 2 (with {0} as
-Figures 1 and 7 draw it), Newton's and Euler's equations written in the axes of the base for N states at once.
+It shares nothing with the package: Tables 1 to 3 as typed in `reference`, frames from Section 2 (with {0} not
+turned by pi, the correction ``base_frame``), Newton's and Euler's equations written in the axes of the base for N states at once.
 """
 
 from __future__ import annotations

@@ -79,6 +79,7 @@ def test_each_verdict_follows_from_its_figures(row: AuditRow) -> None:
     assert (row.effect is None) == (row.effect_unit == "")
     assert row.effect_unit in ("", "N m", "N m/A", "mm")
     assert row.kind in ("claim", "observation")
+    assert (row.category is None) == (row.kind == "observation")
     assert row.standard_error >= 0
 
 
@@ -97,6 +98,7 @@ def test_judging() -> None:
     assert verdict(1.15, "=", law=True) == "impossible"
     plain = AuditRow("a.b", "p", "s", 1.0, "=", 1.0, 0.0, "", "agrees", "f")
     assert (plain.standard_error, plain.effect, plain.kind) == (0.0, None, "claim")
+    assert plain.category == "error"
     assert verdict(1.05, "=", law=True) == "agrees"
     assert verdict(1.1 + 1e-12, "<=") == "differs"
     assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == ["agrees"] * 3
@@ -117,11 +119,13 @@ def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
     """The documents do not speak of these: their numbers are held against something else."""
     observed = {claim for claim, row in rows.items() if row.kind == "observation"}
-    by_link = {f"density.link_{i}" for i in range(5)}
+    by_link = {f"{name}.link_{i}" for name in ("density", "mass_spread") for i in range(5)}
     by_actuator = {
         f"{name}.actuator_{i}" for name in ("friction", "stall_torque") for i in range(4)
     }
+    by_actuator |= {f"efficiency.actuator_{i}" for i in range(3)}
     single = {
+        "printed_digits.link_2",
         "total.wet_weight",
         "inverse_kinematics.branches",
         "inverse_kinematics.wrapping",
@@ -130,6 +134,67 @@ def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
     }
     moving_water = {f"circulating_water.{k}" for k in ("axis_e", "axis_d", "axis_c", "coupling")}
     assert observed == by_link | by_actuator | single | moving_water
+
+
+#: What the documents say that is right in no reading that we know. Who adds a row here accuses them.
+ERRORS = {
+    "workspace.downward_centre",
+    "workspace.downward_radius",
+    "parallel_axis.link_0",
+    "parallel_axis.link_1",
+    "cob_inside.link_3",
+    "dexterous_workspace.necessary",
+    "lecture.necessary",
+    "lecture.any_number",
+}
+#: Differences that hang on a sign, an index or a letter of a text that was transcribed.
+TRANSCRIPTION = {
+    "equation_1.printed",
+    "equation_2.printed",
+    "lecture.strict",
+    "experiment.middle_links_head",
+    "experiment.half",
+    "relative_pose.printed",
+    "relative_pose.superscript",
+    "relative_pose.axis_labels",
+}
+
+
+def test_errors_readings_and_matters_of_transcription(rows: dict[str, AuditRow]) -> None:
+    differing = {claim: row for claim, row in rows.items() if row.verdict != "agrees"}
+
+    def of(category: str) -> set[str]:
+        return {claim for claim, row in differing.items() if row.category == category}
+
+    assert of("error") == ERRORS
+    assert of("transcription") == TRANSCRIPTION
+    # A reading names the one that was measured, and one in which the claim is right.
+    for claim in of("reading") - {"cross_reference.section_2.2", "frames.first"}:
+        finding = differing[claim].finding
+        assert " if " in finding, claim
+        assert "right" in finding or claim in RIGHT_IN_OTHER_WORDS, claim
+    for claim in ("equation_1.rotation", "workspace.beyond_reach", "workspace.self_collision"):
+        assert differing[claim].category == "reading"
+    assert rows["mass_spread.link_1"].kind == "observation"
+
+
+#: Readings whose finding says otherwise that the other one holds.
+RIGHT_IN_OTHER_WORDS = {
+    "workspace.left_out",
+    "implied_mass.link_0",
+    "implied_mass.link_1",
+    *(f"motor_constants.actuator_{i}" for i in range(5)),
+}
+
+
+def test_no_row_leans_on_figures_that_are_not_at_hand(rows: dict[str, AuditRow]) -> None:
+    """The documents came as text. Only what is read off a caption may name a figure."""
+    for row in rows.values():
+        named = set(re.findall(r"Figures? (\d)", row.place + row.says))
+        assert named <= {"2"}, row.claim  # its caption: "without self collision"
+    base = rows["base_frame.link_0"]
+    assert "public CAD" in base.place
+    assert "Figure 1, which we do not have" in base.finding
 
 
 def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -> None:
@@ -312,6 +377,7 @@ def test_link_1_is_longer_than_its_part(rows: dict[str, AuditRow]) -> None:
     spread = math.sqrt((109.469 + 122.362 - 43.987) / 2 / 0.161)
     room = math.sqrt((67 - 25.038) * (25.038 - 14))
     row = rows["mass_spread.link_1"]
+    assert row.kind == "observation"
     assert (row.measured, row.expected) == (pytest.approx(spread), pytest.approx(room))
     assert row.verdict == "differs"
     housing = "; part of this mass turns inside the neighbour's housing"
@@ -715,6 +781,59 @@ def test_the_theorem_by_turning_the_hand(rows: dict[str, AuditRow]) -> None:
     assert min(longer, strict) > 0
 
 
+def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
+    """Link 4 turns if its wrist stays in the annulus of links 1 to 3; pairs of all others add up to too little."""
+    row = rows["lecture.any_number"]
+    turning = by_pairs = by_threes = broken = 0
+    angle = np.linspace(0, 2 * np.pi, 361)
+    for *links, tip in itertools.product(range(1, 5), repeat=5):
+        first, last = links[:3], links[3]
+        wrist = np.hypot(tip + last * np.cos(angle), last * np.sin(angle))
+        inner = max(0, 2 * max(first) - sum(first))
+        turns = wrist.max() <= sum(first) + 1e-9 and wrist.min() >= inner - 1e-9
+        half = (sum(links) + tip) / 2
+        others = [*first, tip]
+        promised = all(a + b >= half for a, b in itertools.combinations(others, 2))
+        threes = all(sum(x) >= half for x in itertools.combinations(others, 3))
+        turning, by_pairs, by_threes = turning + turns, by_pairs + promised, by_threes + threes
+        broken += threes and not turns
+    assert by_pairs == 0
+    assert by_threes > 100
+    assert f"share of the {turning} sets" in row.finding
+    assert f", {broken} promises are broken" in row.finding
+    assert broken == 0
+    assert (row.measured, row.verdict, row.category) == (100, "differs", "error")
+
+
+def test_the_spatial_condition_by_counting_dimensions(rows: dict[str, AuditRow]) -> None:
+    """Prismatic joints do not turn the tool: three dimensions need three revolute joints, six need six."""
+    row = rows["dexterous_workspace.spatial"]
+    assert (row.measured, row.verdict) == (0, "agrees")
+    sequences = [kinds for n in range(1, 7) for kinds in itertools.product("RP", repeat=n)]
+    able = [kinds for kinds in sequences if len(kinds) == 6 and kinds.count("R") >= 3]
+    assert f"the {len(able)} sequences of up to 6 joints" in row.finding
+
+
+def test_the_notes_numbers_of_axes_and_frames(rows: dict[str, AuditRow]) -> None:
+    middle = (reference.LOWER + reference.UPPER) / 2
+    frames = reference.dh_frames(middle)
+    steps = [np.linalg.inv(a) @ b for a, b in itertools.pairwise(frames)]
+    apart = max(np.abs(step - frame).max() for step, frame in zip(steps, frames[1:], strict=True))
+    row = rows["relative_pose.superscript"]
+    assert row.measured == pytest.approx(apart)
+    gap = steps[-1][:3, 3] - frames[-1][:3, 3]
+    assert row.effect == pytest.approx(1000 * np.linalg.norm(gap))
+    assert row.verdict == "differs"
+    labels = rows["relative_pose.axis_labels"]
+    assert (labels.measured, labels.expected) == (0, 1)
+    # theta_1 turns frame {1} about z_0, upright, and not about z_1, which lies level.
+    turned = reference.dh_frames(middle + np.array([0.1, 0, 0, 0]))
+    assert (turned[1] @ np.linalg.inv(frames[1]))[:3, :3] == pytest.approx(
+        reference.rotation_z(0.1)[:3, :3]
+    )
+    assert abs(frames[1][2, 2]) < 1e-12
+
+
 def test_two_links_with_limits_keep_their_hole(rows: dict[str, AuditRow]) -> None:
     """Law of cosines: with the elbow at its limit the tip is nearest to the base."""
     row = rows["planar_workspace.2r_limits"]
@@ -837,6 +956,12 @@ def test_the_lectures_table_and_matrix_arrived() -> None:
     assert "must be the shortest link" in text
     assert r"\lambda_2 + \lambda_3 > \frac{1}{2}L" in text
     assert "At least one revolute joint w/o limits" in text
+    assert "valid for any number of revolute joints" in text
+    assert "At least three revolute joints and at least three other joints" in text
+    assert "{}^0A_j" in text
+    words = " ".join(text.split())
+    assert r"Label them $z_j$ , $j=1,2,\dots,N$" in words
+    assert r"$\theta_j$ = angle about $z_{j-1}$" in words
 
 
 def test_the_documents_cross_references_arrived() -> None:
@@ -922,6 +1047,63 @@ def test_a_verdict_turns_with_the_document(rows: dict[str, AuditRow], change: st
         turned = audit_of(document)
     assert rows[claim].verdict != verdict
     assert turned[claim].verdict == verdict
+
+
+def test_a_mass_without_its_last_digit(rows: dict[str, AuditRow]) -> None:
+    row = rows["printed_digits.link_2"]
+    assert (row.measured, row.expected, row.verdict) == (2, 3, "differs")
+    lever = math.dist((0, 0, 0), reference.COM[2]) / 1000
+    assert row.effect == pytest.approx((0.005 - 0.0005) * 9.81 * lever)
+    assert "it may stand for 0.380 kg" in row.finding
+    assert "the two tensors give 0.37990 +-0.00001 kg" in row.finding
+    assert rows["implied_mass.link_2"].measured == pytest.approx(0.3799, abs=5e-6)
+    mended = audit_of(DOCUMENT.replace('mass = "0.38"', 'mass = "0.380"'))
+    assert not [claim for claim in mended if claim.startswith("printed_digits")]
+
+
+def test_eta_max_as_a_gearboxs(rows: dict[str, AuditRow]) -> None:
+    """Stages of one efficiency and ratio: 340.4 = r^n, 0.77 = e^n, 1754.4 = r^m, and e^m is asked for."""
+    stages = math.log(1754.4) / math.log(340.4)
+    stall = rows["stall_torque.actuator_0"].measured
+    for i in range(3):
+        row = rows[f"efficiency.actuator_{i}"]
+        assert row.measured == 86
+        assert row.expected == pytest.approx(100 * 0.77**stages)
+        assert row.verdict == "differs"
+        assert row.effect == pytest.approx(stall / 0.86 - stall)
+    assert "if it is the motor's, 118.2 N m" in rows["stall_torque.actuator_0"].finding
+    assert stall == pytest.approx(101.7, abs=0.05)
+    worse = audit_of(DOCUMENT.replace('efficiency = "86"', 'efficiency = "71"'))
+    assert worse["efficiency.actuator_0"].verdict == "agrees"
+
+
+def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
+    """Cells of half a millimetre whose centre the two links reach, by the law of cosines."""
+    a_0, d_0, length, offset, a_2, d_3 = LENGTHS
+    l_1, l_2 = math.hypot(offset, length), math.hypot(a_2, d_3)
+    lines = np.arange(0.25, 361, 0.5), np.arange(-300.25, 401, 0.5)
+    radius, height = np.meshgrid(*lines, indexing="ij")
+    square = (radius - a_0) ** 2 + (height - d_0) ** 2
+    bearing = np.arctan2(height - d_0, radius - a_0)
+    reached = np.zeros(radius.shape, bool)
+    for side in (1, -1):
+        with np.errstate(invalid="ignore"):
+            fold = side * np.arccos((l_1**2 + l_2**2 - square) / (2 * l_1 * l_2))
+        up = bearing - np.angle(l_1 - l_2 * np.exp(-1j * fold))
+        theta_1 = up + np.pi / 2 - reference.THETA_C
+        theta_2 = fold - reference.THETA_C - math.atan(a_2 / d_3)
+        within = np.ones(radius.shape, bool)
+        for i, angle in ((1, theta_1), (2, theta_2)):
+            turned = np.mod(angle - reference.LOWER[i], 2 * np.pi)
+            within &= turned <= reference.UPPER[i] - reference.LOWER[i]
+        reached |= within
+    inside = square <= (l_1 + l_2) ** 2
+    inside &= square >= (39.94 + a_2) ** 2 + (145.3 - d_3) ** 2
+    inside &= (radius - a_0) ** 2 + (height - d_0 + 145.3) ** 2 >= d_3**2
+    share = 100 * (reached & ~inside).sum() / reached.sum()
+    (printed,) = re.findall(r"it is ([\d.]+) % if the tori", rows["workspace.left_out"].finding)
+    assert float(printed) == pytest.approx(share, abs=0.02)
+    assert float(printed) < rows["workspace.left_out"].measured / 8
 
 
 def test_the_other_sign_would_be_found(rows: dict[str, AuditRow]) -> None:

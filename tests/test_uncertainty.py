@@ -101,6 +101,35 @@ def test_alternatives_change_what_they_name() -> None:
     assert other.actuators[0].torque_constant < same.actuators[0].torque_constant
 
 
+def test_the_missing_digit_and_the_motors_efficiency() -> None:
+    plain = u.printed_numbers()
+    finer = u.printed_numbers(["link2_mass"])
+    assert {n for n in plain if plain[n] != finer[n]} == {"link_2.mass"}
+    mass = finer["link_2.mass"]
+    assert (mass.value, mass.lower, mass.upper) == (0.38, 0.3795, 0.3805)
+    drawn = u.sample(200, 1, alternatives=["link2_mass"])
+    masses = drawn.values[:, drawn.names.index("link_2.mass")]
+    assert 0.3795 <= masses.min() < 0.38 < masses.max() <= 0.3805
+    # The masses of the tensors are known more closely still.
+    both = u.printed_numbers(["link2_mass", "implied_mass"])["link_2.mass"]
+    assert both == u.printed_numbers(["implied_mass"])["link_2.mass"]
+
+    motors = u.printed_numbers(["motor_efficiency"])
+    named = {f"actuator_{i}.efficiency" for i in range(5)}
+    assert {n for n in plain if plain[n] != motors[n]} == named
+    assert {(motors[n].lower, motors[n].upper) for n in named} == {(1.0, 1.0)}
+    p = u.sample(1, 1, alternatives=["motor_efficiency"]).parameters(0)
+    assert [m.efficiency for m in p.actuators] == [1.0] * 5
+
+    def current(p: Any) -> Any:
+        return a5.actuators.Actuator("axis_d", p.actuators[1]).current(0.5, 0.1)
+
+    found = u.sensitivity(current, ["motor_efficiency"])
+    motor = a5.actuators.actuator("axis_d", efficiency="motor")
+    assert found.nominal == pytest.approx(float(motor.current(0.5, 0.1)), rel=1e-12)
+    assert dict(zip(found.names, found.effects, strict=True))["actuator_1.efficiency"] == 0
+
+
 def test_samples_round_to_what_is_printed() -> None:
     drawn = u.sample(200, 5)
     assert len(drawn) == 200
@@ -302,7 +331,7 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
         assert (wide > 1e-6).all()
 
 
-@pytest.mark.parametrize("alternatives", [(), ("link3_cob",), ("implied_mass",)])
+@pytest.mark.parametrize("alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)])
 def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
     """Also of the energies, in Pinocchio, and for an arm that holds something."""
     q, v, a = states(30, 4)

@@ -403,6 +403,9 @@ def test_a_differing_document_is_not_a_failure(capsys: pytest.CaptureFixture[str
     assert content["passed"] is True
     assert {"agrees", "differs", "impossible"} == {row["verdict"] for row in content["document"]}
     assert [row["claim"] for row in content["document"]] == [row.claim for row in a5.audit()]
+    categories = {row["claim"]: row["category"] for row in content["document"]}
+    assert categories == {row.claim: row.category for row in a5.audit()}
+    assert set(categories.values()) == {"error", "reading", "transcription", None}
     assert {row["file"] for row in content["files"]} == {
         "alpha5.urdf",
         "alpha5_jaws.urdf",
@@ -418,14 +421,21 @@ def test_the_report_fits_its_width(
     assert main(["check"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= columns
-    parts = []
-    for kind, name in (("claim", "Documents"), ("observation", "observations")):
-        found = [r.verdict for r in a5.audit() if r.kind == kind]
-        words = (("agree", "agrees"), ("differ", "differs"), ("impossible", "impossible"))
-        parts.append(
-            f"{name} " + ", ".join(f"{found.count(v)} {w}" for w, v in words if v in found)
-        )
-    assert " ".join("\n".join(lines).split()).startswith("; ".join(parts) + "; files ")
+    claims = [row for row in a5.audit() if row.kind == "claim"]
+    observed = [row for row in a5.audit() if row.kind == "observation"]
+    agree, observed_agree = (
+        sum(row.verdict == "agrees" for row in rows) for rows in (claims, observed)
+    )
+    errors, readings, transcription = (
+        sum(row.category == category and row.verdict != "agrees" for row in claims)
+        for category in ("error", "reading", "transcription")
+    )
+    summary = (
+        f"Documents {agree} agree, {errors} errors, {readings} readings, "
+        f"{transcription} matters of transcription; observations {observed_agree} agree, "
+        f"{len(observed) - observed_agree} differ; files "
+    )
+    assert " ".join("\n".join(lines).split()).startswith(summary)
     text = " ".join(" ".join(lines).split())
     assert not any("…" in line for line in lines)
     # One sentence a finding: where, what was measured, figure and bound with their unit.
@@ -433,20 +443,42 @@ def test_the_report_fits_its_width(
         "differs Section 2.1, Table 2, link 0: largest distance between I_Link and I_COM carried "
         "to the link frame: 6.625 kg·mm², must be 0 ± 1.4 kg·mm²",
         "that the two formulas recover: 81.53 ± 0.61 %, must be at least 100 %",
-        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: K_t / K_v of one motor, 1 in SI units: ",
+        "differs Section 2.2.1, Table 4, actuator 0, 1, 2: K_t / K_v of one motor, 1 in SI units if ",
         "alpha5_jaws.urdf: 10 passed",
     ):
         assert words in text
     assert "± 0 " not in text
     assert "agrees" not in text
-    claims, _, observed = text.partition("Observed in their numbers, not claimed by them")
-    assert "K_t / K_v" in claims
-    for words in ("friction seen at the joint", "K_t U / R Gr eta", "mean density"):
-        assert words in observed
-        assert words not in claims
+    parts = split_by_heading(text)
+    for heading, words in (
+        ("Errors of the documents", "which the formula drops"),
+        ("Errors of the documents", "the pairs of all but l_4"),
+        ("Readings", "K_t / K_v"),
+        ("Readings", "if R turns {A} into {B}"),
+        ("Observed in their numbers", "friction seen at the joint"),
+        ("Observed in their numbers", "K_t U / R Gr eta"),
+        ("Observed in their numbers", "mean density"),
+        ("Transcription", "largest miss of I_Link by the equation"),
+    ):
+        assert [name for name, part in parts.items() if words in part] == [heading]
     findings = [line for line in lines if line.startswith(("  differs  ", "  impossible  "))]
     beyond = [row for row in a5.audit() if row.verdict != "agrees"]
     assert len({r.topic for r in beyond}) < len(findings) <= len(beyond)
+
+
+def split_by_heading(text: str) -> dict[str, str]:
+    """The parts of the answer on the documents, by the first words of their headings."""
+    headings = (
+        "Errors of the documents",
+        "Readings",
+        "Observed in their numbers",
+        "Transcription",
+        "The files against the documents",
+    )
+    places = [text.index(f" {heading}") for heading in headings]
+    assert places == sorted(places)
+    ends = [*places[1:], len(text)]
+    return {name: text[i:j] for name, i, j in zip(headings, places, ends, strict=True)}
 
 
 def test_all_shows_every_row(capsys: pytest.CaptureFixture[str]) -> None:

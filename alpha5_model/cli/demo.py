@@ -11,7 +11,7 @@ from typer import Option
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.cli.options import say
-from alpha5_model.cli.proofs import alike, sentence
+from alpha5_model.cli.proofs import alike, documents, sentence
 from alpha5_model.consistency import audit
 from alpha5_model.description import mesh_assets, srdf, variants, verification
 from alpha5_model.dynamics import load
@@ -65,11 +65,12 @@ def _describe(output: Path) -> bool:
 
 def _audit() -> None:
     rows = audit()
-    beyond = [row for row in rows if row.verdict != "agrees"]
-    counts = f"{len(rows)} claims measured, {len(rows) - len(beyond)} agree, {len(beyond)} do not"
-    say("2. The document against itself", f"   {counts}; `alpha5 check` says more:")
-    for topic in dict.fromkeys(row.topic for row in beyond):
-        same, *others = alike(row for row in beyond if row.topic == topic)
+    errors = [row for row in rows if row.category == "error" and row.verdict != "agrees"]
+    say("2. The documents against themselves")
+    say(f"   {documents(rows)}")
+    say("   The errors; `alpha5 check` says more:")
+    for topic in dict.fromkeys(row.topic for row in errors):
+        same, *others = alike(row for row in errors if row.topic == topic)
         more = sum(map(len, others))
         say(f"     {sentence(same)}" + (f" ({more} more like it)" if more else ""))
 

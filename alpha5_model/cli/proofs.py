@@ -23,6 +23,13 @@ from alpha5_model.files import check_outputs
 from alpha5_model.text import table
 from alpha5_model.view.figures import FORMATS, plot_comparison
 
+#: Heading -> what the summary calls the claims under it.
+_CLAIMS = {
+    "agrees": "agree",
+    "error": "errors",
+    "reading": "readings",
+    "transcription": "matters of transcription",
+}
 _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
 
@@ -34,9 +41,10 @@ def check(
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
 
-    Where the document differs from itself that is a finding: the exit status is
-    1 only if a generated file (or the one given) fails. --verbose also shows what
-    agrees, and the claims' words.
+    Where the document differs from itself that is a finding: an error, a matter
+    of reading, or one of transcription. The exit status is 1 only if a generated
+    file (or the one given) fails. --verbose also shows what agrees, and the
+    claims' words.
 
     Example: alpha5 check --urdf my_arm.urdf
     """
@@ -54,9 +62,13 @@ def check(
 
 def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool) -> options.Lines:
     yield _summary(claims, files)
-    for kind, rows in _grouped(claims, lambda row: row.kind).items():
-        yield f"\n{options.WORDS['check'][kind]}"
+    by_heading = _grouped(claims, _heading)
+    for heading, title in options.WORDS["check"].items():
+        rows = by_heading.get(heading, [])
         shown = [row for row in rows if verbose or row.verdict != "agrees"]
+        if not shown:
+            continue
+        yield f"\n{title}"
         lines: list[Any] = [(same[0].verdict, sentence(same, verbose)) for same in alike(shown)]
         yield from table(lines, "<", 2, options.width())
     yield "\nThe files against the documents"
@@ -69,6 +81,15 @@ def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: boo
         yield from table(cells, "<", 4, options.width()) if cells else ()
     if not verbose:
         yield "\n--verbose adds the rows in agreement, the claims' words and all reasons"
+
+
+def _heading(row: AuditRow) -> str:
+    """The heading under which a row is shown, a key of the command's words."""
+    if row.kind == "observation":
+        return "observation"
+    if row.verdict == "agrees":
+        return "agrees"
+    return str(row.category)
 
 
 def alike(rows: Iterable[AuditRow]) -> Iterable[Sequence[AuditRow]]:
@@ -122,13 +143,19 @@ def _grouped(rows: Iterable[Any], key: Callable[[Any], Any]) -> dict[Any, list[A
     return groups
 
 
+def documents(rows: Sequence[AuditRow]) -> str:
+    """How many claims agree, how many differ in which way, and the same of the observations."""
+    claims = Counter(_heading(row) for row in rows if row.kind == "claim")
+    found = [f"{claims[heading]} {words}" for heading, words in _CLAIMS.items()]
+
+    observed = Counter(row.verdict for row in rows if row.kind == "observation")
+    differing = observed["differs"] + observed["impossible"]
+    noted = f"observations {observed['agrees']} agree, {differing} differ"
+    return f"documents {', '.join(found)}; {noted}"
+
+
 def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
-    parts = []
-    for kind, name in (("claim", "documents"), ("observation", "observations")):
-        if counts := Counter(str(row.verdict) for row in document if row.kind == kind):
-            words = (word for word in ("agrees", "differs", "impossible") if counts[word])
-            found = (f"{counts[word]} {word.removesuffix('s')}" for word in words)
-            parts.append(f"{name} {', '.join(found)}")
+    parts = [documents(document)] if document else []
     verdicts = Counter({"passed": 0, "failed": 0})
     verdicts.update(row.verdict for row in files)
     parts.append("files " + ", ".join(f"{count} {word}" for word, count in verdicts.items()))

@@ -10,6 +10,7 @@ References:
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
 from functools import partial
 from typing import Any
@@ -69,6 +70,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *(audited(claim, link=rows[4].link, **_worst(claim, rows[4])) for claim in EQUATIONS),
         *_rotation(p),
         *_masses(rows),
+        *_missing_decimals(rows),
         *(_possible(claim, row) for row in rows for claim in TENSORS),
         *(_inside("com_inside", r, r.com, b) for r, b in zip(rows, boxes, strict=True)),
         *map(_mass_spread, rows, boxes),
@@ -150,6 +152,29 @@ def _masses(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
         found.append(audited("implied_mass", implied, bound, row.mass.si, of=row, effect=effect))
     implied, bound = (sum(getattr(row, key) for row in found) for key in ("measured", "bound"))
     return [*found, audited("total.mass", implied, bound, float(total), total=total)]
+
+
+def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
+    """Masses with fewer decimals than those of the other links."""
+    decimals = [len(row.mass.text.partition(".")[2]) for row in rows]
+    usual = max(decimals)
+
+    found = []
+    for row, own in zip(rows, decimals, strict=True):
+        if own == usual:
+            continue
+        finer = replace(row.mass, text=f"{row.mass.value:.{usual}f}")
+        implied, rounding = implied_mass(row)
+        lever = float(np.linalg.norm(si(row.com)))
+        words: dict[str, Any] = {
+            "usual": usual,
+            "finer": finer,
+            "implied": implied,
+            "rounding": rounding,
+            "effect": (row.mass.rounding - finer.rounding) * G * lever,
+        }
+        found.append(audited("printed_digits", own, expected=usual, of=row, **words))
+    return found
 
 
 def _possible(claim: str, row: InertialRow) -> AuditRow:

@@ -157,7 +157,10 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     beyond = exact.unreachable_area / exact.published_area
     missed = exact.missed_area / exact.reachable_area
     outside = audited("workspace.beyond_reach", beyond, bounds[0])
-    return [outside, audited("workspace.left_out", missed, bounds[1])]
+    # The third torus is drawn for one pose, and so is the inner one.
+    left_out = workspace.area(workspace.reachable_but_unpublished("underarm"))
+    underarm = 100 * left_out / workspace.cross_section_area("underarm")
+    return [outside, audited("workspace.left_out", missed, bounds[1], underarm=underarm)]
 
 
 @cache

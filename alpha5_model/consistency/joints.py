@@ -49,6 +49,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         audited("actuators.turning", sum(turns[:4]) - sum(turns[4:]), expected=4),
         *map(_motor_constants, rows),
         *(_friction(row, joint=joint.name, **words) for row, joint in turning),
+        *(_efficiency(row, joint, rows[3], supply) for row, joint in turning[:3]),
         *(_stall(row, joint, supply) for row, joint in turning),
         *_moving_water(p),
     ]
@@ -87,10 +88,45 @@ def _friction(row: ActuatorRow, **words: Any) -> AuditRow:
     return audited("friction", value, bound, words["air"], of=row, effect=effect, **words)
 
 
-def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> AuditRow:
+def _efficiency(
+    row: ActuatorRow, joint: JointParameters, other: ActuatorRow, supply: list[Quantity]
+) -> AuditRow:
+    """eta_max as a gearbox's, against that of an actuator with another gear ratio.
+
+    A gearbox of equal stages has a ratio of ``r^n`` and an efficiency of ``e^n``, so that
+    the logarithms of the two are proportional.
+    """
+
+    def carried(x: FloatArray) -> Any:
+        efficiency, ratio, own_ratio = x
+        return efficiency ** (np.log(own_ratio) / np.log(ratio))
+
+    inputs = [other.efficiency, other.gear_ratio, row.gear_ratio]
+    expected, bound = figure(carried, inputs)
+    with_loss, _ = _stall_torque(row, supply)
+    words: dict[str, Any] = {
+        "joint": joint.name,
+        "other": other,
+        "effect": with_loss / row.efficiency.si - with_loss,
+    }
+    bound += row.efficiency.rounding
+    return audited("efficiency", row.efficiency.si, bound, expected, of=row, **words)
+
+
+def _stall_torque(row: ActuatorRow, supply: list[Quantity]) -> tuple[float, float]:
+    """Torque of the joint that stands still at full voltage [N m], and its rounding."""
     inputs = [row.torque_constant, row.gear_ratio, row.efficiency, *supply, row.resistance]
     value, bound = figure(lambda x: np.prod(x[:-1]) / x[-1], inputs)
-    words: dict[str, Any] = {"joint": joint.name, "volts": np.prod(si(supply))}
+    return float(value), float(bound)
+
+
+def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> AuditRow:
+    value, bound = _stall_torque(row, supply)
+    words: dict[str, Any] = {
+        "joint": joint.name,
+        "volts": np.prod(si(supply)),
+        "without": value / row.efficiency.si,
+    }
     effect = max(value - joint.effort, 0.0)
     return audited("stall_torque", value, bound, joint.effort, of=row, effect=effect, **words)
 

@@ -15,13 +15,28 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, sampled_share, texts
+from alpha5_model.dh import DHChain
+from alpha5_model.dh.arm_types import spatial_conditions
 from alpha5_model.dh.link import dh_transform
 from alpha5_model.parameters import Alpha5Parameters
-from alpha5_model.planar import PlanarArm, dexterity, dexterous_area, theorem_row
+from alpha5_model.planar import (
+    PlanarArm,
+    dexterity,
+    dexterous_area,
+    dexterous_radii,
+    theorem_row,
+    turns_fully,
+)
 from alpha5_model.spatial import rotation_about, transform
 
 #: Whole link lengths that are tried; sums and halves of them are exact.
 LONGEST = 6
+#: The same for the closing note, with four links.
+FOUR_LONGEST = 4
+#: Four links whose last one turns fully at every distance of the tip up to a limit.
+FOUR_LINKS = (3, 3, 3, 1)
+#: Most joints of the arms for the spatial condition: with six, all dimensions are in reach.
+SPATIAL_JOINTS = 6
 _PRINTED = texts()["experiment"]
 #: The experiment's link lengths, and its table: l_4, the column headed l_2 + l_3, the one headed
 #: l_4/2.
@@ -38,7 +53,16 @@ Figures = dict[str, tuple[float, float]]
 
 def audit(p: Alpha5Parameters) -> list[AuditRow]:
     """The rows of the lecture, in its order."""
-    return [*_workspaces(), *_dexterity(), *_theorem(), *_experiment(), *_relative_pose(p)]
+    return [
+        *_workspaces(),
+        *_dexterity(),
+        _spatial_condition(),
+        *_theorem(),
+        _four_joints(),
+        *_experiment(),
+        *_relative_pose(p),
+        *_numbering(p),
+    ]
 
 
 def _workspaces() -> list[AuditRow]:
@@ -82,6 +106,32 @@ def _dexterity() -> list[AuditRow]:
     return _rows("dexterous_workspace", figures, 0.0, **words)
 
 
+def _spatial_condition() -> AuditRow:
+    """The spatial necessary condition, against the rank of the Jacobian of random arms.
+
+    A dexterous workspace with an interior needs poses in all six dimensions. Every
+    sequence of joints gets one random geometry; its rank is the largest that any geometry
+    has, almost surely.
+    """
+    rng = np.random.default_rng(0)
+    able = 0
+    ruled_out = 0
+    for count in range(1, SPATIAL_JOINTS + 1):
+        for kinds in itertools.product((0, 1), repeat=count):
+            sizes = rng.uniform(0.2, 1.0, (count, 3))
+            turns = rng.uniform(0.3, 1.2, (count, 1))
+            types = np.reshape(kinds, (count, 1))
+            chain = DHChain.from_table([*np.hstack([sizes, turns, types])])
+            jacobian = chain.jacobian(rng.uniform(-1.0, 1.0, count))
+            if np.linalg.matrix_rank(jacobian) < 6:
+                continue
+            able += 1
+            ruled_out += not spatial_conditions(chain).satisfied
+
+    words: dict[str, Any] = {"joints": SPATIAL_JOINTS, "able": able}
+    return audited("dexterous_workspace.spatial", ruled_out / able, **words)
+
+
 def _theorem() -> list[AuditRow]:
     """Both directions of the theorem, for all whole lengths l_1 ... l_4 up to `LONGEST`."""
     lengths = np.array([*itertools.product(range(1, LONGEST + 1), repeat=4)])
@@ -98,6 +148,39 @@ def _theorem() -> list[AuditRow]:
     words: dict[str, Any] = {"longest": LONGEST, "example": example}
     sets = figures.items()
     return [audited(f"lecture.{k}", float(np.mean(x)), whole=len(x), **words) for k, x in sets]
+
+
+def _four_joints() -> AuditRow:
+    """The closing note: the theorem for four revolute joints, with the pairs of all but link 4.
+
+    In the form that carries over, the sums are of all lengths but the last link's and one
+    other; for three links these are the theorem's pairs.
+    """
+    turning = 0
+    missed = 0
+    broken = 0
+    sizes = range(1, FOUR_LONGEST + 1)
+    for links in itertools.product(sizes, repeat=4):
+        arm = PlanarArm(links)
+        for tip in sizes:
+            half = (sum(links) + tip) / 2
+            others = [*links[:3], tip]
+            by_pairs = all(sum(pair) >= half for pair in itertools.combinations(others, 2))
+            by_threes = all(sum(three) >= half for three in itertools.combinations(others, 3))
+            turns = turns_fully(arm, tip)
+            turning += turns
+            missed += turns and not by_pairs
+            broken += by_threes and not turns
+
+    ((_, until),) = dexterous_radii(PlanarArm(FOUR_LINKS))
+    words: dict[str, Any] = {
+        "whole": turning,
+        "longest": FOUR_LONGEST,
+        "example": ", ".join(map(str, FOUR_LINKS)),
+        "until": until,
+        "broken": broken,
+    }
+    return audited("lecture.any_number", missed / turning, **words)
 
 
 def _experiment() -> list[AuditRow]:
@@ -136,3 +219,28 @@ def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
         effect, apart = float(np.linalg.norm(tips[0] - tips[1])), np.abs(form - product).max()
         rows.append(audited(f"relative_pose.{name}", apart, ARITHMETIC, effect=effect))
     return rows
+
+
+def _numbering(p: Alpha5Parameters) -> list[AuditRow]:
+    """Two indices of the notes, on Table 1 with all joints at mid-range."""
+    chain = DHChain.alpha5()
+    middle = np.array([(joint.lower + joint.upper) / 2 for joint in p.joints[:4]])
+    frames = chain.frames(middle)
+
+    # z_1, the label of the first joint's axis, against the axis about which theta_1 turns
+    first = np.eye(4)[0]
+    moved = chain.frames(middle + first)[1, :3, :3] @ frames[1, :3, :3].T
+    axis = np.array(
+        [moved[2, 1] - moved[1, 2], moved[0, 2] - moved[2, 0], moved[1, 0] - moved[0, 1]]
+    )
+    along = [float(axis @ frame[:3, 2]) for frame in frames[:2]]
+    turning = int(np.argmax(along))
+    labels = audited("relative_pose.axis_labels", turning, expected=1)
+
+    # {}^0A_j, frame {j} seen from the base, against the printed product, which is {}^{j-1}A_j
+    steps = np.linalg.inv(frames[:-1]) @ frames[1:]
+    apart = np.abs(steps - frames[1:]).max()
+    tool_gap = steps[-1, :3, 3] - frames[-1, :3, 3]
+    effect = float(np.linalg.norm(tool_gap))
+    superscript = audited("relative_pose.superscript", apart, ARITHMETIC, effect=effect)
+    return [labels, superscript]

@@ -23,6 +23,7 @@ from alpha5_model.published.tables import ActuatorRow, BuoyancyRow, InertialRow
 Relation = Literal["=", "<=", ">="]
 Verdict = Literal["agrees", "differs", "impossible"]
 Kind = Literal["claim", "observation"]
+Category = Literal["error", "reading", "transcription"]
 
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
@@ -51,6 +52,11 @@ class AuditRow:
         kind: ``claim``: the documents say so. ``observation``: they do not; their numbers are held
             against something else, and a difference is no error of theirs.
         standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it was computed.
+        category: What a difference means, None for an observation. ``error``: the claim is wrong
+            in every reading. ``reading``: it is wrong in the reading that was measured; the finding
+            names one in which it is right. ``transcription``: it hangs on a sign, an index or a
+            letter of a formula, and we have a transcription of the document only: the original may
+            be right.
     """
 
     claim: str
@@ -67,6 +73,7 @@ class AuditRow:
     effect_unit: str = ""
     kind: Kind = "claim"
     standard_error: float = 0.0
+    category: Category | None = "error"
 
     @property
     def topic(self) -> str:
@@ -105,24 +112,48 @@ def audited(
     """
     if of is not None:
         columns = {column.name: getattr(of, column.name) for column in fields(of)}
-        kind, number = next(iter(columns.items()))
-        claim, words = f"{claim}.{kind}_{number}", columns | words
+        what, number = next(iter(columns.items()))
+        claim, words = f"{claim}.{what}_{number}", columns | words
+
     topic, _, subject = claim.partition(".")
     text: dict[str, Any] = {**texts()[topic], **texts()[topic].get(subject, {})}
     text["finding"] += text["more"] if more else ""
-    place, says, finding = (text[key].format_map(words) for key in ("place", "says", "finding"))
-    unit, effect_unit, relation = text.get("unit", ""), "", text.get("must", "=")
-    scale = PER_SI.get(unit, 1.0)
-    # a decimal number in SI units and back is the same one
-    measured, expected = (float(f"{value * scale:.15g}") for value in (measured, expected))
-    bound, error = float(bound if bound == ARITHMETIC else bound * scale), standard_error * scale
-    if effect is not None:
-        effect_unit = text["effect_unit"]
-        effect = float(effect * PER_SI.get(effect_unit, 1.0))
-    judged = verdict(measured, relation, expected, bound, text.get("law", False))
-    numbers = measured, relation, expected, bound, unit
-    worth = effect, effect_unit, text.get("kind", "claim"), float(error)
-    return AuditRow(claim, place, says, *numbers, judged, finding, *worth)
+
+    unit = text.get("unit", "")
+    relation = text.get("must", "=")
+    kind = text.get("kind", "claim")
+    shown_measured = _shown(measured, unit)
+    shown_expected = _shown(expected, unit)
+    shown_bound = bound if bound == ARITHMETIC else bound * PER_SI.get(unit, 1.0)
+    effect_unit = "" if effect is None else text["effect_unit"]
+
+    return AuditRow(
+        claim=claim,
+        place=text["place"].format_map(words),
+        says=text["says"].format_map(words),
+        measured=shown_measured,
+        relation=relation,
+        expected=shown_expected,
+        bound=float(shown_bound),
+        unit=unit,
+        verdict=verdict(
+            shown_measured, relation, shown_expected, shown_bound, text.get("law", False)
+        ),
+        finding=text["finding"].format_map(words),
+        effect=None if effect is None else float(effect * PER_SI.get(effect_unit, 1.0)),
+        effect_unit=effect_unit,
+        kind=kind,
+        standard_error=float(standard_error * PER_SI.get(unit, 1.0)),
+        category=text.get("category", "error") if kind == "claim" else None,
+    )
+
+
+def _shown(value: float, unit: str) -> float:
+    """A value in SI units in the unit in which it is shown.
+
+    A decimal number that was converted to SI units comes back as the same number.
+    """
+    return float(f"{value * PER_SI.get(unit, 1.0):.15g}")
 
 
 def verdict(

@@ -26,12 +26,15 @@ from alpha5_model.published import published
 from alpha5_model.published.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.published.tables import Published
 
-#: Where the documents contradict themselves: name -> what is believed in place of the plain reading.
+#: Where the documents contradict themselves or can be read in two ways: name -> what is believed in
+#: place of the plain reading.
 ALTERNATIVES: dict[str, str] = {
     "link3_cob": CORRECTIONS["link3_cob"].statement,
     "implied_mass": "The masses that best carry Table 2's I_COM to its I_Link, not those printed.",
     "torque_constant": "Table 4's K_t for both constants of a motor, which should agree.",
     "voltage_constant": "Table 4's K_v for both; K_t if that is asked for, too.",
+    "link2_mass": "Link 2's 0.38 kg is 0.380 kg, printed without its last zero.",
+    "motor_efficiency": "Table 4's eta_max is the motor's: nothing is lost in the gearbox.",
 }
 #: Entries of a symmetric matrix, and the place of each in (3, 3).
 UPPER = np.triu_indices(3)
@@ -48,7 +51,8 @@ class PrintedNumber:
     Attributes:
         name: As ``link_2.mass``, ``link_3.cob.z``, ``link_1.inertia_com.xy``, ``actuator_0.friction``.
         printed: Digits and unit as printed.
-        value: The middle of the interval; of an implied mass not what is printed.
+        value: The middle of the interval. With the alternatives ``implied_mass`` and
+            ``motor_efficiency`` it is not what is printed.
         lower, upper: Its ends.
     """
 
@@ -74,6 +78,10 @@ def numbers(alternatives: tuple[str, ...]) -> dict[str, PrintedNumber]:
         # An axis that meets another one is at no measured distance.
         exact = not number.value and name.endswith((".d", ".a"))
         value, half = number.si, 0.0 if exact else number.rounding
+        if name == "link_2.mass" and "link2_mass" in alternatives:
+            half = _finest_mass().rounding
+        if name.endswith("efficiency") and "motor_efficiency" in alternatives:
+            value, half = 1.0, 0.0
         if name.endswith("friction"):
             half = max(half, value * found[f"{name}_tolerance"].si)
         if name.endswith("mass") and "implied_mass" in alternatives:
@@ -81,6 +89,12 @@ def numbers(alternatives: tuple[str, ...]) -> dict[str, PrintedNumber]:
         if not name.endswith("tolerance"):
             out[name] = PrintedNumber(name, number, value, value - half, value + half)
     return out
+
+
+def _finest_mass() -> Quantity:
+    """The mass of Table 2 with the most decimals."""
+    masses = [row.mass for row in published().table_2.rows]
+    return min(masses, key=lambda mass: mass.rounding)
 
 
 def ends(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
@@ -118,6 +132,8 @@ def parameter_set(values: Mapping[str, float], alternatives: tuple[str, ...]) ->
     def change(name: str, number: Quantity) -> Quantity:
         if same and name.endswith("_constant"):
             name = f"{name.partition('.')[0]}.{same[0]}"
+        if name.endswith("efficiency") and "motor_efficiency" in alternatives:
+            return Quantity("100", "%")
         if name not in values:
             return known[name].printed if name in known else number
         digits = Decimal(repr(float(values[name]))).scaleb(-DECIMAL_SHIFT[number.unit])

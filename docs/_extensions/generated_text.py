@@ -39,9 +39,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # --- the audit ---------------------------------------------------------------------------------
 
 
-def audit_table(kind: str) -> str:
-    """The rows of one kind that differ; neighbours with the same words and figures as one."""
-    rows = [row for row in a5.audit() if row.kind == kind and row.verdict != "agrees"]
+def audit_table(category: str | None) -> str:
+    """The rows of a category that differ; None: of the observations.
+
+    Neighbours with the same words and figures stand in one row.
+    """
+    rows = [row for row in a5.audit() if row.category == category and row.verdict != "agrees"]
     lines = []
     for _, same in groupby(rows, lambda r: (r.topic, r.says, r.finding, r.measured, r.effect)):
         group = list(same)
@@ -182,8 +185,10 @@ def parameter_row(parameter: Any) -> list[str]:
 
 
 TEXTS: dict[str, Callable[[], str]] = {
-    "errata": lambda: audit_table("claim"),
-    "observations": lambda: audit_table("observation"),
+    "errors": lambda: audit_table("error"),
+    "readings": lambda: audit_table("reading"),
+    "transcription": lambda: audit_table("transcription"),
+    "observations": lambda: audit_table(None),
     "corrections": corrections,
     "commands": commands,
     "torque_intervals": torque_intervals,
