@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, bounded, is_rotation, shaped
+from alpha5_model.checks import FloatArray, array, is_rotation, shaped
 from alpha5_model.errors import InputError
 
 #: Sea water of 35 g/kg near the surface, fresh water, and no fluid at all [kg/m^3].
@@ -30,7 +30,7 @@ def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatA
         InputError: ``rotation`` is not a rotation, or gravity not three finite numbers.
     """
     r = shaped("rotation", rotation, (3, 3))
-    g = bounded("gravity", shaped("gravity", gravity, (3,)))
+    g = array("gravity", gravity, 3)
     if not is_rotation(r):
         raise InputError("rotation", r.tolist(), "a rotation: orthonormal rows, determinant +1")
     return r.T @ g

@@ -420,9 +420,8 @@ HEAD = '''# ESTIMATED, not published: what the moving water does to each body, o
 # added_mass: 6x6, linear before angular, about the origin and in the axes of the link's frame, for water of 1000 kg/m^3
 #   [kg, kg m, kg m^2]; another fluid scales it by its density.
 # added_mass_factor: low, nominal, high. The stretched arm has 0.94 to 1.04 of what its bodies have alone when it moves
-#   across itself, turns, or moves a joint; along itself 0.78 (0.79 with the gaps of half a millimetre between the links
-#   filled and the water behind them carried): each body alone pushes water before both its ends, of which those that face a neighbour do not, and no
-#   numbers of single bodies hold both. What is missing, 0.04 of 0.20 kg, is 7 % of the added mass across, 0.63 kg. A
+#   across itself, turns, or moves a joint; along itself 0.78: each body alone pushes water before both its ends, but ends
+#   that face a neighbour do not, and no numbers of single bodies hold both. What is missing, 0.04 of 0.20 kg, is 7 % of the added mass across, 0.63 kg. A
 #   working pose has 0.80 to 1.08; folded it has 0.71 to 1.41, which the interval does not cover.
 #   Extrapolations from the last two sizes of panels and from the two before are 0.5 to 1.3 % apart at most (an entry over
 #   the geometric mean of its diagonal entries); link_4's and link_4_open's by their fingers, which need the finest panels.

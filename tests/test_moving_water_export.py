@@ -194,7 +194,10 @@ def test_mujocos_drag_on_a_moving_joint_is_the_strips():
 
 
 def test_mujocos_wind_is_a_current():
-    """Torques at rest, over poses and directions, within 15 % (root mean square)."""
+    """Torques of drag at rest, over poses and directions, within 15 % (root mean square).
+
+    Munk moments, which MuJoCo leaves out, are not in these; see ``test_statements_proof.py``.
+    """
     mujoco, model, data = moving()
     rng, error, size = np.random.default_rng(8), [], []
     for _ in range(25):

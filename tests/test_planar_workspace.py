@@ -46,6 +46,14 @@ LIMITED = {
         "RPRR",
         (0, QUARTER, QUARTER, 0),
     ),
+    # The second joint passes the slide at right angles, inside its range: the foot of the
+    # perpendicular from that joint sweeps a part of the boundary.
+    "RRP, across the slide": PlanarArm(
+        (0.4, 1.1, 0), [(0.4, 2.8), (0.7, 2.1), (-0.8, 0.4)], "RRP", (0.1, -0.5, 0.9)
+    ),
+    "PRP, across the slide": PlanarArm(
+        (0, 1.6, 0), [(-0.9, -0.4), (-2.0, -0.3), (-1.0, 1.4)], "PRP", (0.5, 0.9, -1.8)
+    ),
     "RRR, middle locked": PlanarArm((2, 1, 1.5), [(-1, 1), (0.7, 0.7), (0, 2)]),
 }
 FREE = [

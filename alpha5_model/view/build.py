@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model.base_parameters import regrouped
-from alpha5_model.checks import FloatArray, bounded, choice, float_array, shaped
+from alpha5_model.checks import FloatArray, array, choice, float_array, shaped
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf, urdf_shapes
 from alpha5_model.dynamics.arm import Arm
@@ -79,7 +79,7 @@ def build_scene(
     position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
     water: ArrayLike = (1.0, 0.0, 0.0) if current is None else current
-    flow = bounded("current", shaped("current", water, (3,)))
+    flow = array("current", water, 3)
     inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
     beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
     frames = _frames(tree, dict(zip(sliders, beyond, strict=True)))
