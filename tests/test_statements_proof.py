@@ -616,8 +616,10 @@ def bounds_in_motion() -> Sequence[Figure]:
     "(noise 3 mN·m), and in {} % from the load on the mount (noise 10 mN and mN·m)",
 )
 def coverage() -> Sequence[Figure]:
-    """The page has 500 trials, here are 6 of each kind; within one trial the hits hang
-    together.
+    """The page has 500 trials, here are 100 of each kind.
+
+    The hits within one trial depend on each other, so the error of the mean comes from the
+    spread of the trials.
     """
     u = a5.uncertainty
     time = np.arange(0.0, 12.0, 0.02)
@@ -626,11 +628,13 @@ def coverage() -> Sequence[Figure]:
     motion = a5.trajectory.motion(time, swing)
     smooth = a5.trajectory.smooth(motion, "interpolate")
     state = smooth.position, smooth.velocity, smooth.acceleration
-    drawn, rng = u.sample(6, 3), np.random.default_rng(1)
+    trials = 100
+    drawn = u.sample(trials, 3)
+    rng = np.random.default_rng(1)
     rows = a5.load().regressor(*state).matrix
     truth = drawn.base_parameters()[:, :38]
     kinds: tuple[list[float], list[float]] = ([], [])
-    for k in range(6):
+    for k in range(trials):
         p = replace(drawn.parameters(k), dh=a5.parameters().dh)
         arm = u.arm(p)
         effort = arm.inverse_dynamics_batch(*state)
@@ -643,8 +647,10 @@ def coverage() -> Sequence[Figure]:
         for found, hits in zip((by_effort, by_load), kinds, strict=True):
             inside = (found.lower <= truth[k]) & (truth[k] <= found.upper)
             hits.append(100 * float(inside[found.supported].mean()))
-    error = 4 * np.std(np.concatenate(kinds)) / np.sqrt(6)
-    return [Near(float(np.mean(hits)), error) for hits in kinds]
+    return [
+        Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials))
+        for hits in kinds
+    ]
 
 
 # --- the statements ------------------------------------------------------------------

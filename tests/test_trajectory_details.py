@@ -510,8 +510,9 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
     assert "  smoothing: interpolate; derivatives" in said
     assert "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
     assert "  axis_e    7.75        -  +0.125  -0.25" in said
-    assert "used here: torque\n" not in said
-    assert said.endswith("used here: torque")
+    assert "used here: torque\n  note: Table 4 does not say" in said
+    assert said.endswith("taken here for that of the gearbox")
+    assert "current limits need" not in said
 
 
 def test_energies_peaks_and_missing_motors_in_the_record() -> None:
