@@ -647,10 +647,7 @@ def coverage() -> Sequence[Figure]:
         for found, hits in zip((by_effort, by_load), kinds, strict=True):
             inside = (found.lower <= truth[k]) & (truth[k] <= found.upper)
             hits.append(100 * float(inside[found.supported].mean()))
-    return [
-        Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials))
-        for hits in kinds
-    ]
+    return [Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials)) for hits in kinds]
 
 
 # --- the statements ------------------------------------------------------------------
