@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -378,7 +379,7 @@ def test_joints_need_no_names():
     assert comparison.agrees
 
 
-def test_xacro_is_expanded_or_the_line_that_would_is_given(tmp_path, capsys):
+def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, capsys):
     folder = tmp_path / "arm files"
     folder.mkdir()
     body = re.sub(r"^.*?<robot[^>]*>|</robot>\s*$", "", OWN, flags=re.DOTALL)
@@ -388,11 +389,11 @@ def test_xacro_is_expanded_or_the_line_that_would_is_given(tmp_path, capsys):
         "<robot name='x' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='kind' default='arm'/>"
         "<xacro:include filename='$(find my_arm)/$(arg kind).xacro'/></robot>"
     )
-    line = f"alpha5 compare {top} --package my_arm=FOLDER"
+    line = f"alpha5 compare --xacro {top} --package my_arm=FOLDER"
     with pytest.raises(FileFormatError, match=re.escape(line)):
-        compare(top)
-    assert compare(top, packages={"my_arm": str(folder)}).agrees
-    given = ["compare", str(top), "--package", f"my_arm={folder}"]
+        compare(top, xacro=True)
+    assert compare(top, packages={"my_arm": str(folder)}, xacro=True).agrees
+    given = ["compare", "--xacro", str(top), "--package", f"my_arm={folder}"]
     assert main(given) == 0
     assert main([*given, "--arg", "kind:=none"]) == 2
     top.write_text(top.read_text().replace("<xacro:arg name='kind' default='arm'/>", ""))
@@ -400,7 +401,7 @@ def test_xacro_is_expanded_or_the_line_that_would_is_given(tmp_path, capsys):
     assert main(given) == 2
     err = capsys.readouterr().err
     assert len(err.splitlines()) == 1
-    assert "--arg kind:=VALUE" in err
+    assert f"{shlex.join(['alpha5', *given])} --arg kind:=VALUE" in err
     assert main([*given, "--arg", "kind:=arm"]) == 0
     assert main([*given, "--arg", "kind=arm"]) == 2
 

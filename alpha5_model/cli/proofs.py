@@ -166,13 +166,17 @@ def compare(
     other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
     joints: Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")] = "",
     base: Annotated[str | None, Option(help="First link of an arm on a vehicle.")] = None,
-    package: Annotated[list[str] | None, Option(help="Of a xacro file: NAME=FOLDER.")] = None,
-    arg: Annotated[list[str] | None, Option(help="Of a xacro file: NAME:=VALUE.")] = None,
+    xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
+    package: Annotated[list[str] | None, Option(help="With --xacro: NAME=FOLDER.")] = None,
+    arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
     samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     as_json: options.Json = False,
     plot: options.Plot = None,
 ) -> int:
     """Compare another URDF of this arm with the tables.
+
+    A URDF is only read. A xacro file is a program: --xacro runs it, with your
+    rights, so use it only on files that you trust.
 
     Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
     be read.
@@ -183,7 +187,7 @@ def compare(
     with options.spinner("comparing"):
         pairs = _pairs("map", joints.split(","), "=")
         more = _pairs("package", package or [], "="), _pairs("arg", arg or [], ":=")
-        comparison = run(other, pairs, samples, base, *more)
+        comparison = run(other, pairs, samples, base, *more, xacro)
     plot = plot if comparison.joints else None  # another arm has no errors to draw
     if plot is not None:
         plot_comparison(comparison, plot)

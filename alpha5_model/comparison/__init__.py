@@ -27,6 +27,7 @@ def compare(
     base: str | None = None,
     packages: Mapping[str, str] | None = None,
     arguments: Mapping[str, str] | None = None,
+    xacro: bool = False,
 ) -> Comparison:
     """Compare another model of this arm with ours.
 
@@ -35,22 +36,27 @@ def compare(
     compared in our link frame with the tables.
 
     Args:
-        path: A URDF, or a xacro file that makes one. Meshes need not be there.
+        path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF is read as
+            it is: nothing in it is executed, and no other file is read.
         joints: Our joint name -> theirs, for those that cannot be found by axes and names.
         samples: Random configurations for the kinematic and dynamic errors.
         base: The first link of the arm, if something carries it; found by its mass if None.
-        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder.
+        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder. The
+            package that the file is in is found by the ``package.xml`` above it.
         arguments: Of a xacro file: values of its arguments, as text.
+        xacro: Expand a xacro file. It is a program, which can read files and run commands: do so
+            only if you trust it.
 
     Returns:
         The comparison; ``agrees`` and ``verdict`` say how it ends. Another arm is no error: the
         verdict says that it is not a Reach Alpha 5, and why.
 
     Raises:
-        MissingFileError, FileFormatError: The file cannot be read; the message says where.
+        MissingFileError, FileFormatError: The file cannot be read, or is a xacro file that is not to
+            be expanded; the message says where, and what to do.
         UnknownNameError, InputError: A joint or link is not there, or the joints cannot be mapped.
     """
-    other = reading.read_model(path, packages, arguments)
+    other = reading.read_model(path, packages, arguments, xacro)
     return compare_robots(other, joints, samples, Path(path).parent, base)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import Any
@@ -27,7 +28,6 @@ DOWN = np.array(GRAVITY)  # [m/s^2]
 AS_IT_IS = np.zeros(8)
 
 Joints = tuple[UrdfJoint, ...]
-Paths = dict[str, tuple[str, ...]]
 Pair = tuple[FloatArray, FloatArray]
 
 
@@ -199,10 +199,9 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
     """
     names = [joint.name for joint in joints]
     body, pose, placements = {robot.root: 0}, {robot.root: np.eye(4)}, list[FloatArray]()
-    paths: Paths = {robot.root: (robot.root,)}
+    parents = {joint.child: joint.parent for joint in robot.joints.values()}
     for joint in robot.joints.values():  # each after the joint before it
         at, before = pose[joint.parent] @ joint.transform, body[joint.parent]
-        paths[joint.child] = (*paths[joint.parent], joint.child)
         if joint.name in names:
             if not names.index(joint.name) == before == len(placements):
                 expected = "joints that follow each other from base to tip"
@@ -212,13 +211,13 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
         else:
             body[joint.child] = before
             pose[joint.child] = at @ joint.motion(rest_position(robot, joint))
-    base_path, way = (paths[link] for link in (joints[0].parent, joints[-1].child))
+    base_path, way = (_path(parents, link) for link in (joints[0].parent, joints[-1].child))
     if base is not None:
         choice("link on the way to axis_e", base, base_path)
-    still = {name: paths[name] for name in robot.links if body[name] == 0}
-    own = _own_base(robot, base_path, still, base)
+    still = [name for name in robot.links if body[name] == 0]
+    own = _own_base(robot, base_path, set(still), base)
     first = next((name for name in base_path if name in own), base_path[-1])
-    between = way[way.index(first) + 1 :]
+    between = {*way[way.index(first) + 1 :]}
     groups = [[n for n in robot.links if body[n] == i and (i or n in own)] for i in range(5)]
     mass, com, inertia = np.zeros(5), np.zeros((5, 3)), np.zeros((5, 3, 3))
     for i, group in enumerate(groups):
@@ -237,8 +236,18 @@ def carried(body: Any, pose: FloatArray) -> tuple[Any, FloatArray, FloatArray]:
     return body.mass, moved(pose, body.com), rotate_tensor(pose[..., :3, :3], body.inertia)
 
 
-def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | None) -> set[str]:
-    """Links of the arm's own base, among those that stand still with it and the paths to them.
+def _path(parents: Mapping[str, str], link: str) -> tuple[str, ...]:
+    """The links from the root to this one."""
+    path = [link]
+    while path[-1] in parents:
+        path.append(parents[path[-1]])
+    return tuple(reversed(path))
+
+
+def _own_base(
+    robot: UrdfRobot, way: tuple[str, ...], still: set[str], base: str | None
+) -> set[str]:
+    """Links of the arm's own base, among those that stand still with it.
 
     All that hangs on one link of the way from the root to axis_e: on the link where the mass comes
     closest to that of link_0, the first such one. What is heavier than the whole arm is a vehicle
@@ -246,10 +255,12 @@ def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | 
     """
     links = parameters().links
     whole = sum(link.mass for link in links)
-    below = {at: {name for name, path in still.items() if at in path} for at in still}
+    outwards = [joint for joint in robot.joints.values() if joint.child in still]
     if base is not None:
-        return below[base]
-    weights = {at: sum(robot.links[n].mass or 0.0 for n in names) for at, names in below.items()}
+        return _hanging_on({base}, outwards)
+    weights = {name: robot.links[name].mass or 0.0 for name in still}
+    for joint in reversed(outwards):
+        weights[joint.parent] += weights[joint.child]
     best = way[0]
     for at in way[1:]:
         closer = abs(weights[at] - links[0].mass) < abs(weights[best] - links[0].mass)
@@ -257,5 +268,14 @@ def _own_base(robot: UrdfRobot, way: tuple[str, ...], still: Paths, base: str | 
             best = at
     if (robot.links[way[-1]].mass or 0.0) > whole:
         return set()
-    heavy = [below[at] for at in below if at not in way and weights[at] > whole]
-    return below[best].difference(*heavy)
+    heavy = {at for at in still.difference(way) if weights[at] > whole}
+    return _hanging_on({best}, outwards) - _hanging_on(heavy, outwards)
+
+
+def _hanging_on(links: set[str], outwards: Iterable[UrdfJoint]) -> set[str]:
+    """These links and all that they carry; joints each after the one before it."""
+    found = set(links)
+    for joint in outwards:
+        if joint.parent in found:
+            found.add(joint.child)
+    return found

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice
+from alpha5_model.checks import FloatArray, choice, flag
 from alpha5_model.description.urdf_reading import UrdfJoint, UrdfRobot, parse_urdf
 from alpha5_model.description.variants import expand_xacro
-from alpha5_model.errors import FileFormatError, InputError
+from alpha5_model.description.xml_reading import parse_xml
+from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
 from alpha5_model.files import read_named
 from alpha5_model.parameters import parameters
 from alpha5_model.published.tables import JOINT_NAMES
@@ -31,43 +33,104 @@ PARTS = np.arange(1, 25)[:, None] / 12
 
 
 def read_model(
-    path: Any, packages: Mapping[str, str] | None = None, arguments: Mapping[str, str] | None = None
+    path: Any,
+    packages: Mapping[str, str] | None = None,
+    arguments: Mapping[str, str] | None = None,
+    xacro: bool = False,
 ) -> UrdfRobot:
-    """Read a URDF, or expand a xacro file and read the result.
+    """Read a URDF as it is, or expand a xacro file on request and read the result.
 
     Args:
         path: The file.
-        packages: Name of each package in ``$(find NAME)`` -> its folder.
-        arguments: Values of the xacro file's arguments, as text.
+        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder. The
+            package that the file is in is found by the ``package.xml`` above it.
+        arguments: Of a xacro file: values of its arguments, as text.
+        xacro: Whether to expand. A xacro file is a program: it can read files and run commands.
 
     Raises:
         InputError, MissingFileError: See `read_named`.
-        FileFormatError: Another format, named with what to do; a xacro file that cannot be
-            expanded, with the options that would; a broken URDF, with its line.
+        InputError: Something to expand that is no xacro file, or packages or arguments for a file
+            that is not expanded.
+        FileFormatError: Another format, named with what to do; a xacro file that is not to be
+            expanded or cannot be, with the command that would; a broken URDF, with its line.
     """
     content = read_named(path, "a URDF or xacro file")
-    # In whatever encoding: the marks are ASCII.
-    text = content.replace(b"\0", b"").decode("utf-8", "replace")
-    root = re.search(r"<([A-Za-z][\w:.-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
-    if root and (tag := root[1]) in OTHERS:
+    program = Path(path).suffix.lower() == ".xacro"
+    given = _XacroOptions(dict(packages or {}), dict(arguments or {}))
+    if program and not flag("xacro", xacro):
+        problem = "a xacro file is a program, and to expand it is to run it; if you trust it"
+        raise FileFormatError(path, f"{problem}: {given.command(path)}")
+    if flag("xacro", xacro):
+        if not program:
+            expected = "a file whose name ends in .xacro; a URDF is read as it is"
+            raise InputError("xacro", str(path), expected)
+        content = _expanded(path, content, given).encode()
+    elif given.packages or given.arguments:
+        expected = "a xacro file to expand, with --xacro; a URDF is read as it is"
+        raise InputError("package, arg", [*given.packages, *given.arguments], expected)
+    tag = parse_xml(content, str(path)).top.tag
+    if tag in OTHERS:
         problem = f"expected <robot>, got <{tag}>: {OTHERS[tag]}; compare reads URDF and xacro"
         raise FileFormatError(path, problem)
-    if Path(path).suffix != ".xacro" and not re.search(r"<xacro:|\$\{", text):
-        return parse_urdf(content, str(path))
     try:
-        expanded = expand_xacro(path, arguments, packages)
+        return parse_urdf(content, str(path))
+    except FileFormatError as error:
+        if program or b"<xacro:" not in content.replace(b"\0", b""):
+            raise
+        problem = str(error).removeprefix(f"{path}").lstrip(",: ")
+        hint = "it has xacro in it, and only a file whose name ends in .xacro is expanded"
+        raise FileFormatError(path, f"{problem}; {hint}", error.place) from None
+
+
+@dataclass(frozen=True)
+class _XacroOptions:
+    """Folders of packages and values of arguments, by name."""
+
+    packages: dict[str, str]
+    arguments: dict[str, str]
+
+    def command(self, path: Any) -> str:
+        """The command line that expands and compares, quoted for a shell."""
+        words = ["alpha5", "compare", "--xacro", str(path)]
+        for name, folder in self.packages.items():
+            words += ["--package", f"{name}={folder}"]
+        for name, value in self.arguments.items():
+            words += ["--arg", f"{name}:={value}"]
+        return shlex.join(words)
+
+
+def _expanded(path: Any, content: bytes, given: _XacroOptions) -> str:
+    """The text that a xacro file makes."""
+    packages = package_above(path) | given.packages
+    try:
+        return expand_xacro(path, given.arguments, packages)
     except FileFormatError as error:
         problem = str(error).removeprefix(f"{path}: ")
-        needs = re.findall(r"\$\(find\s+([^)\s]+)\s*\)", text)
-        needs += re.findall(r"no folder for package (\S+)", problem)
-        missing = re.findall(r"[Uu]ndefined substitution argument (\w+)", problem)
-        options = [f"--package {name}=FOLDER" for name in sorted(set(needs) - {*(packages or {})})]
-        options += [f"--arg {name}:=VALUE" for name in missing]
-        if not options:
-            raise
-        line = " ".join(("alpha5 compare", str(path), *options))
-        raise FileFormatError(path, f"{problem}; this would expand it: {line}") from None
-    return parse_urdf(expanded, str(path))
+    # In whatever encoding: the marks are ASCII. A name that is itself computed is known only where
+    # xacro says it.
+    text = content.replace(b"\0", b"").decode("utf-8", "replace")
+    needs = re.findall(r"\$\(find\s+([A-Za-z][\w.-]*)\s*\)", text)
+    needs += re.findall(r"no folder for package ([A-Za-z][\w.-]*)", problem)
+    wants = re.findall(r"[Uu]ndefined substitution argument (\w+)", problem)
+    folders = dict.fromkeys(sorted(set(needs) - {*packages}), "FOLDER")
+    values = dict.fromkeys(wants, "VALUE")
+    if folders or values:
+        more = _XacroOptions(given.packages | folders, given.arguments | values)
+        problem += f"; this would expand it: {more.command(path)}"
+    raise FileFormatError(path, problem)
+
+
+def package_above(path: Any) -> dict[str, str]:
+    """Name and folder of the ROS package that a file is in, by the nearest ``package.xml``."""
+    for folder in Path(path).resolve().parents:
+        manifest = folder / "package.xml"
+        if not manifest.is_file():
+            continue
+        with suppress(Alpha5Error):
+            tree = parse_xml(read_named(manifest, "the manifest of a package"), str(manifest))
+            name = (tree.top.findtext("name") or "").strip()
+            return {name: str(folder)} if name else {}
+    return {}
 
 
 def as_meant(robot: UrdfRobot) -> UrdfRobot:
@@ -115,8 +178,9 @@ def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
 
 def last_place(text: str) -> float:
     """What one unit of the last digit of a printed number is worth."""
-    exponent = Decimal(text).as_tuple().exponent
-    return 10.0**exponent if isinstance(exponent, int) else 0.0
+    mantissa, _, power = text.lower().partition("e")
+    exponent = float(power or 0) - len(mantissa.partition(".")[2])
+    return float(10.0 ** np.clip(exponent, -300, 300))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,18 +265,20 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
             raise InputError("map", name, "a revolute joint")
         if twice := [other for other in given if other != axis and given[other] == name]:
             raise InputError("map", f"{axis}={name},{twice[0]}={name}", "four different joints")
-    poses, rows = {robot.root: np.eye(4)}, dict[str, tuple[UrdfJoint, ...]]()
+    poses = {robot.root: np.eye(4)}
+    #: link -> the turning joints on the way to it, the last four
     way: dict[str, tuple[UrdfJoint, ...]] = {robot.root: ()}
+    rows: dict[str, tuple[UrdfJoint, ...]] = {}
     for joint in robot.joints.values():
         at = poses[joint.parent] @ joint.transform
         poses[joint.child] = at @ joint.motion(rest_position(robot, joint))
         way[joint.child] = way[joint.parent]
-        locked = joint.lower is not None and joint.lower == joint.upper
-        if joint.kind in TURNING and joint.mimic is None and not locked:
-            rows[joint.name] = way[joint.child] = (*way[joint.parent], joint)
-    found = [row[-4:] for row in rows.values() if len(row) >= 4]
+        if _turns(joint):
+            rows[joint.name] = way[joint.child] = (*way[joint.parent], joint)[-4:]
+    following = _following(robot)
+    found: list[tuple[UrdfJoint, ...]] = [row for row in rows.values() if len(row) == 4]
     if len(given) == 4:
-        found = [tuple([robot.joints[given[axis]] for axis in AXES])]
+        found = [tuple(robot.joints[given[axis]] for axis in AXES)]
     found = [row for row in found if all(row[AXES.index(a)].name == n for a, n in given.items())]
     if given and not found:
         expected = "four different joints that follow each other, out of: "
@@ -222,11 +288,25 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
     for row in found:
         at = np.array([poses[joint.parent] @ joint.transform for joint in row])
         directions = np.einsum("nij,nj->ni", at[:, :3, :3], [joint.axis for joint in row])
-        last = rows.get(row[-1].name, ())
-        behind = [len(r) - len(last) for r in rows.values() if r[: len(last)] == last]
-        chains.append(Chain(row, _shape(at[:, :3, 3], directions), max(behind, default=0)))
+        shape = _shape(at[:, :3, 3], directions)
+        chains.append(Chain(row, shape, following[row[-1].child]))
     chains.sort(key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES))))
     return chains
+
+
+def _turns(joint: UrdfJoint) -> bool:
+    """Whether a joint turns by itself: it follows no other and has a range."""
+    locked = joint.lower is not None and joint.lower == joint.upper
+    return joint.kind in TURNING and joint.mimic is None and not locked
+
+
+def _following(robot: UrdfRobot) -> dict[str, int]:
+    """Link -> how many joints turn one after another behind it, at most."""
+    following = dict.fromkeys(robot.links, 0)
+    for joint in reversed(robot.joints.values()):
+        behind = following[joint.child] + _turns(joint)
+        following[joint.parent] = max(following[joint.parent], behind)
+    return following
 
 
 def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:

@@ -6,7 +6,6 @@ what Pinocchio drops (missing inertials, collision shapes, mimic joints).
 
 from __future__ import annotations
 
-import codecs
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -15,11 +14,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.parsers import expat
 
 import numpy as np
 
 from alpha5_model.checks import FloatArray
+from alpha5_model.description.xml_reading import parse_xml
 from alpha5_model.errors import FileFormatError
 from alpha5_model.files import read_named
 from alpha5_model.spatial import pose, rotation_about, transform
@@ -28,6 +27,9 @@ from alpha5_model.spatial import pose, rotation_about, transform
 ABSURD, TINY = 1e12, 1e-100
 #: How many files write the limits of wheels and propellers, which have none: as 1e16 or infinity.
 NO_LIMIT = re.compile(r"\s*[+-]?(\d[.\d]*e\+?[1-9]\d+|inf(inity)?)\s*$", re.IGNORECASE)
+
+#: The largest public robots have a few hundred links.
+MOST_LINKS = 10_000
 
 LIMITS = ("lower", "upper", "velocity", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -166,24 +168,9 @@ def urdf_shapes(text: str | bytes, element: str = "visual") -> tuple[UrdfShape, 
 class _Reader:
     def __init__(self, text: str | bytes, origin: str) -> None:
         self.origin = origin
-        self.lines: dict[ET.Element, int] = {}
-        builder, parser = ET.TreeBuilder(), expat.ParserCreate()
-
-        def start(tag: str, attributes: dict[str, str]) -> None:
-            self.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
-
-        parser.StartElementHandler = start
-        parser.EndElementHandler = builder.end
-        try:
-            if isinstance(text, bytes) and text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-                text = text.decode("utf-16")  # whatever its declaration says
-            parser.Parse(text, True)
-            self.top = builder.close()
-        except expat.ExpatError as error:
-            problem = f"not XML: {expat.errors.messages[error.code]}"
-            raise FileFormatError(self.origin, problem, f"line {error.lineno}") from None
-        except (ValueError, AssertionError, LookupError) as error:
-            raise FileFormatError(self.origin, f"not XML: {error}") from None
+        tree = parse_xml(text, origin)
+        self.top = tree.top
+        self.lines = tree.lines
 
     def fail(self, element: ET.Element, problem: str) -> FileFormatError:
         return FileFormatError(self.origin, problem, f"line {self.lines[element]}")
@@ -219,6 +206,9 @@ class _Reader:
     def robot(self) -> UrdfRobot:
         if self.top.tag != "robot":
             raise self.fail(self.top, f"expected <robot>, got <{self.top.tag}>")
+        count = len(self.top.findall("link"))
+        if count > MOST_LINKS:
+            raise self.fail(self.top, f"expected at most {MOST_LINKS} links, got {count}")
         links: dict[str, UrdfLink] = {}
         for element in self.top.findall("link"):
             link = self.link(element)

@@ -16,6 +16,9 @@ from alpha5_model.errors import FileFormatError, InputError, MissingParameterErr
 from alpha5_model.files import read_named
 from alpha5_model.spatial import rpy_from_rotation
 
+#: With 400 moving joints Pinocchio takes 4 GB; with 5000 links in a row it crashes.
+MOST_JOINTS = 100
+MOST_LINKS = 1000
 #: What a joint of a URDF needs in order to move.
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
@@ -64,12 +67,20 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
     import pinocchio as pin
 
     from alpha5_model.description.urdf_reading import parse_urdf
+    from alpha5_model.description.xml_reading import parse_xml
 
     text = read_named(path, "a URDF file")
-    parse_urdf(text, str(path))
+    robot = parse_urdf(text, str(path))
+    moving = sum(joint.kind != "fixed" for joint in robot.joints.values())
+    if moving > MOST_JOINTS:
+        problem = f"expected at most {MOST_JOINTS} joints that move, got {moving}"
+        raise FileFormatError(path, f"{problem}: Pinocchio's memory grows with their cube")
+    if len(robot.links) > MOST_LINKS:
+        problem = f"expected at most {MOST_LINKS} links, got {len(robot.links)}"
+        raise FileFormatError(path, f"{problem}: Pinocchio's reader calls itself for each in a row")
     # Rewritten, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
     # print a warning about a texture's colour.
-    tree = ET.fromstring(text)
+    tree = parse_xml(text, str(path)).top
     for element in tree:
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
