@@ -185,9 +185,14 @@ def test_prefixes_in_a_csv(tmp_path: Path) -> None:
     motion = a5.trajectory.read_motion(tmp_path / "c.csv")
     assert len(motion.ignored) == 15
     (tmp_path / "d.csv").write_text("\n".join(twice).replace(",axis", ",b_axis"))
-    with pytest.raises(InputError, match="prefix: expected one of b_, cmd_"):
-        a5.trajectory.read_motion(tmp_path / "d.csv")
-    assert a5.trajectory.read_motion(tmp_path / "d.csv", prefix="cmd_").ignored[0] == "b_axis_c_pos"
+    motion = a5.trajectory.read_motion(tmp_path / "d.csv")
+    assert motion.ignored[0] == "cmd_axis_c_pos"
+    (tmp_path / "e.csv").write_text((tmp_path / "d.csv").read_text().replace("cmd_", "c_"))
+    with pytest.raises(InputError, match="prefix: expected one of b_, c_"):
+        a5.trajectory.read_motion(tmp_path / "e.csv")
+    for prefix, file in (("cmd_", "d.csv"), ("c_", "e.csv")):
+        motion = a5.trajectory.read_motion(tmp_path / file, prefix=prefix)
+        assert motion.ignored[0] == "b_axis_c_pos"
     with pytest.raises(FileFormatError, match="expected x_axis_e_pos or x_axis_e_position"):
         a5.trajectory.read_motion(tmp_path / "d.csv", prefix="x_")
 

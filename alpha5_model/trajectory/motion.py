@@ -17,6 +17,15 @@ from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeE
 from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory import tables
+from alpha5_model.trajectory.names import (
+    COMMAND,
+    EFFORT,
+    POSITION,
+    VELOCITY,
+    explained,
+    groups,
+    joint_columns,
+)
 from alpha5_model.trajectory.tables import JOINTS, MotionWarning, Progress
 
 #: Fewer samples give no useful acceleration.
@@ -32,8 +41,10 @@ _BAGS, _PARQUET = (".bag", ".db3", ".mcap"), (".parquet", ".pq")
 _TIME = ("time_secs", "time")
 #: Other names of the time, with a unit: ``time_ms``, ``time [ms]``, ``Time (us)``.
 _TIME_WITH_UNIT = re.compile(r"time[ _\[(]+([mun]?s)(?:ecs?)?[\])]?", re.IGNORECASE)
-_POSITION = ("_pos", "_position", "")
-_VELOCITY = ("_vel", "_velocity")
+#: What loggers call it, of which the first column counts: ``timestamp``, ``wall_time_sec``.
+_CLOCK = re.compile(
+    r"(?:timestamp|(?:elapsed|replay|ros|sim|wall)_time)(?:[ _\[(]+([mun]?s)(?:ecs?)?[\])]?)?"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +127,16 @@ def read_motion(
     """Read joint motion from a CSV or Parquet file, or from a ROS bag.
 
     A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``, ``time [us]`` and
-    the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``) and so on for ``axis_e, axis_d,
-    axis_c, axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel``
-    (``axis_b_velocity``) and so on, optional, for all of these joints or none; ``axis_b_effort``
-    [N m], optional, NaN where it is not known. Other columns are ignored and named in
-    `Motion.ignored`. A column ``time`` in steps of a second or more is read in milliseconds or a
-    smaller unit if the joints can be so fast; a warning says so. Parquet (``.parquet``, needs
+    the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``, ``q_axis_b``) and so on for
+    ``axis_e, axis_d, axis_c, axis_b`` [rad] and, optionally, for the jaw rod ``axis_a`` [m];
+    ``axis_b_vel`` (``axis_b_velocity``, ``dq_axis_b``) and so on, optional, for all of these joints or
+    none; ``axis_b_effort`` (``effort_axis_b``) [N m], optional, NaN where it is not known. A robot's
+    name may stand before the joints. A column is a position only if each word of its name says so:
+    torques, currents, commands, errors and words that are not known are not. They are ignored and
+    named in `Motion.ignored`, commands with a warning; without positions the error says what they
+    are. A column ``time`` in steps of a second or more is read in milliseconds or a smaller unit if
+    the joints can be so fast; a warning says so. Without it the first of ``timestamp``,
+    ``ros_time``, ``sim_time``, ``wall_time_sec`` and the like counts. Parquet (``.parquet``, needs
     pyarrow) may have times of its own types instead.
 
     A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its ``metadata.yaml``; needs
@@ -134,7 +149,8 @@ def read_motion(
         progress: Called with a stage's name and the part done, 0 to 1.
         topic: Of a bag; None takes the only one that names the arm's joints.
         prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``; None takes the
-            names as they are, else the only prefix.
+            names as they are, else the only prefix. One that says command, or nothing that is known,
+            is read if it is given here; one that says torque never is.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag, several
@@ -158,58 +174,134 @@ def read_motion(
         table = tables.parquet_table(path)
     else:
         table = tables.csv_table(path, progress)
-    header = table.header
-    # Without any that names all joints, the message below says what is missing.
-    before = tables.only("prefix", tables.prefixes(header, _POSITION, before) or [before or ""])
-
-    def names(joint: str, suffixes: Sequence[str]) -> list[str]:
-        return [before + joint + suffix for suffix in suffixes]
-
-    def column(names: Sequence[str], what: str, why: str = "") -> int:
-        found = [name for name in names if name in header]
-        if len(found) == 1:
-            return header.index(found[0])
-        problem = f"two columns for {what}: {', '.join(found)}"
-        if not found:
-            got = ", ".join(header)[:200]
-            problem = f"no column for {what}{why}: expected {' or '.join(names)}, got {got}"
-        raise FileFormatError(path, problem, table.head)
-
-    timed = [name for name in header if name in _TIME]
-    timed = timed or [name for name in header if _TIME_WITH_UNIT.fullmatch(name)]
-    joints = JOINTS if {*names(JOINTS[4], _POSITION)} & {*header} else JOINTS[:4]
-    needed = [column(timed or (*_TIME, "time_ms"), "the time")]
-    needed += [column(names(j, _POSITION), f"the position of {j}") for j in joints]
-    if {name for j in joints for name in names(j, _VELOCITY)} & {*header}:
-        why = ", while others have one"
-        needed += [column(names(j, _VELOCITY), f"the velocity of {j}", why) for j in joints]
-    efforts = {j: name for j in joints for name in names(j, ("_effort",)) if name in header}
-    recorded = [header.index(name) for name in efforts.values()]
-    numbers, unit = table.read(needed, recorded)
-    n, known, name = len(joints), len(needed), header[needed[0]]
+    roles = _roles(path, table, before)
+    needed = [roles.time, *roles.positions, *roles.velocities]
+    numbers, unit = table.read(needed, [*roles.efforts.values()])
+    joints, n, known = roles.joints, len(roles.joints), len(needed)
     time, position = numbers[:, 0], numbers[:, 1 : 1 + n]
 
     def place(sample: int, joint: str | None) -> str:
         return table.place(sample, needed[joints.index(joint) + 1 if joint else 0])
 
-    warnings = table.warnings
+    warnings = [*table.warnings, *roles.warnings]
     if unit is None:
-        guess, stated = _likely_unit(time, position), _TIME_WITH_UNIT.fullmatch(name)
-        unit = guess if stated is None else stated[1].lower()
-        if guess != "s" and (unit == "s" or stated is None):
-            text = f"{name} read as {guess}, which its steps and speeds fit; call it time_secs if it is in seconds"
-            if stated is not None:
-                text = f"{name} read as seconds, though its steps and speeds fit {guess}: is it time_{guess}?"
-            warnings += (MotionWarning("time_unit", 1, place(0, None), text),)
+        unit, doubt = _time_unit(table.header[roles.time], time, position)
+        if doubt:
+            warnings.append(MotionWarning("time_unit", 1, place(0, None), doubt))
+    velocity = numbers[:, 1 + n : known] if roles.velocities else None
     effort = None
     if numbers.shape[1] > known:
         effort = np.full_like(position, np.nan)
-        effort[:, [j in efforts for j in joints]] = numbers[:, known:]
-        needed += recorded
-    ignored = (*(name for k, name in enumerate(header) if k not in needed), *table.ignored)
-    velocity = numbers[:, 1 + n : known] if known > 1 + n else None
-    state = time / tables.PER_SECOND[unit], joints, position, velocity
-    return _checked(Motion(*state, warnings, str(path), ignored, unit, effort), path, place)
+        effort[:, [joint in roles.efforts for joint in joints]] = numbers[:, known:]
+    used = {*needed, *roles.efforts.values()} if effort is not None else {*needed}
+    raw = Motion(
+        time=time / tables.PER_SECOND[unit],
+        joints=joints,
+        position=position,
+        velocity=velocity,
+        warnings=tuple(warnings),
+        source=str(path),
+        ignored=(*(x for k, x in enumerate(table.header) if k not in used), *table.ignored),
+        time_unit=unit,
+        effort=effort,
+    )
+    return _checked(raw, path, place)
+
+
+@dataclass(frozen=True)
+class _Roles:
+    """Places of the columns that are read, and what is to be said of the others.
+
+    Attributes:
+        time: Place of the time.
+        joints: Those with a position, base to tip.
+        positions, velocities: Places, joint by joint; no velocities if none is recorded.
+        efforts: Joint -> place, of those that have one.
+        warnings: About columns that somebody may miss.
+    """
+
+    time: int
+    joints: tuple[str, ...]
+    positions: list[int]
+    velocities: list[int]
+    efforts: dict[str, int]
+    warnings: list[MotionWarning]
+
+
+def _roles(path: PathLike, table: tables.Table, asked: str | None) -> _Roles:
+    """Which columns of a table are the time and the joints' quantities.
+
+    Raises:
+        InputError: Several arms to choose from.
+        FileFormatError: A missing or a doubled column.
+    """
+    found = joint_columns(table.header, asked)
+    # Without any that names all joints, the message below says what is missing.
+    group = tables.only("prefix", groups(found, asked) or [asked or ""])
+    arm = [column for column in found if column.group == group]
+    places = {name: place for place, name in enumerate(table.header)}
+
+    def names(joint: str, meaning: str) -> list[str]:
+        return [x.name for x in arm if x.joint == joint and x.meaning == meaning]
+
+    def only(names: list[str], what: str, missing: str) -> int:
+        if len(names) == 1:
+            return places[names[0]]
+        problem = f"two columns for {what}: {', '.join(names)}"
+        if not names:
+            got = ", ".join(table.header)[:200]
+            problem = f"no column for {what}{missing}, got {got}"
+        raise FileFormatError(path, problem, table.head)
+
+    def each(meaning: str, suffixes: Sequence[str], why: str = "") -> list[int]:
+        chosen = []
+        for joint in joints:
+            wanted = " or ".join(group + joint + suffix for suffix in suffixes)
+            missing = f"{why}: expected {wanted}"
+            if meaning == POSITION and (reasons := explained(found, joint)):
+                missing += f"; {reasons}"
+            chosen.append(only(names(joint, meaning), f"the {meaning} of {joint}", missing))
+        return chosen
+
+    warnings = []
+    timed = [name for name in table.header if name in _TIME]
+    timed = timed or [name for name in table.header if _TIME_WITH_UNIT.fullmatch(name)]
+    if not timed:
+        clocks = [name for name in table.header if _CLOCK.fullmatch(name)]
+        timed = clocks[:1]
+        if len(clocks) > 1:
+            text = f"{timed[0]} read as the time, not {', '.join(clocks[1:])}"
+            warnings.append(MotionWarning("time_column", 1, table.head, text))
+    time = only(timed, "the time", ": expected time_secs or time or time_ms")
+    joints = JOINTS if names(JOINTS[4], POSITION) else JOINTS[:4]
+    positions = each(POSITION, ("_pos", "_position", ""))
+    velocities = []
+    if any(names(joint, VELOCITY) for joint in joints):
+        velocities = each(VELOCITY, ("_vel", "_velocity"), ", while others have one")
+    efforts = {}
+    for joint in joints:
+        recorded = names(joint, EFFORT)
+        if recorded:
+            efforts[joint] = only(recorded, f"the effort of {joint}", "")
+    commands = [column.name for column in found if column.meaning == COMMAND]
+    if commands:
+        text = "a command or reference, not measured; ignored"
+        first = f"{commands[0]}, {table.head}" if table.head else commands[0]
+        warnings.append(MotionWarning("command", len(commands), first, text))
+    return _Roles(time, joints, positions, velocities, efforts, warnings)
+
+
+def _time_unit(name: str, time: FloatArray, position: FloatArray) -> tuple[str, str]:
+    """Unit of a column of time, by its name or else its steps; and what is doubtful about it."""
+    likely = _likely_unit(time, position)
+    stated = _TIME_WITH_UNIT.fullmatch(name) or _CLOCK.fullmatch(name)
+    unit = stated[1].lower() if stated and stated[1] else None
+    doubt = f"its steps and speeds fit {likely}" if likely != "s" else ""
+    if unit is None:
+        text = f"{name} read as {likely}, which its steps and speeds fit; "
+        return likely, text + "call it time_secs if it is in seconds" if doubt else ""
+    text = f"{name} read as seconds, though {doubt}: is it time_{likely}?"
+    return unit, text if doubt and unit == "s" else ""
 
 
 def _likely_unit(time: FloatArray, position: FloatArray) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import compress
@@ -18,6 +18,7 @@ from alpha5_model import errors
 from alpha5_model.checks import FloatArray, choice
 from alpha5_model.files import PathLike, read_named
 from alpha5_model.published.tables import JOINT_NAMES
+from alpha5_model.trajectory.names import prefixes
 
 #: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
 JOINTS = JOINT_NAMES
@@ -37,7 +38,7 @@ class MotionWarning:
 
     Attributes:
         kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``, ``"velocity"``,
-            ``"effort"`` or ``"time_unit"``; of a bag also ``"missing_joints"``,
+            ``"effort"``, ``"time_unit"``, ``"time_column"`` or ``"command"``; of a bag also ``"missing_joints"``,
             ``"not_finite"``, ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
         count: How often.
         first: Where it happens first.
@@ -73,16 +74,6 @@ class Table(NamedTuple):
     head: str = ""
     warnings: tuple[MotionWarning, ...] = ()
     ignored: tuple[str, ...] = ()
-
-
-def prefixes(
-    names: Collection[str], suffixes: Sequence[str] = ("",), asked: str | None = None
-) -> list[str]:
-    """What stands before the names of the four arm joints, where all four are among these names."""
-    ends, there, arm = [JOINTS[0] + suffix for suffix in suffixes], {*names}, JOINTS[:4]
-    found = {name.removesuffix(end) for name in names for end in ends if name.endswith(end)}
-    found = found if asked is None else {asked}
-    return sorted(x for x in found if all({x + j + s for s in suffixes} & there for j in arm))
 
 
 def only(what: str, found: Sequence[str]) -> str:
@@ -215,10 +206,12 @@ def _header(path: PathLike, line: str) -> list[str]:
     header = _fields(path, line, "line 1")
     if _number(header[0]) is not None:
         raise errors.FileFormatError(path, "starts with numbers, expected column names", "line 1")
+    seen: set[str] = set()
     for k, name in enumerate(header):
-        if name and name in header[:k]:
+        if name and name in seen:
             problem = f"column {name[:40]!r} stands twice"
             raise errors.FileFormatError(path, problem, f"line 1, column {k + 1}")
+        seen.add(name)
     return header
 
 

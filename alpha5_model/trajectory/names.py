@@ -1,0 +1,210 @@
+"""What the names of columns mean: a joint, a quantity, and what stands before the joint.
+
+A name is read only if each of its words is understood, so that no torque passes for a position.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from alpha5_model.published.tables import JOINT_NAMES
+
+POSITION, VELOCITY, EFFORT = "position", "velocity", "effort"
+#: Where a robot stands or what it is called; nothing that is measured.
+NAME = "name"
+#: Says how a quantity was found, but not which one.
+MEASURED = "measured"
+COMMAND = "command"
+UNKNOWN = "unknown"
+
+_WORDS = {
+    POSITION: "pos position positions q angle angles theta",
+    VELOCITY: "vel velocity velocities dq qdot dtheta thetadot",
+    EFFORT: "effort efforts",
+    NAME: """
+        alpha arm arms aft auv back blueprint bluerov bottom bravo follower fore front joint joints
+        leader left main manip manipulator master port primary reach real rear right robot rov
+        secondary sim slave starboard stbd top uvms vehicle""",
+    MEASURED: """
+        act actual est estimate estimated fb feedback filt filtered meas measured present sensed
+        sensor smooth smoothed unwrap unwrapped""",
+    COMMAND: """
+        cmd cmds command commands commanded dcmd ddes ddref demand demanded des desired dref goal
+        goals input nominal plan planned ref reference references req request requested set
+        setpoint setpoints sp target targets traj trajectory""",
+    "raw value": "adc cnt cnts count counts enc encoder hall raw resolver tick ticks",
+    "limit": "bound bounds lim limit limits lower margin range sat saturation upper",
+    "torque": "mom moment moments nm taus tau torque torques tq trq",
+    "force": "force forces frc load loads strain stress wrench",
+    "current": "amp ampere amperes amps cur curr current currents iq ma milliamps",
+    "voltage": "mv vbus volt voltage voltages volts",
+    "power": "energy joule joules pow power watt watts",
+    "temperature": "celsius degc heat temp temperature temperatures temps thermal",
+    "speed of another unit": "omega rate rates rpm speed speeds",
+    "acceleration": """
+        acc accel acceleration accelerations accels ddot ddq ddtheta jerk qdd qddot snap""",
+    "difference": """
+        delta der deriv derivative dev deviation diff difference dot err error errors inc increment
+        innovation lag mismatch residual residuals step track tracking""",
+    "statistic": """
+        average avg bias conf confidence cov covariance drift max maximum mean median min minimum
+        noise norm off offset peak rms sigma std stddev stdev sum uncertainty var variance
+        weight""",
+    "gain": "damping feedforward ff friction gain gains integral kd kff ki kp kv pid stiffness",
+    "model term": "buoyancy coriolis drag gravity inertia mass",
+    "control signal": "control controller ctrl duty output outputs pwm",
+    "motor side": "gear gearbox motor motors rotor",
+    "status": """
+        alarm brake code enable enabled fault faults flag flags health homed mode ok quality stall
+        stalled status valid warning""",
+    "time": "age delay dt latency period stamp time timestamp timestamps",
+    "environment": "depth humidity leak pressure",
+    "angle in degrees": "deg degree degrees degs",
+}
+_MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words.split()}
+#: What may be a position all the same, if the caller names what stands before the joint.
+_ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
+_QUANTITIES = {POSITION, VELOCITY, EFFORT}
+#: How many columns a message explains.
+_REASONS = 4
+
+#: The last joint in a name; ``axis_e2`` is another.
+_JOINT = re.compile(rf"(.*)({'|'.join(JOINT_NAMES)})(?![A-Za-z0-9])(.*)", re.DOTALL)
+#: Words of ``tau_``, ``jointVelocity/`` and ``arm2.``; other signs are words of their own.
+_WORD = re.compile(r"^-|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|[^\sA-Za-z0-9_./:\-\[\]()]")
+_SEPARATORS = re.compile(r"[\s_./:\-\[\]()]*")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a joint.
+
+    Attributes:
+        name: As it stands in the file.
+        joint: ``"axis_e"`` and so on.
+        group: What stands before the joint, without the words of the quantity: ``"left_"`` in
+            ``dq_left_axis_e``. Columns of one arm have the same.
+        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or what else it is: ``"torque"``,
+            ``"command"``, ``"unknown"`` and so on.
+    """
+
+    name: str
+    joint: str
+    group: str
+    meaning: str
+
+
+def joint_columns(header: Iterable[str], asked: str | None = None) -> list[Column]:
+    """The columns that name a joint of the arm.
+
+    Args:
+        header: Names of all columns.
+        asked: What the caller says to stand before the joints of the arm; None for nothing.
+    """
+    group = None if asked is None else _group(asked)
+    columns = []
+    for name in header:
+        parts = _JOINT.fullmatch(name)
+        if parts:
+            before, joint, after = parts.groups()
+            own = _group(before)
+            meaning = _meaning(before, after, own == group)
+            columns.append(Column(name, joint, own, meaning))
+    return columns
+
+
+def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
+    """The groups with a position of each arm joint, sorted."""
+    found: dict[str, set[str]] = {}
+    for column in columns:
+        if column.meaning == POSITION:
+            found.setdefault(column.group, set()).add(column.joint)
+    if asked is not None:
+        found = {group: joints for group, joints in found.items() if group == _group(asked)}
+    return sorted(group for group, joints in found.items() if joints.issuperset(JOINT_NAMES[:4]))
+
+
+def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
+    """What stands before the joints among the names of a ``sensor_msgs/JointState``, sorted.
+
+    Its field says that it has positions: words that are not known are a robot's name, unless others
+    among them say that these are no measured positions.
+    """
+    found: dict[str, set[str]] = {}
+    for name in names:
+        parts = _JOINT.fullmatch(name)
+        if parts and not parts[3]:
+            found.setdefault(parts[1], set()).add(parts[2])
+    whole = [before for before, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])]
+    if asked is not None:
+        return [before for before in whole if before == asked]
+    allowed = {POSITION, NAME, MEASURED, UNKNOWN}
+    return sorted(before for before in whole if allowed.issuperset(_meanings(before)))
+
+
+def explained(columns: Iterable[Column], joint: str) -> str:
+    """Why the columns of a joint are no positions, ``""`` if there are none."""
+    others = [x for x in columns if x.joint == joint and x.meaning != POSITION]
+    reasons = []
+    for column in others[:_REASONS]:
+        reason = f"{column.name[:60]} is {_article(column.meaning)}"
+        if joint_columns([column.name], column.group)[0].meaning == POSITION:
+            reason += f" (prefix {column.group[:60]} reads it as a position)"
+        reasons.append(reason)
+    if len(others) > _REASONS:
+        reasons.append(f"{len(others) - _REASONS} more")
+    return ", ".join(reasons)
+
+
+def _article(meaning: str) -> str:
+    if meaning == UNKNOWN:
+        return "not understood"
+    return ("an " if meaning[0] in "aeiou" else "a ") + meaning
+
+
+def _meaning(before: str, after: str, asked: bool) -> str:
+    """What a column holds.
+
+    Args:
+        before, after: What stands around the joint.
+        asked: Whether the caller named this group.
+    """
+    ahead = _meanings(before)
+    behind = _meanings(after)
+    if asked:
+        named = {*_ON_REQUEST, MEASURED, POSITION} if behind else {*_ON_REQUEST, MEASURED}
+        ahead = [meaning for meaning in ahead if meaning not in named]
+    every = ahead + behind
+    if COMMAND in every:
+        return COMMAND
+    others = [x for x in every if x not in _QUANTITIES | {NAME, MEASURED, UNKNOWN}]
+    if others:
+        return others[0]
+    quantities = _QUANTITIES.intersection(every)
+    if len(quantities) > 1 or not {*_QUANTITIES, MEASURED}.issuperset(behind):
+        return UNKNOWN
+    # ``any_axis_e_pos`` says what it is; ``any_pos_axis_e`` may be the gain of a controller.
+    if UNKNOWN in ahead and not _QUANTITIES.intersection(behind):
+        return UNKNOWN
+    if not quantities and MEASURED in every:
+        return UNKNOWN
+    return quantities.pop() if quantities else POSITION
+
+
+def _meanings(text: str) -> list[str]:
+    """What each word means."""
+    words = _WORD.findall(text)
+    return [NAME if x.isdecimal() else _MEANING.get(x.lower(), UNKNOWN) for x in words]
+
+
+def _group(before: str) -> str:
+    """What stands before a joint, without the words of its quantity."""
+    kept, end = "", 0
+    for match in _WORD.finditer(before):
+        kept += before[end : match.start()]
+        end = _SEPARATORS.match(before, match.end()).end()  # type: ignore[union-attr]
+        if _MEANING.get(match[0].lower()) not in _QUANTITIES:
+            kept += before[match.start() : end]
+    return kept + before[end:]
