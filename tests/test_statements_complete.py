@@ -43,6 +43,11 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     "docs/errata.md": {
         "(100 000 points": "tests/test_statements_concepts.py::test_the_page_says_what_is_computed",
     },
+    "docs/guides/compare.md": {
+        "100 levels of elements or 10 000 links": (
+            "tests/test_hostile_urdf.py::test_the_bounds_are_said"
+        ),
+    },
     "docs/guides/moving-water.md": {
         "median over 20 000 random poses and directions": (
             "tests/test_moving_water_commands.py::test_the_documented_table_of_loads_is_the_strips"
