@@ -34,7 +34,8 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
-        A float64 array of shape (..., \\*trailing); the caller's own array if it already is one.
+        A float64 array of shape (..., \\*trailing), C-contiguous and aligned, as compiled code
+        reads it; the caller's own array if it already is one.
 
     Raises:
         InputError: Not real numbers (strings, complex, truth values, ragged lists, None), or more
@@ -51,6 +52,8 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
     if array.dtype != np.float64:
         with np.errstate(over="ignore"):  # of long doubles: named below
             array = array.astype(np.float64)
+    if not (array.flags.c_contiguous and array.flags.aligned):  # a view, a mapped file, records
+        array = array.copy()
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
         raise ShapeError(name, array.shape, f"shape {shape}")

@@ -155,6 +155,19 @@ class FileFormatError(Alpha5Error, ValueError):
         super().__init__(f"{path}{', ' + place if place else ''}: {problem}")
 
 
+class KernelError(Alpha5Error, RuntimeError):
+    """A kernel that computed nothing: what it was given was not checked. A fault of this package.
+
+    Attributes:
+        kernel: Name of the kernel.
+    """
+
+    def __init__(self, kernel: str) -> None:
+        self.kernel = kernel
+        expected = "aligned, C-contiguous float64 rows of finite numbers"
+        super().__init__(f"the kernel {kernel} takes only {expected}; please report this")
+
+
 class OutputError(Alpha5Error, OSError):
     """Output that could not be written; nothing is left half-written."""
 

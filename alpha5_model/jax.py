@@ -178,7 +178,7 @@ def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
         position: tcp in base_link, (3,) [m].
         wrist: theta_3 [rad].
     """
-    single = jnp.result_type(jnp.asarray(position), float) == np.float32
+    single = jnp.result_type(_given(position), float) == np.float32
     tolerances = SINGLE if single else DOUBLE
     q, exists, within, singular = _computed("inverse_kinematics", position, wrist, tolerances)
     return Solutions(q, exists, within, singular[0])
@@ -199,12 +199,17 @@ def _computed(name: str, *given: Any) -> Arrays:
 
 def _elements(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     """Entries, row by row: JAX's own as they are, others as numbers, which leave the precision to JAX's."""
-    own = any(isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32 for x in leaves(value))
-    array = jnp.asarray(value) if own else np.asarray(value, np.float64)
+    array = _given(value)
     if array.shape != shape and (array.shape or shape != (1,)):
         raise ShapeError(f"an input of {name}", array.shape, f"shape {shape}")
     flat = array.reshape(-1)
-    return flat if own else flat.tolist()
+    return flat if isinstance(flat, Array) else flat.tolist()
+
+
+def _given(value: Any) -> Any:
+    """An array of JAX's if any part is one or has single precision, else one of NumPy's."""
+    own = any(isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32 for x in leaves(value))
+    return jnp.asarray(value) if own else np.asarray(value, np.float64)
 
 
 def _array(elements: Sequence[Any], shape: tuple[int, ...]) -> Any:

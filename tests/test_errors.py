@@ -38,6 +38,7 @@ def instances() -> list[errors.Alpha5Error]:
         errors.MissingParameterError("rotor_inertia", "reflected inertia"),
         errors.MissingFileError("arm.urdf", "a URDF"),
         errors.FileFormatError("log.csv", "not a number", "line 3"),
+        errors.KernelError("inverse_dynamics"),
         errors.OutputError("out.urdf", "no space left"),
         errors.PortInUseError(7000),
         errors.NoDisplayError("give --html FILE"),
@@ -54,7 +55,7 @@ def test_every_class_of_the_tree_is_tested() -> None:
 
 @pytest.mark.parametrize("error", instances(), ids=lambda e: type(e).__name__)
 def test_one_tree_and_a_fitting_builtin(error: errors.Alpha5Error) -> None:
-    assert isinstance(error, ValueError | OSError | ImportError)
+    assert isinstance(error, ValueError | OSError | ImportError | RuntimeError)
     message = str(error)
     assert message
     assert "\n" not in message

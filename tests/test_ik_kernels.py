@@ -14,8 +14,9 @@ from ik_reference import solved
 from ik_targets import EDGES, at_edge, elbow_and_tip, ordinary
 
 import alpha5_model as a5
+from alpha5_model import kernels as kernels_package
 from alpha5_model.kernels import numpy_kernels
-from alpha5_model.kinematics import ik, plane
+from alpha5_model.kinematics import ik
 from alpha5_model.kinematics.plane import AXIS_TOLERANCE
 
 COUNT, EACH = 130_000, 10_000
@@ -26,7 +27,7 @@ def kernels(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     if request.param == "_compiled" and os.environ.get("ALPHA5_REQUIRE_KERNELS") != "1":
         pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
     chosen = import_module(f"alpha5_model.kernels.{request.param}")
-    for user in (ik, plane):
+    for user in (ik, kernels_package):
         monkeypatch.setattr(user, "module", lambda: chosen)
     return chosen
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -29,7 +30,7 @@ from alpha5_model.checks import FloatArray, count
 from alpha5_model.description import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.states import expanded, rows
-from alpha5_model.errors import InputError
+from alpha5_model.errors import InputError, KernelError
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
 from alpha5_model.spatial import pose
@@ -191,15 +192,22 @@ def kernel_rows(
     if parameters is None:
         clean = rows(arm._model, **given)
         return _PINOCCHIO[name](arm, thread_count(threads, len(clean[0])), *clean)
+    out = None
     states: list[Any] = [*given.values()]
-    run = kernels.module().batch
-    plain = type(states[0]) is np.ndarray and states[0].ndim == 2
-    out = np.empty((len(states[0]), columns)) if plain else None
-    if out is None or not run(name, parameters, *states, out):
-        states = rows(arm._model, **given)
-        out = np.empty((len(states[0]), columns))
-        run(name, parameters, *states, out)
+    if type(states[0]) is np.ndarray and states[0].ndim == 2:
+        with suppress(KernelError):  # not plainly rows: they are converted, or refused, below
+            out = _computed(name, parameters, columns, states)
+    if out is None:
+        out = _computed(name, parameters, columns, rows(arm._model, **given))
     thread_count(threads, len(out))
+    return out
+
+
+def _computed(
+    name: str, parameters: FloatArray, columns: int, states: list[FloatArray]
+) -> FloatArray:
+    out = np.empty((len(states[0]), columns))
+    kernels.compute(name, parameters, *states, out)
     return out
 
 
@@ -250,7 +258,7 @@ def regressor_rows(q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLi
     tau, wrench = np.empty((len(q), 4)), np.empty((len(q), 6))
     for k in range(len(NAMES)):
         one = np.concatenate([np.arange(len(NAMES)) == k, gravity])
-        kernels.module().batch("inverse_dynamics_with_base_wrench", one, q, v, a, tau, wrench)
+        kernels.compute("inverse_dynamics_with_base_wrench", one, q, v, a, tau, wrench)
         out[:, :4, k], out[:, 4:, k] = tau, wrench
     return out
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -90,10 +90,12 @@ class HydrodynamicArm:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         flow = self.current if current is None else current
         out: FloatArray | None = self._kernels[0](q, v, a, flow) if fext is None else None
-        if out is None:
-            tau = self._torque(self.still._clean_qva(q, v, a), fext, current)
-            out = np.asarray(self._tree.g.T @ tau)
-        return out
+        if out is not None:
+            return out
+        state = self.still._clean_qva(q, v, a)
+        if fext is None and self._numbers is not None:
+            return cast(FloatArray, self._kernels[0](*state, self._flow(current)))
+        return np.asarray(self._tree.g.T @ self._torque(state, fext, current))
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Any = None, current: Flow = None
@@ -103,7 +105,9 @@ class HydrodynamicArm:
         out: FloatArray | None = self._kernels[1](q, v, tau, flow) if fext is None else None
         if out is not None:
             return out
-        _, _, torque = self.still._clean_qvtau(q, v, tau)
+        q, v, torque = self.still._clean_qvtau(q, v, tau)
+        if fext is None and self._numbers is not None:
+            return cast(FloatArray, self._kernels[1](q, v, torque, self._flow(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
         return np.asarray(np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64)
 

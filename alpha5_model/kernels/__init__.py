@@ -16,8 +16,8 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from alpha5_model.checks import choice
-from alpha5_model.errors import MissingDependencyError
+from alpha5_model.checks import FloatArray, choice
+from alpha5_model.errors import KernelError, MissingDependencyError
 
 _MODULES = {"compiled": "_compiled", "numpy": "numpy_kernels"}
 
@@ -51,6 +51,18 @@ def module() -> Any:
     remedy = "install alpha5-model where a C compiler is, or compile with python hatch_build.py"
     wanted = "ALPHA5_KERNELS=compiled"
     raise MissingDependencyError("alpha5_model.kernels._compiled", wanted, remedy)
+
+
+def compute(name: str, parameters: FloatArray, *arrays: FloatArray) -> None:
+    """Run a kernel over rows: inputs, then outputs, as `module`'s ``batch`` takes them.
+
+    Nothing else calls ``batch``, so that no output is handed on which was not written.
+
+    Raises:
+        KernelError: It computed nothing. The outputs hold nothing to rely on.
+    """
+    if not module().batch(name, parameters, *arrays):
+        raise KernelError(name)
 
 
 def backend() -> str:

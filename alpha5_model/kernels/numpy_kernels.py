@@ -134,10 +134,15 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
 
 
 def is_state(nq: int, nv: int, *state: Any) -> bool:
-    """Whether q is a float64 array (nq,), the others are (nv,), and all can be computed with; near the largest, no."""
+    """Whether q is a contiguous, aligned float64 array (nq,), the others are (nv,), and all can be computed with.
+
+    Near the largest number: no.
+    """
     n = nq
     for x in state:
         if type(x) is not np.ndarray or x.dtype is not _FLOAT64 or x.shape != (n,):
+            return False
+        if not (x.flags.c_contiguous and x.flags.aligned):
             return False
         if not math.hypot(*x.tolist()) < LARGEST:
             return False

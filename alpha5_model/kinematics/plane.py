@@ -25,8 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model.checks import LARGEST, BoolArray, FloatArray
-from alpha5_model.errors import PublishedDataError
-from alpha5_model.kernels import module
+from alpha5_model.errors import KernelError, PublishedDataError
+from alpha5_model.kernels import compute
 from alpha5_model.parameters import parameters
 
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
@@ -135,7 +135,7 @@ def solve_batch(
         q (..., 4, 4), exists (..., 4), within limits (..., 4) and singular (...), as in
         `alpha5_model.kinematics.ik.Solutions`.
     """
-    lead, run = position.shape[:-1], module().batch
+    lead, none = position.shape[:-1], np.empty(0)
     target = np.ascontiguousarray(position.reshape(-1, 3))
     theta_3 = np.broadcast_to(wrist, lead if wrist.ndim else len(target))
     if wrist.ndim:
@@ -145,12 +145,14 @@ def solve_batch(
     flags = [np.empty((n, size), np.bool_) for size in (4, 4, 1)]
     for start in range(0, n, block):
         rows = target[start : start + block]
-        given = rows, theta_3[start : start + block]
+        given = rows, np.ascontiguousarray(theta_3[start : start + block])
         numbers = [np.empty((len(rows), flag.shape[1])) for flag in flags]
         out = q[start : start + block] if angles else q[: len(rows)], *numbers
-        if not run("inverse_kinematics", np.empty(0), *given, *out):
-            near = (x.clip(-LARGEST, LARGEST) for x in given)  # as far out of reach
-            run("inverse_kinematics", np.empty(0), *near, *out)
+        try:
+            compute("inverse_kinematics", none, *given, *out)
+        except KernelError:  # too large: what is clipped is as far out of reach
+            near = (x.clip(-LARGEST, LARGEST) for x in given)
+            compute("inverse_kinematics", none, *near, *out)
         for flag, number in zip(flags, numbers, strict=True):
             np.not_equal(number, 0.0, out=flag[start : start + block])
     exists, within, singular = flags

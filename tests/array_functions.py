@@ -1,0 +1,440 @@
+"""Every public function that takes arrays, with a call of each: what the tests of arrays' layouts go through."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import test_public_api
+
+import alpha5_model as a5
+from alpha5_model import fluids, inertia
+from alpha5_model import jax as jax_arms
+from alpha5_model.dynamics import batch
+from alpha5_model.uncertainty import torque_margin
+
+#: More rows than the compiled kernels turn to columns at once.
+ROWS = 70
+#: An annotation that an array fits.
+_ARRAY = re.compile(r"Array|Rows|Flow|Numbers")
+#: Takes arrays, but hands them on to a screen, or only keeps what the package computed.
+NOT_CALLED = {
+    "ArmVisualizer": "a screen",
+    "view": "a screen",
+    "Alignment.theirs": "made by compare of a file",
+    "ActuatorPower": "a record",
+    "Analysis": "a record",
+    "DexterityMap": "a record",
+    "Identification": "a record",
+    "Interval": "a record",
+    "Motion": "a record",
+    "Sample": "a record",
+    "Sensitivity": "a record",
+    "Singularities": "a record",
+    "SmoothMotion": "a record",
+    "Solutions": "a record",
+    "Spread": "a record",
+}
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function, its arrays and its other arguments."""
+
+    function: Callable[..., Any]
+    arrays: dict[str, np.ndarray]
+    others: dict[str, Any]
+
+
+def taking_arrays() -> dict[str, Any]:
+    """Name -> function, method or class of the public surface with a parameter that an array fits."""
+    roots = {"a5": a5} | {
+        name: import_module(f"alpha5_model.{name}") for name in test_public_api.MODULES
+    }
+    classes = test_public_api.own_classes()
+    found = {}
+    for line in test_public_api.surface():
+        name, bracket, _ = line.partition("(")
+        if not bracket or line.startswith("alpha5 "):
+            continue
+        if name.startswith("-> "):
+            owner, _, rest = name[3:].partition(".")
+            value = attrgetter(rest)(classes[owner])
+        else:
+            owner, _, rest = name.partition(".")
+            value = attrgetter(rest)(roots[owner])
+        parameters = inspect.signature(value).parameters.values()
+        if any(_ARRAY.search(str(p.annotation)) for p in parameters):
+            found[name.removeprefix("-> ")] = value
+    return found
+
+
+def short(name: str) -> str:
+    """A public name without the modules on the way: ``Arm.jacobian`` of ``a5.Arm.jacobian``."""
+    parts = name.split(".")
+    own = [part for part in parts if part[0].isupper()]
+    return ".".join(parts[parts.index(own[0]) :]) if own else parts[-1]
+
+
+def left_out(name: str) -> bool:
+    """Whether `NOT_CALLED` names it, or its class."""
+    return short(name) in NOT_CALLED or short(name).partition(".")[0] == "ArmVisualizer"
+
+
+#: Methods of an arm that take one state; the others take rows.
+_MANY = ("_batch", "regressor")
+_BODY = {"com": np.array([0.01, 0.02, 0.05]), "inertia": np.diag([4e-4, 5e-4, 6e-4])}
+_LOAD = {**_BODY, "cob": np.array([0.01, 0.0, 0.04])}
+
+
+def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
+    """Every method of an arm that takes a state."""
+    model = arm.still.model if hasattr(arm, "still") else arm.model
+    q = np.array([pin.randomConfiguration(_bounded(model)) for _ in range(ROWS)])
+    rates = rng.normal(size=(3, ROWS, model.nv))
+    state = {"q": q, "v": rates[0], "a": rates[1], "tau": rates[2]}
+    state["current"] = rng.normal(scale=0.3, size=(ROWS, 3))
+    state["position"] = np.tile([0.2, 0.1, 0.1], (ROWS, 1))
+    calls = {}
+    for name, value in inspect.getmembers(type(arm), inspect.isfunction):
+        if name.startswith("_"):
+            continue
+        given = [p for p in inspect.signature(value).parameters if p in state]
+        if not given or name in ("with_hydrodynamics", "configuration", "reaction", "trim"):
+            continue
+        if name == "regressor" and arm._kernel_parameters is None:
+            continue  # refused
+        many = name.endswith(_MANY)
+        arrays = {p: state[p] if many else state[p][0] for p in given}
+        calls[f"{owner}.{name}"] = Call(getattr(arm, name), arrays, {})
+    return calls
+
+
+def _bounded(model: Any) -> Any:
+    """A model whose free joints are near the origin: `pin.randomConfiguration` needs bounds."""
+    bounded = pin.Model(model)
+    low, high = bounded.lowerPositionLimit.copy(), bounded.upperPositionLimit.copy()
+    low[low < -100.0] = -1.0
+    high[high > 100.0] = 1.0
+    bounded.lowerPositionLimit, bounded.upperPositionLimit = low, high
+    return bounded
+
+
+def _vehicle(**arrays: Any) -> a5.Vehicle:
+    own = {"com": np.zeros(3), "inertia": np.diag([0.26, 0.23, 0.37]), "cob": [0.0, 0.0, 0.02]}
+    return a5.Vehicle(**{"mass": 13.5, "volume": 0.0134, **own, **arrays})
+
+
+def arm_calls() -> list[tuple[str, Call]]:
+    """Of `Arm`, its variants and functions of arms, (name, call); made anew, on the kernels in use."""
+    pin.seed(3)
+    rng = np.random.default_rng(3)
+    arms = {
+        "Pinocchio": a5.load(),
+        "kernels": a5.load(backend="kernels"),
+        "floating": a5.load(floating_base=True),
+        "jaws": a5.load(gripper="jaws"),
+    }
+    calls = []
+    for arm in arms.values():
+        calls += _of_arm("Arm", arm, rng).items()
+    wet = arms["Pinocchio"].with_hydrodynamics()
+    on_vehicle = wet.on_vehicle(_vehicle())
+    calls += _of_arm("HydrodynamicArm", wet, rng).items()
+    calls += _of_arm("HydrodynamicArm", arms["jaws"].with_hydrodynamics(), rng).items()
+    calls += _of_arm("ArmOnVehicle", on_vehicle, rng).items()
+
+    q, v, a = rng.normal(size=(3, ROWS, 4))
+    state = {"q": q, "v": v, "a": a}
+    current = {"current": rng.normal(scale=0.3, size=3)}
+    plain = arms["kernels"]
+
+    def torque(arm: Any) -> Any:
+        return arm.inverse_dynamics_batch(q, v, a)
+
+    own = {
+        "torque_terms": (batch.torque_terms, state, {"arm": plain}),
+        "water_terms": (batch.water_terms, state | current, {"arm": plain}),
+        "frame_positions": (batch.frame_positions, {"q": q}, {"arm": plain}),
+        "torque_margin": (torque_margin, state, {"arm": plain}),
+        "bounds": (a5.uncertainty.bounds, state, {}),
+        "torque_bounds": (a5.uncertainty.torque_bounds, state, {}),
+        "without_self_collision": (a5.without_self_collision, {"q": q}, {"wrists": 2}),
+        "load": (lambda **g: torque(a5.load(**g)), {"gravity": np.array([1.0, 2.0, -9.0])}, {}),
+        "arm": (
+            lambda **g: torque(a5.uncertainty.arm(a5.parameters(), **g)),
+            {"gravity": np.array([1.0, 2.0, -9.0])},
+            {},
+        ),
+        "Arm.with_payload": (lambda **g: torque(plain.with_payload(0.6, **g)), _LOAD, {}),
+        "HydrodynamicArm.with_payload": (
+            lambda **g: torque(wet.with_payload(0.6, **g)),
+            {**_LOAD, "added_mass": np.diag(np.arange(1.0, 7.0))},
+            {},
+        ),
+        "Arm.with_hydrodynamics": (lambda **g: torque(plain.with_hydrodynamics(**g)), current, {}),
+        "ArmOnVehicle.configuration": (
+            on_vehicle.configuration,
+            {"transform_vehicle_to_world": np.eye(4), "q": q[0]},
+            {},
+        ),
+        "ArmOnVehicle.trim": (on_vehicle.trim, {"q": q[0]}, {}),
+        "ArmOnVehicle.reaction": (
+            on_vehicle.reaction,
+            {
+                "q": on_vehicle.configuration(np.eye(4), q[0]),
+                "v": rng.normal(size=10),
+                "a": a[0],
+                **current,
+            },
+            {},
+        ),
+    }
+    return calls + [(name, Call(*call)) for name, call in own.items()]
+
+
+def kinematics_calls() -> list[tuple[str, Call]]:
+    """Of inverse kinematics, reach and workspace, (name, call)."""
+    rng = np.random.default_rng(4)
+    positions = rng.uniform(-0.4, 0.4, (ROWS, 3))
+    wrist = rng.uniform(0.1, 3.0, ROWS)
+    q = rng.uniform(0.5, 3.0, (ROWS, 4))
+    reached = {"positions": positions[np.asarray(a5.reachable(positions))]}
+    solved = a5.inverse_kinematics(reached["positions"])
+    poses = a5.dh.DHChain.alpha5().forward_kinematics(q)
+    path = np.linspace([0.2, 0.1, 0.1], [0.2, 0.12, 0.1], 20)
+    plane = {"radius": rng.uniform(0.0, 0.4, ROWS), "z": rng.uniform(-0.3, 0.4, ROWS)}
+    posed = a5.inverse_kinematics_pose(poses[:, :, :])
+    inside = posed.within_limits.any(axis=-1)
+    posed = a5.inverse_kinematics_pose(poses[inside])
+    space = a5.workspace
+    table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+        ("inverse_kinematics", a5.inverse_kinematics, {"position": positions}, {}),
+        ("inverse_kinematics", a5.inverse_kinematics, {"position": positions[0]}, {}),
+        ("inverse_kinematics", a5.inverse_kinematics, {"position": positions, "wrist": wrist}, {}),
+        ("inverse_kinematics_pose", a5.inverse_kinematics_pose, {"transform": poses}, {}),
+        (
+            "inverse_kinematics_path",
+            a5.inverse_kinematics_path,
+            {"positions": path, "wrist": wrist[:1].repeat(20)},
+            {},
+        ),
+        (
+            "inverse_kinematics_path",
+            a5.inverse_kinematics_path,
+            {"positions": path, "q_start": a5.inverse_kinematics_path(path)[0]},
+            {},
+        ),
+        (
+            "published_inverse_kinematics",
+            a5.published_inverse_kinematics,
+            {"position": positions},
+            {},
+        ),
+        ("Solutions.best", solved.best, {"q_reference": q[0]}, {}),
+        ("Solutions.best", solved.best, {"q_reference": q[: len(solved.position)]}, {}),
+        ("PoseSolutions.best", posed.best, {"q_reference": q[0]}, {}),
+        ("reachable", a5.reachable, {"positions": positions}, {}),
+        ("distance_to_reach", a5.distance_to_reach, {"positions": positions}, {}),
+        ("nearest_reachable", a5.nearest_reachable, {"positions": positions}, {}),
+        ("published_reachable", space.published_reachable, {"positions": positions}, {}),
+        ("in_half_plane", space.in_half_plane, plane, {}),
+        ("in_tori", space.in_tori, plane, {}),
+        ("manipulability", space.manipulability, {"q": q}, {}),
+        ("singularities", space.singularities, {"q": q}, {}),
+        ("Arc.points", space.boundary()[0].points, {"angle": wrist}, {}),
+    ]
+    return [(name, Call(*call)) for name, *call in table]
+
+
+def theory_calls() -> list[tuple[str, Call]]:
+    """Of inertia, actuators, Denavit-Hartenberg chains, planar arms and recordings, (name, call)."""
+    rng = np.random.default_rng(5)
+    mass, com = rng.uniform(0.1, 1.0, ROWS), rng.normal(scale=0.1, size=(ROWS, 3))
+    moment = rng.uniform(1.0, 1.5, (ROWS, 3))
+    tensor = np.einsum("ni,ij->nij", moment, np.eye(3))
+    far = inertia.tensor_at_origin(mass, com, tensor)
+    torque, velocity, more = rng.normal(size=(3, ROWS))
+    q = rng.uniform(0.5, 3.0, (ROWS, 4))
+    chain = a5.dh.DHChain.alpha5()
+    pose = chain.forward_kinematics(q[0])
+    planar = a5.planar.PlanarArm((5.0, 4.0, 1.0))
+    arc, segment = a5.planar.Arc((0.1, 0.2), 1.0), a5.planar.Segment((0.1, 0.2), 0.3, 1.0)
+    points = rng.uniform(-6.0, 6.0, (ROWS, 2))
+    axis = a5.actuators.actuator("axis_c", rotor_inertia=1e-7)
+    time = np.linspace(0.0, 2.0, 101)
+    wave = np.sin(time[:, None] + np.arange(4.0)) * 0.3 + 1.5
+    moved = {"time": time, "position": wave}
+    points_3, ways_3 = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0.0, 0, 1], [0, 1, 0]])
+    drag = {"torque": torque, "velocity": velocity, "acceleration": more}
+    current = {"current": torque, "velocity": velocity, "acceleration": more}
+    limits = {"supply_voltage": 24.0, "current_limit": 3.0}
+    pulled = {"mass": mass, "com": com, "inertia_com": tensor}
+    recording = a5.trajectory.motion(**moved, joints=("axis_e", "axis_d", "axis_c", "axis_b"))
+    wrench = rng.normal(size=(101, 6))
+    drawn = a5.uncertainty.sample(3)
+
+    def identified(**given: Any) -> Any:
+        return a5.identify(recording, **given).estimate
+
+    def analysed(**given: Any) -> Any:
+        return a5.trajectory.analyse(recording, **given).torque
+
+    rotation = chain.forward_kinematics(q)[:, :3, :3].copy()
+    table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+        ("combine", inertia.combine, {"masses": mass, "coms": com, "inertias": tensor}, {}),
+        ("flip_products", inertia.flip_products, {"inertia": far}, {}),
+        (
+            "inconsistencies",
+            inertia.inconsistencies,
+            {"com": com[0], "inertia_com": far[0], "bounds": np.tile([-1.0, 1.0], (3, 1))},
+            {"mass": 0.1},
+        ),
+        ("point_mass_tensor", inertia.point_mass_tensor, {"mass": mass, "position": com}, {}),
+        ("principal_moments", inertia.principal_moments, {"inertia": far}, {}),
+        ("pseudo_inertia", inertia.pseudo_inertia, pulled, {}),
+        ("radii_of_gyration", inertia.radii_of_gyration, {"mass": mass, "inertia": tensor}, {}),
+        (
+            "rotate_tensor",
+            inertia.rotate_tensor,
+            {"rotation_a_to_b": rotation, "inertia": far},
+            {},
+        ),
+        ("second_moments", inertia.second_moments, {"inertia": far}, {}),
+        (
+            "tensor_at_com",
+            inertia.tensor_at_com,
+            {"mass": mass, "com": com, "inertia_origin": far},
+            {},
+        ),
+        ("tensor_at_origin", inertia.tensor_at_origin, pulled, {}),
+        (
+            "gravity_in_base",
+            fluids.gravity_in_base,
+            {"rotation": rotation[0], "gravity": com[0]},
+            {},
+        ),
+        ("Actuator.current", axis.current, drag, {}),
+        ("Actuator.current_interval", axis.current_interval, drag, {}),
+        ("Actuator.power", axis.power, drag, {}),
+        ("Actuator.holding_current", axis.holding_current, {"torque": torque}, {}),
+        ("Actuator.holding_torque", axis.holding_torque, {"current": torque}, {}),
+        ("Actuator.speed", axis.speed, {"voltage": velocity, "current": torque}, {}),
+        ("Actuator.speed_limits", axis.speed_limits, {"torque": torque}, limits),
+        ("Actuator.torque_limits", axis.torque_limits, {"velocity": velocity}, limits),
+        ("Actuator.torque", axis.torque, current, {}),
+        ("Actuator.torque_interval", axis.torque_interval, current, {}),
+        (
+            "Actuator.voltage",
+            axis.voltage,
+            {"current": torque, "velocity": velocity, "current_rate": more},
+            {},
+        ),
+        (
+            "DHChain",
+            lambda **given: a5.dh.DHChain(chain.links, **given).frames(q),
+            {"base": pose, "tool": pose},
+            {},
+        ),
+        ("DHChain.frames", chain.frames, {"q": q}, {}),
+        ("DHChain.forward_kinematics", chain.forward_kinematics, {"q": q}, {}),
+        ("DHChain.jacobian", chain.jacobian, {"q": q}, {}),
+        ("DHChain.joint_axes", chain.joint_axes, {"q": q}, {}),
+        (
+            "DHChain.from_axes",
+            a5.dh.DHChain.from_axes,
+            {"points": points_3, "directions": ways_3, "end_effector": pose, "q": q[0, :2]},
+            {},
+        ),
+        (
+            "DHChain.from_table",
+            a5.dh.DHChain.from_table,
+            {"rows": np.array([[0, 0, 1.0, 0, 0]])},
+            {},
+        ),
+        (
+            "DHLink.from_vector",
+            a5.dh.DHLink.from_vector,
+            {"vector": np.array([0, 0, 1.0, 0, 0])},
+            {},
+        ),
+        ("DHLink.transform", chain.links[0].transform, {"q": torque}, {}),
+        (
+            "dh_transform",
+            a5.dh.dh_transform,
+            {"theta": torque, "d": velocity, "a": more, "alpha": mass},
+            {},
+        ),
+        ("PlanarArm", a5.planar.PlanarArm, {"lengths": np.array([5.0, 4.0, 1.0])}, {}),
+        (
+            "PlanarArm",
+            a5.planar.PlanarArm,
+            {"lengths": np.array([5.0, 4.0]), "angles": np.array([0.1, 0.2])},
+            {},
+        ),
+        ("PlanarArm.poses", planar.poses, {"q": com}, {}),
+        ("PlanarArm.forward_kinematics", planar.forward_kinematics, {"q": com}, {}),
+        ("PlanarArm.jacobian", planar.jacobian, {"q": com}, {}),
+        ("Workspace.contains", planar.workspace().contains, {"points": points}, {}),
+        (
+            "dexterity",
+            a5.planar.dexterity,
+            {"points": points},
+            {"arm": planar, "orientations": 4, "samples": 3},
+        ),
+        ("Arc.moved", arc.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
+        ("Arc.point", arc.point, {"t": torque}, {}),
+        ("Arc.parameter", arc.parameter, {"points": arc.point(mass)}, {"tolerance": 1e-9}),
+        ("Segment.moved", segment.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
+        ("Segment.point", segment.point, {"t": torque}, {}),
+        ("Segment.parameter", segment.parameter, {"points": points}, {"tolerance": 1e-9}),
+        ("motion", a5.trajectory.motion, {**moved, "velocity": wave, "effort": wave}, {}),
+        ("analyse", analysed, {"current": com[0]}, {}),
+        ("identify", identified, {"wrench": wrench}, {}),
+        ("Sample.base_parameters", drawn.base_parameters, {"gravity": com[0]}, {}),
+        (
+            "DragStrip",
+            a5.DragStrip,
+            {"start": com[0], "end": com[1]},
+            {"diameter": 0.04, "across": 1.0},
+        ),
+        (
+            "Vehicle",
+            _vehicle,
+            {
+                "com": com[0],
+                "inertia": tensor[0],
+                "cob": com[1],
+                "added_mass": np.arange(1.0, 7.0),
+                "linear_damping": np.arange(1.0, 7.0),
+                "quadratic_damping": np.arange(2.0, 8.0),
+                "transform_vehicle_to_base": pose,
+            },
+            {},
+        ),
+    ]
+    return [(name, Call(*call)) for name, *call in table]
+
+
+def jax_calls() -> list[tuple[str, Call]]:
+    """Of `alpha5_model.jax`, one state each, (name, call)."""
+    arm = jax_arms.load()
+    state = dict(zip(("q", "v", "a"), np.random.default_rng(6).normal(size=(3, 4)), strict=True))
+    state["tau"] = state["a"]
+    calls = []
+    for name, method in inspect.getmembers(jax_arms.JaxArm, inspect.isfunction):
+        given = {p: state[p] for p in inspect.signature(method).parameters if p in state}
+        if given:
+            calls.append((f"JaxArm.{name}", Call(getattr(arm, name), given, {})))
+    target = {"position": np.array([0.2, 0.1, 0.1]), "wrist": np.array([0.3])}
+    calls.append(("jax.inverse_kinematics", Call(jax_arms.inverse_kinematics, target, {})))
+    held = Call(lambda **given: arm.with_payload(0.6, **given).parameters, _LOAD, {})
+    calls.append(("JaxArm.with_payload", held))
+    return calls
