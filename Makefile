@@ -41,8 +41,8 @@ conformance: $(VENV)/.conformance ## every tool on the generated files, one tabl
 fuzz: $(VENV)/.test ## 100 000 inputs to the package, its readers and its command line
 	$(BIN)/python scripts/fuzz.py
 
-mutation: $(VENV)/.mutation ## do the tests see a random change of the code?
-	$(BIN)/python scripts/mutation.py
+mutation: $(VENV)/.mutation ## do the tests see a random change of the code, Python or C?
+	nice $(BIN)/python scripts/mutation.py
 
 clean:
 	rm -rf $(VENV) build dist demo

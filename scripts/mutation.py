@@ -1,495 +1,254 @@
-"""Mutation testing: are the tests sharp enough to see a random change of one operator or number?
+"""Mutation testing: do the tests see a random change of one operator or number?
 
-    python scripts/mutation.py                                  # 300 mutants of all rooms
-    python scripts/mutation.py --count 30 --seed 7 description kinematics
-    python scripts/mutation.py --at dynamics/statics.py:79      # every mutant of one line
+    python scripts/mutation.py                              # 200 mutants of all rooms
+    python scripts/mutation.py --sample 30 --seed 7 dh C
+    python scripts/mutation.py --at dynamics/batch.py:79    # every mutant of one line
 
-cosmic-ray says where a mutant can be made and makes it; one drawing takes one operator at one place, each
-place with the same chance. Here is only what a session of it would cost minutes for: a process that holds
-the third-party packages forks once per mutant, in a copy of the checkout, and the child runs the tests that
-coverage saw on the changed line, cheapest first, until one fails.
+Mutants are made of all hand-written Python of the package and of all hand-written C: the
+kernels and the templates of the C library. Each room, which is a folder, a module or all C,
+has a share of the sample in proportion to its lines.
 
-Left out by rule, because they change nothing that a test could see: annotations (compared as syntax trees),
-a cache taken off a function, ``strict=True`` of a zip, which asserts what the code itself made so.
+Every test file is run once, to record which test passes which line. A mutant is written
+into a copy of the checkout, where a forked child runs the tests of its line, then those
+of its file and room, until one fails. Results are appended to a file of JSON lines; the
+same command goes on where it was stopped.
+
+A mutant that makes the tests endless is reported apart and does not count as killed. One
+that no test can see may be named in ``scripts/mutating/equivalent.toml``, with the reason.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
-import difflib
-import itertools
-import os
-import pickle
-import random
-import resource
-import shutil
-import signal
+import json
 import subprocess
 import sys
+import sysconfig
 import tempfile
-import time
-import traceback
-from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
-from importlib import import_module
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-import coverage
-import pytest
-from cosmic_ray.ast import get_ast
-from cosmic_ray.mutating import MutationVisitor
-from cosmic_ray.plugins import get_operator, operator_names
+from mutating import c_code, python_code
+from mutating.mutants import (
+    C_ROOM,
+    PACKAGE,
+    REPOSITORY,
+    Mutant,
+    Place,
+    changed_lines,
+    draw,
+    is_c,
+    is_equivalent,
+    room,
+    sources,
+)
+from mutating.sandbox import (
+    INVALID,
+    KILLED,
+    SURVIVED,
+    TIMEOUT,
+    UNTESTED,
+    Job,
+    Outcome,
+    Sandbox,
+    Selection,
+    run,
+    warm,
+)
+from mutating.seen import Seen
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-PACKAGE = REPOSITORY / "alpha5_model"
-#: The files as they are when the run starts: whoever edits meanwhile does not disturb it.
-SOURCES = {
-    f.relative_to(PACKAGE): f.read_text(encoding="utf-8") for f in sorted(PACKAGE.rglob("*.py"))
-}
-ROOMS = (
-    "comparison",
-    "consistency",
-    "description",
-    "dh",
-    "dynamics",
-    "kinematics",
-    "meshing",
-    "planar",
-    "trajectory",
-)
-#: Tests that drive a browser, a clock or a picture: no room of these is theirs.
-NOT_ASKED = ("test_view_", "test_benchmark", "test_demo", "test_fuzz")
-#: Imported before the forks; the package itself is not, each child imports its own.
-WARM = (
-    "numpy",
-    "scipy.spatial.transform",
-    "scipy.interpolate",
-    "scipy.optimize",
-    "pinocchio",
-    "coal",
-    "matplotlib.pyplot",
-    "rich.console",
-    "typer",
-    "xacro",
-    "trimesh",
-    "mujoco",
-)
-#: A mutant may take this many times the processor time of its tests unchanged, and this much more [s]; and, if it
-#: waits for something, on a busy machine, this many times that by the clock.
-SLOWER, GRACE, CLOCK = 3.0, 20.0, 15.0
-#: Tests of one mutant, in seconds of the unchanged run.
-BUDGET = 60.0
-#: At most this many functions are asked before whole files are.
-FIRST = 60
-_DATES = itertools.count(1_000_000_000)
-#: The harness proves itself first: file, part of a line, what it becomes, what must come of it, by which tests.
+BUILD = REPOSITORY / "build" / "mutation"
+EQUIVALENT = "equivalent"
+#: The columns of the table, after the room.
+STATUSES = (KILLED, SURVIVED, UNTESTED, TIMEOUT, EQUIVALENT)
+#: Checked first: file, part of it, what that becomes, the outcome, by which tests.
 PROOFS = (
-    ("consistency/row.py", '"mm": 1e3', '"mm": 2e3', "killed", "tests/test_audit.py"),
-    ("consistency/row.py", "norm(outside)", "norm(-outside)", "survived", "tests/test_audit.py"),
+    ("consistency/bodies.py", "(excess) * G", "(excess) / G", KILLED, "audit"),
+    ("consistency/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "audit"),
+    ("kernels/rows.h", "return good", "return !good", KILLED, "kernels_compiled"),
+    ("kernels/rows.h", "return good", "return +good", SURVIVED, "kernels_compiled"),
 )
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """One change: ``text`` is the whole file with it, ``line`` where it starts."""
-
-    file: Path
-    line: int
-    operator: str
-    text: str
-    status: str = "not run"
-    seconds: float = 0.0
-
-    @property
-    def place(self) -> str:
-        return f"{self.file}:{self.line}"
-
-    def diff(self) -> str:
-        old = SOURCES[self.file]
-        lines = difflib.unified_diff(old.splitlines(), self.text.splitlines(), n=0, lineterm="")
-        return "\n".join(line for line in list(lines)[2:] if not line.startswith("@@"))
-
-
-@dataclass(frozen=True)
-class Site:
-    """A place where a kind of mutant can be made, and the operators that make one."""
-
-    file: Path
-    position: tuple[int, int]
-    choices: tuple[tuple[str, int], ...]
-
-    def mutants(self) -> Iterator[Mutant]:
-        """Those that compile and differ."""
-        source = SOURCES[self.file]
-        for name, occurrence in self.choices:
-            text = MutationVisitor.mutate_code(source, get_operator(name)(), occurrence)
-            with suppress(SyntaxError):
-                if _meaning(text) != _meaning(source):
-                    yield Mutant(self.file, self.position[0], name.split("/")[-1], text)
-
-
-def sites(file: Path) -> list[Site]:
-    """All places of a file, in its order."""
-    tree = get_ast(SOURCES[file])
-    found: dict[tuple[tuple[int, int], str], list[tuple[str, int]]] = defaultdict(list)
-    for name in sorted(operator_names()):
-        if "Variable" in name:  # these need arguments
-            continue
-        operator, occurrence = get_operator(name)(), 0
-        kind = name.split("/")[-1].split("_")[0]
-        for node in _nodes(tree):
-            for start, _ in operator.mutation_positions(node):
-                cache = kind == "RemoveDecorator" and "cache" in node.get_code()
-                if not cache and node.parent.get_code().strip() != "strict=True":
-                    found[start, kind].append((name, occurrence))
-                occurrence += 1
-    return [Site(file, start, tuple(choices)) for (start, _), choices in sorted(found.items())]
-
-
-def draw(files: Sequence[Path], count: int, seed: int) -> list[Mutant]:
-    """``count`` mutants at different places, every place with the same chance."""
-    chance = random.Random(seed)
-    places = [site for file in files for site in sites(file)]
-    chance.shuffle(places)
-    drawn: list[Mutant] = []
-    for site in places:
-        if len(drawn) == count:
-            break
-        choices = chance.sample(site.choices, len(site.choices))
-        if mutant := next(replace(site, choices=tuple(choices)).mutants(), None):
-            drawn.append(mutant)
-    return drawn
-
-
-class _Bare(ast.NodeTransformer):
-    """A syntax tree without annotations."""
-
-    def visit_arg(self, node: ast.arg) -> ast.arg:
-        node.annotation = None
-        return node
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AnnAssign:
-        node.annotation = ast.Constant(None)
-        self.generic_visit(node)
-        return node
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        node.returns = None
-        self.generic_visit(node)
-        return node
-
-
-def _meaning(source: str) -> str:
-    return ast.dump(_Bare().visit(ast.parse(source)))
-
-
-def _nodes(node: object) -> Iterator[object]:
-    """In the order of cosmic-ray's own walk: a node, then its children."""
-    yield node
-    for child in getattr(node, "children", ()):
-        yield from _nodes(child)
-
-
-def sandbox(folder: Path) -> Path:
-    """A copy of the checkout's files to change and to run tests in."""
-    names = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=REPOSITORY, check=True, capture_output=True, text=True,
-    ).stdout  # fmt: skip
-    copy = folder / "checkout"
-    for name in filter(None, names.split("\0")):
-        if (REPOSITORY / name).is_file():
-            (copy / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(REPOSITORY / name, copy / name)
-    beside = REPOSITORY.parent / "shared"
-    if beside.exists():
-        (folder / "shared").symlink_to(beside.resolve())
-    subprocess.run(["git", "init", "-q"], cwd=copy, check=True)
-    return copy
-
-
-class Tests:
-    """Which test files pass a line, and how much processor time each takes.
-
-    First the functions that were seen on the line; what a module or a cache computes once was seen in one of
-    them only, or in none, so that the whole files have the last word.
-    """
-
-    def __init__(self, copies: Sequence[Path], only: Sequence[str] = ()) -> None:
-        asked = list(only) or [
-            str(file.relative_to(copies[0]))
-            for file in sorted((copies[0] / "tests").glob("test_*.py"))
-            if not file.name.startswith(NOT_ASKED)
-        ]
-        self.seconds: dict[str, float] = {}
-        self.lines: dict[tuple[Path, str], set[int]] = {}
-        self.functions: dict[tuple[Path, int], set[str]] = defaultdict(set)
-
-        def done(job: Job, status: str, seconds: float, copy: Path) -> None:
-            test = job.tests[0]
-            if status != "survived":
-                said = (copy.parent / "output").read_text()[-1000:]
-                print(f"{test} fails without any mutant and is left out:\n{said}", flush=True)
-                return
-            self.seconds[test] = seconds
-            measured = coverage.CoverageData(str(copy.parent / "coverage"))
-            measured.read()
-            for path in measured.measured_files():
-                file = Path(path).relative_to(copy / "alpha5_model")
-                self.lines[file, test] = set(measured.lines(path) or ())
-                for line, contexts in measured.contexts_by_lineno(path).items():
-                    names = {context.rpartition(".")[2] for context in contexts if context}
-                    self.functions[file, line] |= {f"{test}::{name}" for name in names}
-
-        run([Job(None, (test,), 900.0) for test in asked], copies, done)
-
-    def job(self, mutant: Mutant) -> Job:
-        """Those that pass the mutant's statement: first what passes most of its file, within the budget."""
-        at = _statement(SOURCES[mutant.file], mutant.line)
-        own = {t: lines for (f, t), lines in self.lines.items() if f == mutant.file}
-        # A line that only another process passes is seen by none: all tests of its file are asked.
-        passing = [t for t, lines in own.items() if lines & at] or list(own)
-        # What a module computes as it is read is passed by all; those that work in its room go first.
-        near = dict.fromkeys(passing, 0)
-        for (file, test), lines in self.lines.items():
-            if test in near and file.parts[0] == mutant.file.parts[0]:
-                near[test] += len(lines)
-        passing.sort(key=lambda t: (-len(self.lines[mutant.file, t]), -near[t], self.seconds[t]))
-        ordered: list[str] = []
-        total = 0.0
-        for test in passing:
-            if not ordered or total + self.seconds[test] < BUDGET:
-                total += self.seconds[test]
-                ordered.append(test)
-        files = Job(mutant, tuple(ordered), GRACE + SLOWER * total)
-        seen = set().union(*(self.functions[mutant.file, line] for line in at))
-        first = sorted(seen, key=lambda t: (passing.index(t.partition("::")[0]), t))[:FIRST]
-        return Job(mutant, tuple(first), files.limit, files) if first else files
-
-
-def _statement(source: str, line: int) -> set[int]:
-    """Lines of the statement around a line, of a compound one its head: coverage skips folded constants."""
-    spans = [
-        range(node.lineno, (node.body[0].lineno if body else (node.end_lineno or node.lineno) + 1))
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.stmt)
-        for body in [isinstance(getattr(node, "body", None), list)]
-    ]
-    around = [span for span in spans if line in span]
-    return {line, *min(around, key=len, default=())}
-
-
-@dataclass(frozen=True)
-class Job:
-    """One forked child: these test files with this mutant, or with none and coverage measured."""
-
-    mutant: Mutant | None
-    tests: tuple[str, ...]
-    limit: float
-    then: Job | None = None  # to be run if this one sees nothing
-
-
-def _environment(copy: Path) -> dict[str, str]:
-    alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    return {
-        **os.environ,
-        **alone,
-        "PYTHONPATH": str(copy),
-        "MPLBACKEND": "agg",
-    }
-
-
-def _write(copy: Path, file: Path, text: str) -> None:
-    """With a date of its own, by which Python knows compiled files that are stale."""
-    path = copy / "alpha5_model" / file
-    path.write_text(text, encoding="utf-8")
-    os.utime(path, (date := next(_DATES), date))
-
-
-def _test(copy: Path, job: Job) -> None:
-    """In the forked child: run the tests in the copy, leave with pytest's status."""
-    os.setsid()
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    os.dup2(os.open(copy.parent / "output", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
-    os.dup2(1, 2)
-    resource.setrlimit(resource.RLIMIT_CPU, (round(job.limit), round(job.limit) + 5))
-    os.chdir(copy)
-    os.environ.update(_environment(copy))
-    own = (REPOSITORY, REPOSITORY / "scripts")
-    sys.path[:] = [str(copy), *(p for p in sys.path if Path(p).resolve() not in own)]
-    measure = coverage.Coverage(copy.parent / "coverage", source=[str(copy / "alpha5_model")])
-    measure.set_option("run:dynamic_context", "test_function")
-    if job.mutant is None:
-        measure.start()
-    status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *job.tests])
-    if job.mutant is None:
-        measure.stop()
-        measure.save()
-    sys.stdout.flush()
-    os._exit(status)
-
-
-def run(
-    jobs: Sequence[Job], copies: Sequence[Path], done: Callable[[Job, str, float, Path], None]
-) -> None:
-    """One child per copy at a time; ``done`` hears of each job as it ends."""
-    waiting, free = list(jobs)[::-1], list(copies)
-    busy: dict[int, tuple[Job, Path, float]] = {}
-    while waiting or busy:
-        while waiting and free:
-            job, copy = waiting.pop(), free.pop()
-            if job.mutant:
-                _write(copy, job.mutant.file, job.mutant.text)
-            child = os.fork()
-            if child == 0:
-                try:
-                    _test(copy, job)
-                except BaseException:
-                    traceback.print_exc()
-                    sys.stderr.flush()
-                os._exit(99)
-            busy[child] = (job, copy, time.monotonic())
-        time.sleep(0.05)
-        for child, (job, copy, start) in list(busy.items()):
-            ended, status, used = os.wait4(child, os.WNOHANG)
-            if not ended and time.monotonic() - start < CLOCK * job.limit:
-                continue
-            outcome = "killed (time)"
-            if ended:
-                known = {0: "survived", 5: "no test", -signal.SIGXCPU: outcome}
-                outcome = known.get(os.waitstatus_to_exitcode(status), "killed")
-            else:
-                os.killpg(child, signal.SIGKILL)
-                _, _, used = os.wait4(child, 0)
-            del busy[child]
-            if job.mutant:
-                _write(copy, job.mutant.file, SOURCES[job.mutant.file])
-            free.append(copy)
-            if job.then and not outcome.startswith("killed"):
-                waiting.append(job.then)
-                continue
-            done(job, outcome, used.ru_utime + used.ru_stime, copy)
-
-
-def proved(copies: Sequence[Path]) -> bool:
-    """One mutant dies, and one that changes nothing lives."""
-    jobs, outcomes = [], {}
-    for name, old, new, expected, test in PROOFS:
-        text = SOURCES[Path(name)]
-        line = text[: text.index(old)].count("\n") + 1
-        mutant = Mutant(Path(name), line, f"{new}, expected {expected}", text.replace(old, new, 1))
-        jobs.append(Job(mutant, (test,), 900.0))
-
-    def done(job: Job, status: str, seconds: float, copy: Path) -> None:
-        assert job.mutant is not None
-        outcomes[job.mutant.operator] = status
-
-    run(jobs, copies, done)
-    for text, status in outcomes.items():
-        print(f"proof: {text}: {status}", flush=True)
-    return all(text.endswith(status) for text, status in outcomes.items())
-
-
-def table(results: Sequence[Mutant]) -> str:
-    """Markdown: counts per room, then every mutant that lives with its diff, then all."""
-    rows = ["| room | mutants | killed | alive | |", "| --- | ---: | ---: | ---: | ---: |"]
-    for room in (*ROOMS, "all"):
-        own = [m for m in results if room in ("all", m.file.parts[0])]
-        killed = sum(m.status.startswith("killed") for m in own)
-        if own:
-            rows.append(
-                f"| {room} | {len(own)} | {killed} | {len(own) - killed} | {killed / len(own):.1%} |"
-            )
-    alive = [
-        f"\n`{m.place}` {m.operator}, {m.status}\n\n```diff\n{m.diff()}\n```"
-        for m in results
-        if not m.status.startswith("killed")
-    ]
-    every = [f"| {m.place} | {m.operator} | {m.status} | {m.seconds:.1f} |" for m in results]
-    return "\n".join(
-        [
-            *rows,
-            *alive,
-            "",
-            "| mutant | operator | status | s |",
-            "| --- | --- | --- | ---: |",
-            *every,
-            "",
-        ]
-    )
 
 
 def main() -> int:
-    """Status 1 if the harness disproves itself or fewer than ``--least`` percent die."""
+    """Status 1 if a proof fails or fewer than ``--least`` percent are killed."""
+    asked = _arguments()
+    texts = sources()
+    mutants = _mutants(asked, texts)
+    print(f"{len(mutants)} mutants", flush=True)
+    results = _results(asked.output)
+    with tempfile.TemporaryDirectory() as name:
+        folders = [Path(name) / str(number) for number in range(asked.jobs)]
+        boxes = [Sandbox(folder) for folder in folders]
+        warm()
+        if not _proved(boxes, texts):
+            return 1
+        seen = Seen(BUILD / "seen", texts)
+        seen.record(boxes)
+        done = _appended(asked.output, texts, results)
+        for mutant in mutants:
+            if mutant.key not in results and is_equivalent(mutant, texts[mutant.file]):
+                done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
+        waiting = (seen.job(m) for m in mutants if m.key not in results)
+        run(waiting, boxes, texts, done)
+    own = [results[mutant.key] for mutant in mutants]
+    print(table(own))
+    print(f"seed {asked.seed}; all mutants: {asked.output}")
+    return 0 if own and share(own) >= asked.least else 1
+
+
+def table(results: Sequence[dict[str, Any]]) -> str:
+    """Counts of each room, and of all."""
+    rooms = sorted({result["room"] for result in results})
+    head = f"{'room':<20}" + "".join(f"{status:>12}" for status in STATUSES)
+    rows = [head]
+    for name in (*rooms, "all"):
+        own = [r["status"] for r in results if name in ("all", r["room"])]
+        count = Counter(own)
+        rows.append(f"{name:<20}" + "".join(f"{count[s]:>12}" for s in STATUSES))
+    return "\n".join([*rows, f"killed: {share(results):.1f} %"])
+
+
+def share(results: Sequence[dict[str, Any]]) -> float:
+    """Percent killed, of those that compile and that a test could see."""
+    count = Counter(result["status"] for result in results)
+    judged = sum(count.values()) - count[EQUIVALENT] - count[INVALID]
+    return 100.0 * count[KILLED] / max(judged, 1)
+
+
+def places(file: Path, text: str) -> list[Place]:
+    """Where mutants of a file can be made."""
+    return c_code.places(file, text) if is_c(file) else python_code.places(file, text)
+
+
+def code_lines(file: Path, text: str) -> int:
+    """Lines of code of a file."""
+    return c_code.code_lines(text) if is_c(file) else python_code.code_lines(text)
+
+
+def compiles(mutant: Mutant) -> bool:
+    """Whether it is C that a compiler takes; Python and templates always are."""
+    if not is_c(mutant.file) or mutant.file.parts[0] != "kernels":
+        return True
+    import numpy
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for path in (PACKAGE / "kernels").rglob("*.[ch]"):
+            copy = folder / path.relative_to(PACKAGE)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
+        (folder / mutant.file).write_text(mutant.text, encoding="utf-8")
+        command = [
+            "cc", "-fsyntax-only", "-Wno-psabi", '-DSOURCES=""',
+            f"-I{numpy.get_include()}", f"-I{sysconfig.get_path('include')}",
+            str(folder / "kernels" / "_compiled.c"),
+        ]  # fmt: skip
+        ended = subprocess.run(command, check=False, capture_output=True)
+    return ended.returncode == 0
+
+
+def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("rooms", nargs="*", default=ROOMS, help=f"of {', '.join(ROOMS)}")
-    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("rooms", nargs="*", help=f"folders, modules, {C_ROOM}")
+    parser.add_argument("--sample", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--least", type=float, default=95.0, help="percent that must be killed")
-    parser.add_argument(
-        "--at", nargs="*", default=(), metavar="FILE:LINE", help="these lines, all mutants of each"
-    )
-    parser.add_argument(
-        "--map", type=Path, help="keep what the tests pass in this file, or take it from there"
-    )
-    parser.add_argument("--tests", nargs="*", default=(), help="only these test files")
-    parser.add_argument("--output", type=Path, default=REPOSITORY / "build" / "mutation.md")
-    chosen = parser.parse_args()
-    os.nice(19)
-    if chosen.at:
-        at = {tuple(place.split(":")) for place in chosen.at}
-        mutants = [
-            m for name in {Path(f) for f, _ in at} for site in sites(name)
-            if (str(name), str(site.position[0])) in at for m in site.mutants()
-        ]  # fmt: skip
-    else:
-        files = [file for file in SOURCES if file.parts[0] in chosen.rooms]
-        mutants = draw(files, chosen.count, chosen.seed)
-    if not mutants:
-        parser.error("there is no place for a mutant")
-    with tempfile.TemporaryDirectory() as name:
-        folders = [Path(name) / str(k) for k in range(max(chosen.jobs, 1))]
-        copies = [sandbox(folder) for folder in folders]
-        print(f"{len(mutants)} mutants", flush=True)
-        for module in WARM:
-            import_module(module)
-        if chosen.map and chosen.map.exists():
-            tests = pickle.loads(chosen.map.read_bytes())
-        else:
-            tests = Tests(copies, chosen.tests)
-            if chosen.map:
-                chosen.map.write_bytes(pickle.dumps(tests))
-        if not proved(copies):
-            return 1
-        results: list[Mutant] = []
+    parser.add_argument("--least", type=float, default=95.0, help="percent killed")
+    parser.add_argument("--at", nargs="*", default=(), metavar="FILE:LINE")
+    parser.add_argument("--output", type=Path, default=BUILD / "results.jsonl")
+    return parser.parse_args()
 
-        def done(job: Job, status: str, seconds: float, copy: Path) -> None:
-            assert job.mutant is not None
-            results.append(mutant := replace(job.mutant, status=status, seconds=seconds))
-            chosen.output.parent.mkdir(parents=True, exist_ok=True)
-            chosen.output.write_text(
-                table(results), encoding="utf-8"
-            )  # so far: a run takes its time
-            if not status.startswith("killed"):
-                print(f"[{len(results)}] {mutant.place} {status}\n{mutant.diff()}", flush=True)
 
-        jobs = [tests.job(mutant) for mutant in mutants]
-        # A line that no test file passes at all: no need to ask.
-        for job in jobs:
-            if not job.tests:
-                done(job, "no test", 0.0, copies[0])
-        run([job for job in jobs if job.tests], copies, done)
-    killed = sum(m.status.startswith("killed") for m in results)
-    print(
-        f"{killed} of {len(results)} killed ({killed / max(len(results), 1):.1%}); see {chosen.output}"
-    )
-    return 0 if results and 100 * killed >= chosen.least * len(results) else 1
+def _mutants(asked: argparse.Namespace, texts: dict[Path, str]) -> list[Mutant]:
+    if asked.at:
+        found = []
+        for place in asked.at:
+            name, _, line = place.rpartition(":")
+            file = Path(name)
+            for one in places(file, texts[file]):
+                made = one(_unchanged_order)
+                found += [m for m in made if m.line == int(line) and compiles(m)]
+        return found
+    unknown = set(asked.rooms) - {room(file) for file in texts}
+    if unknown:
+        raise SystemExit(f"no such room: {', '.join(sorted(unknown))}")
+    chosen = {
+        file: text for file, text in texts.items() if not asked.rooms or room(file) in asked.rooms
+    }
+    return draw(chosen, places, code_lines, compiles, asked.sample, asked.seed)
+
+
+class _Unchanged:
+    def sample(self, choices: Sequence[Any], count: int) -> list[Any]:
+        return list(choices)[:count]
+
+
+_unchanged_order: Any = _Unchanged()
+
+
+def _results(output: Path) -> dict[str, dict[str, Any]]:
+    """Of earlier runs: key of the mutant -> what came of it."""
+    if not output.exists():
+        return {}
+    lines = output.read_text(encoding="utf-8").splitlines()
+    return {row["key"]: row for row in map(json.loads, lines)}
+
+
+def _appended(output: Path, texts: dict[Path, str], results: dict[str, dict[str, Any]]) -> Any:
+    """What hears of each job: it writes a line, and shows who lives."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+
+    def done(job: Job, outcome: Outcome, box: Sandbox) -> None:
+        mutant = job.mutant
+        assert mutant is not None
+        gone, come = changed_lines(texts[mutant.file], mutant.text)
+        row = {
+            "key": mutant.key,
+            "room": room(mutant.file),
+            "file": mutant.file.as_posix(),
+            "line": mutant.line,
+            "operator": mutant.operator,
+            "status": outcome.status,
+            "test": outcome.test,
+            "seconds": round(outcome.seconds, 1),
+            "old": " ".join(gone),
+            "new": " ".join(come),
+        }
+        results[mutant.key] = row
+        with output.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row) + "\n")
+        if outcome.status != KILLED:
+            place = f"{row['file']}:{row['line']}"
+            text = f"{place} {outcome.status}\n- {row['old']}\n+ {row['new']}"
+            print(text, flush=True)
+
+    return done
+
+
+def _proved(boxes: Sequence[Sandbox], texts: dict[Path, str]) -> bool:
+    """Mutants that must die do, and those that change nothing live."""
+    good = []
+
+    def done(job: Job, outcome: Outcome, box: Sandbox) -> None:
+        assert job.mutant is not None
+        good.append(outcome.status == job.mutant.operator)
+        if not good[-1]:
+            said = box.output.read_text("utf-8", "replace")[-2000:]
+            print(f"{job.mutant.file}: expected {job.mutant.operator}, {outcome}\n{said}")
+
+    jobs = []
+    for name, old, new, expected, test in PROOFS:
+        text = texts[Path(name)]
+        line = text[: text.index(old)].count("\n") + 1
+        mutant = Mutant(Path(name), line, expected, text.replace(old, new, 1))
+        jobs.append(Job(mutant, (Selection(f"tests/test_{test}.py"),), 300.0))
+    run(jobs, boxes, texts, done)
+    return all(good)
 
 
 if __name__ == "__main__":

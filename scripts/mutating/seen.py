@@ -1,0 +1,246 @@
+"""Which tests pass which line, from one run of every test file; kept between runs.
+
+A record belongs to the text of its test file: a changed test file is run again. The
+lines of a source that changed since are found by comparing the two texts.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import shutil
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import coverage
+
+from mutating.mutants import REPOSITORY, Mutant, is_c
+from mutating.python_code import statement
+from mutating.sandbox import SURVIVED, Job, Outcome, Sandbox, Selection, run
+
+#: Tests of pages, notebooks, scripts and other tools, or by a browser: they cost minutes
+#: and see a mutant by chance only.
+NOT_RUN = (
+    "test_added_mass_script",
+    "test_benchmark",
+    "test_conformance",
+    "test_demo",
+    "test_documentation",
+    "test_examples",
+    "test_fuzz",
+    "test_identify_recordings",
+    "test_mutation",
+    "test_notebooks",
+    "test_real_tools",
+    "test_statements",
+    "test_trajectory_recordings",
+    "test_validate_recordings",
+    "test_view_browser",
+    "test_view_hand",
+)
+#: For the C code of the kernels, in this order.
+KERNEL_TESTS = (
+    "tests/test_kernels_compiled.py",
+    "tests/test_kernels_arithmetic.py",
+    "tests/test_ik_kernels.py",
+    "tests/test_casadi.py",
+    "tests/test_dynamics_kernels.py",
+    "tests/test_numpy_kernels.py",
+    "tests/test_ik.py",
+    "tests/test_dynamics_arm.py",
+)
+#: For the templates of the C library.
+LIBRARY_TESTS = ("tests/test_c_library.py",)
+#: Processor time of the tests of one mutant, without it [s].
+BUDGET = 150.0
+#: At most this of one test file at a time [s].
+SHARE = 30.0
+#: What opening one more test file costs [s].
+OPENING = 0.5
+#: A test file may take this long where its lines are recorded [s].
+_LONGEST = 1200.0
+
+
+class Seen:
+    """The records of all test files, in a folder.
+
+    Attributes:
+        seconds: Test file -> test -> processor time.
+    """
+
+    def __init__(self, folder: Path, texts: dict[Path, str]) -> None:
+        self.folder = folder
+        self.texts = texts
+        self.seconds: dict[str, dict[str, float]] = {}
+        self._sources: dict[str, dict[str, str]] = {}
+        self._data: dict[str, coverage.CoverageData] = {}
+        self._tests_of: dict[Path, dict[str, dict[int, set[str]]]] = {}
+
+    def record(self, boxes: Sequence[Sandbox], only: Sequence[str] = ()) -> None:
+        """Run the test files of which there is no record."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        asked = list(only) or [
+            f"tests/{file.name}"
+            for file in sorted((REPOSITORY / "tests").glob("test_*.py"))
+            if not file.name.startswith(NOT_RUN)
+        ]
+        missing = [file for file in asked if not self._read(file)]
+        jobs = [Job(None, (Selection(file),), _LONGEST) for file in missing]
+        digests = self._keep_sources()
+
+        def done(job: Job, outcome: Outcome, box: Sandbox) -> None:
+            file = job.selections[0].file
+            print(f"{file}: {outcome.seconds:.0f} s", flush=True)
+            if outcome.status != SURVIVED:
+                said = box.output.read_text("utf-8", "replace")[-800:]
+                print(f"{outcome.test} fails without a mutant; left out:\n{said}")
+                return
+            shutil.move(box.record(), self._path(file, "coverage"))
+            times = json.loads(box.times().read_text("utf-8"))
+            test = _digest((box.checkout / file).read_text(encoding="utf-8"))
+            record = {"test": test, "sources": digests, "seconds": times}
+            self._path(file, "json").write_text(json.dumps(record), encoding="utf-8")
+            self._read(file)
+
+        run(jobs, boxes, self.texts, done)
+
+    def job(self, mutant: Mutant) -> Job:
+        """The tests of a mutant, those that are likely to see it first."""
+        if is_c(mutant.file):
+            files = KERNEL_TESTS
+            if mutant.file.parts[0] == "c_library":
+                files = LIBRARY_TESTS
+            selections = tuple(Selection(file) for file in files)
+            known = [sum(self.seconds.get(file, {}).values()) for file in files]
+            return Job(mutant, selections, 2.0 * sum(known))
+        return self._python_job(mutant)
+
+    def _python_job(self, mutant: Mutant) -> Job:
+        """First the tests of the statement, then of the file, the room, and the rest.
+
+        Later tiers are needed since what a module or a cache computes once is seen in
+        one test, or in none.
+        """
+        lines = statement(self.texts[mutant.file], mutant.line)
+        own = self._lines(mutant.file)
+        of_line = {t: _tests(by_line, lines) for t, by_line in own.items()}
+        of_file = {t: set().union(*by_line.values()) for t, by_line in own.items()}
+        beside = {t: set(self.seconds[t]) for t, names in of_line.items() if names}
+        of_room: dict[str, set[str]] = defaultdict(set)
+        for file in self.texts:
+            if file.parts[0] == mutant.file.parts[0] and not is_c(file):
+                for test, by_line in self._lines(file).items():
+                    of_room[test] |= set().union(*by_line.values())
+        everything = {t: set(names) for t, names in self.seconds.items()}
+        weight = {t: len(by_line) for t, by_line in own.items()}
+        selections: list[Selection] = []
+        asked: set[str] = set()
+        total = 0.0
+        for tier in (of_line, of_file, beside, of_room, everything):
+            new = {t: names - asked for t, names in tier.items() if names - asked}
+            for selection, seconds in self._affordable(new, weight):
+                if selections and total + seconds > BUDGET:
+                    continue
+                selections.append(selection)
+                asked |= set(selection.names)
+                total += seconds
+        return Job(mutant, tuple(selections), total)
+
+    def _affordable(
+        self, tests: dict[str, set[str]], weight: dict[str, int]
+    ) -> list[tuple[Selection, float]]:
+        """Of each test file what fits its share; first what is cheap and near."""
+        found = []
+        for file, names in tests.items():
+            chosen: list[str] = []
+            total = OPENING
+            for name in _one_of_each_first(names, self.seconds[file]):
+                cost = self.seconds[file][name]
+                if not chosen or total + cost <= SHARE:
+                    chosen.append(name)
+                    total += cost
+            found.append((Selection(file, tuple(chosen)), total))
+        return sorted(found, key=lambda pair: pair[1] / (1 + weight.get(pair[0].file, 0)))
+
+    def _lines(self, file: Path) -> dict[str, dict[int, set[str]]]:
+        """Test file -> line of the source as it is now -> tests that pass it."""
+        if file not in self._tests_of:
+            found = {}
+            for test, data in self._data.items():
+                contexts = data.contexts_by_lineno(f"alpha5_model/{file.as_posix()}")
+                old = self._sources[test].get(file.as_posix(), "")
+                now = _now(self._text(old), self.texts[file]) if contexts else {}
+                by_line = {
+                    now[line]: {name for name in names if name}
+                    for line, names in contexts.items()
+                    if line in now and any(names)
+                }
+                if by_line:
+                    found[test] = by_line
+            self._tests_of[file] = found
+        return self._tests_of[file]
+
+    def _path(self, test: str, ending: str) -> Path:
+        return self.folder / f"{Path(test).stem}.{ending}"
+
+    def _read(self, test: str) -> bool:
+        path = self._path(test, "json")
+        if not path.exists():
+            return False
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if record["test"] != _digest_of(test):
+            return False
+        self.seconds[test] = record["seconds"]
+        self._sources[test] = record["sources"]
+        data = coverage.CoverageData(str(self._path(test, "coverage")))
+        data.read()
+        self._data[test] = data
+        return True
+
+    def _keep_sources(self) -> dict[str, str]:
+        digests = {}
+        for file, text in self.texts.items():
+            digest = _digest(text)
+            digests[file.as_posix()] = digest
+            (self.folder / f"{digest}.txt").write_text(text, encoding="utf-8")
+        return digests
+
+    def _text(self, digest: str) -> str:
+        return (self.folder / f"{digest}.txt").read_text(encoding="utf-8")
+
+
+def _tests(by_line: dict[int, set[str]], lines: range) -> set[str]:
+    return {name for line in lines for name in by_line.get(line, ())}
+
+
+def _one_of_each_first(names: set[str], seconds: dict[str, float]) -> list[str]:
+    """Cheapest first, but one case of each test function before all others."""
+    rank: dict[str, int] = defaultdict(int)
+    ordered = []
+    for name in sorted(names, key=lambda n: (seconds[n], n)):
+        function = name.partition("[")[0]
+        ordered.append((rank[function], seconds[name], name))
+        rank[function] += 1
+    return [name for _, _, name in sorted(ordered)]
+
+
+@cache
+def _now(old: str, new: str) -> dict[int, int]:
+    """Line of the old text -> the same line of the new one."""
+    matcher = difflib.SequenceMatcher(None, old.splitlines(), new.splitlines(), False)
+    return {
+        block.a + k + 1: block.b + k + 1
+        for block in matcher.get_matching_blocks()
+        for k in range(block.size)
+    }
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _digest_of(test: str) -> str:
+    return _digest((REPOSITORY / test).read_text(encoding="utf-8"))
