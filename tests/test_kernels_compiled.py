@@ -265,6 +265,112 @@ def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
                 assert not kernels.batch(name, parameters, *repeated, *by_numpy)
 
 
+#: Both modules refuse the same batches.
+BOTH = pytest.mark.parametrize(
+    "kernels", [compiled, numpy_kernels], ids=["compiled", "numpy"]
+)
+
+
+@BOTH
+@pytest.mark.parametrize("place", range(4))
+def test_numbers_in_the_other_byte_order_are_refused(kernels, place):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    arrays = [*inputs, *outputs]
+    # Taken for numbers of this machine's order they are ordinary.
+    arrays[place] = arrays[place].view(arrays[place].dtype.newbyteorder())
+    assert not kernels.batch("inverse_dynamics", parameters, *arrays)
+
+
+@BOTH
+def test_a_state_in_the_other_byte_order_is_refused(kernels):
+    parameters = case(PROGRAMS["inverse_dynamics"])[0]
+    function = kernels.bind("inverse_dynamics", parameters)
+    for place in range(3):
+        given = [Q, Q, Q]
+        assert function(*given) is not None
+        given[place] = Q.view(Q.dtype.newbyteorder())
+        assert function(*given) is None
+
+
+@BOTH
+@pytest.mark.parametrize("place", range(4))
+def test_as_many_numbers_in_other_rows_are_refused(kernels, place):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"], rows=96)
+    arrays = [*inputs, *outputs]
+    for shape in ((192, 2), (48, 8), (384, 1), (1, 384), (384,)):
+        others = [*arrays]
+        others[place] = arrays[place].reshape(shape)
+        assert not kernels.batch("inverse_dynamics", parameters, *others)
+
+
+@BOTH
+@pytest.mark.parametrize("place", range(3))
+def test_one_row_for_all_has_the_right_size_and_is_given_as_often(kernels, place):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    row = np.arange(5.0)
+    for shape in ((ROWS, 5), (ROWS, 3), (ROWS + 1, 4), (ROWS - 1, 4), (1, ROWS, 4)):
+        arrays = [*inputs, *outputs]
+        arrays[place] = np.broadcast_to(row[: shape[-1]], shape)
+        assert not kernels.batch("inverse_dynamics", parameters, *arrays)
+
+
+@BOTH
+@pytest.mark.parametrize("place", range(3))
+def test_one_row_for_all_lies_in_one_piece(kernels, place):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    apart = np.arange(8.0)[::2]
+    backwards = np.arange(4.0)[::-1]
+    bytes_off = np.frombuffer(b"\0" * 33, np.uint8)[1:].view(np.float64)
+    one_for_all = np.broadcast_to(1.0, 4)
+    single = np.arange(4.0, dtype=np.float32)
+    for row in (apart, backwards, bytes_off, one_for_all, single):
+        arrays = [*inputs, *outputs]
+        arrays[place] = np.broadcast_to(row, (ROWS, 4))
+        assert not kernels.batch("inverse_dynamics", parameters, *arrays)
+
+
+@BOTH
+def test_outputs_are_not_one_row_for_all(kernels):
+    parameters, inputs, _ = case(PROGRAMS["inverse_dynamics"])
+    row = np.zeros(4)
+    output = np.lib.stride_tricks.as_strided(row, (ROWS, 4), (0, 8))
+    read_only = np.zeros((ROWS, 4))
+    read_only.flags.writeable = False
+    for unfit in (output, read_only):
+        assert not kernels.batch("inverse_dynamics", parameters, *inputs, unfit)
+        assert not unfit.any()
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, -2 * LARGEST])
+def test_an_unfit_row_for_all_is_refused_in_whole_panels(width, value, any_width):
+    any_width(width)
+    # Without a rest of rows, which would be checked one by one.
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"], rows=64)
+    for place in range(3):
+        for column in range(4):
+            row = inputs[place][0].copy()
+            row[column] = value
+            arrays = [*inputs, *outputs]
+            arrays[place] = np.broadcast_to(row, (64, 4))
+            assert not compiled.batch("inverse_dynamics", parameters, *arrays)
+
+
+def test_a_number_as_large_as_can_be_is_taken_in_panels_and_alone(any_width):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"], rows=64)
+    edge = np.full((64, 4), LARGEST)
+    repeated = np.broadcast_to(np.full(4, -LARGEST), (64, 4))
+    function = compiled.bind("inverse_dynamics", parameters)
+    assert function(*(np.full(4, LARGEST) for _ in range(3))) is not None
+    for width in WIDTHS:
+        any_width(width)
+        for given in (edge, repeated):
+            for place in range(3):
+                arrays = [*inputs, *outputs]
+                arrays[place] = given
+                assert compiled.batch("inverse_dynamics", parameters, *arrays)
+
+
 def test_what_goes_out_may_take_the_place_of_what_came_in():
     parameters, (q, v, a), (tau,) = case(PROGRAMS["inverse_dynamics"])
     assert compiled.batch("inverse_dynamics", parameters, q, v, a, tau)

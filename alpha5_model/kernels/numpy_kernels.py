@@ -81,11 +81,14 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     last = ([np.array(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
     given = len(inputs) - len(last)
     shapes, n = (*inputs[:given], *outputs), len(arrays[-1])
-    if len(arrays) != len(shapes) or not all(
-        _plain(x, rows=True) and len(x) == n and x.size == n * math.prod(shape)
-        for x, shape in zip(arrays, shapes, strict=True)
-    ):
+    if len(arrays) != len(shapes):
         return False
+    for place, (x, shape) in enumerate(zip(arrays, shapes, strict=True)):
+        is_input = place < given
+        if not _plain(x, rows=is_input) or not (is_input or x.flags.writeable):
+            return False
+        if len(x) != n or x.size != n * math.prod(shape):
+            return False
     rows = [x.reshape(n, math.prod(s)) for x, s in zip(arrays, shapes, strict=True)]
     if n < FEW and name in numbers.KERNELS:
         for i in range(n):
