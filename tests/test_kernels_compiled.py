@@ -266,9 +266,7 @@ def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
 
 
 #: Both modules refuse the same batches.
-BOTH = pytest.mark.parametrize(
-    "kernels", [compiled, numpy_kernels], ids=["compiled", "numpy"]
-)
+BOTH = pytest.mark.parametrize("kernels", [compiled, numpy_kernels], ids=["compiled", "numpy"])
 
 
 @BOTH
