@@ -184,6 +184,10 @@ class PortInUseError(Alpha5Error, OSError):
         super().__init__(f"port {port} is in use: choose another, or 0 for a free one")
 
 
+class ViewerError(Alpha5Error, OSError):
+    """A live viewer that is closed, or does not answer in time."""
+
+
 class NoDisplayError(Alpha5Error, OSError):
     """A window or browser was asked for where there is no display."""
 

@@ -41,6 +41,7 @@ def instances() -> list[errors.Alpha5Error]:
         errors.KernelError("inverse_dynamics"),
         errors.OutputError("out.urdf", "no space left"),
         errors.PortInUseError(7000),
+        errors.ViewerError("the viewer is closed"),
         errors.NoDisplayError("give --html FILE"),
         errors.MissingDependencyError("matplotlib", "plotting", "pip install 'alpha5-model[plot]'"),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +69,14 @@ def slide(page: Tab, joint: str, value: float) -> None:
         [joint, value],
     )
     page.settle()
+
+
+def wait_for(condition: Callable[[], Any], seconds: float = 10.0) -> None:
+    """Wait for something that another thread does."""
+    ends = time.perf_counter() + seconds
+    while not condition():
+        assert time.perf_counter() < ends
+        time.sleep(0.01)
 
 
 def shown_pose(page: Tab, link: str) -> np.ndarray:
@@ -402,7 +410,7 @@ def test_two_tabs_python_and_the_end_of_the_program(chromium: Any) -> None:
         slide(tabs[0], "axis_d", 0.5)
         tabs[1].page.wait_for_function("() => alpha5.q.axis_d === 0.5")
         np.testing.assert_array_equal(visualizer.q, [2.0, 0.5, 2.2, 0.4, 0.002])
-        np.testing.assert_array_equal(seen[-1], visualizer.q)
+        wait_for(lambda: seen and (seen[-1] == visualizer.q).all())
         slide(tabs[1], "axis_a", 0.01)
         tabs[0].page.wait_for_function("() => alpha5.q.axis_a === 0.01")
         tabs[0].page.reload()
