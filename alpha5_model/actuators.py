@@ -48,9 +48,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import LARGEST, FloatArray, bounded, choice, fitting, real
+from alpha5_model import plausibility
+from alpha5_model.checks import (
+    LARGEST,
+    FloatArray,
+    bounded,
+    choice,
+    fitting,
+    instance,
+    real,
+)
 from alpha5_model.errors import MissingParameterError
 from alpha5_model.parameters import ActuatorParameters, parameters
+from alpha5_model.published.tables import JOINT_NAMES
 
 #: Which of the contradicting motor constants are believed.
 CONSTANTS = ("printed", "torque", "voltage")
@@ -105,7 +115,11 @@ class Actuator:
         efficiency: Whose efficiency eta_max is, one of `EFFICIENCIES`.
 
     Raises:
-        UnknownNameError: No such choice of efficiency.
+        UnknownNameError: No such joint, or choice of constants or efficiency.
+        InputError: A rotor inertia below 0, or a screw lead not above 0.
+
+    Warns:
+        ImplausibleWarning: A rotor inertia or a screw lead that seems to be in another unit.
     """
 
     joint: str
@@ -116,7 +130,18 @@ class Actuator:
     efficiency: str = "gearbox"
 
     def __post_init__(self) -> None:
+        choice("joint", self.joint, JOINT_NAMES)
+        instance("parameters", self.parameters, ActuatorParameters)
+        choice("motor constants", self.constants, CONSTANTS)
         choice("efficiency", self.efficiency, EFFICIENCIES)
+        if self.rotor_inertia is not None:
+            inertia = real("rotor_inertia", self.rotor_inertia, minimum=0.0)
+            plausibility.check("rotor_inertia", inertia, plausibility.ROTOR_INERTIA)
+            object.__setattr__(self, "rotor_inertia", inertia)
+        if self.screw_lead is not None:
+            lead = real("screw_lead", self.screw_lead, minimum=1 / LARGEST)
+            plausibility.check("screw_lead", lead, plausibility.SCREW_LEAD)
+            object.__setattr__(self, "screw_lead", lead)
 
     # Constants of the motor -----------------------------------------------------------------
 
@@ -378,11 +403,6 @@ def actuator(
     p = parameters()
     names = tuple(j.name for j in p.joints)
     row = p.actuators[names.index(choice("joint", joint, names))]
-    choice("motor constants", constants, CONSTANTS)
-    if rotor_inertia is not None:
-        rotor_inertia = real("rotor_inertia", rotor_inertia, minimum=0.0)
-    if screw_lead is not None:
-        screw_lead = real("screw_lead", screw_lead, minimum=1 / LARGEST)
     return Actuator(joint, row, constants, rotor_inertia, screw_lead, efficiency)
 
 

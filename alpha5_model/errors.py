@@ -31,6 +31,14 @@ class Alpha5Error(Exception):
         return _restored, (type(self), self.args, {k: _sent(v) for k, v in vars(self).items()})
 
 
+class ImplausibleWarning(UserWarning):
+    """A quantity that is possible, but most likely given in another unit.
+
+    It is given when an object is made. ``warnings.simplefilter("ignore", ImplausibleWarning)``
+    silences it; the bounds stand in `alpha5_model.plausibility`.
+    """
+
+
 class InputError(Alpha5Error, ValueError):
     """A value that cannot be used.
 

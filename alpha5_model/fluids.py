@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, array, is_rotation, shaped
+from alpha5_model import plausibility
+from alpha5_model.checks import FloatArray, array, is_rotation, real, shaped
 from alpha5_model.errors import InputError
 
 #: Sea water of 35 g/kg near the surface, fresh water, and no fluid at all [kg/m^3].
@@ -13,6 +16,26 @@ FRESH_WATER = 1000.0
 AIR = 0.0
 #: Gravity with z up [m/s^2].
 GRAVITY = (0.0, 0.0, -9.81)
+
+
+def density_of(fluid_density: Any) -> float:
+    """Check the density of a fluid.
+
+    Returns:
+        The same [kg/m^3].
+
+    Raises:
+        InputError: Not a number of at least 0.
+
+    Warns:
+        ImplausibleWarning: No fluid has it; it may be in g/cm^3.
+    """
+    if isinstance(fluid_density, str):
+        expected = "a density [kg/m^3]: SEA_WATER (1025), FRESH_WATER (1000), AIR (0), a number"
+        raise InputError("fluid_density", fluid_density, expected)
+    density = real("fluid_density", fluid_density, minimum=0.0)
+    plausibility.check("fluid_density", density, plausibility.FLUID_DENSITY)
+    return density
 
 
 def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatArray:

@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from alpha5_model import plausibility
 from alpha5_model.checks import FloatArray, array, choice, frozen, instance, listed, real
 from alpha5_model.errors import InputError
 from alpha5_model.jaws import GRIPPERS
@@ -42,6 +43,9 @@ class DragStrip:
 
     Raises:
         InputError: A coefficient or diameter below 0, or a strip without length.
+
+    Warns:
+        ImplausibleWarning: Lengths that seem to be in mm.
     """
 
     start: FloatArray
@@ -55,6 +59,8 @@ class DragStrip:
             object.__setattr__(self, name, frozen(array(name, getattr(self, name), 3)))
         for name in ("diameter", "across", "along"):
             object.__setattr__(self, name, real(name, getattr(self, name), minimum=0.0))
+        for name in ("start", "end", "diameter"):
+            plausibility.check(name, getattr(self, name), plausibility.VEHICLE_POSITION)
         if np.array_equal(self.start, self.end):
             raise InputError("end", self.end.tolist(), "a point other than start")
 

@@ -250,6 +250,23 @@ def inconsistencies(
     return tuple(found)
 
 
+def check_possible(name: str, mass: float, com: FloatArray, inertia: FloatArray) -> None:
+    """Check one body; one without mass and inertia is possible.
+
+    Args:
+        name: Of the inertia, for the message.
+        mass, com, inertia: See `inconsistencies`.
+
+    Raises:
+        InputError: No body can have this mass and inertia.
+    """
+    if not mass and not inertia.any():
+        return
+    wrong = inconsistencies(mass, com, inertia)
+    if wrong:
+        raise InputError(name, inertia.tolist(), f"a possible body, but {wrong[0]}")
+
+
 def _together(**given: ArrayLike) -> list[FloatArray]:
     """Arrays whose leading shapes fit; the trailing ones go by name. No number is too large."""
     shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}

@@ -279,6 +279,7 @@ def test_what_cannot_be_used_is_refused(call, error) -> None:
         call()
 
 
+@pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
 @pytest.mark.parametrize("joint", ["axis_e", "axis_a"])
 @pytest.mark.parametrize("screw_lead", [1e-51, 1e-3, 2e51])
 @pytest.mark.parametrize("rotor_inertia", [0.0, 1e-6, 2e51])

@@ -37,6 +37,9 @@ from alpha5_model.symbolic import functions
 from alpha5_model.symbolic.program import folded, program
 from alpha5_model.symbolic.sources import generated_sources
 
+# The formulas hold for any bodies, however unlikely.
+pytestmark = pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+
 #: Kernel, named as the method of `Arm` -> how far from it, as a share of the largest entry or of 1.
 ONE = {
     "jacobian": 1e-14,

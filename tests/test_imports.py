@@ -32,7 +32,7 @@ HEAVY = (
 
 #: The arrows of the design. A module may import from the layers before its own and from its own name.
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "checks", "files", "paths", "text", "fluids", "spatial", "kernels"),
+    ("errors", "checks", "plausibility", "files", "paths", "text", "fluids", "spatial", "kernels"),
     ("published",),
     (
         "inertia",

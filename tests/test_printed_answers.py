@@ -281,8 +281,8 @@ def test_the_same_vector_in_each_form_gives_the_same_answer() -> None:
     [
         ("ik 250 -100 50", 2, "mm away; if 250 is in mm, write 250mm"),
         ("ik .25 -.1 .05 --wrist 90", 0, "if 90 is in deg, write 90deg"),
-        ("torque --q 170 60 100 20", 0, "alpha5: note: if 170 is in deg, write 170deg"),
-        ("fk 170 60 100 20", 0, "alpha5: note: if 170 is in deg, write 170deg"),
+        ("torque --q 170 60 100 20", 0, "alpha5: warning: if 170 is in deg, write 170deg"),
+        ("fk 170 60 100 20", 0, "alpha5: warning: if 170 is in deg, write 170deg"),
         ("torque --q 3 1 1 0 --v 30 0 0 0", 0, "if 30 is in deg, write 30deg"),
         ("torque --q 3 1 1 0", 0, ""),
         ("fk 1 2 3", 2, "q: expected four or five numbers (rad, jaw rod m), got '1 2 3'"),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +17,7 @@ import typer
 
 from alpha5_model import __version__
 from alpha5_model.cli.options import hints, one_syntax
-from alpha5_model.errors import Alpha5Error
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning
 
 #: Command -> module of this package with its function, in the order of ``alpha5 --help``.
 COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}
@@ -80,6 +81,27 @@ def main(args: Sequence[str] | None = None) -> int:
         written (one line on stderr), 130 if interrupted.
     """
     hints.clear()
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ImplausibleWarning)
+        warnings.showwarning = _warner(warnings.showwarning)
+        return _main(args)
+
+
+def _warner(otherwise: Any) -> Any:
+    """Prints a warning of ours as one line, each only once, and leaves others to Python."""
+    printed: set[str] = set()
+
+    def show(message: Any, category: type[Warning], *place: Any, **more: Any) -> None:
+        if not issubclass(category, ImplausibleWarning):
+            otherwise(message, category, *place, **more)
+        elif str(message) not in printed:
+            printed.add(str(message))
+            print("alpha5: warning:", message, file=sys.stderr)
+
+    return show
+
+
+def _main(args: Sequence[str] | None) -> int:
     try:
         words = one_syntax(sys.argv[1:] if args is None else args)
         # One command is loaded, not all of them: each brings what it needs.
@@ -101,7 +123,7 @@ def main(args: Sequence[str] | None = None) -> int:
         # Without any argument the help has just been printed: nothing to complain about.
         return _complain(f"{message} (see --help)") if message else 2
     for hint in hints[:1]:
-        print(f"alpha5: note: {hint}", file=sys.stderr)
+        print(f"alpha5: warning: {hint}", file=sys.stderr)
     return status if isinstance(status, int) else 0
 
 

@@ -13,8 +13,10 @@ from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
+import numpy as np
 from typer import BadParameter, Option, echo, style
 
+from alpha5_model import plausibility
 from alpha5_model.checks import real
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError
@@ -50,8 +52,13 @@ _MOST = {"current": 100.0, "gravity": 1e4, "fluid": 1e5}
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 #: Unit behind a number -> what it measures, and its size in SI units.
 _UNITS = {"deg": ("rad", math.pi / 180), "mm": ("m", 1e-3), "rad": ("rad", 1.0), "m": ("m", 1.0)}
-#: Unit -> what seems meant by numbers larger than the arm's reach or some turns of a joint.
-_MEANT = {"m": ("mm", 2.0)} | dict.fromkeys(("rad", "rad/s", "rad/s^2"), ("deg", 4 * math.pi))
+#: Unit -> what is plausible of a number in it.
+_PLAUSIBLE = {
+    "m": plausibility.POSITION,
+    "rad": plausibility.ANGLE,
+    "rad/s": plausibility.ANGLE,
+    "rad/s^2": plausibility.ANGLE,
+}
 _NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:{'|'.join(_UNITS)})?"
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
 #: Options with vectors -> how many numbers they take at most; those with 0 take whatever stands
@@ -119,9 +126,8 @@ def numbers(
         for part in _split(text):
             own = next((u for u in allowed if part.endswith(u)), "")
             values.append(float(part.removesuffix(own)) * allowed.get(own, 1.0))
-            other, far = _MEANT.get("" if own else unit, ("deg", math.inf))
-            if far < abs(values[-1]) < far / _UNITS[other][1]:
-                hints.append(f"if {part} is in {other}, write {part}{other}")
+            if not own and unit in _PLAUSIBLE:
+                hints.extend(plausibility.hints(part, values[-1], _PLAUSIBLE[unit]))
     except ValueError:
         counts = (-1,)
     if counts and len(values) not in counts:
@@ -189,7 +195,9 @@ def arm_in(fluid: str, gravity: str, gripper: str, mount: str, payload: str | No
     from alpha5_model.dynamics import load
 
     rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
-    g = gravity_in_base(rotation, numbers("gravity", gravity, (3,), "m/s^2"))
+    g: Any = numbers("gravity", gravity, (3,), "m/s^2")
+    if not np.array_equal(rotation, np.eye(3)):
+        g = gravity_in_base(rotation, g)
     arm = load(fluid_density(fluid), gripper, gravity=g)
     if payload is None:
         return arm

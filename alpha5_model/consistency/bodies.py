@@ -21,7 +21,7 @@ from alpha5_model import inertia
 from alpha5_model.checks import FloatArray
 from alpha5_model.consistency.row import ARITHMETIC, AuditRow, audited, figure, si
 from alpha5_model.fluids import GRAVITY, SEA_WATER
-from alpha5_model.parameters import Alpha5Parameters, LinkParameters, convert
+from alpha5_model.parameters import Alpha5Parameters, LinkParameters, link_numbers
 from alpha5_model.published.tables import BuoyancyRow, InertialRow, Published, Triple
 from alpha5_model.spatial import cross_matrix, excess_of_box, rotation_about
 
@@ -75,7 +75,7 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
         *(_inside("com_inside", r, r.com, b) for r, b in zip(rows, boxes, strict=True)),
         *map(_mass_spread, rows, boxes),
         *_jaw_plane(printed),
-        *map(_cob_inside, waters, p.links, convert(printed, ("link3_cob",)).links),
+        *map(_cob_inside, waters, p.links, link_numbers(printed, ("link3_cob",))),
         *map(_density, rows, waters),
         *_totals(printed, boxes),
     ]
@@ -223,12 +223,13 @@ def _inside(claim: str, row: Any, point: Triple, bounds: FloatArray, **words: An
     return audited(claim, *outside, of=row, **words)
 
 
-def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: LinkParameters) -> AuditRow:
+def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: dict[str, Any]) -> AuditRow:
     words: dict[str, Any] = {}
-    if moved := float(np.linalg.norm(corrected.cob - si(row.cob))):
-        words["side"] = "outside" if excess_of_box(corrected.cob, link.bounds) else "inside"
+    cob = corrected["cob"]
+    if moved := float(np.linalg.norm(cob - si(row.cob))):
+        words["side"] = "outside" if excess_of_box(cob, link.bounds) else "inside"
         words["effect"] = moved * SEA_WATER * row.volume.si * G
-        words["there"] = 1e3 * corrected.cob
+        words["there"] = 1e3 * cob
     return _inside("cob_inside", row, row.cob, link.bounds, more=moved > 0, **words)
 
 

@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from alpha5_model import description as tree
-from alpha5_model.checks import FloatArray, choice, flag, real
+from alpha5_model.checks import FloatArray, choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description import Body, Value, add
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.variants import COLLISIONS
 from alpha5_model.errors import InputError
-from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.hydrodynamics import DragStrip, hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.collision_shapes import Primitive
@@ -90,7 +90,7 @@ class MjcfOptions:
         choice("actuators", self.actuators, ACTUATORS)
         choice("collision", self.collision, COLLISIONS)
         choice("buoyancy", self.buoyancy, BUOYANCIES)
-        real("fluid_density", self.fluid_density, minimum=0.0)
+        density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
 

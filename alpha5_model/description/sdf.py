@@ -25,10 +25,10 @@ from typing import Any
 import numpy as np
 
 from alpha5_model import description as tree
-from alpha5_model.checks import choice, flag, real
+from alpha5_model.checks import choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description import Body, add, text_of
-from alpha5_model.fluids import SEA_WATER
+from alpha5_model.fluids import SEA_WATER, density_of
 from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points, hydrodynamics
 from alpha5_model.jaws import GRIPPERS, FingerJoint
 from alpha5_model.meshing.formats import material_of
@@ -66,7 +66,7 @@ class SdfOptions:
         flag("hydrodynamics", self.hydrodynamics)
         choice("gripper", self.gripper, GRIPPERS)
         choice("SDF version", self.sdf_version, SDF_VERSIONS)
-        real("fluid_density", self.fluid_density, minimum=0.0)
+        density_of(self.fluid_density)
         object.__setattr__(self, "corrections", check_corrections(self.corrections))
 
     @property

@@ -10,6 +10,7 @@ from typing import Any
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from alpha5_model import plausibility
 from alpha5_model.checks import array, choice, flag
 from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.description import base_placement, joint_placements, tcp_placement
@@ -19,7 +20,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.hydrostatics import Displacement, displacements
 from alpha5_model.dynamics.variants import JawArm, KernelArm, mimicking
 from alpha5_model.files import read_named
-from alpha5_model.fluids import GRAVITY, SEA_WATER
+from alpha5_model.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.jaws import GRIPPERS
 from alpha5_model.parameters import Alpha5Parameters, parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
@@ -58,17 +59,24 @@ def load(
     Raises:
         InputError: A density below 0, or gravity that is not three finite numbers.
         UnknownNameError: No such gripper, correction or backend.
+
+    Warns:
+        ImplausibleWarning: A density that no fluid has, gravity of an implausible strength, or a
+            tuple or list of gravity that points straight up. What `gravity_in_base` returns may
+            point anywhere.
     """
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
     on_kernels = choice("backend", backend, BACKENDS) == "kernels" and not floating_base
+    density = density_of(fluid_density)
     g = array("gravity", gravity, 3)
+    plausibility.check_gravity(gravity, g)
     parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
-        return JawArm(tree, displaced, fluid_density, mimics)
-    return (KernelArm if on_kernels else Arm)(tree, displaced, fluid_density)
+        return JawArm(tree, displaced, density, mimics)
+    return (KernelArm if on_kernels else Arm)(tree, displaced, density)
 
 
 def arm_of(

@@ -20,7 +20,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model import plausibility
+from alpha5_model.checks import FloatArray, array, frozen, instance, listed, real
 from alpha5_model.dynamics import batch, hydrostatics
 from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
@@ -93,6 +94,7 @@ class Arm:
         bodies = listed("displacements", displacements, "Displacements")
         self.displacements = tuple(instance("displacements", b, Displacement) for b in bodies)
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
+        hydrostatics.check_inertias(model)
         self._model = model.copy()
         self._fluid = hydrostatics.displaced_fluid_model(
             model, self.displacements, self.fluid_density
@@ -528,6 +530,10 @@ class Arm:
         Raises:
             InputError: Negative mass or volume, or an inertia that no body can have.
             UnknownNameError: No such frame.
+
+        Warns:
+            ImplausibleWarning: A mass, distance, volume or density that is most likely meant in
+                another unit, such as 500 g or 20 mm.
         """
         model, volumes, *rest = self._arguments
         model, displaced = hydrostatics.with_body(model, frame, mass, com, inertia, volume, cob)
@@ -549,11 +555,16 @@ class Arm:
 
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's links.
+
+        Warns:
+            ImplausibleWarning: A current that no water has.
         """
         gripper = "jaws" if "finger_1" in self._frames else "locked"
         bodies = hydrodynamics(gripper, level, numbers)
         water = [joint_water(self, name, data) for name, data in bodies.items()]
-        return HydrodynamicArm(self, water, current)
+        flow = array("current", current, 3)
+        plausibility.check("current", flow, plausibility.CURRENT)
+        return HydrodynamicArm(self, water, flow)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount; only the vehicle moves water.

@@ -19,12 +19,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from alpha5_model import plausibility
 from alpha5_model.checks import FloatArray, array, choice, frozen, instance, real, rigid_transform
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
-from alpha5_model.inertia import inconsistencies
+from alpha5_model.inertia import check_possible, second_moments
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import Alpha5Parameters
+
+#: How far below zero, relative to the largest, rounding may take a second moment of mass that is 0.
+POINT_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,26 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
     return fluid
 
 
+def check_inertias(model: Any) -> None:
+    """Check that the bodies on each joint of a pin.Model are possible; point masses are.
+
+    Raises:
+        InputError: A negative mass, or an inertia that no body can have.
+    """
+    inertias = list(model.inertias)
+    masses = [inertia.mass for inertia in inertias]
+    tensors = np.array([inertia.inertia for inertia in inertias])
+    spread = second_moments(tensors)
+    least = np.linalg.eigvalsh(spread)[:, 0]
+    rounding = POINT_TOLERANCE * np.abs(spread).max(axis=(1, 2))
+    for k, joint in enumerate(model.names):
+        if masses[k] < 0:
+            raise InputError(f"mass on {joint}", masses[k], "at least 0")
+        if least[k] < -rounding[k]:
+            expected = "an inertia that a body can have"
+            raise InputError(f"inertia on {joint}", tensors[k].tolist(), expected)
+
+
 def net_weight_model(model: Any, fluid: Any) -> Any:
     """The arm as its joints feel it at rest in the fluid: weight less buoyancy, in one body each.
 
@@ -145,11 +169,11 @@ def with_body(
     tensor = np.zeros((3, 3))
     if inertia is not None:
         tensor = array("inertia", inertia, 3, 3)
-        wrong = inconsistencies(m, centre, tensor)
-        if wrong:
-            raise InputError("inertia", tensor.tolist(), f"a possible body, but {wrong[0]}")
+        check_possible("inertia", m, centre, tensor)
     displaced = real("volume", volume, minimum=0.0)
     centroid = centre if cob is None else array("cob", cob, 3)
+    if name == "payload":
+        plausibility.check_body(m, centre, tensor, displaced, centroid)
     loaded, names = model.copy(), [f.name for f in model.frames]
     index = loaded.getFrameId(choice("frame", frame, names))
     carrier = loaded.frames[index]
@@ -188,8 +212,11 @@ class Vehicle:
         transform_vehicle_to_base: Pose of the vehicle's frame in base_link, (4, 4).
 
     Raises:
-        InputError: Negative damping, mass or volume, an added mass that is not symmetric or has a negative
-            eigenvalue, no rigid transform; ShapeError: wrong shapes.
+        InputError: Negative damping, mass or volume, an inertia that no body can have, an added mass that is
+            not symmetric or has a negative eigenvalue, no rigid transform; ShapeError: wrong shapes.
+
+    Warns:
+        ImplausibleWarning: A mass, volume, density or distance that no vehicle has.
     """
 
     mass: float
@@ -216,6 +243,13 @@ class Vehicle:
         clean["transform_vehicle_to_base"] = placement
         for name, value in clean.items():
             object.__setattr__(self, name, value)
+
+        check_possible("inertia", self.mass, self.com, self.inertia)
+        body = self.mass, self.com, self.inertia, self.volume, self.cob
+        plausibility.check_body(*body, on_vehicle=True)
+        distance = placement[:3, 3]
+        limits = plausibility.VEHICLE_POSITION
+        plausibility.check("transform_vehicle_to_base", distance, limits)
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,9 +288,7 @@ def carrying(still: Any, vehicle: Vehicle) -> Any:
     at = model.frames[base].placement * placement
     joint = model.frames[base].parentJoint
     model.addFrame(pin.Frame("vehicle", joint, base, at, pin.FrameType.OP_FRAME))
-    # A vehicle without mass has no inertia to check.
-    inertia = vehicle.inertia if vehicle.mass or vehicle.inertia.any() else None
-    body = vehicle.mass, vehicle.com, inertia, vehicle.volume, vehicle.cob
+    body = vehicle.mass, vehicle.com, vehicle.inertia, vehicle.volume, vehicle.cob
     model, displaced = with_body(model, "vehicle", *body, name="vehicle_body")
     return type(still)(model, (*volumes, displaced), *rest)
 

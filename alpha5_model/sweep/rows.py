@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from alpha5_model import plausibility
 from alpha5_model.actuators import Actuator
 from alpha5_model.checks import FloatArray
 from alpha5_model.corrections import DEFAULT_CORRECTIONS
@@ -110,6 +111,11 @@ def _recorded(path: Path) -> States:
 @lru_cache(maxsize=64)
 def _arm(study: Study, place: tuple[tuple[str, int], ...]) -> tuple[Any, list[Actuator]]:
     """The arm of a case, in moving water where there is a current, and its motors."""
+    with plausibility.said():  # by the study, when it was read
+        return _arm_of_case(study, place)
+
+
+def _arm_of_case(study: Study, place: tuple[tuple[str, int], ...]) -> tuple[Any, list[Actuator]]:
     at: dict[str, Any] = {name: study.cases[name][i] for name, i in place}
     rotation = rotation_from_rpy([at.get(f"mount_{x}", 0.0) for x in ("roll", "pitch", "yaw")])
     names = at.get("corrections", "+".join(DEFAULT_CORRECTIONS)).replace("none", "").split("+")

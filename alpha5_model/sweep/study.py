@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from alpha5_model import plausibility
 from alpha5_model.checks import choice, count, float_array, generator, listed, named, real, shaped
 from alpha5_model.corrections import CORRECTIONS
 from alpha5_model.errors import FileFormatError, InputError
@@ -23,6 +24,16 @@ from alpha5_model.files import PathLike, read_named
 
 SCHEMA: Any = tomllib.loads(Path(__file__).with_name("study.toml").read_text("utf-8"))
 _UNITS = SCHEMA["state"] | SCHEMA["case"]
+#: Axis of a case -> what is plausible of the value farthest from 0.
+_PLAUSIBLE = {
+    "payload_mass": plausibility.MASS,
+    "payload_x": plausibility.POSITION,
+    "payload_y": plausibility.POSITION,
+    "payload_z": plausibility.POSITION,
+    "payload_volume": plausibility.VOLUME,
+    "fluid_density": plausibility.FLUID_DENSITY,
+    "current_speed": plausibility.CURRENT,
+}
 #: What a recording can be.
 _RECORDED = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
 #: States computed at a time: what a kernel reads and writes of them stays in the cache.
@@ -83,9 +94,17 @@ def read_study(study: PathLike) -> Study:
     Raises:
         MissingFileError: No such file.
         FileFormatError: Not TOML, or an axis, range, unit, name or output that cannot be; with its place.
+
+    Warns:
+        ImplausibleWarning: Values of an axis that seem to be in another unit.
     """
     text = read_named(study, "a study (TOML)").decode("utf-8-sig", "replace")
-    return _study(text.replace("\r\n", "\n"), str(study), Path(study).resolve().parent)
+    folder = Path(study).resolve().parent
+    found = _study(text.replace("\r\n", "\n"), str(study), folder)
+    for name, limits in _PLAUSIBLE.items():
+        farthest = max(found.cases.get(name, [0.0]), key=abs)
+        plausibility.check(f"axes.{name}", farthest, limits)
+    return found
 
 
 @lru_cache(maxsize=2)

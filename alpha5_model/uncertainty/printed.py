@@ -21,7 +21,7 @@ from alpha5_model.consistency.bodies import implied_mass
 from alpha5_model.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.inertia import second_moments
-from alpha5_model.parameters import Alpha5Parameters, convert
+from alpha5_model.parameters import Alpha5Parameters, convert, link_numbers
 from alpha5_model.published import published
 from alpha5_model.published.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.published.tables import Published
@@ -126,6 +126,13 @@ def _changed(change: Callable[[str, Quantity], Quantity]) -> Published:
 
 def parameter_set(values: Mapping[str, float], alternatives: tuple[str, ...]) -> Alpha5Parameters:
     """The arm's parameters with other values of printed numbers, by name, SI units."""
+    return convert(*printed_set(values, alternatives))
+
+
+def printed_set(
+    values: Mapping[str, float], alternatives: tuple[str, ...]
+) -> tuple[Published, tuple[str, ...]]:
+    """The tables with these values, and the corrections among the alternatives."""
     known = numbers(alternatives)
     same = [name for name in alternatives if name.endswith("_constant")]
 
@@ -140,7 +147,7 @@ def parameter_set(values: Mapping[str, float], alternatives: tuple[str, ...]) ->
         return Quantity(str(digits), number.unit)
 
     corrections = tuple(name for name in alternatives if name in CORRECTIONS)
-    return convert(_changed(change), DEFAULT_CORRECTIONS + corrections)
+    return _changed(change), DEFAULT_CORRECTIONS + corrections
 
 
 @cache
@@ -151,10 +158,14 @@ def link_map(alternatives: tuple[str, ...]) -> FloatArray:
     """
     names, out = tuple(numbers(alternatives)), []
     for row in np.eye(len(names)):
-        links = parameter_set(dict(zip(names, row.tolist(), strict=True)), alternatives).links
-        seconds = (second_moments(link.inertia)[UPPER] for link in links)
-        pairs = zip(links, seconds, strict=True)
-        out.append([[x.mass, *x.com, *second, x.volume, *x.cob] for x, second in pairs])
+        values = dict(zip(names, row.tolist(), strict=True))
+        links = []
+        # No bodies: all numbers but one are zero.
+        for link in link_numbers(*printed_set(values, alternatives)):
+            second = second_moments(link["inertia"])[UPPER]
+            mass, volume = link["mass"], link["volume"]
+            links.append([mass, *link["com"], *second, volume, *link["cob"]])
+        out.append(links)
     return frozen(out)
 
 

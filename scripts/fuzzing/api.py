@@ -91,7 +91,7 @@ def _arm(k: int) -> a5.Arm:
     gripper, floating, density = (
         ("locked", "jaws")[k % 2],
         bool(k // 2 % 2),
-        (1025.0, 0.0, 2e4)[k // 4 % 3],
+        (1025.0, 0.0, 2e3)[k // 4 % 3],
     )
     arm = a5.load(density, gripper, floating)
     return arm.with_payload(0.1, volume=5e-4) if k >= 12 else arm

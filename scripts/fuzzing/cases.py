@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
-from alpha5_model.errors import Alpha5Error
+from alpha5_model.errors import Alpha5Error, ImplausibleWarning
 from fuzzing.values import Rng, wrong_answers
 
 #: An input that takes longer is a failure [s].
@@ -45,6 +45,8 @@ def outcome(case: Case, endless: frozenset[str] = frozenset()) -> str:
     """``"ok"``, ``"refused"``, or what is wrong; parts named in ``endless`` need not be finite."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        # Most of what is drawn is implausible; that it raises nothing else is the point.
+        warnings.simplefilter("ignore", ImplausibleWarning)
         warnings.filterwarnings("ignore", "(overflow|underflow)", RuntimeWarning)
         signal.signal(signal.SIGALRM, _alarm)
         signal.alarm(LIMIT)

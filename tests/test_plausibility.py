@@ -1,0 +1,379 @@
+"""Impossible quantities raise; implausible ones warn, once, where an object is made."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import subprocess
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model import plausibility
+from alpha5_model.actuators import Actuator
+from alpha5_model.cli import main
+from alpha5_model.description.mjcf import MjcfOptions
+from alpha5_model.description.sdf import SdfOptions
+from alpha5_model.dynamics.hydrostatics import Vehicle
+from alpha5_model.errors import ImplausibleWarning, InputError
+from alpha5_model.hydrodynamics import DragStrip
+from alpha5_model.jaws import split_link_4
+
+P = a5.parameters()
+#: Of a BlueROV2, about.
+VEHICLE: dict[str, Any] = {
+    "mass": 11.5,
+    "com": (0.0, 0.0, 0.0),
+    "inertia": np.diag([0.2, 0.25, 0.3]),
+    "volume": 0.0114,
+    "cob": (0.0, 0.0, 0.02),
+}
+NO_BODY = np.diag([1.0, 1.0, 3.0])
+
+
+def vehicle(**changes: Any) -> Vehicle:
+    return Vehicle(**{**VEHICLE, **changes})
+
+
+def link(**changes: Any) -> Any:
+    return dataclasses.replace(P.links[1], **changes)
+
+
+def jaws(**changes: Any) -> Any:
+    return dataclasses.replace(P.jaws, **changes)
+
+
+def motor(**changes: Any) -> Any:
+    return dataclasses.replace(P.actuators[0], **changes)
+
+
+def joint(**changes: Any) -> Any:
+    return dataclasses.replace(P.joints[0], **changes)
+
+
+def payload(*args: Any, **body: Any) -> a5.Arm:
+    return a5.load().with_payload(*args, **body)
+
+
+def heavier_than_nothing(mass: float) -> a5.Arm:
+    model = a5.load().model
+    model.inertias[2].mass = mass
+    return a5.Arm(model, ())
+
+
+def flattened() -> a5.Arm:
+    import pinocchio as pin
+
+    model = a5.load().model
+    model.inertias[2] = pin.Inertia(0.4, np.zeros(3), NO_BODY)
+    return a5.Arm(model, ())
+
+
+#: What is made -> what the warning says.
+IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
+    "density in g/cm^3": (lambda: a5.load(1.025), "fluid_density: 1.025 .* write 1025$"),
+    "fresh water in g/cm^3": (lambda: a5.load(0.998), "in g/cm.3, write 998$"),
+    "density in g/m^3": (lambda: a5.load(1.025e6), "fluid_density: 1.025e.06"),
+    "MuJoCo's density": (lambda: MjcfOptions(fluid_density=1.025), "write 1025$"),
+    "Gazebo's density": (lambda: SdfOptions(fluid_density=1.025), "write 1025$"),
+    "gravity upwards": (lambda: a5.load(gravity=(0, 0, 9.81)), r"points up; write \(0, 0, -9.81\)"),
+    "a list upwards": (lambda: a5.load(gravity=[0.0, 0.0, 9.8]), r"write \(0, 0, -9.8\)"),
+    "gravity in mm": (lambda: a5.load(gravity=(0, 0, -9810)), r"mm/s.2, write \(0, 0, -9.81\)$"),
+    "gravity in g": (lambda: a5.load(gravity=(0, 0, -1)), r"in g, write \(0, 0, -9.81\)$"),
+    "payload in g": (lambda: payload(500), "mass: 500 kg .* if it is in g, write 0.5$"),
+    "payload's COM far away": (lambda: payload(0.5, (0, 0, 20)), r"com: .* write \(0, 0, 0.02\)$"),
+    "payload's COB": (lambda: payload(0.5, cob=(0, 0, 20)), r"cob: .* write \(0, 0, 0.02\)$"),
+    "payload's litres": (lambda: payload(0.5, volume=0.5), "volume: 0.5 m.3 .* in L, write 0.0005"),
+    "payload like foam": (lambda: payload(0.05, volume=0.05), "is 1 kg/m.3.* in L, write 5e-05$"),
+    "payload's kg mm^2": (
+        lambda: payload(0.5, inertia=500 * np.eye(3)),
+        "radius of gyration of 38.73 m .* kg mm.2, multiply it by 1e-06$",
+    ),
+    "vehicle's litres": (lambda: vehicle(volume=11.4), "volume is in L, write 0.0114$"),
+    "vehicle in g": (lambda: vehicle(mass=11500), "mass is in g, write 11.5$"),
+    "vehicle's COM": (lambda: vehicle(com=(0, 0, 20)), "com: .* for a vehicle; if it is in mm"),
+    "jaw rod of 5 m": (lambda: jaws(rod_length=5), "rod_length: 5 m .* in mm, write 0.005$"),
+    "density of the rod": (lambda: jaws(rod_density=7.85), "rod_density: .* write 7850$"),
+    "link in g": (lambda: link(mass=161), "link_1.mass: 161 kg .* write 0.161$"),
+    "link's COM in mm": (lambda: link(com=(7.7, 0.1, 25)), "link_1.com: .* in mm"),
+    "link's litres": (lambda: link(volume=0.032), "link_1.volume: .* in L, write 3.2e-05$"),
+    "bounds in mm": (lambda: link(bounds=1000 * P.links[1].bounds), "link_1.bounds: .* in mm"),
+    "limits in degrees": (lambda: joint(upper=351.97), "axis_e.upper: .* in deg, write 6.14"),
+    "speed in degrees": (lambda: joint(velocity=30), "axis_e.velocity: .* deg/s, write 0.523"),
+    "a_1 in mm": (lambda: dataclasses.replace(P.dh[1], a=150.7), "^a: .* in mm, write 0.1507$"),
+    "alpha in degrees": (lambda: dataclasses.replace(P.dh[1], alpha=90), "alpha: .* write 1.5708$"),
+    "inductance in mH": (lambda: motor(inductance=0.231), "inductance: .* mH, write 0.000231$"),
+    "K_t in mN m/A": (lambda: motor(torque_constant=13.4), "torque_constant: .* write 0.0134$"),
+    "screw lead in mm": (
+        lambda: a5.actuators.actuator("axis_a", screw_lead=1),
+        "screw_lead: 1 m .* in mm, write 0.001$",
+    ),
+    "current in cm/s": (
+        lambda: a5.load().with_hydrodynamics((0, 50, 0)),
+        r"current: .* in cm/s, write \(0, 0.5, 0\)$",
+    ),
+    "strip in mm": (
+        lambda: DragStrip((0, 0, 0), (0, 0, 0.1), diameter=40, across=1.0),
+        "diameter: 40 m .* in mm, write 0.04$",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", IMPLAUSIBLE)
+def test_an_implausible_quantity_warns_once_here_with_the_unit(case: str) -> None:
+    make, words = IMPLAUSIBLE[case]
+    with pytest.warns(ImplausibleWarning, match=words) as found:
+        make()
+    (warning,) = found
+    assert warning.filename == __file__
+    assert "\n" not in str(warning.message)
+
+
+#: What is made -> what the error says.
+IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
+    "link": (lambda: link(mass=-0.4), "link_1.mass: expected a number of at least 0, got -0.4"),
+    "link's tensor": (lambda: link(inertia=NO_BODY), "link_1.inertia: expected a possible body"),
+    "link's volume": (lambda: link(volume=-1e-5), "link_1.volume"),
+    "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "link_1.bounds"),
+    "link's COM": (lambda: link(com=(0, 0, math.nan)), "link_1.com.*finite"),
+    "no mass, but inertia": (lambda: link(mass=0.0), "mass 0 kg is not positive"),
+    "jaw rod's density": (lambda: jaws(rod_density=0.0), "rod_density: expected a number above 0"),
+    "finger's density": (lambda: jaws(finger_density=-2700), "finger_density"),
+    "rod's length": (lambda: jaws(rod_length=-0.05), "rod_length"),
+    "fluid": (lambda: a5.load(-1025), "fluid_density: expected a number of at least 0"),
+    "a name": (lambda: a5.load("fresh"), r"SEA_WATER \(1025\), FRESH_WATER \(1000\), AIR \(0\)"),
+    "payload": (lambda: payload(-0.5), "mass: expected a number of at least 0"),
+    "payload's tensor": (lambda: payload(0.5, inertia=NO_BODY), "inertia: expected a possible"),
+    "vehicle": (lambda: vehicle(mass=-11.5), "mass: expected a number of at least 0"),
+    "vehicle's tensor": (lambda: vehicle(inertia=NO_BODY), "inertia: expected a possible body"),
+    "limits": (lambda: joint(upper=-1.0), "axis_e.upper: expected a number of at least 0.01745"),
+    "speed": (lambda: joint(velocity=-0.5), "axis_e.velocity"),
+    "efficiency in %": (lambda: motor(efficiency=86), "efficiency: expected at most 1"),
+    "no efficiency": (lambda: motor(efficiency=0), "efficiency: expected a number above 0"),
+    "resistance": (lambda: motor(resistance=-3.22), "resistance"),
+    "ratio": (lambda: motor(gear_ratio=0), "gear_ratio"),
+    "screw lead": (
+        lambda: dataclasses.replace(a5.actuators.actuator("axis_a"), screw_lead=-1e-3),
+        "screw_lead",
+    ),
+    "rotor": (lambda: Actuator("axis_e", P.actuators[0], rotor_inertia=-1e-6), "rotor_inertia"),
+    "constants": (lambda: Actuator("axis_e", P.actuators[0], "best"), "unknown motor constants"),
+    "joint": (lambda: Actuator("axis_z", P.actuators[0]), "unknown joint"),
+    "row": (lambda: Actuator("axis_e", P.joints[0]), "ActuatorParameters"),  # type: ignore[arg-type]
+    "five links": (lambda: dataclasses.replace(P, links=P.links[:4]), "5 LinkParameters"),
+    "no links": (lambda: dataclasses.replace(P, links=(1, 2, 3, 4, 5)), "a LinkParameters"),
+    "model's mass": (lambda: heavier_than_nothing(-0.4), "mass on axis_d: expected at least 0"),
+    "model's tensor": (flattened, "inertia on axis_d: expected an inertia that a body can have"),
+}
+
+
+@pytest.mark.parametrize("case", IMPOSSIBLE)
+def test_an_impossible_quantity_raises(case: str) -> None:
+    make, words = IMPOSSIBLE[case]
+    with pytest.raises(ValueError, match=words) as error:
+        make()
+    assert isinstance(error.value, a5.errors.Alpha5Error)
+
+
+def test_too_heavy_jaws_leave_no_wrist() -> None:
+    with pytest.raises(InputError, match=r"link_4.mass: expected a number of at least 0"):
+        split_link_4(dataclasses.replace(P, jaws=jaws(rod_length=0.5, rod_diameter=0.03)))
+
+
+#: Made without a word.
+PLAUSIBLE: dict[str, Callable[[], Any]] = {
+    "air": lambda: a5.load(1.2),
+    "nothing": lambda: a5.load(0.0),
+    "brine": lambda: a5.load(1240.0),
+    "the Moon": lambda: a5.load(gravity=(0, 0, -1.62)),
+    "weightless": lambda: a5.load(gravity=(0, 0, 0)),
+    "upside down": lambda: a5.load(gravity=a5.gravity_in_base(np.diag([1.0, -1.0, -1.0]))),
+    "NED": lambda: a5.load(gravity=a5.gravity_in_base(np.eye(3), (0.0, 0.0, 9.81))),
+    "on a wall": lambda: a5.load(gravity=(9.81, 0, 0)),
+    "ballast": lambda: payload(20.0, (0, 0, 0.1), volume=20 / 7850),
+    "a float": lambda: payload(0.0, volume=1e-3),
+    "foam": lambda: payload(0.02, volume=1e-3),
+    "a pole": lambda: payload(1.0, (0, 0, 1), np.diag([0.34, 0.34, 1e-4])),
+    "a vehicle": vehicle,
+    "no vehicle": lambda: vehicle(mass=0.0, inertia=np.zeros((3, 3)), volume=0.0),
+    "work class": lambda: vehicle(mass=4e3, volume=4.0, inertia=4e3 * np.eye(3)),
+    "a massless link": lambda: link(mass=0.0, inertia=np.zeros((3, 3))),
+    "a link of its own": lambda: link(mass=0.3, com=[0.01, 0.0, 0.02]),
+}
+
+
+@pytest.mark.parametrize("case", PLAUSIBLE)
+def test_what_may_be_meant_passes(case: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        PLAUSIBLE[case]()
+
+
+def test_replaced_records_hold_arrays_of_their_own_that_nobody_can_write() -> None:
+    given = np.array([0.01, 0.0, 0.02])
+    made = link(com=given)
+    given[0] = 7.0
+    assert made.com.tolist() == [0.01, 0.0, 0.02]
+    assert not made.com.flags.writeable
+
+
+def test_calls_in_a_loop_never_warn() -> None:
+    with pytest.warns(ImplausibleWarning):
+        arm = a5.load(1.025)
+    with pytest.warns(ImplausibleWarning, match="500 kg"):
+        loaded = arm.with_payload(500)
+    with pytest.warns(ImplausibleWarning, match="current"):
+        wet = a5.load().with_hydrodynamics((0, 50, 0))
+    q = np.full(4, 170.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for made in (arm, loaded):
+            made.inverse_dynamics(q, q, q)
+            made.inverse_dynamics_batch(q, q, q)
+            made.hydrostatic_torque(q)
+            made.base_wrench(q, q, q)
+            made.with_payload(0.5)
+            made.with_hydrodynamics()
+        wet.inverse_dynamics(q, q, q, current=(0, 100, 0))
+        wet.with_payload(0.1)
+
+
+def test_a_filter_of_the_category_silences_it() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", a5.errors.ImplausibleWarning)
+        a5.load(1.025).with_payload(500)
+        with pytest.raises(InputError):
+            payload(-500)
+    assert issubclass(ImplausibleWarning, UserWarning)
+
+
+def test_silence_ends_with_its_block_and_is_of_one_thread() -> None:
+    heard = []
+
+    def other() -> None:
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            a5.load(1.025)
+        heard.append(len(found))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with plausibility.said():
+            a5.load(1.025)
+            with plausibility.said():
+                a5.load(1.025)
+            a5.load(1.025)
+            thread = threading.Thread(target=other)
+            thread.start()
+            thread.join()
+    assert heard == [1]
+    with pytest.warns(ImplausibleWarning):
+        a5.load(1.025)
+
+
+LIMITS = {
+    name: x for name, x in vars(plausibility).items() if isinstance(x, plausibility.Plausible)
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_bounds_are_ranges_and_each_unit_is_one_that_can_be_meant(name: str) -> None:
+    limits = LIMITS[name]
+    assert limits.holds(0.0)
+    for low, high in limits.ranges:
+        assert low < high
+        assert limits.holds(low)
+        assert limits.holds(high)
+        assert not limits.holds(math.nextafter(high, math.inf))
+    for size in limits.units.values():
+        # What is plausible in that unit is not in SI units, at least in part.
+        assert not all(limits.holds(end / size) for end in limits.ranges[-1])
+
+
+COMMANDS = {
+    "torque --q 3 1 1 0 --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
+    "torque --q 3 1 1 0 --payload 500": ["mass: 500 kg", "if it is in g, write 0.5"],
+    "torque --q 3 1 1 0 --payload 0.5 0 0 20": ["com: (0, 0, 20) m", "write (0, 0, 0.02)"],
+    "torque --q 3 1 1 0 --gravity 0 0 9.81": ["points up", "--mount"],
+    "torque --q 3 1 1 0 --json --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
+    "generate --format mjcf --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
+    "generate --format c --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_print_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(command.split()) == 0
+    out, err = capsys.readouterr()
+    (line,) = err.splitlines()
+    assert line.startswith("alpha5: warning: ")
+    assert all(word in line for word in COMMANDS[command])
+    assert ".py" not in line
+    if "--json" in command:
+        assert json.loads(out)["fluid_density"] == 1.025
+
+
+QUIET = (
+    "torque --q 3 1 1 0 --gravity 0 0 9.81 --mount 180 0 0 deg",
+    "torque --q 3 1 1 0 --mount 180 0 0 deg --payload 0.5 0 0 0.02 --fluid fresh",
+    "torque --q 3 1 1 0 --gripper jaws --current 0 1 0",
+    "generate --format mjcf --gripper jaws",
+    "workspace",
+)
+
+
+@pytest.mark.parametrize("command", QUIET)
+def test_commands_are_quiet_otherwise(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(command.split()) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_study_warns_when_it_is_read_and_not_of_each_case(tmp_path: Path) -> None:
+    axes = "\n".join(f"axis_{x}_pos = 1.0" for x in "edcb")
+    study = f"""
+        [axes]
+        {axes}
+        payload_mass = [0.0, 0.2, 500.0]
+        fluid_density = {{from = 0.0, to = 1000.0, count = 3}}
+        [outputs]
+        most = {{quantity = "torque", as = "peak"}}
+    """
+    file = tmp_path / "study.toml"
+    file.write_text(study.replace("\n        ", "\n"))
+    with pytest.warns(ImplausibleWarning, match=r"axes.payload_mass: 500 kg .* write 0.5$") as said:
+        a5.sweep(file, tmp_path / "out")
+    assert len(said) == 1
+
+
+EVERYTHING = """
+import warnings
+import alpha5_model as a5
+
+a5.audit()
+a5.uncertainty.sample(3).parameters(0)
+for gripper in ("locked", "jaws"):
+    for base in (False, True):
+        arm = a5.load(gripper=gripper, floating_base=base)
+        arm.with_hydrodynamics()
+[a5.actuators.actuator(f"axis_{x}").extremes() for x in "edcba"]
+a5.load(backend="kernels")
+a5.parameters(("link3_cob",))
+a5.robot_wrapper("jaws")
+"""
+
+
+def test_the_package_itself_is_quiet() -> None:
+    options = ("-W", "error", "-W", "ignore::DeprecationWarning")
+    done = subprocess.run(
+        [sys.executable, *options, "-c", EVERYTHING], capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stderr) == (0, "")
