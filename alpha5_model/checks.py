@@ -230,10 +230,9 @@ def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
 
 
 def frozen(array: ArrayLike) -> FloatArray:
-    """A read-only float64 copy."""
-    copy = np.array(array, dtype=np.float64)
-    copy.flags.writeable = False
-    return copy
+    """A float64 copy of which no flag makes a writeable one: it lies in bytes."""
+    given = np.asarray(array, dtype=np.float64)
+    return np.ndarray(given.shape, np.float64, given.tobytes())
 
 
 def is_rotation(matrix: FloatArray) -> BoolArray:

@@ -4,21 +4,38 @@ enum { BRANCHES = 4, ANGLES = 16, EXISTS = ANGLES, WITHIN = EXISTS + BRANCHES, S
 
 static const Kernel *solver;
 static newfunc new_tuple;
-static PyObject *flags[1 << BRANCHES], *singular[2]; /* read-only, shared by all answers */
+static PyObject *flags[1 << BRANCHES], *singular[2]; /* shared by all answers */
 
 static PyObject *flag(const double *b)
 {
     return flags[(b[0] != 0.0) | (b[1] != 0.0) << 1 | (b[2] != 0.0) << 2 | (b[3] != 0.0) << 3];
 }
 
-static PyObject *read_only(int axes, npy_intp first, npy_intp second, int type, const void *values)
+static PyObject *read_only(int axes, npy_intp first, npy_intp second, const double *values)
 {
     npy_intp shape[] = {first, second};
-    PyObject *array = PyArray_SimpleNew(axes, shape, type);
+    PyObject *array = PyArray_SimpleNew(axes, shape, NPY_DOUBLE);
     if (array != NULL) {
         memcpy(PyArray_DATA((PyArrayObject *)array), values, PyArray_NBYTES((PyArrayObject *)array));
         PyArray_CLEARFLAGS((PyArrayObject *)array, NPY_ARRAY_WRITEABLE);
     }
+    return array;
+}
+
+/* The same of truth values, in bytes: setflags does not unlock what all answers share. */
+static PyObject *unchangeable(int axes, npy_intp size, const npy_bool *values)
+{
+    PyObject *bytes = PyBytes_FromStringAndSize((const char *)values, size);
+    if (bytes == NULL)
+        return NULL;
+    PyObject *array = PyArray_New(&PyArray_Type, axes, &size, NPY_BOOL, NULL, PyBytes_AsString(bytes), 0,
+                                  NPY_ARRAY_CARRAY_RO, NULL);
+    if (array == NULL) {
+        Py_DECREF(bytes);
+        return NULL;
+    }
+    if (PyArray_SetBaseObject((PyArrayObject *)array, bytes) < 0) /* takes bytes in any case */
+        Py_CLEAR(array);
     return array;
 }
 
@@ -63,8 +80,8 @@ static PyObject *inverse_kinematics(PyObject *module, PyObject *const *given, Py
         return PyErr_Format(PyExc_TypeError, "inverse_kinematics takes a kind of tuple, position and wrist");
     if (!three(given[1], x) || !real(given[2], x + 3) || !row(solver, NULL, in, y))
         Py_RETURN_NONE;
-    PyObject *arguments = Py_BuildValue("((NOOON))", read_only(2, 4, 4, NPY_DOUBLE, y), flag(y + EXISTS), flag(y + WITHIN),
-                                        singular[y[SINGULAR] != 0.0], read_only(1, 3, 0, NPY_DOUBLE, x));
+    PyObject *arguments = Py_BuildValue("((NOOON))", read_only(2, 4, 4, y), flag(y + EXISTS), flag(y + WITHIN),
+                                        singular[y[SINGULAR] != 0.0], read_only(1, 3, 0, x));
     PyObject *answer = arguments ? new_tuple((PyTypeObject *)given[0], arguments, NULL) : NULL;
     Py_XDECREF(arguments);
     return answer;
@@ -79,11 +96,11 @@ static int share(void)
     new_tuple = (newfunc)PyType_GetSlot(&PyTuple_Type, Py_tp_new);
     for (int code = 0; code < 1 << BRANCHES; code++) {
         const npy_bool bits[] = {code & 1, code >> 1 & 1, code >> 2 & 1, code >> 3};
-        flags[code] = read_only(1, BRANCHES, 0, NPY_BOOL, bits);
+        flags[code] = unchangeable(1, BRANCHES, bits);
         if (flags[code] == NULL)
             return 0;
     }
     for (npy_bool one = 0; one < 2; one++)
-        singular[one] = read_only(0, 0, 0, NPY_BOOL, &one);
+        singular[one] = unchangeable(0, 1, &one);
     return singular[0] != NULL && singular[1] != NULL;
 }

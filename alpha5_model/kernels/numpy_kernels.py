@@ -26,9 +26,11 @@ _FLOAT64 = np.dtype(np.float64)
 #: The formulas that hold for Python's numbers.
 _ONE: dict[str, tuple[Any, ...]] = {**formulas.KERNELS, **numbers.KERNELS}
 _SOLVE: Callable[..., Any] = numbers.inverse_kinematics
-_FLAGS = {bits: np.array(bits) for bits in (False, True, *product((False, True), repeat=4))}
-for _flag in _FLAGS.values():
-    _flag.flags.writeable = False
+#: Shared by all answers; arrays of bytes cannot be made writeable.
+_FLAGS: dict[Any, Any] = {
+    bits: np.ndarray(4, np.bool_, bytes(bits)) for bits in product((False, True), repeat=4)
+}
+_FLAGS |= {bit: np.ndarray((), np.bool_, bytes([bit])) for bit in (False, True)}
 
 
 def bind(
@@ -130,7 +132,6 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
     if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
         return None
     q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
-    # Arrays of bytes are read-only.
     angles, target = np.ndarray((4, 4), float, pack("16d", *q)), np.frombuffer(pack("3d", *x))
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
     return tuple.__new__(kind, answer)
