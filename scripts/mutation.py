@@ -21,9 +21,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
-import sysconfig
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
@@ -33,7 +31,6 @@ from typing import Any
 from mutating import c_code, python_code
 from mutating.mutants import (
     C_ROOM,
-    PACKAGE,
     REPOSITORY,
     Mutant,
     Place,
@@ -57,7 +54,7 @@ from mutating.sandbox import (
     run,
     warm,
 )
-from mutating.seen import Seen
+from mutating.seen import C_TESTS, Seen
 
 BUILD = REPOSITORY / "build" / "mutation"
 EQUIVALENT = "equivalent"
@@ -76,8 +73,6 @@ def main() -> int:
     """Status 1 if a proof fails or fewer than ``--least`` percent are killed."""
     asked = _arguments()
     texts = sources()
-    mutants = _mutants(asked, texts)
-    print(f"{len(mutants)} mutants", flush=True)
     results = _results(asked.output)
     with tempfile.TemporaryDirectory() as name:
         folders = [Path(name) / str(number) for number in range(asked.jobs)]
@@ -86,13 +81,21 @@ def main() -> int:
         if not _proved(boxes, texts):
             return 1
         seen = Seen(BUILD / "seen", texts)
-        seen.record(boxes)
+        seen.record(boxes, C_TESTS if asked.rooms == [C_ROOM] else ())
         done = _appended(asked.output, texts, results)
-        for mutant in mutants:
-            if mutant.key not in results and is_equivalent(mutant, texts[mutant.file]):
-                done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
-        waiting = (seen.job(m) for m in mutants if m.key not in results)
-        run(waiting, boxes, texts, done)
+        spare = 0
+        while True:
+            mutants = _mutants(asked, texts, spare)
+            for mutant in mutants:
+                if mutant.key not in results and is_equivalent(mutant, texts[mutant.file]):
+                    done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
+            waiting = (seen.job(m) for m in mutants if m.key not in results)
+            run(waiting, boxes, texts, done)
+            # Another mutant in place of each that does not compile.
+            invalid = sum(results[m.key]["status"] == INVALID for m in mutants)
+            if invalid == spare or asked.at:
+                break
+            spare = invalid
     own = [results[mutant.key] for mutant in mutants]
     print(table(own))
     print(f"seed {asked.seed}; all mutants: {asked.output}")
@@ -128,28 +131,6 @@ def code_lines(file: Path, text: str) -> int:
     return c_code.code_lines(text) if is_c(file) else python_code.code_lines(text)
 
 
-def compiles(mutant: Mutant) -> bool:
-    """Whether it is C that a compiler takes; Python and templates always are."""
-    if not is_c(mutant.file) or mutant.file.parts[0] != "kernels":
-        return True
-    import numpy
-
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for path in (PACKAGE / "kernels").rglob("*.[ch]"):
-            copy = folder / path.relative_to(PACKAGE)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes(path.read_bytes())
-        (folder / mutant.file).write_text(mutant.text, encoding="utf-8")
-        command = [
-            "cc", "-fsyntax-only", "-Wno-psabi", '-DSOURCES=""',
-            f"-I{numpy.get_include()}", f"-I{sysconfig.get_path('include')}",
-            str(folder / "kernels" / "_compiled.c"),
-        ]  # fmt: skip
-        ended = subprocess.run(command, check=False, capture_output=True)
-    return ended.returncode == 0
-
-
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -164,7 +145,8 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _mutants(asked: argparse.Namespace, texts: dict[Path, str]) -> list[Mutant]:
+def _mutants(asked: argparse.Namespace, texts: dict[Path, str], spare: int) -> list[Mutant]:
+    """Those of the places that are asked for, or a sample, with some to spare."""
     if asked.at:
         found = []
         for place in asked.at:
@@ -172,7 +154,7 @@ def _mutants(asked: argparse.Namespace, texts: dict[Path, str]) -> list[Mutant]:
             file = Path(name)
             for one in places(file, texts[file]):
                 made = one(_unchanged_order)
-                found += [m for m in made if m.line == int(line) and compiles(m)]
+                found += [m for m in made if m.line == int(line)]
         return found
     unknown = set(asked.rooms) - {room(file) for file in texts}
     if unknown:
@@ -180,7 +162,7 @@ def _mutants(asked: argparse.Namespace, texts: dict[Path, str]) -> list[Mutant]:
     chosen = {
         file: text for file, text in texts.items() if not asked.rooms or room(file) in asked.rooms
     }
-    return draw(chosen, places, code_lines, compiles, asked.sample, asked.seed)
+    return draw(chosen, places, code_lines, asked.sample + spare, asked.seed)
 
 
 class _Unchanged:

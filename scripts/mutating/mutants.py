@@ -94,7 +94,6 @@ def draw(
     texts: dict[Path, str],
     places: Callable[[Path, str], list[Place]],
     lines: Callable[[Path, str], int],
-    valid: Callable[[Mutant], bool],
     count: int,
     seed: int,
 ) -> list[Mutant]:
@@ -104,8 +103,8 @@ def draw(
         texts: As of `sources`.
         places: Of a file: where mutants can be made.
         lines: Of a file: how many lines of code it has.
-        valid: Whether a mutant compiles.
-        count: How many; fewer if there are no more places.
+        count: How many; fewer if there are no more places. A larger sample of the same
+            seed begins with the smaller one.
         seed: Another seed, another sample.
     """
     chance = random.Random(seed)
@@ -125,7 +124,7 @@ def draw(
         place = waiting[chosen].pop()
         if not waiting[chosen]:
             del waiting[chosen]
-        mutant = next((m for m in place(chance) if valid(m)), None)
+        mutant = next(place(chance), None)
         if mutant is not None:
             drawn.append(mutant)
     return drawn

@@ -54,10 +54,11 @@ KERNEL_TESTS = (
 )
 #: For the templates of the C library.
 LIBRARY_TESTS = ("tests/test_c_library.py",)
+C_TESTS = (*KERNEL_TESTS, *LIBRARY_TESTS)
 #: Processor time of the tests of one mutant, without it [s].
-BUDGET = 150.0
+BUDGET = 60.0
 #: At most this of one test file at a time [s].
-SHARE = 30.0
+SHARE = 12.0
 #: What opening one more test file costs [s].
 OPENING = 0.5
 #: A test file may take this long where its lines are recorded [s].
@@ -80,7 +81,7 @@ class Seen:
         self._tests_of: dict[Path, dict[str, dict[int, set[str]]]] = {}
 
     def record(self, boxes: Sequence[Sandbox], only: Sequence[str] = ()) -> None:
-        """Run the test files of which there is no record."""
+        """Run the test files, or only these, of which there is no record."""
         self.folder.mkdir(parents=True, exist_ok=True)
         asked = list(only) or [
             f"tests/{file.name}"
