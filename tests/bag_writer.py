@@ -26,10 +26,19 @@ class State:
     topic: str = "/joint_states"
     received: int = 0
     publisher: str = "/driver"
+    frame: str = ""
 
 
-def write_bag(folder: Path, kind: str, states: Iterable[State]) -> Path:
-    """The bag's file, or the folder of a ROS 2 bag, as `read_motion` takes it."""
+def write_bag(folder: Path, kind: str, states: Iterable[State], compression: str = "") -> Path:
+    """The bag's file, or the folder of a ROS 2 bag, as `read_motion` takes it.
+
+    Args:
+        folder: For the bag.
+        kind: One of `KINDS`; ``"folder.db3"`` is the folder of a SQLite bag.
+        states: Its messages.
+        compression: ``"bz2"`` or ``"lz4"`` of ROS 1; ``"storage"`` of MCAP; ``"message"`` or
+            ``"file"`` of the folder of a ROS 2 bag.
+    """
     first = kind == ".bag"
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     joint_state, header, time = (
@@ -43,9 +52,16 @@ def write_bag(folder: Path, kind: str, states: Iterable[State]) -> Path:
     path = folder / ("recording.bag" if first else "recording")
     if first:
         writer: Any = rosbag1.Writer(path)
+        if compression:
+            writer.set_compression(writer.CompressionFormat[compression.upper()])
     else:
-        plugin = rosbag2.StoragePlugin.SQLITE3 if kind == ".db3" else rosbag2.StoragePlugin.MCAP
+        plugin = (
+            rosbag2.StoragePlugin.SQLITE3 if kind.endswith(".db3") else rosbag2.StoragePlugin.MCAP
+        )
         writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
+        if compression:
+            mode = rosbag2.CompressionMode[compression.upper()]
+            writer.set_compression(mode, rosbag2.CompressionFormat.ZSTD)
     serialize = store.serialize_ros1 if first else store.serialize_cdr
     with writer:
         connections: dict[tuple[str, str], Any] = {}
@@ -57,9 +73,10 @@ def write_bag(folder: Path, kind: str, states: Iterable[State]) -> Path:
                     s.topic, joint_state.__msgtype__, typestore=store, **extra
                 )
             stamp = time(*divmod(s.stamp, 10**9))
-            head = header(0, stamp, "") if first else header(stamp, "")
+            head = header(0, stamp, s.frame) if first else header(stamp, s.frame)
             arrays = (np.array(x, dtype=float) for x in (s.position, s.velocity, s.effort))
             message = joint_state(head, list(s.names), *arrays)
             received = s.received or s.stamp + 10**6
             writer.write(connections[key], received, serialize(message, joint_state.__msgtype__))
-    return path if kind in (".bag", "folder") else next(path.glob(f"*{kind}"))
+    whole = kind == ".bag" or kind.startswith("folder")
+    return path if whole else next(path.glob(f"*{kind}"))

@@ -151,6 +151,17 @@ def bandwidth() -> Sequence[Figure]:
 
 
 @statement(
+    "docs/guides/recordings.md",
+    "So is a bag that expands to more than {} times its size, as no recording does",
+)
+def expansion_of_bags() -> Sequence[Figure]:
+    """How far an arm at rest expands: tests/test_trajectory_bag_limits.py."""
+    from alpha5_model.trajectory import bag_limits
+
+    return [Near(bag_limits.EXPANSION)]
+
+
+@statement(
     "docs/public-models.md", "- Dummy links of {} g with {} kg m²: a radius of gyration of a metre"
 )
 def dummies() -> Sequence[Figure]:

@@ -16,7 +16,7 @@ from alpha5_model.checks import FloatArray, float_array, frozen, named
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeError
 from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
-from alpha5_model.trajectory import tables
+from alpha5_model.trajectory import bags, tables
 from alpha5_model.trajectory.names import (
     COMMAND,
     EFFORT,
@@ -167,7 +167,7 @@ def read_motion(
     with suppress(OSError, ValueError):  # a name that none can have
         a_bag = a_bag or (file / "metadata.yaml").is_file()
     if a_bag:
-        table, before = tables.bag_table(path, topic, prefix, progress)
+        table, before = bags.bag_table(path, topic, prefix, progress)
     elif topic is not None:
         raise InputError("topic", topic, "no value: only a ROS bag has topics")
     elif file.suffix.lower() in _PARQUET:

@@ -1,0 +1,252 @@
+"""What reading a ROS bag may take, in proportion to its size.
+
+A bag of 65 kB can expand to gigabytes, or describe a table without end. rosbags has no limit of its
+own: within `limited` its decompressors, its index and SQLite's queries count against a budget.
+"""
+
+from __future__ import annotations
+
+from bz2 import BZ2Decompressor
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import lru_cache
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from alpha5_model.errors import FileFormatError, MissingDependencyError
+from alpha5_model.files import PathLike
+
+#: A bag may expand to this many times its size. Joint states of an arm at rest, compressed by zstd,
+#: expand to 10 times.
+EXPANSION = 100
+#: What any bag may expand to [bytes].
+_LEAST = 1_000_000
+#: Steps of SQLite's machine for each byte of a file; reading messages takes less than one.
+_STEPS = 20
+#: Steps between two looks at the budget.
+_STEPS_AT_ONCE = 10_000
+#: Generated columns, whose expressions may take any time.
+_FORMULAS = """
+    SELECT 1 FROM sqlite_master AS entry, pragma_table_xinfo(entry.name) AS field
+    WHERE field.hidden > 0 LIMIT 1"""
+#: Bytes decompressed between two looks at the budget.
+_PIECE = 1 << 20
+#: Levels of lists and tables in a bag's ``metadata.yaml``, which has six.
+_DEPTH = 20
+
+
+class _ExceededError(Exception):
+    """More than the budget allows."""
+
+
+class Budget:
+    """Bytes that a bag may still expand to.
+
+    Attributes:
+        allowed: Bytes in all.
+        exceeded: Whether more were asked for.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.allowed = _LEAST + EXPANSION * size
+        self.exceeded = False
+        self._taken = 0
+
+    def take(self, count: int) -> None:
+        """Count bytes.
+
+        Raises:
+            Exception: More than allowed; `limited` says it as an error about the file.
+        """
+        self._taken += count
+        if self._taken > self.allowed:
+            self.exceeded = True
+            raise _ExceededError
+
+
+_current: ContextVar[Budget | None] = ContextVar("budget of a bag", default=None)
+
+
+@contextmanager
+def limited(path: PathLike) -> Iterator[Budget]:
+    """Read a bag with rosbags within limits.
+
+    Raises:
+        FileFormatError: The bag takes more than is allowed.
+        MissingDependencyError: A version of rosbags that cannot be limited.
+    """
+    _install()
+    file = Path(path)
+    if file.is_dir():
+        _check_metadata(path, file / "metadata.yaml")
+    budget = Budget(_size(file))
+    token = _current.set(budget)
+    try:
+        yield budget
+    except Exception:
+        if not budget.exceeded:
+            raise
+        most = f"{budget.allowed / 1e6:.3g} MB, {EXPANSION} times its size"
+        problem = f"expands to more than {most}; a bag that is yours: write it without compression"
+        raise FileFormatError(path, problem) from None
+    finally:
+        _current.reset(token)
+
+
+def _size(file: Path) -> int:
+    if file.is_dir():
+        return sum(inside.stat().st_size for inside in file.iterdir() if inside.is_file())
+    return file.stat().st_size
+
+
+def _check_metadata(path: PathLike, file: Path) -> None:
+    """Refuse YAML that grows or nests without end, which no recorder writes."""
+    reader: Any = import_module("rosbags.rosbag2.reader")
+    events: Any = import_module("ruamel.yaml.events")
+    starts = events.MappingStartEvent, events.SequenceStartEvent
+    ends = events.MappingEndEvent, events.SequenceEndEvent
+    depth = 0
+    for event in reader.YAML(typ="safe").parse(file.read_text()):
+        if isinstance(event, events.AliasEvent):
+            problem = "metadata.yaml has aliases (*name), which no recorder writes"
+            raise FileFormatError(path, problem)
+        depth += isinstance(event, starts)
+        depth -= isinstance(event, ends)
+        if depth > _DEPTH:
+            problem = f"metadata.yaml nests deeper than {_DEPTH} levels"
+            raise FileFormatError(path, problem)
+
+
+@lru_cache(maxsize=1)
+def _install() -> None:
+    """Put the limits into rosbags, once; without a budget all works as before."""
+    first: Any = import_module("rosbags.rosbag1.reader")
+    second: Any = import_module("rosbags.rosbag2.reader")
+    mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
+    sqlite: Any = import_module("rosbags.rosbag2.storage_sqlite3")
+    try:
+        for name, plain in {**first.decompressors}.items():
+            first.decompressors[name] = _counted(name, plain)
+        for name, wide in {**mcap.DECOMPRESSORS}.items():
+            mcap.DECOMPRESSORS[name] = _counted(name, wide)
+        zstd = second.zstd
+        second.zstd = SimpleNamespace(
+            decompress=_counted("zstd", zstd.decompress), open=_file_opener(zstd)
+        )
+        for module in (second, mcap, sqlite):
+            module.parse_qos = _without_quality(module.parse_qos)
+        reading = first.Reader.read_index_data
+        first.Reader.read_index_data = _counted_index(reading)
+        sqlite.apsw.connection_hooks.append(_limit_queries)
+    except AttributeError as error:
+        needed = f"limiting what a bag expands to ({error})"
+        remedy = "python -m pip install 'alpha5-model[bags]'"
+        raise MissingDependencyError("a known version of rosbags", needed, remedy) from None
+
+
+def _counted(name: str, plain: Callable[..., bytes]) -> Callable[..., bytes]:
+    """A decompressor that counts what it gives, piece by piece."""
+    machines = _machines()
+
+    def decompress(data: bytes, *size: int) -> bytes:
+        budget = _current.get()
+        if budget is None:
+            return plain(data, *size)
+        if name not in machines:  # stored as it is
+            content = plain(data, *size)
+            budget.take(len(content))
+            return content
+        return _expanded(machines[name], data, budget)
+
+    return decompress
+
+
+def _machines() -> dict[str, Callable[[], Any]]:
+    """Compression -> what decompresses it in pieces."""
+    mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
+    return {
+        "bz2": BZ2Decompressor,
+        "lz4": import_module("lz4.frame").LZ4FrameDecompressor,
+        "zstd": mcap.zstd.ZstdDecompressor,
+    }
+
+
+def _expanded(machine: Callable[[], Any], data: bytes, budget: Budget) -> bytes:
+    """All frames of compressed data."""
+    pieces = []
+    rest = data
+    while rest:
+        frame = machine()
+        while not frame.eof:
+            piece = frame.decompress(rest, _PIECE)
+            rest = b""
+            budget.take(len(piece))
+            pieces.append(piece)
+            if not frame.eof and frame.needs_input:
+                raise EOFError("compressed data end too early")
+        rest = frame.unused_data or b""
+    return b"".join(pieces)
+
+
+def _file_opener(zstd: Any) -> Callable[..., Any]:
+    """``zstd.open`` whose files count what is read."""
+
+    class CountedFile(zstd.ZstdFile):  # type: ignore[misc]
+        def read(self, size: int = -1) -> bytes:
+            budget = _current.get()
+            if budget is None:
+                return bytes(super().read(size))
+            content = bytes(super().read(_PIECE if size < 0 else size))
+            budget.take(len(content))
+            return content
+
+    def opened(file: Any, mode: str) -> Any:
+        return zstd.open(file, mode) if _current.get() is None else CountedFile(file, mode)
+
+    return opened
+
+
+def _without_quality(plain: Callable[..., Any]) -> Callable[..., Any]:
+    """Qualities of service are YAML of their own, and not needed."""
+
+    def parse_qos(given: Any) -> Any:
+        return plain(given) if _current.get() is None else []
+
+    return parse_qos
+
+
+def _counted_index(plain: Callable[..., None]) -> Callable[..., None]:
+    """Many chunks of a ROS 1 bag may claim the same index."""
+
+    def read_index_data(self: Any, position: int, indexes: Any) -> None:
+        before = self.bio.tell()
+        plain(self, position, indexes)
+        budget = _current.get()
+        if budget is not None:
+            budget.take(EXPANSION // 2 * (self.bio.tell() - before))
+
+    return read_index_data
+
+
+def _limit_queries(connection: Any) -> None:
+    """A damaged table may have no end, and a column may be a formula."""
+    apsw: Any = import_module("apsw")
+    budget = _current.get()
+    if budget is None:
+        return
+    size = Path(connection.filename).stat().st_size
+    left = _LEAST + _STEPS * size
+
+    def beyond() -> bool:
+        nonlocal left
+        left -= _STEPS_AT_ONCE
+        budget.exceeded |= left < 0
+        return left < 0
+
+    connection.limit(apsw.SQLITE_LIMIT_LENGTH, max(size, _LEAST))
+    connection.set_progress_handler(beyond, _STEPS_AT_ONCE)
+    if list(connection.execute(_FORMULAS)):
+        raise FileFormatError(connection.filename, "has columns that are formulas")
