@@ -457,3 +457,132 @@ def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
     finally:
         tab.page.close()
         visualizer.close()
+
+
+def said(tab: Tab) -> str:
+    """The messages of a page, one a line."""
+    return "\n".join(
+        tab.run("() => [...document.querySelectorAll('#message p')].map((p) => p.textContent)")
+    )
+
+
+def type_into(tab: Tab, field: str, text: str) -> None:
+    tab.page.click(field, click_count=3)
+    tab.page.keyboard.press("Delete")
+    tab.page.keyboard.type(text)
+    tab.page.keyboard.press("Enter")
+    tab.settle()
+
+
+def test_a_page_checks_what_is_typed(chromium: Any) -> None:
+    arm, seen = a5.load(gripper="jaws"), []
+    start = [2.0, 1.0, 2.2, 0.4, 0.005]
+    visualizer = a5.view(arm, start)
+    visualizer.on_change(seen.append)
+    tab = new_tab(chromium, (1400, 900))
+    low, high = np.rad2deg([LOWER[3], UPPER[3]])
+    range_b = f"its range is {low:.1f}° to {high:.1f}°. It stays at 22.9°."
+    ends = a5.parameters().joints[4]
+    rod = (
+        f"its range is {1e3 * ends.lower:.1f} mm to {1e3 * ends.upper:.1f} mm. It stays at 5.0 mm."
+    )
+    try:
+        tab.open(visualizer.url())
+        for text, message in {
+            "400": f"axis_b cannot go to 400°: {range_b}",
+            "-10": f"axis_b cannot go to \u221210°: {range_b}",
+            "1e60": f"axis_b cannot go to 1e60°: {range_b}",
+            "9" * 300: f"axis_b cannot go to 1.00e+300°: {range_b}",
+            "e": "axis_b needs a number. It stays at 22.9°.",
+            "9" * 400: "axis_b needs a number. It stays at 22.9°.",
+        }.items():
+            type_into(tab, "#axis_b-value", text)
+            assert said(tab) == message
+            assert tab.page.input_value("#axis_b-value") == "22.92"
+        type_into(tab, "#axis_a-value", "50")
+        assert said(tab) == f"axis_a cannot go to 50 mm: {rod}"
+        for text, message in {
+            "1e60": "The target's y cannot be 1e60 mm: it must lie between \u221210000 and 10000 mm.",
+            "e": "The target's y needs a number: it must lie between \u221210000 and 10000 mm.",
+        }.items():
+            type_into(tab, "#target input[name=y]", "50")
+            assert said(tab) == ""
+            type_into(tab, "#target input[name=y]", text)
+            assert said(tab) == message
+            assert tab.page.input_value("#target input[name=y]") == ""
+        assert seen == []
+        assert visualizer.q.tolist() == start
+        # a limit as the page shows it, rounded beyond itself, is the limit, and takes the message away
+        shown = f"{math.degrees(UPPER[1]):.2f}"
+        assert math.radians(float(shown)) > UPPER[1]
+        type_into(tab, "#axis_d-value", shown)
+        assert said(tab) == ""
+        wait_for(lambda: seen)
+        assert seen[0].tolist() == visualizer.q.tolist() == [2.0, UPPER[1], 2.2, 0.4, 0.005]
+        assert tab.page.locator("#lost:not([hidden])").count() == 0
+        assert tab.complaints == []
+    finally:
+        tab.page.close()
+        visualizer.close()
+
+
+def test_a_page_that_is_refused_says_so_and_goes_back(chromium: Any) -> None:
+    arm, seen = a5.load(), []
+    visualizer = a5.view(arm, [2.0, 1.0, 2.2, 9.0])
+    visualizer.on_change(seen.append)
+    tab = new_tab(chromium)
+    try:
+        tab.open(visualizer.url())
+        tab.run("() => alpha5.viewer.connection.send('{\"q\": [99, 99, 99, 99]}')")
+        tab.page.wait_for_selector("#message :text('Python refused this')")
+        assert "Python refused this: axis_e: 99 rad is above the upper limit" in said(tab)
+        assert tab.run("() => alpha5.q.axis_e") == 2.0
+        assert visualizer.q.tolist() == [2.0, 1.0, 2.2, 9.0]
+        assert seen == []
+        # what a hand moves is within the limits, and so is a joint that Python showed beyond
+        slide(tab, "axis_d", 0.5)
+        wait_for(lambda: seen and seen[-1].tolist() == [2.0, 0.5, 2.2, UPPER[3]])
+        tab.page.wait_for_function(f"() => alpha5.q.axis_b === {float(UPPER[3])!r}")
+        assert said(tab) == ""
+        for wrong in ("[NaN, 1, 1, 1]", "[1, 1, 1]", "['1', 1, 1, 1]", "5", "undefined"):
+            refused = tab.run(
+                f"() => {{ try {{ alpha5.setPose({wrong}); }} catch (error) {{ return error.message; }} }}"
+            )
+            assert "expected 4 finite numbers" in refused
+        assert tab.complaints == []
+    finally:
+        tab.page.close()
+        visualizer.close()
+
+
+def test_a_page_survives_what_it_cannot_read(chromium: Any) -> None:
+    """Python sends nothing of the kind; a fault there must not end the page."""
+    import umsgpack
+
+    visualizer = a5.view(a5.load(), [2.0, 1.0, 2.2, 0.4])
+    tab = new_tab(chromium)
+    try:
+        tab.open(visualizer.url())
+        kinds = ("set_object", "set_transform", "set_property", "set_animation", "delete")
+        noise = [{"type": kind, "path": path} for kind in kinds for path in (5, None, "/x")]
+        noise += [{"type": "pose", "q": q} for q in ([9.0], [math.nan] * 4, "home", None)]
+        noise += [{"type": "camera"}, {"type": "what"}, {}, [], 5, None, "pose"]
+        packed = [umsgpack.packb(each) for each in noise]
+        packed += [b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 90_000, bytes(range(256))]
+
+        def send() -> None:
+            for message in packed:
+                for page in visualizer.window.server.pages:
+                    page.send(message)
+
+        visualizer.window.server.call(send)
+        visualizer.display([1.0, 1.5, 2.0, 2.5])
+        tab.page.wait_for_function("() => alpha5.q.axis_e === 1")
+        slide(tab, "axis_d", 0.5)
+        wait_for(lambda: visualizer.q.tolist() == [1.0, 0.5, 2.0, 2.5])
+        assert len(tab.complaints) > 10
+        for complaint in tab.complaints:
+            assert "A command could not be carried out" in complaint
+    finally:
+        tab.page.close()
+        visualizer.close()

@@ -18,9 +18,11 @@ const amount = (joint, value) => joint.kind === "prismatic" ? `${mm(value)} mm` 
 const limit = (joint) => [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1) * (q[joint.name] - end) > 1e-9);
 
 function setPose(values, by = "hand") {
+  if (!isPose(values)) throw new RangeError(`expected ${data.sliders.length} finite numbers, got ${values}`);
   data.sliders.forEach((name, i) => { q[name] = values[i]; });
   place(by);
 }
+const isPose = (values) => Array.isArray(values) && values.length === data.sliders.length && values.every(Number.isFinite);
 const setJoint = (name, value) => setPose(data.sliders.map((each) => each === name ? value : q[each]));
 const named = (values) => Object.fromEntries(data.sliders.map((name, i) => [name, values[i]]));
 const withJaws = (turned) => [...turned, ...data.sliders.slice(4).map((name) => q[name])];

@@ -2,14 +2,25 @@
 const geometries = {}; // a mesh that several shapes share comes with the first of them
 let unframed = false; // something came after the camera was placed
 const handle = viewer.handle_command.bind(viewer);
+const decode = viewer.handle_command_bytearray.bind(viewer);
+
+// A command that cannot be read or drawn leaves the page as it is.
+viewer.handle_command_bytearray = (bytes) => {
+  try {
+    decode(bytes);
+  } catch (error) {
+    console.warn(`A command could not be carried out: ${error.message}`);
+  }
+};
 
 viewer.handle_command = (command) => {
-  for (const geometry of command.type === "set_object" ? command.object.geometries : []) {
+  const { geometries: sent = [], materials = [] } = command.type === "set_object" ? command.object : {};
+  for (const geometry of sent) {
     if (geometry.data) geometries[geometry.uuid] = geometry.data;
     else geometry.data = geometries[geometry.uuid];
   }
   // What is seen through lies on a body in places: there it is the nearer one.
-  for (const each of command.type === "set_object" ? command.object.materials : []) {
+  for (const each of materials) {
     Object.assign(each, { polygonOffset: each.opacity < 1, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
   }
   handle(command);

@@ -2,9 +2,11 @@
 
 // Called with every command that came, after meshcat has seen it.
 function heard(command) {
-  if (command.type === "pose") {
+  if (command.type === "pose" && isPose(command.q)) {
     data.root = command.root;
     setPose(command.q, "python");
+  } else if (command.type === "refused") {
+    say("refused", `Python refused this: ${command.reason}.`);
   } else if (command.type === "camera") {
     viewer.camera.position.set(...swap(command.eye));
     viewer.controls.target.set(...swap(command.target));
@@ -30,15 +32,22 @@ if (data.live) {
     hidden: true,
     textContent: "The program behind this page has ended. What you move here reaches it no more; the page connects again when it is back.",
   }));
+  // What drives a real arm stays within the limits: a joint that Python showed beyond goes back to its limit.
+  const inside = () => data.sliders.map((name) => {
+    const { lower, upper } = joints.find((joint) => joint.name === name);
+    return clamp(q[name], lower, upper);
+  });
   // One message for each picture, however fast a hand is.
   let waiting = false;
   onPose((by) => {
+    if (by === "hand") say("refused", "");
     if (waiting || (by !== "hand" && by !== "motion")) return;
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;
       if (viewer.connection.readyState !== WebSocket.OPEN) return;
-      viewer.connection.send(JSON.stringify({ q: data.sliders.map((name) => q[name]) }));
+      viewer.connection.send(JSON.stringify({ q: inside() }));
+      if (by === "hand" && joints.some((joint) => limit(joint) !== undefined)) setPose(inside(), "page");
     });
   });
 }

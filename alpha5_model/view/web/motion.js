@@ -18,6 +18,7 @@ function between(columns, time) {
 }
 
 function seek(time) {
+  if (!Number.isFinite(time)) return;
   now = clamp(time, 0, last);
   setPose(between(data.motion.q, now), "motion");
   showTime();

@@ -20,6 +20,7 @@ function say(matter, text) {
 
 // ---- joints, in degrees or radians
 let degrees = true;
+const DIGITS = { rad: 4, "\u00b0": 2, mm: 2 };
 const UNITS = { rad: 1, "\u00b0": Math.PI / 180, mm: 1e-3 };
 const unit = (joint) => joint.kind === "prismatic" ? "mm" : degrees ? "\u00b0" : "rad";
 const rows = joints.map((joint) => {
@@ -31,8 +32,8 @@ const rows = joints.map((joint) => {
   slider.onchange = keepInSight;
   const value = added(row, "input", { type: "number", step: "any", id: `${joint.name}-value` });
   value.onchange = () => {
-    if (Number.isFinite(value.valueAsNumber)) setJoint(joint.name, value.valueAsNumber * UNITS[unit(joint)]);
-    showJoints();
+    moveTo(joint, value);
+    value.value = shownValue(joint);
     keepInSight();
   };
   return { joint, row, slider, value, unit: added(row, "span", { className: "unit" }), torque: added(row, "span", { className: "torque" }) };
@@ -43,11 +44,30 @@ for (const [name, values] of Object.entries(data.poses)) {
   added(byId("poses"), "button", { textContent: name, onclick: () => keepInSight(setPose(values)) });
 }
 
+// Move a joint to what was typed, or say why not; a limit as it is shown may be rounded beyond itself.
+function moveTo(joint, field) {
+  const rounding = 0.5 * 10 ** -DIGITS[unit(joint)];
+  const within = (end, sign) => sign * field.valueAsNumber <= sign * end / UNITS[unit(joint)] + rounding;
+  if (within(joint.lower, -1) && within(joint.upper, 1)) {
+    setJoint(joint.name, clamp(field.valueAsNumber * UNITS[unit(joint)], joint.lower, joint.upper));
+    return;
+  }
+  const stays = `It stays at ${amount(joint, q[joint.name])}.`;
+  if (!Number.isNaN(field.valueAsNumber)) {
+    const range = `${amount(joint, joint.lower)} to ${amount(joint, joint.upper)}`;
+    say("typed", `${joint.name} cannot go to ${asTyped(field)}${unit(joint) === "\u00b0" ? "" : " "}${unit(joint)}: its range is ${range}. ${stays}`);
+  } else if (field.validity.badInput) {
+    say("typed", `${joint.name} needs a number. ${stays}`);
+  }
+}
+const asTyped = (field) => (field.value.length < 12 ? field.value : field.valueAsNumber.toExponential(2)).replace("-", "\u2212");
+const shownValue = (joint) => (q[joint.name] / UNITS[unit(joint)]).toFixed(DIGITS[unit(joint)]);
+onPose((by) => { if (by === "hand") say("typed", ""); });
+
 function showJoints() {
   for (const { joint, row, slider, value, unit: sign } of rows) {
-    const digits = { rad: 4, "\u00b0": 2, mm: 2 }[unit(joint)];
     slider.value = q[joint.name];
-    if (value !== document.activeElement) value.value = (q[joint.name] / UNITS[unit(joint)]).toFixed(digits);
+    if (value !== document.activeElement) value.value = shownValue(joint);
     sign.textContent = unit(joint);
     row.classList.toggle("beyond", limit(joint) !== undefined);
   }

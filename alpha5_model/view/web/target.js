@@ -7,14 +7,28 @@ const fields = ["x", "y", "z"].map((axis) => {
   const label = added(byId("target"), "label", { textContent: axis });
   const input = added(label, "input", { type: "number", step: "any", name: axis });
   input.setAttribute("aria-label", `target ${axis} in mm`);
-  input.oninput = () => setAim(typed());
-  input.onchange = () => aim && follow(aim, branchNow());
+  input.oninput = () => {
+    say("typed", "");
+    if (near(input)) setAim(typed());
+  };
+  input.onchange = () => {
+    if (!near(input)) refuse(input, axis);
+    else if (aim) follow(aim, branchNow());
+  };
   return input;
 });
 added(byId("target"), "span", { textContent: "mm" });
 const wayNames = data.branches.map((name) => name.replace("_", " "));
 const buttons = wayNames.map((name, i) => added(byId("ways"), "button", { textContent: name, onclick: () => take(i) }));
 
+// What is typed lies this near to the base [mm]; the arm reaches a twentieth of it.
+const NEAR = 10000;
+const near = (input) => !(Math.abs(input.valueAsNumber) > NEAR) && !input.validity.badInput;
+function refuse(input, axis) {
+  const given = input.validity.badInput ? "needs a number" : `cannot be ${asTyped(input)} mm`;
+  say("typed", `The target's ${axis} ${given}: it must lie between \u2212${NEAR} and ${NEAR} mm.`);
+  input.value = aim ? (1e3 * aim[fields.indexOf(input)]).toFixed(1) : "";
+}
 function typed() {
   const point = fields.map((input) => input.valueAsNumber / 1e3);
   return point.every(Number.isFinite) ? point : null;
