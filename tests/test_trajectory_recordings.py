@@ -216,6 +216,33 @@ def test_without_a_stamp_the_times_of_recording_count(kind: str, tmp_path: Path)
     assert found(motion) == {"no_stamp": (33, "message 8")}
 
 
+def test_one_message_without_a_stamp_is_enough(tmp_path: Path) -> None:
+    states = [replace(s, received=s.stamp + 3 * k) for k, s in enumerate(samples())]
+    states[7].stamp = 0
+    motion = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))
+    received = [s.received for s in states]
+    assert np.rint(np.diff(motion.time) * 1e9) == pytest.approx(np.diff(received), abs=300)
+    assert found(motion) == {"no_stamp": (1, "message 8")}
+
+
+@pytest.mark.parametrize(
+    ("first", "warned"),
+    # Two without a stamp; simulated time that starts at zero; that ends at 100 s.
+    [((0, 0), True), ((0, 10**8), False), ((0, 10**11 - 1), False), ((0, 10**11), True)],
+)
+def test_zero_is_a_time_if_simulated_times_follow(first, warned, tmp_path: Path) -> None:
+    later = [2 * 10**11 + s.stamp - START for s in samples()[2:]]
+    stamps = [*first, *later]
+    states = [
+        replace(s, stamp=stamp, received=START + k * 10**8)
+        for k, (s, stamp) in enumerate(zip(samples(), stamps, strict=True))
+    ]
+    motion = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))
+    assert ("no_stamp" in found(motion)) is warned
+    times = [s.received for s in states] if warned else stamps
+    assert motion.time == pytest.approx(np.array(times) / 1e9, rel=0, abs=1e-6)
+
+
 def test_messages_out_of_order_are_sorted_by_their_stamps(tmp_path: Path) -> None:
     states = samples()
     mixed = [replace(s, received=START + k) for k, s in enumerate(states)]

@@ -36,7 +36,6 @@ NOT_RUN = (
     "test_notebooks",
     "test_real_tools",
     "test_statements",
-    "test_trajectory_recordings",
     "test_validate_recordings",
     "test_view_browser",
     "test_view_hand",
