@@ -11,6 +11,8 @@ import json
 import queue
 import socket
 import struct
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -586,3 +588,47 @@ def test_an_error_reaches_who_called(viewer: ArmVisualizer) -> None:
     for wrong in ([1e60] * 5, [float("nan")] * 5, [1.0] * 4):
         with pytest.raises(InputError, match="q"):
             viewer.display(wrong)
+
+
+def test_the_command_prints_nothing_but_its_address() -> None:
+    """As a user runs it: without the handlers of logs that pytest brings, and until its end."""
+    process = subprocess.Popen(
+        [sys.executable, "-u", "-m", "alpha5_model", "view", "--serve"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    held: list[socket.socket] = []
+    try:
+        host = process.stdout.readline().split("/")[2]
+        where = (host.split(":")[0], int(host.split(":")[1]))
+        start = f"GET / HTTP/1.1\r\nHost: {host}\r\n"
+        join = (
+            f"{start}Origin: http://{host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: x3JJHMbDL1EzLkh9GBhXDw==\r\n\r\n"
+        ).encode()
+        texts = ('{"data":5}', "[" * 100, '{"q": [99, 99, 99, 99, 99]}')
+        for sent in (
+            b"GET / HTTP/1.1\r\nHost: [::1\r\n\r\n",
+            f"{start.replace('/ ', '/nowhere ')}\r\n".encode(),
+            f"{start}Content-Length: {'9' * 5000}\r\n\r\n".encode(),
+            join + b"".join(frame(0x81, text.encode()) for text in texts),
+            join + frame(0x82, b"\xff"),
+            join,
+            start.encode(),
+            b"",
+        ):
+            held.append(socket.create_connection(where, timeout=SOON))
+            held[-1].sendall(sent)
+        assert held[0].recv(100).startswith(b"HTTP/1.1 403")
+        assert held[1].recv(100).startswith(b"HTTP/1.1 404")
+        assert held[4].recv(100).startswith(b"HTTP/1.1 101")
+        # it ends although some of them are still open
+        process.terminate()
+        assert process.communicate(timeout=10) == ("", "")
+        assert process.returncode == 0
+    finally:
+        for connection in held:
+            connection.close()
+        process.kill()
+        process.communicate()
