@@ -8,6 +8,7 @@ returns named arrays: ``fk`` (N, 4, 4), ``mass`` (N, 4, 4), ``bias`` (N, 4), ``b
 from __future__ import annotations
 
 import os
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -119,6 +120,58 @@ def _with_gravcomp(model, wet: bool):
     return changed
 
 
+class NotBuiltError(Exception):
+    """The tool is installed without what reads the file."""
+
+
+def pinocchio_mjcf(files: Path, states: States) -> Arrays:
+    """Its own reader; it knows no buoyancy."""
+    import pinocchio as pin
+
+    return _pinocchio(pin.buildModelFromMJCF(str(files / "mjcf" / "alpha5.xml")), states)
+
+
+def pinocchio_sdf(files: Path, states: States) -> Arrays:
+    import pinocchio as pin
+
+    if not pin.WITH_SDFORMAT:
+        raise NotBuiltError("built without SDFormat")
+    model, *_ = pin.buildModelsAndConstraintsFromSdf(
+        str(files / "sdf" / "model.sdf"), root_link_name="base_link", geometry_types=[]
+    )
+    return _pinocchio(model, states)
+
+
+def _pinocchio(model, states: States) -> Arrays:
+    import pinocchio as pin
+
+    data, tip = model.createData(), model.getFrameId("tcp")
+    order = [model.joints[model.getJointId(name)].idx_v for name in JOINTS]
+    mixed = np.ix_(order, order)
+    fk, mass, bias = [], [], []
+    for q, v in states:
+        position, velocity = np.zeros(4), np.zeros(4)
+        position[order] = q
+        velocity[order] = v
+        pin.framesForwardKinematics(model, data, position)
+        fk.append(data.oMf[tip].homogeneous.copy())
+        mass.append(pin.crba(model, data, position)[mixed])
+        bias.append(pin.nonLinearEffects(model, data, position, velocity)[order])
+    return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}
+
+
+def drake_mjcf(files: Path, states: States) -> Arrays:
+    """It leaves out sites, so the tcp is put on link_4 as the file has it; it knows no buoyancy."""
+    from pydrake.common.eigen_geometry import Quaternion
+    from pydrake.math import RigidTransform
+
+    file = files / "mjcf" / "alpha5.xml"
+    site = ET.parse(file).find(".//body[@name='link_4']/site[@name='tcp']").attrib
+    position, turn = ([float(x) for x in site[name].split()] for name in ("pos", "quat"))
+    tcp = RigidTransform(Quaternion(np.array(turn) / np.linalg.norm(turn)), position)
+    return _drake(file, states, at=("link_4", tcp))
+
+
 def drake_urdf(files: Path, states: States) -> Arrays:
     return _drake(files / "alpha5.urdf", states)
 
@@ -127,14 +180,19 @@ def drake_sdf(files: Path, states: States) -> Arrays:
     return _drake(files / "sdf" / "model.sdf", states)
 
 
-def _drake(file: Path, states: States) -> Arrays:
+def _drake(file: Path, states: States, at=None) -> Arrays:
+    """``at``: link and pose of the tcp in MJCF, whose base stands; other bases are welded here."""
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
-    from pydrake.multibody.tree import MultibodyForces
+    from pydrake.multibody.tree import FixedOffsetFrame, MultibodyForces
 
     plant = MultibodyPlant(0.0)
     Parser(plant).AddModels(str(file))
-    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base_link"))
+    if at is None:
+        plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base_link"))
+    else:
+        link, placement = at
+        plant.AddFrame(FixedOffsetFrame("tcp", plant.GetFrameByName(link), placement))
     plant.mutable_gravity_field().set_gravity_vector(GRAVITY)
     plant.Finalize()
     order = [plant.GetJointByName(name).velocity_start() for name in JOINTS]

@@ -16,8 +16,11 @@ from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
 from alpha5_model.cli import main
+from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.description import mjcf as writer
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
 from alpha5_model.files import atomic_write
 from alpha5_model.jaws import split_link_4
@@ -267,11 +270,61 @@ def test_the_fingers_angle_is_a_line_in_the_rods_position():
         assert not row[2:].any()
 
 
+@pytest.mark.parametrize("corrections", [DEFAULT_CORRECTIONS, ()])
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(gripper, corrections, tmp_path):
+    """Without water, and with fingers that follow nothing: it knows neither."""
+    ours = pin.buildModelFromXML(urdf(Variant(gripper=gripper, corrections=corrections)))
+    file = tmp_path / "alpha5.xml"
+    file.write_text(mjcf(MjcfOptions(gripper=gripper, corrections=corrections)), "utf-8")
+    theirs = pin.buildModelFromMJCF(str(file))
+    assert list(theirs.names) == list(ours.names)
+    data, own = theirs.createData(), ours.createData()
+    links = ["tcp", *(f"link_{i}" for i in range(5))]
+    links += ["finger_1", "finger_2"] if gripper == "jaws" else []
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        q, v = rng.uniform(-3, 3, (2, ours.nq))
+        pin.framesForwardKinematics(theirs, data, q)
+        pin.framesForwardKinematics(ours, own, q)
+        for name in links:
+            found = data.oMf[theirs.getFrameId(name)].homogeneous
+            wanted = own.oMf[ours.getFrameId(name)].homogeneous
+            assert np.abs(found - wanted).max() < 1e-14
+        assert np.abs(pin.crba(theirs, data, q) - pin.crba(ours, own, q)).max() < 1e-12
+        torques = (pin.nonLinearEffects(m, d, q, v) for m, d in ((theirs, data), (ours, own)))
+        assert np.abs(np.subtract(*torques)).max() < 5e-12
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(gripper, monkeypatch):
+    """Every array of the compiled model has the same bits."""
+    options = MjcfOptions(gripper=gripper, hydrodynamics=True)
+    by_quaternions = mjcf(options)
+    assert "euler" not in by_quaternions
+
+    def by_angles(placement):
+        pose = {"pos": placement.xyz, "euler": placement.rpy}
+        return {name: values if any(values) else None for name, values in pose.items()}
+
+    monkeypatch.setattr(writer, "_pose", by_angles)
+    turned = mjcf(options).replace("<compiler ", '<compiler eulerseq="XYZ" ')
+    assert turned.count("euler=") > 50
+    one, other = (arrays(compiled(text)[0]) for text in (by_quaternions, turned))
+    assert one == other
+    assert len(one) > 300
+
+
+def arrays(model) -> dict[str, bytes]:
+    """Every array of a compiled model."""
+    values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    return {name: x.tobytes() for name, x in values.items() if isinstance(x, np.ndarray)}
+
+
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
     """The URDF's visuals are written by the xacro, these by the package."""
     root = ET.fromstring(mjcf_files(MjcfOptions(gripper=gripper))["alpha5.xml"])
-    assert root.find("compiler").get("eulerseq") == "XYZ"  # about fixed axes, as in a URDF
     shown = {
         (body.get("name"), geom.get("mesh")): geom
         for body in root.iter("body")
@@ -285,12 +338,10 @@ def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
     assert len(wanted) == 7
     assert set(shown) == set(wanted)
     for key, visual in wanted.items():
-        pos, euler = (shown[key].get(name, "0 0 0") for name in ("pos", "euler"))
+        pos, quat = shown[key].get("pos", "0 0 0"), shown[key].get("quat", "1 0 0 0")
         xyz_rpy = visual.find("origin").attrib
-        one, other = (
-            Rotation.from_euler("xyz", [float(x) for x in rpy.split()])
-            for rpy in (euler, xyz_rpy["rpy"])
-        )
+        one = Rotation.from_quat([float(x) for x in quat.split()], scalar_first=True)
+        other = Rotation.from_euler("xyz", [float(x) for x in xyz_rpy["rpy"].split()])
         assert (one.inv() * other).magnitude() < 1e-9
         at = [float(x) for x in pos.split()]
         assert at == pytest.approx([float(x) for x in xyz_rpy["xyz"].split()], abs=1e-12)

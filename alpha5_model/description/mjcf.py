@@ -33,7 +33,7 @@ from alpha5_model.meshing.collision_shapes import Primitive
 from alpha5_model.meshing.formats import MATERIALS, material_of
 from alpha5_model.parameters import JointRange, parameters
 from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.spatial import Placement
+from alpha5_model.spatial import Placement, quaternion_from_rpy
 
 ACTUATORS = ("position", "velocity", "motor")
 BUOYANCIES = ("bodies", "none")
@@ -253,8 +253,13 @@ def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
 
 
 def _pose(placement: Placement | Primitive) -> dict[str, tuple[float, ...] | None]:
-    pose = {"pos": placement.xyz, "euler": placement.rpy}
-    return {name: values if any(values) else None for name, values in pose.items()}
+    """Not ``euler``: readers other than MuJoCo take its sequence for another one."""
+    x, y, z, w = quaternion_from_rpy(placement.rpy)
+    turned = any(placement.rpy)
+    return {
+        "pos": placement.xyz if any(placement.xyz) else None,
+        "quat": (w + 0.0, x + 0.0, y + 0.0, z + 0.0) if turned else None,
+    }
 
 
 def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Any]]:
