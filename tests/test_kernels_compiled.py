@@ -9,6 +9,7 @@ import inspect
 import multiprocessing
 import os
 import pickle
+import platform
 import pydoc
 import re
 import sys
@@ -113,6 +114,40 @@ def test_an_arm_that_stands_upright_has_bodies_of_its_own(name, gravity, any_wid
 def test_a_width_that_was_chosen_is_in_use(any_width):
     assert [any_width(width) for width in (1, 2)] == ["scalar", any_width(3)]
     assert compiled.width(0) == any_width(2) != "scalar"
+
+
+CPUINFO = Path("/proc/cpuinfo")
+
+
+@pytest.mark.skipif(
+    not CPUINFO.exists() or platform.machine() != "x86_64", reason="asks Linux on x86-64"
+)
+def test_the_widest_that_this_processor_has_is_chosen(any_width):
+    flags = set(re.search(r"^flags\s*: (.*)$", CPUINFO.read_text(), re.MULTILINE)[1].split())
+    has = [1, 2]
+    if "avx2" in flags:
+        has.append(4)
+        if {"avx512dq", "avx512vl"} <= flags:
+            has.append(8)
+    for most in range(1, 20):
+        assert any_width(most) == WIDTHS[max(width for width in has if width <= most)]
+
+
+def test_a_width_that_is_no_positive_number_changes_nothing(any_width):
+    name = any_width(2)
+    assert compiled.width(0) == compiled.width(-1) == compiled.width(-5) == name
+    with pytest.raises(TypeError):
+        compiled.width("8")
+    with pytest.raises(OverflowError):
+        compiled.width(10**100)
+    assert compiled.width(0) == name
+
+
+def test_a_batch_needs_arrays():
+    parameters = case(PROGRAMS["inverse_dynamics"])[0]
+    for arguments in ((), ("inverse_dynamics",), ("inverse_dynamics", parameters)):
+        with pytest.raises(TypeError, match="a name, parameters and arrays"):
+            compiled.batch(*arguments)
 
 
 Q = np.array([0.5, 0.7, 0.9, 1.1])
@@ -325,6 +360,16 @@ def test_one_row_for_all_lies_in_one_piece(kernels, place):
         arrays = [*inputs, *outputs]
         arrays[place] = np.broadcast_to(row, (ROWS, 4))
         assert not kernels.batch("inverse_dynamics", parameters, *arrays)
+
+
+@BOTH
+@pytest.mark.parametrize("place", range(4))
+@pytest.mark.parametrize("unfit", [None, 1.0, np.array(1.0), [[1.0] * 4] * ROWS])
+def test_what_is_no_array_of_rows_is_refused(kernels, place, unfit):
+    parameters, inputs, outputs = case(PROGRAMS["inverse_dynamics"])
+    arrays = [*inputs, *outputs]
+    arrays[place] = unfit
+    assert not kernels.batch("inverse_dynamics", parameters, *arrays)
 
 
 @BOTH

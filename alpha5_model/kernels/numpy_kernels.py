@@ -82,14 +82,15 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
     formula, inputs, outputs = _KERNELS[name]
     last = ([np.array(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
     given = len(inputs) - len(last)
-    shapes, n = (*inputs[:given], *outputs), len(arrays[-1])
+    shapes = (*inputs[:given], *outputs)
     if len(arrays) != len(shapes):
         return False
+    n = len(arrays[0]) if np.ndim(arrays[0]) else 0
     for place, (x, shape) in enumerate(zip(arrays, shapes, strict=True)):
         is_input = place < given
         if not _plain(x, rows=is_input) or not (is_input or x.flags.writeable):
             return False
-        if len(x) != n or x.size != n * math.prod(shape):
+        if x.ndim == 0 or len(x) != n or x.size != n * math.prod(shape):
             return False
     rows = [x.reshape(n, math.prod(s)) for x, s in zip(arrays, shapes, strict=True)]
     if n < FEW and name in numbers.KERNELS:
