@@ -38,7 +38,7 @@ conformance: $(VENV)/.conformance ## every tool on the generated files, one tabl
 	$(BIN)/python scripts/conformance.py --readme docs/conformance.md
 	bash scripts/real_tools.sh $(BIN)/python --page docs/conformance.md
 
-fuzz: $(VENV)/.test ## 100 000 inputs to the package, its readers and its command line
+fuzz: $(VENV)/.test ## 200 000 inputs to the package, its readers and its command line; counts by kind
 	$(BIN)/python scripts/fuzz.py
 
 mutation: $(VENV)/.mutation ## do the tests see a random change of the code, Python or C?

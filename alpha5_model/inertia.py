@@ -258,13 +258,12 @@ def check_possible(name: str, mass: float, com: FloatArray, inertia: FloatArray)
         mass, com, inertia: See `inconsistencies`.
 
     Raises:
-        InputError: No body can have this mass and inertia.
+        InputError: No body can have this mass and inertia, or they are no finite real numbers.
     """
-    if not mass and not inertia.any():
-        return
     wrong = inconsistencies(mass, com, inertia)
-    if wrong:
-        raise InputError(name, inertia.tolist(), f"a possible body, but {wrong[0]}")
+    if wrong and (mass or np.any(inertia)):
+        given = np.asarray(inertia).tolist()
+        raise InputError(name, given, f"a possible body, but {wrong[0]}")
 
 
 def _together(**given: ArrayLike) -> list[FloatArray]:

@@ -1,61 +1,160 @@
 """Inputs at random to the package, its readers and its command line: each is answered or refused in one line.
 
-    python scripts/fuzz.py                              # 100 000 inputs, counts per target
-    python scripts/fuzz.py --count 2000 --seed 7 api    # one part: api, readers or commands
+    python scripts/fuzz.py                              # 200 000 inputs, counts per target
+    python scripts/fuzz.py --count 2000 --seed 7 api    # one part: api, forms, texts or commands
     python scripts/fuzz.py "alpha5 dh" --seed 7 --first 31 --count 1
 
+The parts are
+
+- api: every public function with arguments of any sort,
+- forms: the same functions with good numbers in arrays that are misaligned, memory-mapped, packed, swapped,
+  strided or of another type, on the compiled kernels and on NumPy's,
+- texts: URDF, xacro, recordings, studies and tables, damaged, hostile or made up; names of columns; quantities,
+- commands: the command line.
+
 A failure is any error outside of the package's tree, a refusal of more than one line or one that a pickle
-changes, NaN in an answer, an answer to what has no meaning (masked, complex, infinite), a warning, more
-than half a minute. Each prints the line that repeats it; status 1 if there is one. Files are read from and
-written into a temporary folder.
+changes, NaN in an answer, an answer to what has no meaning (masked, complex, infinite), an answer whose bits
+depend on where the numbers lie, a changed argument, a warning that is not the package's own, a program
+started or another file opened for a file's sake, more than half a minute, or than 2 s for each 100 kB of a
+file. Each prints the line that repeats it; status 1 if there is one. Files are read from and written into a
+temporary folder.
 """
 
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import os
 import sys
 import tempfile
 import zlib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from fuzzing import api, commands, readers
+from fuzzing import api, commands, forms, readers
 from fuzzing.cases import Target, outcome
 
 PARTS: dict[str, dict[str, Target]] = {
     "api": api.TARGETS,
-    "readers": readers.TARGETS,
+    "forms": forms.targets(api.DRAWS),
+    "texts": readers.TARGETS,
     "commands": commands.TARGETS,
 }
 #: Share of the inputs; a call is quick, a command takes its time.
-SHARES = {"api": 0.85, "readers": 0.11, "commands": 0.04}
+SHARES = {"api": 0.4, "forms": 0.45, "texts": 0.12, "commands": 0.03}
+#: Share within a part, where it is not 1: what computes for long, and what is most often called.
+WEIGHTS = {
+    "jax.": 0.1,
+    "a5.identify": 0.05,
+    "a5.trajectory.analyse": 0.3,
+    "a5.planar.dexterity_map": 0.1,
+    "a5.without_self_collision": 0.1,
+}
+#: Inputs that one process works off before it takes others.
+CHUNK = 400
+#: Share of the forms that the kernels in NumPy answer.
+NUMPY_SHARE = 0.25
 #: Target -> parts of its answer that may be NaN or infinite, as documented: branches that do not exist, limits
 #: that are none, what the motor cannot do, a volume of no digits.
 ENDLESS = {
-    "inverse_kinematics": frozenset({"q"}),
-    "inverse_kinematics_pose": frozenset({"q", "rotation_error"}),
-    "published_inverse_kinematics": frozenset({"the answer"}),
-    "Arm.approach_directions": frozenset({"directions"}),
-    "DHLink": frozenset({"lower", "upper"}),
-    "dh.DHChain.from_table": frozenset({"lower", "upper"}),
-    "Actuator.torque_limits": frozenset({"lower", "upper"}),
-    "Actuator.speed_limits": frozenset({"lower", "upper"}),
+    "a5.inverse_kinematics": frozenset({"q"}),
+    "a5.inverse_kinematics_pose": frozenset({"q", "rotation_error"}),
+    "a5.published_inverse_kinematics": frozenset({"the answer"}),
+    "jax.inverse_kinematics": frozenset({"the answer", "q"}),
+    "a5.Arm.approach_directions": frozenset({"directions"}),
+    "a5.dh.DHLink": frozenset({"lower", "upper"}),
+    "a5.dh.DHLink.from_vector": frozenset({"lower", "upper"}),
+    "a5.dh.DHChain": frozenset({"lower", "upper"}),
+    "a5.dh.DHChain.from_table": frozenset({"lower", "upper"}),
+    "a5.dh.DHChain.from_axes": frozenset({"lower", "upper"}),
+    "a5.dh.DHChain.alpha5": frozenset({"lower", "upper"}),
+    "a5.actuators.Actuator.torque_limits": frozenset({"lower", "upper"}),
+    "a5.actuators.Actuator.speed_limits": frozenset({"lower", "upper"}),
+    "a5.planar.Arc.parameter": frozenset({"the answer"}),
+    "a5.planar.Segment.parameter": frozenset({"the answer"}),
+    "a5.identify": frozenset({"lower", "upper", "gains"}),
     "urdf": frozenset({"volume"}),
 }
 
 
-def chosen(names: Sequence[str]) -> dict[str, tuple[Target, float]]:
-    """Target's name -> target and its share of the inputs."""
-    out: dict[str, tuple[Target, float]] = {}
+class Job(NamedTuple):
+    """Inputs of one target, by their numbers."""
+
+    part: str
+    name: str
+    seed: int
+    numbers: range
+    kernels: str
+
+
+class Done(NamedTuple):
+    """What came of a job: counts of ``ok``, ``refused`` and ``failed``, and a line for each failure."""
+
+    job: Job
+    counts: Counter[str]
+    failures: list[str]
+
+
+def chosen(names: Sequence[str]) -> dict[str, tuple[str, float]]:
+    """Target's name -> its part and its share of the inputs."""
+    out: dict[str, tuple[str, float]] = {}
     for part, targets in PARTS.items():
-        for name, target in targets.items():
+        every = {name: SHARES[part] * weight(name) for name in targets}
+        scale = SHARES[part] / sum(every.values())
+        for name in targets:
             if not names or part in names or name in names:
-                out[name] = (target, SHARES[part] / len(targets))
+                out[name] = (part, every[name] * scale)
     whole = sum(share for _, share in out.values())
-    return {name: (target, share / whole) for name, (target, share) in out.items()}
+    return {name: (part, share / whole) for name, (part, share) in out.items()}
+
+
+def weight(name: str) -> float:
+    """Of a target within its part."""
+    bare = name.removeprefix("forms ")
+    return next((w for start, w in WEIGHTS.items() if bare.startswith(start)), 1.0)
+
+
+def jobs(names: Sequence[str], count: int, seed: int, first: int) -> list[Job]:
+    """All of the work, in pieces."""
+    made: list[Job] = []
+    forced = os.environ.get("ALPHA5_KERNELS", "")
+    for name, (part, share) in chosen(names).items():
+        wanted = max(1, round(count * share))
+        end = first + wanted
+        on_numpy = round(wanted * NUMPY_SHARE) if part == "forms" and not forced else 0
+        for start in range(first, end, CHUNK):
+            numbers = range(start, min(start + CHUNK, end))
+            split = max(numbers.start, min(numbers.stop, end - on_numpy))
+            for piece, kernels in (
+                (range(numbers.start, split), forced),
+                (range(split, numbers.stop), "numpy"),
+            ):
+                if piece:
+                    made.append(Job(part, name, seed, piece, kernels))
+    return made
+
+
+def work(job: Job, mark: Path | None = None) -> Done:
+    """One job, in this process; ``mark`` keeps what is being tried, should it end the process."""
+    failures: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        target = PARTS[job.part][job.name]
+        counts = fuzz(
+            target,
+            job.name,
+            job.seed,
+            job.numbers,
+            Path(folder),
+            failures.append,
+            mark=mark,
+        )
+    return Done(job, counts, failures)
 
 
 def fuzz(
@@ -65,20 +164,64 @@ def fuzz(
     numbers: range,
     folder: Path,
     failed: Callable[[str], None],
+    mark: Path | None = None,
 ) -> Counter[str]:
     """Counts of ``ok``, ``refused`` and ``failed``; each failure is told with what repeats it."""
     counts: Counter[str] = Counter()
+    endless = ENDLESS.get(name.removeprefix("forms "), frozenset())
+    kernels = os.environ.get("ALPHA5_KERNELS", "")
+    before = f"ALPHA5_KERNELS={kernels} " if kernels else ""
     for number in numbers:
+        again = f'{before}scripts/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
+        if mark is not None:
+            mark.write_text(again, encoding="utf-8")
         rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
         case = target(rng, folder)
-        result = outcome(case, ENDLESS.get(name, frozenset()))
+        result = outcome(case, endless)
         if result not in ("ok", "refused"):
-            again = f'scripts/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
             shown = ", ".join(f"{key}={value!r}" for key, value in case.arguments.items())
             failed(ascii(f"{result[:300]} | {again} | {shown[:600]}")[1:-1])
             result = "failed"
         counts[result] += 1
+    if mark is not None:
+        mark.unlink(missing_ok=True)
     return counts
+
+
+def _begin() -> None:
+    """In each process: a crash says where."""
+    faulthandler.enable()
+
+
+def run(every: list[Job], folder: Path) -> Iterator[Done]:
+    """Results in the order of the jobs, of as many processes as there are processors for us."""
+    if len(every) == 1 and every[0].kernels == os.environ.get("ALPHA5_KERNELS", ""):
+        yield work(every[0])
+        return
+    before = os.environ.get("ALPHA5_KERNELS")
+    for kernels in sorted({job.kernels for job in every}):
+        os.environ["ALPHA5_KERNELS"] = kernels
+        mine = [job for job in every if job.kernels == kernels]
+        marks = [folder / f"mark-{kernels}-{k}" for k in range(len(mine))]
+        workers = min(len(mine), len(os.sched_getaffinity(0)))
+        pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin)
+        with pool:
+            try:
+                yield from pool.map(work, mine, marks)
+            except BrokenProcessPool:
+                for mark in marks:
+                    if mark.exists():
+                        line = f"a process ended | {mark.read_text(encoding='utf-8')}"
+                        yield Done(mine[0], Counter(failed=1), [line])
+    os.environ.pop("ALPHA5_KERNELS")
+    if before is not None:
+        os.environ["ALPHA5_KERNELS"] = before
+
+
+def told(name: str, counts: Counter[str]) -> str:
+    """A line of counts."""
+    ok, refused, failed = (counts[key] for key in ("ok", "refused", "failed"))
+    return f"{name:50s} {ok:7d} ok {refused:7d} refused {failed:5d} failed"
 
 
 def main() -> int:
@@ -87,33 +230,34 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("names", nargs="*", help="parts or targets; all")
-    parser.add_argument("--count", type=int, default=100_000)
+    parser.add_argument("--count", type=int, default=200_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
         "--first", type=int, default=0, help="number of the first input of each target"
     )
     options = parser.parse_args()
-    targets = chosen(options.names)
-    if not targets:
+    every = jobs(options.names, options.count, options.seed, options.first)
+    if not every:
         parser.error(f"choose from {', '.join((*PARTS, *(n for t in PARTS.values() for n in t)))}")
     os.environ["MPLBACKEND"] = "agg"
-    total: Counter[str] = Counter()
+    by_target: dict[str, Counter[str]] = {}
+    by_part: dict[str, Counter[str]] = {part: Counter() for part in PARTS}
+    left = Counter(job.name for job in every)
     with tempfile.TemporaryDirectory() as folder:
-        for name, (target, share) in targets.items():
-            numbers = range(options.first, options.first + max(1, round(options.count * share)))
-            counts = fuzz(
-                target,
-                name,
-                options.seed,
-                numbers,
-                Path(folder),
-                lambda line: print("FAILED", line, flush=True),
-            )
-            total += counts
-            print(
-                f"{name:40s} {counts['ok']:7d} ok {counts['refused']:7d} refused {counts['failed']:5d} failed",
-                flush=True,
-            )
+        for done in run(every, Path(folder)):
+            name = done.job.name
+            for line in done.failures:
+                print("FAILED", line, flush=True)
+            by_target.setdefault(name, Counter()).update(done.counts)
+            by_part[done.job.part].update(done.counts)
+            left[name] -= 1
+            if left[name] == 0:
+                print(told(name, by_target[name]), flush=True)
+    print()
+    for part, counts in by_part.items():
+        if counts:
+            print(told(part, counts))
+    total = sum(by_part.values(), Counter[str]())
     print(
         f"{total.total()} inputs: {total['ok']} ok, {total['refused']} refused, {total['failed']} failed"
     )

@@ -29,7 +29,7 @@ from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.description import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
-from alpha5_model.dynamics.states import expanded, rows
+from alpha5_model.dynamics.states import expanded, is_one_state, rows
 from alpha5_model.errors import InputError, KernelError
 from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.parameters import parameters
@@ -241,7 +241,7 @@ class Regressor:
 def regressor(arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
     """See `alpha5_model.dynamics.arm.Arm.regressor`."""
     parameters = arm_parameters(arm)
-    single = max(map(np.ndim, (q, v, a))) < 2
+    single = is_one_state(q, v, a)
     q, v, a = rows(arm._model, q=q, v=v, a=a)
     matrix = regressor_rows(q, v, a, parameters[-3:])[:, :4]
     units = tuple(BASE_PARAMETERS[name] for name in NAMES)

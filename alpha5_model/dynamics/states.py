@@ -74,6 +74,14 @@ def rows(model: Any, **states: ArrayLike) -> list[FloatArray]:
     return [*map(np.ascontiguousarray, whole)]
 
 
+def is_one_state(*states: ArrayLike) -> bool:
+    """Whether none of these has rows; of what is no array at all, `rows` says what is wrong."""
+    try:
+        return all(np.ndim(state) < 2 for state in states)
+    except ValueError:  # lists of different lengths
+        return False
+
+
 def _check_quaternions(q: FloatArray) -> None:
     norms = np.linalg.norm(q[..., 3:7], axis=-1)
     for row in np.argwhere(np.abs(norms - 1.0) > ROTATION_TOLERANCE):

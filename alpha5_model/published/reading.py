@@ -132,6 +132,8 @@ def _root(file: str, text: str) -> _Node:
         return _Node(tomllib.loads(text), file)
     except ValueError as error:  # TOMLDecodeError, or an integer of more than 4300 digits
         raise PublishedDataError(file, str(error)) from None
+    except RecursionError:
+        raise PublishedDataError(file, "expected fewer brackets inside one another") from None
 
 
 def _units(record: type[Any], rod: bool = False) -> dict[str, str]:

@@ -126,6 +126,8 @@ def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None =
         return Study(text, source, folder, seed, samples, cases, states, drawn, outputs)
     except ValueError as error:  # of TOML, or this package's own
         raise FileFormatError(source, str(error)) from None
+    except RecursionError:
+        raise FileFormatError(source, "expected fewer brackets inside one another") from None
 
 
 def _axes(given: dict[str, Any], folder: Path, found: Any) -> Sequence[dict[str, Sequence[Any]]]:
@@ -205,8 +207,10 @@ def _output(name: str, given: Any, grid: dict[str, Any]) -> Output:
     by, levels = (listed(f"{place}.{k}", table.get(k, ()), "a list") for k in ("by", "levels"))
     for axis in by:
         choice(f"axis of {place}.by", axis, tuple(grid))
-    if form == "quantile" and not 0 < min(levels, default=0) <= max(levels) <= 1:
-        raise InputError(f"{place}.levels", levels, "numbers above 0, up to 1")
+    if form == "quantile":
+        levels = [real(f"{place}.levels", level) for level in levels]
+        if not levels or not 0 < min(levels) <= max(levels) <= 1:
+            raise InputError(f"{place}.levels", levels, "numbers above 0, up to 1")
     span, bins = (table.get("range"), table.get("bins")) if form == "histogram" else ([0, 1], 1)
     bins = count(f"{place}.bins", bins)
     if max(bins, math.prod(len(grid[axis]) for axis in by)) > _MOST:

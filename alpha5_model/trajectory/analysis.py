@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model.actuators import Actuator, Interval, actuator
-from alpha5_model.checks import FloatArray, choice, frozen
+from alpha5_model.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.parameters import parameters
 from alpha5_model.trajectory import smoothing, tables
@@ -137,6 +137,10 @@ def analyse(
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)
+    if supply_voltage is not None:
+        supply_voltage = real("supply_voltage", supply_voltage)
+    if current_limit is not None:
+        current_limit = real("current_limit", current_limit)
     given: Any = supply_voltage, current_limit
     if (supply_voltage is None) != (current_limit is None):
         raise InputError("supply_voltage and current_limit", given, "both or neither")

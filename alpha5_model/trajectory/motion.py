@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import FloatArray, float_array, frozen, named
+from alpha5_model.checks import FloatArray, float_array, frozen, listed, named
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, ShapeError
 from alpha5_model.files import PathLike
 from alpha5_model.parameters import parameters
@@ -101,7 +101,7 @@ def motion(
     if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
         raise ShapeError("position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a")
     wanted = JOINTS[: q.shape[1]]
-    names = wanted if joints is None else tuple(joints)
+    names = wanted if joints is None else tuple(listed("joints", joints, "names of joints"))
     more: dict[str, Any] = {}
     for name, value in {"velocity": velocity, "effort": effort}.items():
         if value is not None:

@@ -26,7 +26,7 @@ from alpha5_model.dynamics import arm_of as arm
 from alpha5_model.dynamics import load
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import NAMES, arm_parameters, regressor_rows
-from alpha5_model.dynamics.states import rows
+from alpha5_model.dynamics.states import is_one_state, rows
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import SEA_WATER
 from alpha5_model.parameters import Alpha5Parameters, parameters
@@ -91,7 +91,7 @@ def bounds(
         UnknownNameError: An alternative that is not recorded.
     """
     arm = load() if arm is None else instance("arm", arm, Arm)
-    one = max(map(np.ndim, (q, v, a))) < 2
+    one = is_one_state(q, v, a)
     gravity = arm_parameters(arm)[-3:]
     q, v, a = rows(arm._model, q=q, v=v, a=a)
     still = np.zeros_like(v)

@@ -19,6 +19,7 @@ from alpha5_model.base_parameters import regrouped
 from alpha5_model.checks import FloatArray, array, choice, count, frozen, generator, named, real
 from alpha5_model.consistency.bodies import implied_mass
 from alpha5_model.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
+from alpha5_model.errors import InputError
 from alpha5_model.fluids import GRAVITY, SEA_WATER
 from alpha5_model.inertia import second_moments
 from alpha5_model.parameters import Alpha5Parameters, convert, link_numbers
@@ -208,7 +209,14 @@ class Sample:
         return len(self.values)
 
     def parameters(self, index: int) -> Alpha5Parameters:
-        """One set as the record that `alpha5_model.parameters` returns."""
+        """One set as the record that `alpha5_model.parameters` returns.
+
+        Raises:
+            InputError: Not the number of a set.
+        """
+        size = len(self)
+        if not isinstance(index, int | np.integer) or not -size <= index < size:
+            raise InputError("index", index, f"a whole number from 0 to {size - 1}")
         values = dict(zip(self.names, self.values[index].tolist(), strict=True))
         return parameter_set(values, self.alternatives)
 

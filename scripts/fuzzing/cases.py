@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import signal
+import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,11 +12,14 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
-from alpha5_model.errors import Alpha5Error, ImplausibleWarning
+from alpha5_model.errors import Alpha5Error
+from fuzzing import watch
 from fuzzing.values import Rng, wrong_answers
 
 #: An input that takes longer is a failure [s].
 LIMIT = 30
+#: So is a file that takes more processor time for each 100 kB, or for less [s].
+LIMIT_OF_FILES = 2.0
 
 
 @dataclass(frozen=True)
@@ -26,11 +30,15 @@ class Case:
         call: To be called with ``arguments``.
         arguments: By name; printed if the case fails.
         hopeless: Only a refusal is right.
+        size: Of the file that it reads, bytes; None if it reads none.
+        told: Whether a warning of the package's own, or a refusal, is due.
     """
 
     call: Callable[..., Any]
     arguments: dict[str, Any]
     hopeless: bool = False
+    size: int | None = None
+    told: bool = False
 
 
 #: Draws a case; the folder is its own, to read from and write into.
@@ -43,25 +51,40 @@ class TooLongError(Exception):
 
 def outcome(case: Case, endless: frozenset[str] = frozenset()) -> str:
     """``"ok"``, ``"refused"``, or what is wrong; parts named in ``endless`` need not be finite."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        # Most of what is drawn is implausible; that it raises nothing else is the point.
-        warnings.simplefilter("ignore", ImplausibleWarning)
+    with warnings.catch_warnings(record=True) as caught, watch.watching() as misdeeds:
+        warnings.simplefilter("always")
         warnings.filterwarnings("ignore", "(overflow|underflow)", RuntimeWarning)
         signal.signal(signal.SIGALRM, _alarm)
         signal.alarm(LIMIT)
+        begun = time.process_time()
         try:
-            result = case.call(**case.arguments)
+            answer: Any = case.call(**case.arguments)
         except Alpha5Error as error:
-            return _judged(error)
+            answer = error
         except (Exception, SystemExit) as error:
             return f"{type(error).__name__}: {error}"
         finally:
             signal.alarm(0)
+        spent = time.process_time() - begun
+    if misdeeds:
+        return f"did what no file may make it do: {misdeeds[0]}"
+    if case.size is not None and spent > LIMIT_OF_FILES * max(1.0, case.size / 1e5):
+        return f"{spent:.1f} s for {case.size} bytes"
+    if foreign := [w for w in caught if not _own(w.category)]:
+        return f"{foreign[0].category.__name__}: {foreign[0].message}"
+    if isinstance(answer, Alpha5Error):
+        return _judged(answer)
     if case.hopeless:
         return "accepted what has no meaning"
-    wrong = list(wrong_answers(result, endless))
+    if case.told and not caught:
+        return "accepted what is not plausible without a word"
+    wrong = list(wrong_answers(answer, endless))
     return f"not finite: {', '.join(wrong[:3])}" if wrong else "ok"
+
+
+def _own(category: type[Warning]) -> bool:
+    """Whether it is a warning of the package's own."""
+    return category.__module__.startswith("alpha5_model")
 
 
 def _judged(error: Alpha5Error) -> str:

@@ -14,8 +14,9 @@ from typing import Any
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import Alpha5Error
+from fuzzing import hostile
 from fuzzing.cases import Case, Target
-from fuzzing.readers import damage
+from fuzzing.readers import STUDY, damage
 from fuzzing.values import Rng, pick
 
 #: In place of any value.
@@ -24,12 +25,25 @@ BAD = (
     "1 2 3 4", "a,b", "a=b", "=", "\udcff", "é", "a\0b", "a\nb", "x" * 5000, "--", "-", "[red]", "${1/0}", "true", "None", "../..", "\x1b[31m",
 )  # fmt: skip
 #: Paths below the working directory, which lies in the fuzz's own folder; made in `_furnish`.
-URDFS = ("arm.urdf", "arm.urdf", "damaged.urdf", "motion.csv", "none", "folder", "loop", "empty")
+URDFS = (
+    "arm.urdf",
+    "arm.urdf",
+    "damaged.urdf",
+    "trapped.urdf",
+    "trapped.xacro",
+    "motion.csv",
+    "none",
+    "folder",
+    "loop",
+    "empty",
+)
 RECORDINGS = (
     "motion.csv",
     "motion.csv",
     "link.csv",
     "damaged.csv",
+    "trapped.csv",
+    "torques.csv",
     "arm.urdf",
     "dangling",
     "locked",
@@ -53,7 +67,8 @@ def _out(*endings: str) -> tuple[str, ...]:
 _TABLE, _PICTURE = _out(".csv", ".json", ".csv", ".txt"), _out(".png", ".svg", ".png", ".bmp")
 _NUMBER = ("0.3", "-0.1", "1.2", "0", "3")
 _TRIPLE = ("0 0 -9.81", "0 9.81 0", "0,0,1")
-_FLUID = ("sea", "fresh", "air", "1025", "0")
+_FLUID = ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3")
+_PAYLOAD = ("0.2", "0.2 0 0 0.05", "500", "-1", "250g", "0.2 0 0 20")
 _JSON: dict[str, tuple[str, ...]] = {"--json": ()}
 #: Command -> options that are always there, the empty name for arguments, each once per tuple of values; then
 #: options that may be there, flags with no values.
@@ -61,15 +76,17 @@ COMMANDS: dict[str, tuple[tuple[tuple[str, tuple[str, ...]], ...], dict[str, tup
     "ik": ((("", ("0.3", "0.25")), ("", ("0.1", "-0.05")), ("", ("0.1", "0"))), {"--wrist": _NUMBER, **_JSON}),
     "torque": (
         (("--q", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)),
-        {"--fluid": _FLUID, "--gravity": _TRIPLE, "--constants": ("printed", "torque", "voltage"), "--degrees": (), **_JSON},
+        {"--fluid": _FLUID, "--gravity": _TRIPLE, "--constants": ("printed", "torque", "voltage"), "--degrees": (), "--payload": _PAYLOAD, "--mount": _TRIPLE, **_JSON},
     ),
+    "fk": ((("", _NUMBER), ("", _NUMBER), ("", _NUMBER), ("", _NUMBER)), {**_JSON}),
+    "sweep": ((("", ("study.toml", "study.toml", "damaged.toml", "arm.urdf", "none")), ("--output", _out(""))), {**_JSON}),
     "workspace": ((), {"--plot": _PICTURE, **_JSON}),
     "dh": ((), {"--urdf": URDFS, "--frame": ("link_2", "tcp"), "--link": ("0 0.1 0.2 1.5 0", "0 0 1 0 1"), "--": _NUMBER, **_JSON}),
     "planar": ((("", _NUMBER), ("", _NUMBER), ("", _NUMBER)), {"--joints": ("RRR", "RPR"), "--limits": ("0 1", "none"), "--radius": _NUMBER, "--plot": _PICTURE, **_JSON}),
     "trajectory": (
         (("", RECORDINGS),),
         {"--output": _TABLE, "--plot": _PICTURE, "--fluid": _FLUID, "--gravity": _TRIPLE, "--gripper": ("auto", "locked", "jaws"),
-         "--smoothing": ("spline", "savgol", "interpolate"), "--bandwidth": ("2", "0.1", "1e-100"), "--velocities": ("auto", "file", "positions"),
+         "--payload": _PAYLOAD, "--prefix": ("left_", ""), "--topic": ("/x",), "--smoothing": ("spline", "savgol", "interpolate"), "--bandwidth": ("2", "0.1", "1e-100"), "--velocities": ("auto", "file", "positions"),
          "--constants": ("printed", "torque"), "--supply-voltage": ("24",), "--current-limit": ("1",), "--screw-lead": ("0.001",), **_JSON},
     ),
     "generate": (
@@ -102,9 +119,17 @@ def _furnish(folder: Path, rng: Rng) -> Path:
     arm = Path(a5.URDF_PATH).read_text(encoding="utf-8")
     rows = "".join(f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5\n" for k in range(40))
     motion = "time_secs,axis_e_pos,axis_d_pos,axis_c_pos,axis_b_pos\n" + rows
-    for name, text in (("arm.urdf", arm), ("motion.csv", motion)):
+    for name, text in (("arm.urdf", arm), ("motion.csv", motion), ("study.toml", STUDY)):
         (work / name).write_text(text, encoding="utf-8")
         (work / f"damaged.{name.partition('.')[2]}").write_bytes(damage(rng, text))
+    trapped = hostile.trapped_xml(rng, arm)
+    tables = {
+        "trapped.csv": hostile.table_of_anything(rng),
+        "torques.csv": motion.replace("axis", "tau_axis"),
+    }
+    texts = {"trapped.urdf": trapped, "trapped.xacro": trapped, **tables}
+    for name, text in texts.items():
+        (work / name).write_text(text, encoding="utf-8", errors="replace")
     return work
 
 
@@ -153,6 +178,8 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
             complaint = err.read()
         out.flush()
         shown = out.buffer.getvalue().decode()  # type: ignore[attr-defined]
+        said = complaint.splitlines(keepends=True)
+        complaint = "".join(line for line in said if not line.startswith("alpha5: warning: "))
         lines = complaint.strip("\n").splitlines()
         # What else there is to say makes way for a file on standard output.
         aside = status != 2 and "-" in args

@@ -1,8 +1,10 @@
-"""Files that somebody hands in: URDF, recordings, tables, xacro arguments; all of them damaged at random."""
+"""Files that somebody hands in: URDF, xacro, recordings, bags, studies, tables; damaged, hostile or made up."""
 
 from __future__ import annotations
 
 import re
+import sys
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -11,11 +13,13 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.description.urdf_reading import read_urdf
+from alpha5_model.description.urdf_reading import read_urdf, urdf_shapes
 from alpha5_model.description.variants import Variant, urdf
 from alpha5_model.description.verification import verify_urdf
 from alpha5_model.parameters import convert
 from alpha5_model.published.reading import parse
+from alpha5_model.sweep.study import read_study
+from fuzzing import hostile, names, quantities
 from fuzzing.cases import Case, Target
 from fuzzing.values import TEXTS, Rng, pick, spoil
 
@@ -106,8 +110,9 @@ def _file(
 
     def target(rng: Rng, folder: Path) -> Case:
         path = folder / f"damaged{suffix}"
-        path.write_bytes(damage(rng, text(rng)))
-        return Case(pick(rng, functions), {"path": path})
+        content = damage(rng, text(rng))
+        path.write_bytes(content)
+        return Case(pick(rng, functions), {"path": path}, size=len(content))
 
     return target
 
@@ -161,6 +166,99 @@ def _variant(rng: Rng, folder: Path) -> Case:
     return Case(lambda **given: urdf(Variant(**given)), arguments)
 
 
+def _hostile(
+    suffixes: tuple[str, ...],
+    text: Callable[[Rng], str | bytes],
+    reads: dict[Callable[..., Any], int],
+) -> Target:
+    """Writes a text under one of the endings and has it read by one of the functions."""
+    functions = [read for read, weight in reads.items() for _ in range(weight)]
+
+    def target(rng: Rng, folder: Path) -> Case:
+        made = text(rng)
+        content = made if isinstance(made, bytes) else made.encode("utf-8", "replace")
+        path = folder / f"hostile{pick(rng, suffixes)}"
+        path.write_bytes(content)
+        return Case(pick(rng, functions), {"path": path}, size=len(content))
+
+    return target
+
+
+def _shapes(path: Path) -> Any:
+    return [urdf_shapes(path.read_bytes(), kind) for kind in ("visual", "collision")]
+
+
+def _published_tables(path: Path) -> Any:
+    """The tables of the documents, from another text."""
+    text = path.read_text("utf-8", "replace")
+    return convert(parse(text, _published()[1]), ("base_frame",))
+
+
+@cache
+def _bag(kind: str) -> bytes:
+    """A small bag of joint states."""
+    sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
+    from bag_writer import State, write_bag
+
+    joints = [f"axis_{x}" for x in "edcb"]
+    states = [
+        State(stamp=10**18 + k * 10**8, names=joints, position=(1.0, 1.0 + 0.01 * k, 1.0, 0.5))
+        for k in range(12)
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        return write_bag(Path(folder), kind, states).read_bytes()
+
+
+def _garbled_bag(kind: str) -> Target:
+    return _hostile(
+        (kind,), lambda rng: hostile.garbled(rng, _bag(kind)), {a5.trajectory.read_motion: 1}
+    )
+
+
+@cache
+def _parquet() -> bytes:
+    """A small table of joint positions."""
+    import pyarrow
+    from pyarrow import parquet
+
+    columns = {"time_secs": np.arange(8) * 0.1}
+    columns |= {f"axis_{x}_pos": np.linspace(0.5, 1.0, 8) for x in "edcb"}
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(pyarrow.table(columns), sink)
+    return bytes(sink.getvalue())
+
+
+STUDY = """
+seed = 7
+samples = 10
+[axes]
+axis_e_pos = 0.1
+axis_d_pos = {random = [0, 200], unit = "deg"}
+axis_c_pos = {values = [0.3, 1.7]}
+axis_b_pos = {from = 0, to = 1, count = 3}
+payload_mass = {values = [0, 250], unit = "g"}
+fluid_density = [1000, 1025]
+[outputs.peak]
+quantity = "torque"
+as = "peak"
+by = ["fluid_density"]
+[outputs.spread]
+quantity = "torque"
+as = "quantile"
+levels = [0.001, 0.5, 1]
+[outputs.bars]
+quantity = "torque"
+as = "histogram"
+range = [-1, 1]
+bins = 8
+"""
+
+
+def _study_as_read(path: Path) -> Any:
+    study = read_study(path)
+    return study.cases, study.states, study.sizes()
+
+
 TARGETS: dict[str, Target] = {
     "urdf": _file(
         lambda rng: _urdf(int(rng.integers(4))),
@@ -174,4 +272,37 @@ TARGETS: dict[str, Target] = {
     ),
     "tables": _tables,
     "variant": _variant,
+    "hostile urdf": _hostile(
+        (".urdf", ".xacro", ".urdf.xacro", ".xml"),
+        lambda rng: pick(rng, hostile.XML)(rng, _urdf(int(rng.integers(4)))),
+        {read_urdf: 20, _frames: 10, _compare: 12, _shapes: 5, _verify: 1},
+    ),
+    "hostile recording": _hostile(
+        (".csv", ".csv", ".txt", ".tsv", "", ".parquet", ".bag", ".mcap", ".db3"),
+        lambda rng: pick(rng, hostile.TABLES)(rng),
+        {a5.trajectory.read_motion: 8, _analyse: 2},
+    ),
+    "hostile study": _hostile(
+        (".toml",),
+        lambda rng: pick(rng, (hostile.study_of_anything, lambda r, t: hostile.repeated(r)))(
+            rng, STUDY
+        ),
+        {_study_as_read: 1},
+    ),
+    "study": _file(lambda rng: STUDY, ".toml", {_study_as_read: 1}),
+    "hostile tables": _hostile(
+        (".toml",),
+        lambda rng: hostile.study_of_anything(rng, _published()[0]),
+        {_published_tables: 1},
+    ),
+    "garbled mcap": _garbled_bag(".mcap"),
+    "garbled db3": _garbled_bag(".db3"),
+    "garbled bag": _garbled_bag(".bag"),
+    "garbled parquet": _hostile(
+        (".parquet",),
+        lambda rng: hostile.garbled(rng, _parquet()),
+        {a5.trajectory.read_motion: 1},
+    ),
+    "columns": names.target,
+    "quantities": quantities.target,
 }

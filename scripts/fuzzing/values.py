@@ -74,7 +74,7 @@ def spoil(rng: Rng, value: Any) -> tuple[Any, bool]:
         mask = np.zeros(array.shape, bool)
         mask.flat[place] = True
         return np.ma.MaskedArray(changed, mask), True
-    if way == 6:
+    if way == 6 and array.ndim:
         return pick(
             rng, (changed[..., :-1], changed[..., None], np.moveaxis(changed, 0, -1), changed[None])
         ), False
