@@ -268,7 +268,7 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
     "long_path": (lambda v: request(v, f"GET /{'a' * 12_000} HTTP/1.1"), (404,)),
     "longer_path": (lambda v: request(v, f"GET /{'a' * 100_000} HTTP/1.1"), (0, 400, 431)),
     "headers": (
-        lambda v: request(v, **{f"X_{i}": "y" for i in range(5000)}),
+        lambda v: request(v, **{f"X_{i}": "y" for i in range(20_000)}),
         (0, 400, 431),
     ),
     "post": (lambda v: request(v, "POST / HTTP/1.1", Content_Length="0"), (403, 405)),
@@ -307,7 +307,7 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
     "version": (lambda v: request(v, "GET / HTTP/9.9"), (0, 400, 505)),
     "no_version": (lambda v: request(v, "GET /"), (0, 400)),
     "nothing": (lambda v: b"\r\n\r\n", (0, 400)),
-    "binary": (lambda v: bytes(range(256)) * 200, (0, 400)),
+    "binary": (lambda v: bytes(range(256)) * 400, (0, 400)),
     "colons": (lambda v: b"GET / HTTP/1.1\r\n:::\r\n\r\n", (0, 400)),
     "fold": (lambda v: b"GET / HTTP/1.1\r\n \x00: x\r\n\r\n", (0, 400)),
     "tls": (lambda v: b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\r\n\r\n", (0, 400)),
@@ -425,6 +425,45 @@ def test_a_page_that_stops_reading_is_left(
         while viewer.window.server.pages - known:
             time.sleep(0.005)
     viewer["mine"].delete()
+
+
+def test_an_answer_that_nobody_reads_is_not_kept(
+    viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_LONGEST_VISIT", 0.5)
+    asked = 60
+    one = request(viewer).replace(b"close", b"keep-alive")
+    whole = len(raw(viewer, request(viewer), last=b"</html>"))
+    with socket.create_connection(address(viewer), timeout=SOON) as slow:
+        slow.sendall(one * asked)
+        time.sleep(1.0)
+        answer = 0
+        with suppress(ConnectionResetError):
+            while part := slow.recv(1_000_000):
+                answer += len(part)
+        assert answer < asked * whole / 2
+
+
+def test_a_page_that_answers_no_ping_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server, "_PING", 0.2)
+    viewer = a5.view(a5.load())
+    pages = viewer.window.server.pages
+
+    def left() -> list[bool]:
+        return [page.ws_connection.is_closing() for page in list(pages)]
+
+    try:
+        with page_of(viewer) as page:
+            until(page, "set_property")
+            with socket.create_connection(address(viewer), timeout=SOON) as silent:
+                silent.sendall(upgrade(viewer))
+                ends = time.perf_counter() + SOON
+                while sorted(left()) != [False, True]:
+                    assert time.perf_counter() < ends
+                    with suppress(TimeoutError):
+                        page.recv(timeout=0.01)
+    finally:
+        viewer.close()
 
 
 # ---- meshcat's protocol

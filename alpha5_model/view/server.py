@@ -60,8 +60,10 @@ PAGE_PATIENCE = 60.0
 _IDLE = 2.0
 #: Most connections at a time, pages included.
 _MOST_CONNECTIONS = 64
-#: Longest header of a request [bytes].
-_LONGEST_HEADER = 16_384
+#: Longest life of a connection that is not a page's [s]; a slow tunnel takes a while.
+_LONGEST_VISIT = 120.0
+#: How often a page must say that it still reads [s].
+_PING = 20.0
 #: Longest message with positions of joints [characters].
 _LONGEST_POSE = 4096
 #: Longest message of a page, a picture [bytes].
@@ -303,13 +305,18 @@ class _HTTPServer(tornado.httpserver.HTTPServer):
     """
 
     pages: Collection[_Connection] = ()
-    _open = 0
+
+    def initialize(self, *args: Any, **options: Any) -> None:
+        super().initialize(*args, **options)
+        #: The end of each connection that is not a page's.
+        self._ends: dict[Any, asyncio.TimerHandle] = {}
 
     def handle_stream(self, stream: Any, address: Any) -> None:
-        if self._open + len(self.pages) >= _MOST_CONNECTIONS:
+        if len(self._ends) + len(self.pages) >= _MOST_CONNECTIONS:
             stream.close()
             return
-        self._open += 1
+        loop = asyncio.get_running_loop()
+        self._ends[stream] = loop.call_later(_LONGEST_VISIT, stream.close)
         super().handle_stream(stream, address)
 
     def start_request(
@@ -317,8 +324,8 @@ class _HTTPServer(tornado.httpserver.HTTPServer):
     ) -> HTTPMessageDelegate:
         return _HostCheck(super().start_request(server_conn, request_conn), request_conn)
 
-    def on_close(self, server_conn: object) -> None:
-        self._open -= 1
+    def on_close(self, server_conn: Any) -> None:
+        self._ends.pop(server_conn.stream).cancel()
         super().on_close(server_conn)
 
 
@@ -372,12 +379,12 @@ class Server:
             handlers,
             log_function=lambda handler: None,
             websocket_max_message_size=_LARGEST_PICTURE,
+            websocket_ping_interval=_PING,
         )
         http = _HTTPServer(
             application,
             idle_connection_timeout=_IDLE,
             body_timeout=_IDLE,
-            max_header_size=_LONGEST_HEADER,
             max_body_size=0,
         )
         http.pages = self.pages
