@@ -155,10 +155,10 @@ def bandwidth() -> Sequence[Figure]:
     "So is a bag that expands to more than {} times its size, as no recording does",
 )
 def expansion_of_bags() -> Sequence[Figure]:
-    """How far an arm at rest expands: tests/test_trajectory_bag_limits.py."""
-    from alpha5_model.trajectory import bag_limits
+    """How far an arm at rest expands: tests/test_trajectory_limits.py."""
+    from alpha5_model.trajectory import tables
 
-    return [Near(bag_limits.EXPANSION)]
+    return [Near(tables.EXPANSION)]
 
 
 @statement(

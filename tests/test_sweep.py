@@ -6,12 +6,15 @@ import itertools
 import json
 import os
 import resource
+import shutil
 import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow
 import pytest
 
 import alpha5_model as a5
@@ -426,3 +429,98 @@ def test_folders_and_schedulers_that_cannot_be(
         printed = capsys.readouterr().err
         assert printed.count("\n") == 1
         assert problem in printed
+
+
+NESTED = {
+    "brackets": "a = " + "[" * 90_000,
+    "tables": "a = " + "{a = " * 20_000,
+    "long key": ".".join("a" * 45_000) + " = 1",
+    "long quoted key": ".".join(["'a'"] * 25_000) + " = 1",
+    "long header": "[" + " . ".join("a" * 30_000) + "]",
+    "deep header": "[" + ".".join("a" * 2000) + "]\n" + "k = 1\n" * 12_000,
+    "word": "a" * 90_000,
+    "quotes": '"' * 90_000,
+    "spaces": "a" + " " * 90_000,
+    "digits": "a = " + "1" * 90_000,
+}
+
+
+@pytest.mark.parametrize("name", NESTED)
+def test_a_study_that_takes_long_to_read(name: str, tmp_path: Path) -> None:
+    study = written(tmp_path, NESTED[name])
+    start = time.process_time()
+    with pytest.raises(a5.errors.FileFormatError) as caught:
+        a5.sweep(study, tmp_path / "out")
+    assert time.process_time() - start < 2
+    assert "\n" not in str(caught.value)
+    if "key" in name or "header" in name:
+        assert str(caught.value).endswith("line 1: a key of more than 20 parts")
+
+
+def test_keys_of_twenty_parts_are_read_by_toml(tmp_path: Path) -> None:
+    """What looks like a long key in a text is none, and a shorter one is judged by its names."""
+    for text, problem in (
+        ('source = "' + "a" * 30 + ', 0.1, 0.2"\n', "unknown key 'source'"),
+        (".".join("a" * 20) + " = 1\n", "unknown key 'a'"),
+        ("values = [" + "0.5, " * 40 + "]\n", "unknown key 'values'"),
+    ):
+        with pytest.raises(a5.errors.FileFormatError, match=problem):
+            a5.sweep(written(tmp_path, text), tmp_path / "out")
+
+
+def damaged(whole: bytes) -> bytes:
+    """A part whose head is in order and whose data are not."""
+    return whole[:4] + bytes(40) + whole[44:]
+
+
+def without(name: str, part: bytes) -> bytes:
+    """A part of this study without one of its columns."""
+    table = parquet.read_table(pyarrow.BufferReader(part))
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(table.drop_columns([name]), sink)
+    return bytes(sink.getvalue())
+
+
+@pytest.mark.parametrize(
+    "kind", ["foreign", "foreign metadata", "folder", "loop", "damaged", "no keys", "far"]
+)
+def test_what_stands_in_the_place_of_a_part(
+    kind: str, drawn: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(drawn[1], out)
+    part = out / "parts" / "part-000000.parquet"
+    whole = part.read_bytes()
+    part.unlink()
+    table = pyarrow.table({"a": [1.0]})
+    if kind == "foreign":
+        parquet.write_table(table, part)
+    elif kind == "foreign metadata":
+        parquet.write_table(table.replace_schema_metadata({"study": "mine"}), part)
+    elif kind == "folder":
+        part.mkdir()
+    elif kind == "loop":
+        part.symlink_to(part.name)
+    elif kind == "damaged":
+        part.write_bytes(damaged(whole))
+    elif kind == "no keys":
+        part.write_bytes(without("key", whole))
+    else:
+        read = parquet.read_table(pyarrow.BufferReader(whole))
+        keys = pyarrow.array(np.full(read.num_rows, 10**12))
+        parquet.write_table(read.set_column(read.schema.get_field_index("key"), "key", keys), part)
+    assert main(["sweep", str(drawn[0]), "--output", str(out)]) == 2
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1
+    assert "part-000000.parquet" in printed
+
+
+def test_outputs_that_cannot_be_written_are_said_before_the_work(
+    drawn: tuple[Path, Path], tmp_path: Path
+) -> None:
+    for name in ("summary.json", "spread.parquet"):
+        out = tmp_path / name
+        (out / name).mkdir(parents=True)
+        with pytest.raises(a5.errors.OutputError, match=f"{name}: it is a folder"):
+            a5.sweep(drawn[0], out)
+        assert not (out / "parts").exists()

@@ -13,12 +13,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alpha5_model.checks import count
-from alpha5_model.errors import InputError, MissingDependencyError, OutputError
-from alpha5_model.files import PathLike, atomic_write, atomic_write_all, check_outputs
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingDependencyError,
+    MissingFileError,
+    OutputError,
+)
+from alpha5_model.files import (
+    PathLike,
+    atomic_write,
+    atomic_write_all,
+    check_outputs,
+    read_named,
+)
 from alpha5_model.kernels import backend
 
 if TYPE_CHECKING:
+    from alpha5_model.sweep.rows import Reduction
     from alpha5_model.sweep.study import Study
+
+_PART = "a part of this study"
 
 
 class Sweep(NamedTuple):
@@ -63,7 +78,7 @@ def sweep(
         progress: Called with a stage and the part done, 0 to 1.
 
     Raises:
-        FileFormatError: Of the study, with its place.
+        FileFormatError: Of the study, with its place; of a part that is damaged or of something else.
         InputError: A folder with another study, or other chunks; no scheduler at the address.
         OutputError: The folder cannot be written, or the workers are lost; what is finished stays.
         MissingDependencyError: Without ``alpha5-model[sweep]``.
@@ -72,13 +87,14 @@ def sweep(
         if find_spec(package) is None:
             remedy = "python -m pip install 'alpha5-model[sweep]'"
             raise MissingDependencyError(package, "a sweep", remedy)
-    from pyarrow import parquet
-
     from alpha5_model.sweep.rows import reductions
     from alpha5_model.sweep.study import BLOCK, read_study
 
     made, target = read_study(study), Path(folder)
     check_outputs([study], folder=(target / "study.toml", (".toml",)))
+    for name in reductions(made):
+        check_outputs((), output=(target / f"{name}.parquet", (".parquet",)))
+    check_outputs((), output=(target / "summary.json", (".json",)))
     (cases, states, each), recordings = made.sizes(), made.cases.get("recording", ())
     total, size = cases * each, max(1, count("rows", rows) // min(BLOCK, states))
     size = total // len(recordings) if recordings else size  # each is a chunk
@@ -94,13 +110,10 @@ def sweep(
             progress("compute", (len(files) - len(chunks) + done + 1) / len(files))
     whole, found, failures = reductions(made), 0, {}
     for k, file in enumerate(files):
-        part = parquet.read_table(file)
-        found += int(part.schema.metadata[b"rows"])
-        if problem := part.schema.metadata[b"problem"].decode():
+        count_of_part, problem = _merged(file, whole)
+        found += count_of_part
+        if problem:
             failures[recordings[k]] = problem
-        for name, reduction in whole.items():
-            own = part["output"].to_numpy() == name
-            reduction.merge(*(part[x].to_numpy()[own] for x in ("key", "value", "count")))
     outputs = {name: reduction.result() for name, reduction in whole.items()}
     tables = {target / f"{n}.parquet": _parquet(table, study=head) for n, table in outputs.items()}
     summary = {"made_by": _made_by(), "seed": made.seed, "rows": found, "failures": failures}
@@ -116,16 +129,51 @@ def _made_by() -> str:
 
 
 def _finished(file: Path, head: str, size: int) -> bool:
-    from pyarrow import ArrowException, parquet
+    """Whether a part is there already, without a failure that may be mended by now.
+
+    Raises:
+        InputError: It is a part of another study, or of another size.
+        FileFormatError: A folder, or a table of something else, stands in its place.
+    """
+    from pyarrow import ArrowException, BufferReader, parquet
 
     try:
-        metadata = parquet.read_schema(file).metadata
-    except (OSError, ArrowException):
+        content = read_named(file, _PART)
+    except MissingFileError:
         return False
-    if (metadata[b"study"].decode(), int(metadata[b"blocks"])) != (head, size):
+    try:
+        facts = parquet.read_schema(BufferReader(content)).metadata or {}
+    except (OSError, ArrowException):  # cut off: computed again
+        return False
+    if not {b"study", b"blocks", b"problem"} <= {*facts}:
+        problem = "is a table of something else; expected another folder for the results"
+        raise FileFormatError(file, problem)
+    if (facts[b"study"], facts[b"blocks"]) != (head.encode(), str(size).encode()):
         expected = "a new one, or one with a part of this study in chunks of this size"
         raise InputError("folder", str(file.parents[1]), expected)
-    return not metadata[b"problem"]
+    return not facts[b"problem"]
+
+
+def _merged(file: Path, reductions: dict[str, Reduction]) -> tuple[int, str]:
+    """Add a part to the reductions: its number of rows, and why it has none.
+
+    Raises:
+        FileFormatError: It is damaged, which its head did not show.
+    """
+    from pyarrow import ArrowException, BufferReader, parquet
+
+    content = read_named(file, _PART)
+    try:
+        part = parquet.read_table(BufferReader(content))
+        for name, reduction in reductions.items():
+            own = part["output"].to_numpy() == name
+            columns = (part[column].to_numpy() for column in ("key", "value", "count"))
+            reduction.merge(*(column[own] for column in columns))
+        facts = part.schema.metadata
+        return int(facts[b"rows"]), facts[b"problem"].decode()
+    except (OSError, ArrowException, LookupError, ValueError, TypeError) as error:
+        problem = f"is damaged ({error}); remove it, and it is computed again"
+        raise FileFormatError(file, problem) from None
 
 
 def _work(study: Study, head: str, size: int, total: int, k: int) -> tuple[int, dict[str, bytes]]:

@@ -38,6 +38,8 @@ _PLAUSIBLE = {
 _RECORDED = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
 #: States computed at a time: what a kernel reads and writes of them stays in the cache.
 BLOCK = 8192
+#: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long one.
+_LONG_KEY = re.compile(r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}""")
 #: Most values of an axis, and most groups or bins of an output.
 _MOST = 10_000_000
 
@@ -109,6 +111,10 @@ def read_study(study: PathLike) -> Study:
 
 @lru_cache(maxsize=2)
 def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None = None) -> Study:
+    long_key = _LONG_KEY.search(text)
+    if long_key:
+        place = f"line {text.count(chr(10), 0, long_key.start()) + 1}"
+        raise FileFormatError(source, "a key of more than 20 parts", place)
     try:
         given = tomllib.loads(text)
         named("key", given, ("seed", "samples", "axes", "outputs"))

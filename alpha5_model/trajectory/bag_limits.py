@@ -18,10 +18,8 @@ from typing import Any
 
 from alpha5_model.errors import FileFormatError, MissingDependencyError
 from alpha5_model.files import PathLike
+from alpha5_model.trajectory.tables import EXPANSION
 
-#: A bag may expand to this many times its size. Joint states of an arm at rest, compressed by zstd,
-#: expand to 10 times.
-EXPANSION = 100
 #: What any bag may expand to [bytes].
 _LEAST = 1_000_000
 #: Steps of SQLite's machine for each byte of a file; reading messages takes less than one.

@@ -22,6 +22,11 @@ JOINTS = JOINT_NAMES
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 #: Lines of CSV parsed between two reports of progress.
 CHUNK = 50_000
+#: A bag or Parquet file may expand to this many times its size. Joint states of an arm at rest,
+#: compressed by zstd, expand to 10 times.
+EXPANSION = 100
+#: What any Parquet file may expand to [bytes]: equal rows take next to no room in one.
+LEAST_PARQUET = 100_000_000
 #: (stage, part done, 0 to 1)
 Progress = Callable[[str, float], None]
 
@@ -109,6 +114,10 @@ def parquet_table(path: PathLike) -> Table:
 
     def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, str | None]:
         names = [header[k] for k in (*needed, *efforts)]
+        most = LEAST_PARQUET + EXPANSION * len(content)
+        if _expanded(file.metadata, names) > most:
+            problem = f"expands to more than {most / 1e6:.3g} MB, {EXPANSION} times its size"
+            raise errors.FileFormatError(path, problem)
         with library(path, "parquet"):
             data = file.read(names)
             table = np.stack([numbers(data[name]) for name in names], axis=1)
@@ -118,6 +127,16 @@ def parquet_table(path: PathLike) -> Table:
         return table, "s" if types.is_temporal(data[names[0]].type) else None
 
     return Table(header, read, place)
+
+
+def _expanded(metadata: Any, names: list[str]) -> int:
+    """Bytes that columns of a Parquet file take, as numbers and as it states itself."""
+    stated = 0
+    for number in range(metadata.num_row_groups):
+        group = metadata.row_group(number)
+        columns = (group.column(k) for k in range(group.num_columns))
+        stated += sum(x.total_uncompressed_size for x in columns if x.path_in_schema in names)
+    return int(max(stated, 8 * metadata.num_rows * len(names)))
 
 
 @contextmanager

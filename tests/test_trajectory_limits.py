@@ -1,4 +1,4 @@
-"""Small bags that would take memory or time without end, and compressed ones that are in order."""
+"""Small files that would take memory or time without end, and compressed ones that are in order."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
 from bag_writer import State, write_bag
+from pyarrow import parquet
 from rosbags.rosbag2.storage_mcap import zstd
 
 import alpha5_model as a5
@@ -277,3 +279,26 @@ def test_without_our_reading_rosbags_works_as_before(tmp_path: Path) -> None:
         [connection] = bag.connections
         assert connection.ext.offered_qos_profiles is not None
     assert sum(len(raw) for *_, raw in messages) > 12_000_000
+
+
+def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
+    zeros = pyarrow.array(np.zeros(4_000_000))
+    table = pyarrow.table({"time": zeros} | dict.fromkeys(NAMES, zeros))
+    path = tmp_path / "rows.parquet"
+    parquet.write_table(table, path)
+    assert path.stat().st_size < 300_000
+    with within(2, 80), pytest.raises(FileFormatError, match=r"expands to more than .* MB"):
+        a5.trajectory.read_motion(path)
+    # Equal rows are no harm by themselves, nor is what is not needed.
+    small = table.slice(0, 300_000).append_column("note", pyarrow.array(["x" * 999] * 300_000))
+    steps = pyarrow.array(0.01 * np.arange(300_000))
+    parquet.write_table(small.set_column(0, "time", steps), path, compression="zstd")
+    assert a5.trajectory.read_motion(path).time.size == 300_000
+
+
+def test_wide_parquet_takes_linear_time(tmp_path: Path) -> None:
+    columns = {f"c{k}": np.zeros(1) for k in range(5000)}
+    path = tmp_path / "wide.parquet"
+    parquet.write_table(pyarrow.table(columns), path)
+    with within(2, 200), pytest.raises(FileFormatError, match="no column for the time"):
+        a5.trajectory.read_motion(path)
