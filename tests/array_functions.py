@@ -289,6 +289,12 @@ def theory_calls() -> list[tuple[str, Call]]:
 
     rotation = chain.forward_kinematics(q)[:, :3, :3].copy()
     table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
+        (
+            "check_possible",
+            inertia.check_possible,
+            {"mass": mass, "com": com, "inertia": tensor},
+            {"name": "a body"},
+        ),
         ("combine", inertia.combine, {"masses": mass, "coms": com, "inertias": tensor}, {}),
         ("flip_products", inertia.flip_products, {"inertia": far}, {}),
         (
