@@ -292,8 +292,8 @@ def theory_calls() -> list[tuple[str, Call]]:
         (
             "check_possible",
             inertia.check_possible,
-            {"mass": mass, "com": com, "inertia": tensor},
-            {"name": "a body"},
+            {"com": com[0], "inertia": tensor[0]},
+            {"name": "a body", "mass": 0.1},
         ),
         ("combine", inertia.combine, {"masses": mass, "coms": com, "inertias": tensor}, {}),
         ("flip_products", inertia.flip_products, {"inertia": far}, {}),
