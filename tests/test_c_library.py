@@ -150,3 +150,54 @@ def test_without_casadi_it_says_what_to_install(
         "needs casadi, which is not installed: pip install casadi\n"
     )
     assert not (tmp_path / "c").exists()
+
+
+#: Something wrong in the inverse kinematics -> what the program says of it.
+DEFECTS = {
+    **{f"q[i][{j}] += 6.283185307179586": "joint position" for j in range(4)},
+    "q[i][0] = exists[i] ? q[i][0] : 0": "not a number",
+    "q[i][3] = exists[i] ? q[i][3] : 0": "not a number",
+    "q[i][1] += 1e-6": "position",
+    **{f"exists[{i}] = !exists[{i}], i = 4": "exists" for i in range(4)},
+    **{f"within_limits[{i}] = !within_limits[{i}], i = 4": "within_limits" for i in range(4)},
+    "*singular = !*singular, i = 4": "singular",
+}
+WRAPPER = """
+#include "alpha5.h"
+typedef alpha5_real real;
+void right(const real *p, real w, real q[4][4], int exists[4], int within_limits[4], int *singular);
+void alpha5_inverse_kinematics(const real *p, real w, real q[4][4], int exists[4],
+                               int within_limits[4], int *singular)
+{
+    right(p, w, q, exists, within_limits, singular);
+    for (int i = 0; i < 4; i++) {
+        %s;
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library with its inverse kinematics under another name, and the program, compiled."""
+    if shutil.which("gcc") is None:
+        pytest.skip("there is no gcc")
+    folder = tmp_path_factory.mktemp("defects")
+    written(folder, COptions())
+    rename = "-Dalpha5_inverse_kinematics=right"
+    for source, flags in (("alpha5.c", [rename]), ("test_alpha5.c", [])):
+        subprocess.run(["gcc", "-O0", "-c", *flags, source], cwd=folder, check=True)
+    return folder
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_the_program_sees_a_wrong_solution(defect: str, objects: Path) -> None:
+    (objects / "wrapper.c").write_text(WRAPPER % defect)
+    files = ["alpha5.o", "test_alpha5.o", "wrapper.c"]
+    subprocess.run(["gcc", "-O0", *files, "-lm", "-o", "wrong"], cwd=objects, check=True)
+    done = subprocess.run(["./wrong"], cwd=objects, capture_output=True, text=True)
+    assert done.returncode == 1
+    *lines, last = done.stdout.splitlines()
+    assert {line.partition(",")[0] for line in lines} >= {DEFECTS[defect]}
+    passed, checks = map(int, re.findall(r"\d+", last))
+    assert checks - passed == len(lines)
