@@ -296,6 +296,12 @@ def theory_calls() -> list[tuple[str, Call]]:
             {"name": "a body", "mass": 0.1},
         ),
         ("combine", inertia.combine, {"masses": mass, "coms": com, "inertias": tensor}, {}),
+        (
+            "check_possible",
+            inertia.check_possible,
+            {"com": com[0], "inertia": tensor[0]},
+            {"name": "inertia", "mass": 100.0},
+        ),
         ("flip_products", inertia.flip_products, {"inertia": far}, {}),
         (
             "inconsistencies",

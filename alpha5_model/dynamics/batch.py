@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,6 +37,8 @@ from alpha5_model.spatial import pose
 
 #: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
 STATES_PER_THREAD = 5000
+#: States for a thread at a time: some 10 ms, after which a signal (Ctrl-C) is answered.
+_STATES_AT_ONCE = 10_000
 #: Base parameters that are no gravity.
 NAMES = tuple(BASE_PARAMETERS)[:-3]
 #: How far a frame may be from where the kernels have it: what rounding does to the numbers of a URDF.
@@ -80,8 +82,16 @@ def rnea(model: Any, own: Scratch, threads: int, q: FloatArray, *rates: FloatArr
     """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv); rates that are not given are 0."""
     tau, still = np.empty((len(q), model.nv)), np.zeros((len(q), model.nv))
     v, a = (*rates, still, still)[:2]
-    pin.rneaInParallel(threads, own.pool(model, threads), q.T, v.T, a.T, tau.T)
+    pool = own.pool(model, threads)
+    for i in _blocks(len(q), threads):
+        pin.rneaInParallel(threads, pool, q[i].T, v[i].T, a[i].T, tau[i].T)
     return tau
+
+
+def _blocks(states: int, threads: int) -> Iterator[slice]:
+    """Parts of many states. Between two of them Python answers signals."""
+    size = threads * _STATES_AT_ONCE
+    return (slice(start, start + size) for start in range(0, states, size))
 
 
 def inverse_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
@@ -94,9 +104,12 @@ def inverse_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
 def base_wrench(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
     """Wrench on the mount for each row of q, v, a, (N, 6)."""
     tree, fluid, embedding = arm._free
-    q, v, a = expanded(embedding, *states)
-    water, own = rnea(fluid, arm._own, threads, q), arm._own
-    return (water - rnea(tree, own, threads, q, v, a))[:, :6]
+    out = np.empty((len(states[0]), 6))
+    for i in _blocks(len(out), threads):
+        q, v, a = expanded(embedding, *(x[i] for x in states))
+        water = rnea(fluid, arm._own, threads, q)
+        out[i] = (water - rnea(tree, arm._own, threads, q, v, a))[:, :6]
+    return out
 
 
 def forward_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
@@ -106,7 +119,9 @@ def forward_dynamics(arm: Any, threads: int, *states: FloatArray) -> FloatArray:
         return solved_rows(arm, q, v, tau, threads)
     total, a = rnea(arm._fluid, arm._own, threads, q), np.empty_like(v)
     total += tau
-    pin.abaInParallel(threads, arm._own.pool(arm._model, threads), q.T, v.T, total.T, a.T)
+    pool = arm._own.pool(arm._model, threads)
+    for i in _blocks(len(q), threads):
+        pin.abaInParallel(threads, pool, q[i].T, v[i].T, total[i].T, a[i].T)
     return a
 
 
@@ -122,8 +137,11 @@ def solved_rows(
     """Forward dynamics of each row by an arm's mass matrix and its inverse dynamics, (N, nv)."""
     q, v, tau = rows(arm._model, q=q, v=v, tau=tau)
     rest = tau - arm.inverse_dynamics_batch(q, v, np.zeros_like(v), threads, **current)
-    masses = np.array([arm.mass_matrix(row) for row in q]).reshape(-1, *2 * rest.shape[1:])
-    return np.asarray(np.linalg.solve(masses, rest[..., None])[..., 0], dtype=np.float64)
+    out = np.empty(rest.shape)
+    for i in _blocks(len(q), threads=1):
+        masses = np.array([arm.mass_matrix(row) for row in q[i]])
+        out[i] = np.linalg.solve(masses, rest[i, :, None])[..., 0]
+    return out
 
 
 def thread_count(threads: int | None, states: int) -> int:

@@ -34,7 +34,8 @@ def module() -> Any:
 
     ``batch`` takes arrays with one state in each row, inputs also with one row for all by
     `numpy.broadcast_to`, and writes the outputs; False, and nothing in them to rely on, in the same
-    cases. Threads that compute at the same time do not wait for each other.
+    cases. Threads that compute at the same time do not wait for each other. Signals are answered
+    every few hundredths of a second, so that Ctrl-C ends a batch.
 
     Raises:
         UnknownNameError: ``ALPHA5_KERNELS`` is neither numpy nor compiled.

@@ -10,6 +10,8 @@
 #include <structmember.h>
 #define NPY_NO_DEPRECATED_API NPY_1_7_API_VERSION
 #include <numpy/arrayobject.h>
+#include <stdint.h>
+#include <time.h>
 
 #include "rows.h"
 
@@ -206,6 +208,35 @@ static PyObject *bind(PyObject *module, PyObject *const *arguments, Py_ssize_t c
     return (PyObject *)bound;
 }
 
+/* Nanoseconds of a clock on the wall. */
+static int64_t now(void)
+{
+    struct timespec time;
+    timespec_get(&time, TIME_UTC);
+    return (int64_t)time.tv_sec * 1000000000 + time.tv_nsec;
+}
+
+enum { BLOCK = 128 * PANEL, PATIENCE = 20000000 }; /* rows between two looks at the clock; ns between two at signals */
+
+/* The first of n rows, for as long as PATIENCE: how many, and whether they could be computed. */
+static npy_intp some_rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
+                          npy_intp n, int *good)
+{
+    int64_t start = 0, time = 0;
+    npy_intp done = 0;
+    while ((uint64_t)(time - start) < PATIENCE) { /* not after the clock was set back */
+        const npy_intp block = n - done < BLOCK ? n - done : BLOCK;
+        *good = rows(kernel, k, in, step, out, block);
+        done += block;
+        if (!*good || done == n)
+            break;
+        time = now();
+        if (start == 0)
+            start = time;
+    }
+    return done;
+}
+
 static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
 {
     (void)module;
@@ -214,7 +245,7 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
     double *out[MOST_SLOTS];
     ptrdiff_t step[MOST_SLOTS];
     npy_intp n = 0;
-    int good;
+    int good = 1;
     if (count < 3)
         return PyErr_Format(PyExc_TypeError, "batch takes a name, parameters and arrays");
     const Kernel *kernel = named(arguments[0], arguments[1], k);
@@ -237,9 +268,13 @@ static PyObject *batch(PyObject *module, PyObject *const *arguments, Py_ssize_t 
         else
             out[i - kernel->inputs] = PyArray_DATA(array);
     }
-    Py_BEGIN_ALLOW_THREADS
-    good = rows(kernel, k, in, step, out, n);
-    Py_END_ALLOW_THREADS
+    while (good && n > 0) {
+        Py_BEGIN_ALLOW_THREADS
+        n -= some_rows(kernel, k, in, step, out, n, &good);
+        Py_END_ALLOW_THREADS
+        if (n > 0 && PyErr_CheckSignals() < 0)
+            return NULL;
+    }
     return PyBool_FromLong(good);
 }
 

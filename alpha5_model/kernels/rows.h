@@ -156,7 +156,7 @@ static int panel(const Kernel *kernel, int at, const double *k, const double *co
 }
 #endif
 
-/* n rows of each input, which steps by its size or by 0, and output. */
+/* n rows of each input, which steps by its size or by 0, and output; moves in and out past them. */
 static int rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
                 ptrdiff_t n)
 {
