@@ -61,9 +61,10 @@ def atomic_write(path: PathLike, content: str | bytes) -> Path:
 def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together: none is renamed before all are on the disk.
 
-    A plain file is written through a temporary one beside it and a rename; it keeps its mode, and
-    its folder is made if missing. A symlink is followed. Devices, pipes and ``-``, standard output,
-    are written into.
+    A plain file is written through a temporary one beside it, which is synchronised with the disk
+    as its folder is, and a rename; after a loss of power there is the old file or the new one. It
+    keeps its mode, and its folder is made if missing. A symlink is followed. Devices, pipes and
+    ``-``, standard output, are written into.
 
     Args:
         files: Target -> text (written as UTF-8, newlines as they are) or bytes.
@@ -82,17 +83,21 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
                     raise OutputError(target, "it is another name of a file written with it")
                 plain[target] = real
     staged: dict[Path, Path] = {}
+    folders: set[Path] = set()
     undo: list[Callable[[], object]] = []
     try:
         for target, real in plain.items():
             with _errors_of(target):
-                real.parent.mkdir(parents=True, exist_ok=True)
+                folders.update(_made(real.parent))
                 temporary = real.with_name(f".alpha5-{os.urandom(8).hex()}")
                 with temporary.open("xb") as stream:
                     staged[real] = temporary
                     if real.exists():  # its mode, before there is anything to read
                         temporary.chmod(stat.S_IMODE(real.stat().st_mode))
                     stream.write(data[target])
+                    stream.flush()
+                    os.fsync(stream.fileno())
+        _synchronise(folders)
         for target in (t for t in files if t not in plain):
             with _errors_of(target):
                 _write_into(target, data[target])
@@ -101,6 +106,7 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
                 if len(plain) > 1:
                     undo.append(_undo(real, Path(f"{staged[real]}~")))
                 staged[real].replace(real)
+        _synchronise(folders)
     except BaseException:
         for put_back in undo:
             with suppress(OSError):
@@ -110,6 +116,28 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
         for leftover in staged.values():
             leftover.unlink(missing_ok=True)
             Path(f"{leftover}~").unlink(missing_ok=True)
+
+
+def _made(folder: Path) -> set[Path]:
+    """Make a folder if it is missing.
+
+    Returns:
+        The folder, and those in which a new one stands.
+    """
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return {folder, *(path.parent for path in missing)}
+
+
+def _synchronise(folders: Iterable[Path]) -> None:
+    """Bring the names in folders to the disk, if the system has a way to."""
+    for folder in folders:
+        with suppress(OSError):  # Windows, and disks of a network
+            descriptor = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
 
 
 def _undo(real: Path, spare: Path) -> Callable[[], object]:

@@ -92,6 +92,57 @@ def test_a_file_keeps_its_mode_and_a_new_one_obeys_the_umask(tmp_path: Path) -> 
     assert stat.S_IMODE(new.stat().st_mode) == 0o640
 
 
+@linux
+def test_files_and_folders_are_on_the_disk_before_the_first_rename(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the system is asked for, in order: contents, names, renames, names again."""
+    (tmp_path / "old").write_text("before")
+    calls: list[tuple[str, str]] = []
+    content: dict[str, bytes] = {}
+    synchronise, rename = os.fsync, os.replace
+
+    def fsync(descriptor: int) -> None:
+        path = Path(f"/proc/self/fd/{descriptor}").readlink()
+        kind = "names" if path.is_dir() else "content"
+        calls.append((kind, str(path)))
+        if kind == "content":
+            content[str(path)] = path.read_bytes()
+        synchronise(descriptor)
+
+    def replace(start: str, end: str) -> None:
+        calls.append(("rename", str(start)))
+        rename(start, end)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(os, "replace", replace)
+    new = tmp_path / "a" / "b" / "new"
+    atomic_write_all({tmp_path / "old": "x" * 100_000, new: "new"})
+    kinds = [kind for kind, _ in calls]
+    renames = [path for kind, path in calls if kind == "rename"]
+    assert kinds[:2] == ["content", "content"]
+    assert [content[path] for path in renames] == [b"x" * 100_000, b"new"]
+    first, last = kinds.index("rename"), len(kinds) - kinds[::-1].index("rename")
+    assert kinds[first:last] == ["rename", "rename"]
+    folders = {str(folder) for folder in (tmp_path, tmp_path / "a", tmp_path / "a" / "b")}
+    for part in (calls[:first], calls[last:]):
+        assert {path for kind, path in part if kind == "names"} == folders
+    assert (tmp_path / "old").read_text() + new.read_text() == "x" * 100_000 + "new"
+
+
+def test_a_disk_that_fails_is_one_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "old").write_text("before")
+
+    def fail(descriptor: int) -> None:
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(OutputError, match="old: Input/output error"):
+        atomic_write(tmp_path / "old", "after")
+    assert (tmp_path / "old").read_text() == "before"
+    assert names(tmp_path) == ["old"]
+
+
 def test_pipes_are_written_into(tmp_path: Path) -> None:
     pipe, got = tmp_path / "pipe", []
     os.mkfifo(pipe)
