@@ -402,6 +402,25 @@ def until_served(viewer: ArmVisualizer) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.parametrize("message", [json.dumps({"q": ELSEWHERE}), "[[["])
+def test_a_page_that_never_pauses_holds_nobody_up(viewer: ArmVisualizer, message: str) -> None:
+    burst = frame(0x81, message.encode()) * 5000
+    with socket.create_connection(address(viewer), timeout=SOON) as hasty:
+        hasty.sendall(upgrade(viewer))
+        raised = hasty.recv(100)
+        assert raised.startswith(b"HTTP/1.1 101")
+        hasty.sendall(burst)
+        started = time.perf_counter()
+        viewer.show("frames", visible=False)
+        assert time.perf_counter() < started + SOON
+        # all of them have been read before its place is given up
+        hasty.sendall(frame(0x88))
+        hasty.shutdown(socket.SHUT_WR)
+        while hasty.recv(1_000_000):
+            pass
+    viewer.display(POSE)
+
+
 def test_many_pages(viewer: ArmVisualizer) -> None:
     pages = [page_of(viewer) for _ in range(20)]
     for page in pages:

@@ -205,6 +205,8 @@ class _Connection(tornado.websocket.WebSocketHandler):
     def initialize(self, server: Server) -> None:
         self._server = server
         self._unread = 0
+        self._wanted: FloatArray | None = None
+        self._refusal: Alpha5Error | None = None
         #: Numbers of the pictures that it was asked for.
         self.asked: deque[int] = deque()
 
@@ -249,16 +251,26 @@ class _Connection(tornado.websocket.WebSocketHandler):
             done.exception()  # of a page that is gone by now
 
     def on_message(self, message: str | bytes) -> None:
+        """Note what a page wants; of many messages at once only the last one counts."""
+        if self._wanted is None and self._refusal is None:
+            asyncio.get_running_loop().call_soon(self._act)
         try:
             if self.asked and isinstance(message, str) and message.startswith(_PICTURE):
                 self._server.receive_picture(self.asked.popleft(), message)
-                return
-            viewer = self._server.viewer
-            joints = positions_said(message, viewer.arm)
-            viewer.place(np.concatenate([viewer.q[: -len(joints)], joints]), self)
+            else:
+                self._wanted = positions_said(message, self._server.viewer.arm)
         except Alpha5Error as refusal:
+            self._refusal = refusal
+
+    def _act(self) -> None:
+        wanted, self._wanted = self._wanted, None
+        refusal, self._refusal = self._refusal, None
+        viewer = self._server.viewer
+        if wanted is not None:
+            viewer.place(np.concatenate([viewer.q[: -len(wanted)], wanted]), self)
+        if refusal is not None:
             self.send(page.Command(type="refused", reason=str(refusal)).packed())
-            self.send(page.pose_message(self._server.viewer.scene).packed())
+            self.send(page.pose_message(viewer.scene).packed())
 
     def on_close(self) -> None:
         self._server.pages.discard(self)
