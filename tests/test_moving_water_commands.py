@@ -229,6 +229,27 @@ def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
     assert path.stat().st_size > 5000
 
 
+def test_the_polar_picture_is_that_of_the_position(monkeypatch, tmp_path, capsys):
+    """Not of the velocity or acceleration, and of this arm and speed."""
+    made = []
+    kept = figures.write_figure
+
+    def write_figure(page, *arguments, **named):
+        made.append(page)
+        kept(page, *arguments, **named)
+
+    monkeypatch.setattr(figures, "write_figure", write_figure)
+    q = (3.0, 1.1, 1.7, 0.3)
+    given = ["--q", *words(q), "--v", "0.3", "0.2", "0.1", "0.4", "--a", "1", "2", "3", "4"]
+    path = str(tmp_path / "polar.svg")
+    torque(capsys, *given, "--fluid", "fresh", "--current", "0.3 0.4 0", "--plot", path)
+    wanted = figures.mount_load_figure(a5.load(a5.FRESH_WATER), q, 0.5)
+    (page,) = made
+    for axes, other in zip(page.axes, wanted.axes, strict=True):
+        line = axes.lines[0].get_ydata()
+        assert line == pytest.approx(other.lines[0].get_ydata(), rel=1e-9)
+
+
 @pytest.mark.parametrize("current", [[], ["--current", "0 0 0"]])
 def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
     path = tmp_path / "polar.png"

@@ -77,6 +77,43 @@ def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) 
     np.testing.assert_allclose(matrix, scene.poses["link_3"])
 
 
+def test_materials_are_those_of_the_shapes(scene: Scene, html: str) -> None:
+    import umsgpack
+
+    commands = [umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]]
+    objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
+    shapes = [shape for shape in scene.shapes if shape.group != "ghosts"]
+    colored = [shape.mesh.colors is not None for shape in shapes]
+    assert any(colored)
+    assert not all(colored)
+    for shape, has_colors in zip(shapes, colored, strict=True):
+        sent = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]
+        (material,) = sent["materials"]
+        channels = [material["color"] >> shift & 255 for shift in (16, 8, 0)]
+        wanted = (1.0, 1.0, 1.0) if has_colors else shape.color
+        assert np.abs(np.array(channels) / 255 - wanted).max() <= 0.5 / 255 + 1e-12
+        assert material["color"] < 1 << 24
+        gloss = [material["specular"] >> shift & 255 for shift in (16, 8, 0)]
+        assert np.abs(np.array(gloss) / 255 - 0.55 * shape.shine).max() <= 0.5 / 255 + 1e-12
+        kind = "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial"
+        assert material == {
+            "uuid": f"{shape.group}/{shape.name}:material",
+            "type": kind,
+            "color": material["color"],
+            "specular": material["specular"],
+            "shininess": 40.0,
+            "side": 2 if shape.flat else 0,
+            "transparent": bool(shape.on_top) or shape.opacity < 1,
+            "opacity": shape.opacity,
+            "depthTest": not shape.on_top,
+            "depthWrite": not shape.opacity < 1,
+            "vertexColors": has_colors,
+        }
+        assert sent["object"]["renderOrder"] == shape.on_top
+        assert sent["object"]["material"] == material["uuid"]
+        assert sent["object"]["uuid"] == f"{shape.group}/{shape.name}"
+
+
 def test_texts_cannot_break_out_of_the_page() -> None:
     arm = a5.load()
     wild = motion(np.arange(5.0), np.ones((5, 4)))
