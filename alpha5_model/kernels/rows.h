@@ -1,5 +1,6 @@
 /* The table of kernels, and how one runs on a state or on rows of states. Knows nothing of Python. */
 
+#include <fenv.h>
 #include <float.h>
 #include <stddef.h>
 #include <string.h>
@@ -80,12 +81,47 @@ static void choose(long width)
     level = best;
 }
 
+/* ---- rounding: another library may have left this thread with one that the sines do not hold for ---- */
+
+#if defined(__SSE2__) || defined(_M_X64)
+/* Round to nearest; returns what was before. */
+static unsigned to_nearest(void)
+{
+    const unsigned before = _mm_getcsr() & _MM_ROUND_MASK;
+    if (before != _MM_ROUND_NEAREST)
+        _mm_setcsr(_mm_getcsr() & ~_MM_ROUND_MASK);
+    return before;
+}
+
+static void round_as(unsigned before)
+{
+    if (before != _MM_ROUND_NEAREST)
+        _mm_setcsr(_mm_getcsr() | before);
+}
+#else
+static unsigned to_nearest(void)
+{
+    const unsigned before = (unsigned)fegetround();
+    if (before != FE_TONEAREST)
+        fesetround(FE_TONEAREST);
+    return before;
+}
+
+static void round_as(unsigned before)
+{
+    if (before != FE_TONEAREST)
+        fesetround((int)before);
+}
+#endif
+
 /* What computes a kernel of these parameters, and the constants that they make, in k. */
 static const Kernel *prepared(const Kernel *kernel, const double *parameters, double *k)
 {
+    const unsigned before = to_nearest();
     if (kernel->upright && parameters[GRAVITY] == 0.0 && parameters[GRAVITY + 1] == 0.0)
         kernel = &kernels[kernel->upright];
     kernel->prepare(parameters, k);
+    round_as(before);
     return kernel;
 }
 
@@ -100,8 +136,8 @@ static int clean(const double *x, ptrdiff_t size)
     return good;
 }
 
-/* One state, of which each input lies elsewhere; whether it can be computed. */
-static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
+/* One state, of which each input lies elsewhere; whether it can be computed. Rounding is to nearest. */
+static int nearest_row(const Kernel *kernel, const double *k, const double *const *in, double *out)
 {
     double x[MOST_INPUTS];
     int good = 1, end = 0;
@@ -110,6 +146,14 @@ static int row(const Kernel *kernel, const double *k, const double *const *in, d
             good &= fabs(x[end] = in[i][j]) <= LARGEST; /* not NaN */
     if (good && !kernel->one[level](k, x, out))
         kernel->rare(k, x, out);
+    return good;
+}
+
+static int row(const Kernel *kernel, const double *k, const double *const *in, double *out)
+{
+    const unsigned before = to_nearest();
+    const int good = nearest_row(kernel, k, in, out);
+    round_as(before);
     return good;
 }
 
@@ -156,8 +200,8 @@ static int panel(const Kernel *kernel, int at, const double *k, const double *co
 }
 #endif
 
-/* n rows of each input, which steps by its size or by 0, and output; moves in and out past them. */
-static int rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
+/* n rows of each input, which steps by its size or by 0, and output; moves in and out past them. Rounding as above. */
+static int nearest_rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
                 ptrdiff_t n)
 {
     const Slot *results = kernel->slots + kernel->inputs;
@@ -172,7 +216,7 @@ static int rows(const Kernel *kernel, const double *k, const double **in, const 
 #endif
         {
             double y[MOST_OUTPUTS], *end = y;
-            if (!row(kernel, k, in, y))
+            if (!nearest_row(kernel, k, in, y))
                 return 0;
             for (int i = 0; i < kernel->outputs; end += results[i++].size)
                 memcpy(out[i], end, results[i].size * sizeof(double));
@@ -184,4 +228,13 @@ static int rows(const Kernel *kernel, const double *k, const double **in, const 
         n -= done;
     }
     return 1;
+}
+
+static int rows(const Kernel *kernel, const double *k, const double **in, const ptrdiff_t *step, double **out,
+                ptrdiff_t n)
+{
+    const unsigned before = to_nearest();
+    const int good = nearest_rows(kernel, k, in, step, out, n);
+    round_as(before);
+    return good;
 }

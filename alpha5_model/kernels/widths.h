@@ -4,7 +4,7 @@
 
 #include <math.h>
 #include <stdint.h>
-#ifdef __SSE2__
+#if defined(__SSE2__) || defined(_M_X64)
 #include <immintrin.h>
 #endif
 
