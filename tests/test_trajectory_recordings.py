@@ -227,11 +227,18 @@ def test_one_message_without_a_stamp_is_enough(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("first", "warned"),
-    # Two without a stamp; simulated time that starts at zero; that ends at 100 s.
-    [((0, 0), True), ((0, 10**8), False), ((0, 10**11 - 1), False), ((0, 10**11), True)],
+    # Two without a stamp; simulated time that starts at zero, or below; that ends at 100 s.
+    [
+        ((0, 0), True),
+        ((0, 0, 10**8), True),
+        ((0, 10**8), False),
+        ((-2 * 10**8, -(10**8)), False),
+        ((0, 10**11 - 1), False),
+        ((0, 10**11), True),
+    ],
 )
 def test_zero_is_a_time_if_simulated_times_follow(first, warned, tmp_path: Path) -> None:
-    later = [2 * 10**11 + s.stamp - START for s in samples()[2:]]
+    later = [2 * 10**11 + s.stamp - START for s in samples()[len(first) :]]
     stamps = [*first, *later]
     states = [
         replace(s, stamp=stamp, received=START + k * 10**8)
