@@ -586,3 +586,28 @@ def test_a_page_survives_what_it_cannot_read(chromium: Any) -> None:
     finally:
         tab.page.close()
         visualizer.close()
+
+
+def test_a_page_is_asked_for_its_picture(chromium: Any) -> None:
+    """With what another program put into it, which Python's own drawing does not know."""
+    import meshcat.geometry
+
+    visualizer = a5.view(a5.load())
+    tabs = [new_tab(chromium, (400, 300)), new_tab(chromium, (400, 300))]
+    try:
+        for tab in tabs:
+            tab.open(visualizer.url())
+        for _ in range(3):
+            plain = np.asarray(visualizer.get_image().convert("RGB")).astype(int)
+            assert plain.shape == (300, 400, 3)
+        paint = meshcat.geometry.MeshBasicMaterial(color=0x00FF00)
+        visualizer["mine"].set_object(meshcat.geometry.Sphere(0.2), paint)
+        green = [0, 255, 0]
+        assert not (plain == green).all(axis=2).any()
+        after = np.asarray(visualizer.get_image().convert("RGB")).astype(int)
+        assert (after == green).all(axis=2).sum() > 1000
+        assert tabs[0].complaints == tabs[1].complaints == []
+    finally:
+        for tab in tabs:
+            tab.page.close()
+        visualizer.close()

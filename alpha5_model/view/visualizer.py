@@ -95,7 +95,8 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     """A meshcat visualizer that shows an arm; every method of meshcat's works on it.
 
     `display`, `captureImage`, ``displayFrames`` and the other names in camel case are those of Pinocchio's
-    visualizers; pictures and videos are drawn here, without a browser.
+    visualizers; pictures and videos are drawn here, without a browser. A viewer that is closed, or that does
+    not answer within 5 s, raises `alpha5_model.errors.ViewerError`.
 
     Attributes:
         arm: What it shows.
@@ -232,7 +233,10 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.window.server.call(lambda: setattr(self, "scene", replace(self.scene, **changes)))
 
     def captureImage(self, w: int = 1600, h: int = 1000) -> picture.Pixels:
-        """The scene as the pages show it, drawn here, (h, w, 3)."""
+        """The arm and its groups, drawn without a browser, (h, w, 3).
+
+        What else was put into the pages is not in it: `get_image` asks a page for its picture.
+        """
         return picture.picture(self.scene, (w, h))
 
     @contextmanager
