@@ -123,6 +123,62 @@ def test_nearly_parallel_axes(angle: float) -> None:
         assert axis_error(chain, chain.home, p, np.array([z, tilted])) < 1e-7
 
 
+def product_of_exponentials(points, directions, end, q) -> np.ndarray:
+    """Pose of the end effector by turning about the axes as they were drawn, without any table."""
+    pose = pin.SE3.Identity()
+    for p, z, angle in zip(points, directions, q, strict=True):
+        pose = pose * pin.exp6(angle * pin.Motion(np.cross(p, z), z))
+    return pose.homogeneous @ end
+
+
+def tilted_axes(tilts, rng: np.random.Generator):
+    """Axes through a cube of 1 m, each tilted against the one before by an angle of its own."""
+    points = rng.uniform(-0.5, 0.5, (len(tilts) + 1, 3))
+    directions = [unit(rng.normal(size=3))]
+    for tilt in tilts:
+        side = unit(np.cross(directions[-1], rng.normal(size=3)))
+        directions.append(rng.choice([-1, 1]) * unit(directions[-1] + tilt * side))
+    return points, np.array(directions)
+
+
+def unit(vector: np.ndarray) -> np.ndarray:
+    return vector / np.linalg.norm(vector)
+
+
+def worst_error(tilts, rng: np.random.Generator, **options) -> float:
+    """Of the end effector's pose, over random joint positions."""
+    points, z = tilted_axes(tilts, rng)
+    end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.5, 0.5, 3)).homogeneous
+    if rng.integers(3) == 0:  # along the last axis
+        x = unit(np.cross(z[-1], rng.normal(size=3)))
+        end[:3, :3] = np.column_stack([x, np.cross(z[-1], x), z[-1]])
+    chain = assign_frames(points, z, None, end, np.zeros(len(points)), **options)
+    states = [np.zeros(len(points)), *rng.uniform(-3, 3, (4, len(points)))]
+    found = [chain.forward_kinematics(q) for q in states]
+    expected = [product_of_exponentials(points, z, end, q) for q in states]
+    return float(np.abs(np.subtract(found, expected)).max())
+
+
+@pytest.mark.parametrize("first", [0.0, *10.0 ** np.arange(-12, -5.5, 0.5)])
+def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(first: float) -> None:
+    """Up to six axes, with tilts from 1e-12 to 1e-6 rad in any order."""
+    rng = np.random.default_rng(51)
+    for _ in range(60):
+        others = 10 ** rng.uniform(-12, -6, rng.integers(0, 5)) * rng.integers(0, 2)
+        tilts = rng.permutation([first, *others])
+        assert worst_error(tilts, rng) < 1e-7
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-8, 1e-7])
+def test_tilts_next_to_the_tolerance(tolerance: float) -> None:
+    """One tilt beyond it, whose normal is far away, and one within it, which would count there."""
+    rng = np.random.default_rng(52)
+    for _ in range(100):
+        tilts = tolerance * np.array([1.2, 0.7, 1.9, 0.4])[rng.permutation(4)]
+        bound = 10 * tolerance + 5e-16 / tolerance
+        assert worst_error(tilts, rng, tolerance=tolerance) < bound
+
+
 def test_common_normal_is_the_shortest_way() -> None:
     rng = np.random.default_rng(41)
     for _ in range(30):

@@ -139,7 +139,7 @@ class DHChain:
         end_effector: ArrayLike | None = None,
         q: ArrayLike | None = None,
         limits: Sequence[tuple[float, float]] | None = None,
-        tolerance: float = 1e-9,
+        tolerance: float = 1.5e-8,
         **options: Any,
     ) -> DHChain:
         """A chain from its joint axes, drawn at one configuration, which is its home.
@@ -157,7 +157,9 @@ class DHChain:
                 d itself.
             limits: (lower, upper) of each joint variable, (N, 2).
             tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
-                intersecting. The error that this makes in the axes is of the same size.
+                intersecting. The error that this makes in the axes of an arm of 1 m is of the same
+                size. Axes with a larger tilt have a common normal about 1 m / tilt away, and
+                rounding errs by 2e-16 m / tilt in numbers of that size: the default balances both.
             options: ``name`` and ``joint_names`` of the chain.
 
         Raises:

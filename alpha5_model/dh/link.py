@@ -224,9 +224,13 @@ def _normal(
         x = cross / sine
         return (-x if side / sine < -tolerance else x), foot_2, foot_1
     across = point - origin
-    across = across - (across @ z_before) * z_before
+    along = across @ z_before
+    across = across - along * z_before
     distance = math.sqrt(across @ across)
     x = across / distance if distance > tolerance else x_before
+    # Any normal will do: at the origin, unless that is so far away that the tilt counts there.
+    if sine * abs(along) > tolerance:
+        return x, point, point - across
     return x, origin + across, origin
 
 
