@@ -82,7 +82,7 @@ def load(
 def arm_of(
     parameters: Alpha5Parameters, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
 ) -> Arm:
-    """The arm of a parameter set, lengths of Table 1 included, on a fixed base with locked jaws.
+    """The arm of a parameter set, Table 1 and limits included, on a fixed base with locked jaws.
 
     Args:
         parameters: From `alpha5_model.parameters`, or a set of `alpha5_model.uncertainty.sample`.
@@ -93,11 +93,17 @@ def arm_of(
     base, first, *places, tip = (pin.SE3(pose(at.xyz, at.rpy)) for at in frames)
     for joint, place in enumerate((base * first, *places), 1):
         model.jointPlacements[joint] = place
+    for at, own in enumerate(p.joints[:4]):
+        model.lowerPositionLimit[at] = own.lower
+        model.upperPositionLimit[at] = own.upper
+        model.velocityLimit[at] = own.velocity
+        model.effortLimit[at] = own.effort
     for name, place in (("link_0", base), ("tcp", tip)):
         model.frames[model.getFrameId(name)].placement = place
     for link in p.links:
-        frame, own = model.frames[model.getFrameId(link.name)], (link.mass, link.com, link.inertia)
-        model.inertias[frame.parentJoint] = frame.placement.act(pin.Inertia(*own))
+        frame = model.frames[model.getFrameId(link.name)]
+        body = pin.Inertia(link.mass, link.com, link.inertia)
+        model.inertias[frame.parentJoint] = frame.placement.act(body)
     return Arm(model, displacements(model, p, "locked"), fluid_density)
 
 

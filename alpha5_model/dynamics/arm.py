@@ -24,6 +24,7 @@ from alpha5_model import plausibility
 from alpha5_model.checks import FloatArray, array, frozen, instance, listed, real
 from alpha5_model.dynamics import batch, hydrostatics
 from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
+from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limits
 from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
 from alpha5_model.dynamics.hydrostatics import Displacement, Vehicle, on_free_flyer
 from alpha5_model.dynamics.states import Embedding, Partials, expanded, forces, state_check
@@ -184,7 +185,13 @@ class Arm:
 
         Args:
             position: tcp in ``base_link``, (..., 3) [m].
+
+        Raises:
+            InputError: Also an arm with other dimensions or limits than the catalogue's.
         """
+        needed_for = "the inverse kinematics"
+        check_dimensions(self._model, needed_for)
+        check_limits(self._model, needed_for)
         return approach_directions(position)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
@@ -294,6 +301,9 @@ class Arm:
 
         The bodies are primitives that enclose the drawn ones within 3 mm; links that turn against
         each other at a joint are not compared, and a payload has no body.
+
+        Raises:
+            InputError: Also an arm with other dimensions than the catalogue's, whose bodies they are.
         """
         return self._own.collisions.in_collision(self._clean_q(q))
 
@@ -555,12 +565,15 @@ class Arm:
 
         Raises:
             UnknownNameError: No such level or numbers, or a model without the arm's links.
+            InputError: An arm with other dimensions than the catalogue's, whose links they are; give
+                it those of yours: ``HydrodynamicArm(arm, bodies, current)``.
 
         Warns:
             ImplausibleWarning: A current that no water has.
         """
         gripper = "jaws" if "finger_1" in self._frames else "locked"
         bodies = hydrodynamics(gripper, level, numbers)
+        check_dimensions(self._model, "the moving water at its links", DRAWN)
         water = [joint_water(self, name, data) for name, data in bodies.items()]
         flow = array("current", current, 3)
         plausibility.check("current", flow, plausibility.CURRENT)

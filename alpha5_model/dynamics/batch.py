@@ -29,6 +29,7 @@ from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.checks import FloatArray, count
 from alpha5_model.description import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.states import expanded, is_one_state, rows
 from alpha5_model.errors import InputError, KernelError
 from alpha5_model.hydrodynamics import LEVELS
@@ -233,9 +234,12 @@ def arm_parameters(arm: Any) -> FloatArray:
     """Base parameters of an arm, its fluid, gravity and payloads, (41,).
 
     Raises:
-        InputError: The kernels do not know its joints: a floating base, or jaws that move.
+        InputError: The kernels do not know its joints: a floating base, jaws that move, or other
+            dimensions than the catalogue's.
     """
     if arm._kernel_parameters is None:
+        if not arm.floating_base and len(arm.joint_names) == 4:
+            check_dimensions(arm._model, "the generated formulas", _ROUNDING)
         raise InputError("arm", arm, "one on a fixed base with its jaws locked")
     return np.array(arm._kernel_parameters)
 

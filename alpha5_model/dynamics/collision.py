@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from alpha5_model.checks import BoolArray, FloatArray, count, float_array, frozen
 from alpha5_model.description.srdf import srdf
+from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.files import read_named
 from alpha5_model.parameters import parameters
 from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
@@ -105,7 +106,11 @@ def collision_geometry(model: Any) -> Any:
     """Primitives of the links of a pin.Model as pin.GeometryModel, with the pairs to be checked.
 
     Both are Pinocchio's own reading of the URDF and the SRDF with the model's gripper.
+
+    Raises:
+        InputError: A model with other dimensions than those that the bodies are drawn for.
     """
+    check_dimensions(model, "its bodies", DRAWN)
     gripper, kind = "jaws" if model.existFrame("finger_1") else "locked", pin.GeometryType.COLLISION
     geometry = pin.buildGeomFromUrdfString(model, _urdf(gripper), kind)
     geometry.addAllCollisionPairs()

@@ -13,7 +13,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.files import PathLike, atomic_write, output_format
-from alpha5_model.parameters import JointParameters, parameters
+from alpha5_model.parameters import JointRange
 from alpha5_model.text import plain, readable, table
 from alpha5_model.trajectory import smoothing, tables
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
@@ -79,15 +79,25 @@ def summary(analysis: Analysis) -> dict[str, Any]:
         "efficiency": a.actuators[0].efficiency,
         **drive,
     }
-    joints = enumerate(parameters().joints[: len(s.joints)])
-    out |= {"joints": {joint.name: _joint(a, k, joint) for k, joint in joints}, "energy": energy}
+    joints = {joint.name: _joint(a, k, joint) for k, joint in enumerate(_ranges(a))}
+    out |= {"joints": joints, "energy": energy}
     out |= {"mount": mount, "tcp": ends | {"path_length_m": path.sum()}}
     out |= {"warnings": a.warnings, "ignored_columns": a.motion.ignored}
     record: dict[str, Any] = plain(out, math.nan)  # which JSON refuses: what may lack is None
     return record
 
 
-def _joint(a: Analysis, k: int, joint: JointParameters) -> dict[str, Any]:
+def _ranges(a: Analysis) -> list[JointRange]:
+    """What the joints of the arm may do, which need not be what the catalogue's may."""
+    limits = a.arm.limits
+    columns = zip(a.arm.joint_names, *(end.tolist() for end in limits), strict=True)
+    return [
+        JointRange(name=name, lower=lower, upper=upper, velocity=velocity, effort=effort)
+        for name, lower, upper, velocity, effort in columns
+    ]
+
+
+def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
     s, time = a.smooth, a.smooth.time
     states = a.motion.position, s.velocity, s.acceleration, a.torque
     q, velocity, acceleration, torque = (x[:, k] for x in states)

@@ -26,6 +26,7 @@ from alpha5_model.dynamics import arm_of as arm
 from alpha5_model.dynamics import load
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import NAMES, arm_parameters, regressor_rows
+from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.states import is_one_state, rows
 from alpha5_model.errors import InputError
 from alpha5_model.fluids import SEA_WATER
@@ -117,7 +118,11 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
     """How far the digits move the torques of any arm on a fixed base, lowest and highest, (2, nv) or (2, N, nv).
 
     Payload, moving water and the jaws, which are taken out of link 4, are as known.
+
+    Raises:
+        InputError: An arm with other dimensions than the catalogue's, whose digits they are.
     """
+    check_dimensions(arm._model, "the margin of the printed digits")
     bare = load(arm.fluid_density, gravity=arm.model.gravity.linear)
     out = np.zeros((2, *np.shape(q)))
     q, v, a = (np.asarray(x)[..., :4] for x in (q, v, a))

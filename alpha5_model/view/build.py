@@ -19,6 +19,7 @@ from alpha5_model.checks import FloatArray, array, choice, float_array, shaped
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf_reading import UrdfJoint, parse_urdf, urdf_shapes
 from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.hydrostatics import displaced_fluid_model
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import WATER_DENSITY, hydrodynamics
@@ -66,9 +67,11 @@ def build_scene(
             nominal load, which is estimated, is in the page's torques.
 
     Raises:
-        InputError: Joint positions or a target that do not fit (`ShapeError`, `NonFiniteError`).
+        InputError: Joint positions or a target that do not fit (`ShapeError`, `NonFiniteError`), or an arm
+            with other dimensions than the catalogue's, which are drawn.
         UnknownNameError: An unknown group.
     """
+    check_dimensions(arm._model, "the drawing")
     source = Path(JAWS_URDF_PATH if "axis_a" in arm.joint_names else URDF_PATH)
     text, folder = source.read_text(encoding="utf-8"), str(source.parent)
     tree, sliders, named = tree_of(arm, text), arm.joint_names, named_poses(arm)

@@ -16,7 +16,6 @@ from alpha5_model.checks import FloatArray
 from alpha5_model.errors import InputError, needing
 from alpha5_model.files import PathLike, atomic_write, output_format
 from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.parameters import parameters
 
 if TYPE_CHECKING:
     from alpha5_model.comparison.records import Comparison
@@ -241,20 +240,22 @@ def motion_figure(analysis: Analysis) -> Any:
 
 
 def _position(axes: Any, a: Analysis, k: int) -> None:
-    joint = parameters().joints[k]
-    scale, unit = (1e3, "mm") if joint.name == "axis_a" else (180 / np.pi, "°")
+    name = a.arm.joint_names[k]
+    lower, upper = a.arm.limits.lower[k], a.arm.limits.upper[k]
+    scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
     samples = thin(a.motion.time, scale * a.motion.position[:, k])
     axes.plot(*samples, ".", color="#999999", markersize=4, label="samples")
     _curve(axes, a, scale * a.smooth.position[:, k], color=Color.BLUE)
     # What rests does not fill the panel with its noise.
-    (low, high), least = axes.get_ylim(), 0.04 * scale * (joint.upper - joint.lower)
+    (low, high), least = axes.get_ylim(), 0.04 * scale * (upper - lower)
     spare = max(0.0, least - (high - low)) / 2
     axes.set_ylim(low - spare, high + spare)
-    _bounds(axes, scale * joint.lower, scale * joint.upper)
-    axes.set_ylabel(f"{joint.name} [{unit}]")
+    _bounds(axes, scale * lower, scale * upper)
+    axes.set_ylabel(f"{name} [{unit}]")
 
 
 def _torque(axes: Any, a: Analysis, k: int) -> None:
+    from alpha5_model.dynamics.dimensions import has_dimensions
     from alpha5_model.uncertainty import torque_margin
 
     causes = a.causes()
@@ -266,8 +267,11 @@ def _torque(axes: Any, a: Analysis, k: int) -> None:
         _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
     s, few = a.smooth, slice(None, None, -(-len(a.smooth.time) // _BAND_POINTS))
     state = (x[few] for x in (s.position, s.velocity, s.acceleration))
-    low, high = a.torque[few, k] + torque_margin(a.arm, *state)[..., k]
-    axes.fill_between(s.time[few], low, high, color="#999999", linewidth=0, label="printed digits")
+    if has_dimensions(a.arm._model):
+        low, high = a.torque[few, k] + torque_margin(a.arm, *state)[..., k]
+        axes.fill_between(
+            s.time[few], low, high, color="#999999", linewidth=0, label="printed digits"
+        )
     _curve(axes, a, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
     if a.motion.effort is not None:
         there = np.isfinite(a.motion.effort[:, k])
