@@ -189,9 +189,7 @@ class Arm:
         Raises:
             InputError: Also an arm with other dimensions or limits than the catalogue's.
         """
-        needed_for = "the inverse kinematics"
-        check_dimensions(self._model, needed_for)
-        check_limits(self._model, needed_for)
+        _ = self._kinematics_checked
         return approach_directions(position)
 
     def gravity_torque(self, q: ArrayLike) -> FloatArray:
@@ -611,6 +609,18 @@ class Arm:
         """q with base_link at the world's origin."""
         checked: FloatArray = self._clean_q(q)
         return np.concatenate([_HOME, checked[7:]]) if self.floating_base else checked
+
+    @cached_property
+    def _kinematics_checked(self) -> bool:
+        """True; once for each arm, since it never changes.
+
+        Raises:
+            InputError: Other dimensions or limits than those that the inverse kinematics knows.
+        """
+        needed_for = "the inverse kinematics"
+        check_dimensions(self._model, needed_for)
+        check_limits(self._model, needed_for)
+        return True
 
     @cached_property
     def _kernel_parameters(self) -> FloatArray | None:

@@ -23,7 +23,7 @@ from alpha5_model import plausibility
 from alpha5_model.checks import FloatArray, array, choice, frozen, instance, real, rigid_transform
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
-from alpha5_model.inertia import check_possible, second_moments
+from alpha5_model.inertia import check_possible
 from alpha5_model.jaws import split_link_4
 from alpha5_model.parameters import Alpha5Parameters
 
@@ -117,9 +117,10 @@ def check_inertias(model: Any) -> None:
     inertias = list(model.inertias)
     masses = [inertia.mass for inertia in inertias]
     tensors = np.array([inertia.inertia for inertia in inertias])
-    spread = second_moments(tensors)
-    least = np.linalg.eigvalsh(spread)[:, 0]
-    rounding = POINT_TOLERANCE * np.abs(spread).max(axis=(1, 2))
+    # Principal moments, ascending; half of the first two less the third is a second moment.
+    small, middle, large = np.linalg.eigvalsh(tensors).T
+    least = (small + middle - large) / 2
+    rounding = POINT_TOLERANCE * np.abs(large)
     for k, joint in enumerate(model.names):
         if masses[k] < 0:
             raise InputError(f"mass on {joint}", masses[k], "at least 0")
