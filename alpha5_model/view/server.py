@@ -68,9 +68,11 @@ _PING = 20.0
 _LONGEST_POSE = 4096
 #: Longest message of a page, a picture [bytes].
 _LARGEST_PICTURE = 32 * 2**20
-#: Largest request of another program, and the largest that is read to be refused [bytes].
-_LARGEST_REQUEST, _LARGEST_READ = 64 * 2**20, 512 * 2**20
-#: What may wait for a page that reads too slowly; then its connection is closed [bytes].
+#: Largest request of another program [bytes].
+_LARGEST_REQUEST = 64 * 2**20
+#: Largest part of a request that is read to be refused [bytes].
+_LARGEST_READ = 512 * 2**20
+#: What may wait for a page that reads too slowly, before it is disconnected [bytes].
 _BACKLOG = 64 * 2**20
 #: Longest path of a node of the scene, in parts and in bytes.
 _DEEPEST_PATH, _LONGEST_PATH = 64, 4096
@@ -222,7 +224,7 @@ class _Connection(tornado.websocket.WebSocketHandler):
             await super().get(*args, **kwargs)
             return
         self.set_header("Cache-Control", "no-store")
-        # A notebook on this machine may hold the page; on another site clicks could be led astray.
+        # A notebook on this machine may hold the page. Another site could lead clicks astray.
         here = "http://127.0.0.1:* http://localhost:*"
         self.set_header("Content-Security-Policy", f"frame-ancestors {here}")
         self.finish(page.live_page(self._server.viewer.scene))
@@ -240,7 +242,8 @@ class _Connection(tornado.websocket.WebSocketHandler):
         if self._unread > _BACKLOG and self.ws_connection and self.ws_connection.stream:
             self.ws_connection.stream.close()
             return
-        with suppress(tornado.websocket.WebSocketClosedError):  # a page that is gone by now
+        # The page may be gone by now.
+        with suppress(tornado.websocket.WebSocketClosedError):
             sent = asyncio.ensure_future(self.write_message(message, binary=True))
             self._unread += len(message)
             sent.add_done_callback(lambda done: self._read(len(message), done))
@@ -409,7 +412,7 @@ class Server:
         for connection in list(self.pages):
             connection.close()
         http.stop()
-        # A browser would wait for ever on a connection that it keeps for the next request.
+        # A browser would wait for ever on a connection that it keeps open.
         await http.close_all_connections()
         stream.close()
 
@@ -427,7 +430,7 @@ class Server:
     # ---- calls of this program
 
     def call(self, change: Callable[[], Result]) -> Result:
-        """Let the server's thread make a change, so that every page sees changes in one order.
+        """Let the server's thread make a change: every page sees changes in one order.
 
         Raises:
             ViewerError: The viewer is closed, or does not answer.
@@ -479,7 +482,7 @@ class Server:
             connection.send(packed)
 
     def move(self, command: page.Command) -> None:
-        """Move a node of the scene for pages that come; the others move it themselves."""
+        """Move a node for pages that come; those that are open move it themselves."""
         find_node(self.tree, _parts(command["path"])).transform = command.packed()
 
     def obey(self, kind: str, path: list[str], data: bytes) -> None:
@@ -557,8 +560,9 @@ class Server:
             case _:
                 first = request[0][:40] if request else b""
                 commands = b", ".join(sorted(_COMMANDS)).decode()
-                expected = f"url, wait, get_scene, or a command ({commands}), its path and its data"
-                raise InputError("request", f"{len(request)} frames, {first!r}", expected)
+                given = f"{len(request)} frames, {first!r}"
+                known = f"url, wait, get_scene, or a command ({commands}), its path and its data"
+                raise InputError("request", given, known)
 
     def _wait(self, answer: Answer) -> None:
         if self.pages:
