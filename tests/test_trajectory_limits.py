@@ -19,7 +19,7 @@ from pyarrow import parquet
 from rosbags.rosbag2.storage_mcap import zstd
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError
+from alpha5_model.errors import FileFormatError, InputError
 
 NAMES = [f"axis_{letter}" for letter in "edcb"]
 #: Form of a bag, and its compression.
@@ -302,3 +302,57 @@ def test_wide_parquet_takes_linear_time(tmp_path: Path) -> None:
     parquet.write_table(pyarrow.table(columns), path)
     with within(2, 200), pytest.raises(FileFormatError, match="no column for the time"):
         a5.trajectory.read_motion(path)
+
+
+HEAD = "time,axis_e,axis_d,axis_c,axis_b\n"
+MANY = "".join(f"{k / 100},1,1,1,1\n" for k in range(7000))
+#: About 100 kB each; the words of the answer, "" if it is a motion.
+TABLES = {
+    "quotes": ('"' * 90_000, "no column for the time"),
+    "commas": ("," * 90_000, "no column for the time"),
+    "separators": (";" * 90_000, "';'"),
+    "lines": ("\n" * 90_000, "is empty"),
+    "zero bytes": (HEAD + "\0" * 90_000, "1 fields"),
+    "open quote": ('"' + HEAD + MANY, "no column for the time"),
+    "quoted": (HEAD + "".join(f'"{k}","1","1","1","1"\n' for k in range(4000)), ""),
+    "lines in a quote": (HEAD + '1,"' + "\n" * 90_000 + '",1,1,1\n', "2 fields"),
+    "the last line": (HEAD + MANY + "x,1,1,1,1\n", "line 7002, column 1"),
+    "digits": (HEAD + f"{'1' * 300},1,1,1,1\n" * 300, "at most 1e"),
+    "one number": (HEAD + "1" * 90_000 + ",1,1,1,1\n", "a finite number"),
+    "fields": (HEAD + "1," * 45_000, "45001 fields"),
+    "short lines": (HEAD + "1\n" * 45_000, "1 fields"),
+    "the same time": (HEAD + "1,1,1,1,1\n" * 9000, "different times"),
+    "one column": ("time," + "axis_e," * 14_000, "stands twice"),
+    "prefixes": ("time," + ",".join(f"p{k}_{n}_pos" for k in range(1500) for n in NAMES), "one of"),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_that_nobody_wrote(name: str, tmp_path: Path) -> None:
+    content, words = TABLES[name]
+    path = tmp_path / "m.csv"
+    path.write_text(content)
+    with within(2, 100):
+        if not words:
+            assert a5.trajectory.read_motion(path).time.size == 4000
+            return
+        with pytest.raises((FileFormatError, InputError)) as caught:
+            a5.trajectory.read_motion(path)
+    message = str(caught.value)
+    assert words in message
+    assert "\n" not in message
+    assert len(message) <= 1000
+
+
+def test_a_gap_without_measure() -> None:
+    """The filter of Savitzky and Golay makes times even, which may be more than memory holds."""
+    gap = np.array([*0.01 * np.arange(20), 1e12])
+    q = np.tile([3.0, 1.5, 1.4, 1.2], (21, 1))
+    with within(2, 100):
+        with pytest.raises(InputError, match="expected spline: a gap of the motion takes 1e"):
+            a5.trajectory.smooth(a5.trajectory.motion(gap, q), "savgol")
+        a5.trajectory.smooth(a5.trajectory.motion(gap, q), "spline")
+        # Two hours without a sample are no harm.
+        hours = np.array([*0.01 * np.arange(20), 7200.0])
+        smooth = a5.trajectory.smooth(a5.trajectory.motion(hours, q), "savgol", 20.0)
+        np.testing.assert_allclose(smooth.position, q, atol=1e-9)

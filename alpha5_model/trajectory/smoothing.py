@@ -42,6 +42,8 @@ DEFAULT_BANDWIDTH = 2.0
 REST_SHARE = 0.002
 #: Noise in velocities hides the direction of slow motion; displacement over this time shows it [s].
 DIRECTION_WINDOW = 0.5
+#: Samples at even times, beyond 100 for each one recorded, that the Savitzky-Golay filter takes.
+_MOST_EVEN = 1_000_000
 #: Least bandwidth as a share of the sample rate: the condition of the spline's equations grows with
 #: its inverse to the fourth power; below this a sine's amplitude is off by more than 0.1 %.
 LEAST_BANDWIDTH = 1e-4
@@ -205,7 +207,8 @@ def savitzky_golay(time: FloatArray, signals: FloatArray, bandwidth: float) -> t
         whole number of samples in the window gives [Hz].
 
     Raises:
-        InputError: The bandwidth asks for a window longer than the motion, or below 5 samples.
+        InputError: The bandwidth asks for a window longer than the motion, or below 5 samples; or
+            gaps so long that even times in between were too many.
     """
     from scipy.signal import savgol_filter
 
@@ -213,6 +216,10 @@ def savitzky_golay(time: FloatArray, signals: FloatArray, bandwidth: float) -> t
     frequency = bandwidth * dt  # in cycles per sample
     # [Schafer2011, eq. 12] is the first guess; the response itself decides, and falls with length.
     guess = ((_DEGREE + 1) / (2 * frequency) + 4.6) / 3.2
+    count = float(np.ceil((time[-1] - time[0]) / dt)) + 1
+    if count > _MOST_EVEN + 100 * time.size:
+        most = f"spline: a gap of the motion takes {count:.3g} samples for even times"
+        raise InputError("smoothing", "savgol", most)
     windows = range(2 * max(2, int(0.8 * guess) - 1) + 1, 2 * int(1.2 * guess) + 7, 2)
     at = bisect_left(windows, -frequency, 1, key=lambda window: -_cutoff(window))
     near = {_cutoff(window): window for window in windows[at - 1 : at + 1]}
