@@ -55,7 +55,7 @@ KERNEL_TESTS = (
 LIBRARY_TESTS = ("tests/test_c_library.py",)
 C_TESTS = (*KERNEL_TESTS, *LIBRARY_TESTS)
 #: Processor time of the tests of one mutant, without it [s].
-BUDGET = 60.0
+BUDGET = 45.0
 #: At most this of one test file at a time [s].
 SHARE = 12.0
 #: What opening one more test file costs [s].
