@@ -25,7 +25,16 @@ MODELS = {
     "diff_uvms": "`edxmorgan/diff_uvms`, `alpha_5_robot.urdf`",
 }
 BEGIN, END = "<!-- public models: begin -->", "<!-- public models: end -->"
-HEAD = ["model", "axis_d [N m]", "axis_c [N m]", "M [kg m²]", "tip [mm]", "findings"]
+HEAD = [
+    "model",
+    "axis_d [N m]",
+    "axis_c [N m]",
+    "M [kg m²]",
+    "tool frame",
+    "tip [mm]",
+    "matched [mm]",
+    "findings",
+]
 BODIES = ["model", "body", "mass [kg]", "COM off by [mm]", "inertia off by [kg mm²]"]
 #: Findings of a model that are told in words, the costliest first.
 TOLD = 4
@@ -36,12 +45,17 @@ def tables(compared: dict[str, Comparison]) -> str:
     errors, bodies, words = [HEAD, ["---"] * len(HEAD)], [BODIES, ["---"] * len(BODIES)], []
     for name, found in compared.items():
         serious = [finding for finding in found.findings if finding.serious]
+        tool = found.tool
+        if tool is None:
+            raise ValueError(f"{name}: {found.verdict}")
         errors.append(
             [
                 MODELS[name],
                 *(f"{error:.3g}" for error in found.gravity_error[1:3]),
                 f"{found.mass_matrix_error:.1g}",
-                f"{found.tip_error * 1e3:.2g}",
+                f"`{tool.frame}`" if tool.frame else "none",
+                f"{found.tip_error * 1e3:.3g}",
+                f"{tool.matched_distance.max() * 1e3:.2g}",
                 str(len(serious)),
             ]
         )

@@ -151,10 +151,11 @@ def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
     for finding in wrong:
         assert finding.instead.startswith("shell: <")
         assert finding.instead.endswith("/> (nothing in motor)")
-        step = 1e-6 if "<origin" in finding.instead else 1e-9  # the digits of Table 2
-        for quoted in re.findall('"([^"]+)"', finding.instead):
-            steps = np.array(quoted.split(), float) / step
-            np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
+        for element in re.findall("<[^>]+>", finding.instead):
+            step = 1e-6 if element.startswith("<origin") else 1e-9  # the digits of Table 2
+            for quoted in re.findall('"([^"]+)"', element):
+                steps = np.array(quoted.split(), float) / step
+                np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
         write_instead(root, finding)
     after = compared(root)
     assert [f.text for f in after.findings if f.serious] == []
@@ -364,7 +365,9 @@ def test_links_that_together_make_a_body_are_explained_together():
 def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     ours = compared(edited(), 5).bodies[2]
     empty = replace(ours, links=(), mass=0.0)
-    (finding,) = findings._of_body(2, empty, [], [], lambda body, mass, moment: body - mass)
+    (finding,) = findings._of_body(
+        2, empty, [], ("", "", ""), [], lambda body, mass, moment: body - mass
+    )
     assert finding == Finding("link_2", "no link of the other model is this body", True, 2.38, "")
 
 
@@ -375,4 +378,6 @@ def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(tmp_
     assert main(["compare", str(path), "--samples", str(SAMPLES)]) == 1
     said = " ".join(capsys.readouterr().out.split())
     gravity = gravity_difference(edited(OTHER_SIDE))
-    assert f"tip 0.800 mm, gravity torque in air {gravity:.4g} N·m, mass matrix 0.0" in said
+    tool = "Tool (frame tcp, in base_link) at the same joint positions: up to 0.800 mm (median "
+    assert f"{tool}0.800 mm) and 0.00 deg off; with signs and zeros matched 0.800 mm" in said
+    assert f"gravity torque in air {gravity:.4g} N·m, mass matrix 0.0" in said

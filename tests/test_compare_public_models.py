@@ -9,6 +9,8 @@ import pytest
 import recordings
 
 from alpha5_model.comparison import compare
+from alpha5_model.comparison.reading import find_chains
+from alpha5_model.description.urdf_reading import read_urdf
 
 MODELS = recordings.RECORDINGS / "models"
 HKOLANO = {f"axis_{axis}": f"r5m_joint{n}" for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)}
@@ -114,3 +116,14 @@ def test_what_is_wrong_with_public_models_is_said_by_name(name):
             assert any(text in one for one in said), (link, text, said)
     costs = [f.cost for f in comparison.findings]
     assert costs == sorted(costs, reverse=True)
+
+
+@pytest.mark.skipif(not MODELS.is_dir(), reason="no public models beside the checkout")
+def test_most_efforts_are_9_newton_metres_but_not_all():
+    efforts = {
+        path.stem: [joint.effort for joint in find_chains(read_urdf(path))[0].joints]
+        for path in sorted(MODELS.glob("*.urdf"))
+    }
+    placeholders = [all(effort == 9.0 for effort in four) for four in efforts.values()]
+    assert sum(placeholders) > len(placeholders) / 2
+    assert efforts["hkolano_blue_rov"] == [9.0, 9.0, 9.0, 5.0]

@@ -476,7 +476,7 @@ x.csv: 77 samples, 3.14 s
   note: below 0.2% of its rated speed a joint is at rest: friction holds it, its motor helps with \
 the least current
   note: friction, at the motor, is a cause of its own; it is in the current, not in the torque
-  note: torque limits are the 9 N·m (jaw rod 10 N) of every public model; no rating is published
+  note: torque limits are the 9 N·m (jaw rod 10 N) of most public models; no rating is published
   note: Table 4's constants contradict each other (K_t/K_v: axis_e 1.155); used here: printed, \
 which leaves -5 J of the electrical energy unexplained
   note: Table 4 does not say whose efficiency eta_max is; taken here for that of the gearbox

@@ -10,6 +10,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from typer import Argument, Option, style
 
 from alpha5_model.cli import options
@@ -220,15 +221,32 @@ def _differences(comparison: Comparison) -> options.Lines:
         rows += [[body.name, "theirs", *map(_cell, theirs)], ["", "ours", *map(_cell, ours)]]
         rows.append(["", "diff", *apart])
     yield from table(rows, "<<>", 1)
-    tip, gravity = comparison.tip_error * 1e3, comparison.gravity_error.max()
-    most = {"tip": tip, "gravity": gravity, "mass_matrix": comparison.mass_matrix_error}
-    yield options.WORDS["compare"]["largest"].format(**most)
+    yield _largest(comparison)
     for found in comparison.findings:
         costs = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
         yield f"{'✗' if found.serious else '·'} {found.where}: {found.text}{costs}"
         if found.instead:
             yield f"  write {found.instead}"
     yield style(comparison.verdict, fg="green" if comparison.agrees else "red")
+
+
+def _largest(comparison: Comparison) -> str:
+    """The largest differences, and where the tool was measured."""
+    words = options.WORDS["compare"]
+    tool = comparison.tool
+    if tool is None:
+        return ""
+    return str(words["largest"]).format(
+        frame=f"frame {tool.frame}" if tool.frame else words["no_tool"],
+        base=tool.base or words["no_base"],
+        tip=tool.distance.max() * 1e3,
+        median=np.median(tool.distance) * 1e3,
+        turned=np.degrees(tool.angle.max()),
+        matched=tool.matched_distance.max() * 1e3,
+        matched_turned=np.degrees(tool.matched_angle.max()),
+        gravity=comparison.gravity_error.max(),
+        mass_matrix=comparison.mass_matrix_error,
+    )
 
 
 def _row(side: dict[str, Any]) -> list[float]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from alpha5_model.checks import count
 from alpha5_model.comparison import arm, findings, reading
-from alpha5_model.comparison.alignment import align, bodies_in_our_frames, their_tips
+from alpha5_model.comparison.alignment import align, bodies_in_our_frames
 from alpha5_model.comparison.records import BodyDifference, Comparison, Finding
+from alpha5_model.comparison.tool import measure_tool
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.parameters import parameters
 
@@ -91,7 +92,6 @@ def compare_robots(
     torques, signs = arm.our_arm().gravity_torque(q), np.outer(alignment.sign, alignment.sign)
     gravity = written.gravity_torque(there, down) * alignment.sign - torques
     inertias = written.mass_matrix(there) * signs - arm.our_arm().mass_matrix(q)
-    tips = np.linalg.norm(arm.our_tips(q) - their_tips(written, alignment, q), axis=1)
     found = list(findings.all_findings(other, theirs, written, alignment, bodies, folder, q))
     found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
     # Further chains of the shape of this arm, such as a second arm on the vehicle.
@@ -100,9 +100,18 @@ def compare_robots(
     mappings = [",".join(map("=".join, n.items())) for n in second]
     found += [findings.finding("second_arm", mapping=mapping) for mapping in mappings]
     carried = {name: other.links[name].mass or 0.0 for name in theirs.carried}
-    errors = float(tips.max()), np.abs(gravity).max(axis=0), float(np.abs(inertias).max())
-    rest = bodies, *errors, theirs.volume or math.nan, carried
-    return Comparison(other.name, tuple(found), named[0], alignment, *rest)
+    return Comparison(
+        name=other.name,
+        findings=tuple(found),
+        joints=named[0],
+        alignment=alignment,
+        bodies=bodies,
+        tool=measure_tool(written, theirs, alignment, q),
+        gravity_error=np.abs(gravity).max(axis=0),
+        mass_matrix_error=float(np.abs(inertias).max()),
+        volume=theirs.volume or math.nan,
+        carried=carried,
+    )
 
 
 def _is_ours(chain: reading.Chain) -> bool:

@@ -1,16 +1,18 @@
 """Fit another model's joint axes to ours, as lines, by least squares.
 
 What is free: where the other base stands, the sign of each joint, the zeros of axis_d and axis_c,
-and those dimensions of the arm that differ. The axes do not show two of the zeros: a shifted zero
-of axis_e is a yaw of the base, one of axis_b a roll of the last body. Frames and bodies decide
-these.
+and those dimensions of the arm that differ. Lines have no direction, so that several alignments
+fit equally well: an arm upside down with every joint reversed, or one whose joint is mounted the
+wrong way round, with all that follows. The axes do not show two of the zeros either: a shifted
+zero of axis_e is a yaw of the base, one of axis_b a roll of the last body. Bodies, collision
+shapes, the base frame and the tool frame decide these.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,12 +28,19 @@ from alpha5_model.spatial import moved, rotation_about, transform, wrap
 #: that follow each other, the offset of the elbow along axis_d, and its tilt (parallel axes have no
 #: twist about their second direction).
 DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
-#: A frame that lies closer to ours than this was meant to be the same one.
-SAME_FRAME, SAME_TILT = 0.005, 0.02  # [m], [rad]
+#: A frame that lies closer to our base_link than this was meant to be the same one; 0.1 m are taken
+#: for a radian of tilt. So was one in which the COM of link_0 lies as close to ours.
+SAME_FRAME, SAME_COM = 0.05, 0.02  # [m]
+#: A smaller zero is no oddity.
+SAME_ZERO = 0.005  # [rad]
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
 #: Smaller differences are no findings: of the axes, and of their angles, at arm's length 0.03 mm.
 LENGTH_TOLERANCE, ANGLE_TOLERANCE = 1e-5, 1e-4  # [m], [rad]
+#: How many alignments are fitted, the likeliest of those that fit as lines.
+FITTED = 8
+#: Bodies, tools and shapes that lie farther off than this speak as loudly as they can.
+ELSEWHERE = 0.05  # [m]
 #: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
 POSITIONS = 10
 #: The first axis that each unknown moves.
@@ -53,6 +62,7 @@ class Alignment:
             angle [rad].
         base_link: The link of theirs whose frame comes closest to our base_link.
         stands: Pose of that frame in our base_link, (4, 4).
+        same_base: Whether that frame was meant to be our base_link.
         exact: The same with all dimensions fitted, also those that the printed digits explain; None
             in itself.
     """
@@ -64,19 +74,13 @@ class Alignment:
     residual: tuple[float, float] = (math.nan, math.nan)
     base_link: str = ""
     stands: FloatArray = field(default_factory=lambda: np.eye(4))
+    same_base: bool = False
     exact: Alignment | None = None
-
-    @property
-    def same_base(self) -> bool:
-        """Whether a link's frame was meant to be our base_link, up to its height and yaw."""
-        lateral = float(np.hypot(*self.stands[:2, 3]))
-        height, up = abs(self.stands[2, 3]), self.stands[2, 2]
-        return max(lateral, height) < SAME_FRAME and math.acos(min(1.0, up)) < SAME_TILT
 
     @property
     def oddities(self) -> int:
         """Number of turned signs and shifted zeros."""
-        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_FRAME).sum())
+        return int((self.sign < 0).sum() + (np.abs(self.zero) > SAME_ZERO).sum())
 
     def changes(self) -> dict[str, float]:
         """The dimensions that differ, theirs minus ours [m, rad]."""
@@ -93,22 +97,34 @@ def align(theirs: FourJointArm) -> Alignment:
 
     Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as they can.
     The dimensions that are then still off by more than the printed digits allow are fitted too: an
-    offset must not look like a shifted zero. An arm upside down with every joint reversed has the
-    same axes; of alignments that fit equally well, the one with the fewest oddities is taken.
+    offset must not look like a shifted zero. Of alignments that fit equally well, the one with the
+    fewest oddities is taken, see `_oddities`.
     """
-    signs = map(np.array, itertools.product((1.0, -1.0), repeat=4))
-    starts = [closed_form(theirs, sign) for sign in signs]
-    errors = [np.sqrt(np.square(difference(theirs, start)[0]).mean()) for start in starts]
+    starts = [closed_form(theirs, *choice) for choice in _directions()]
+    errors = [_line_error(theirs, start) for start in starts]
     # Where a direction is reversed no dimension helps.
-    close = [s for s, e in zip(starts, errors, strict=True) if e <= max(REVERSED, 2 * min(errors))]
+    most = max(REVERSED, 2 * min(errors))
+    close = [s for s, e in zip(starts, errors, strict=True) if e <= most]
     # With all dimensions free the axes coincide: each dimension shows its own error only.
     within = np.repeat(allowed(theirs), 4)
-    fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in close]
-    exact = min(fits, key=lambda one: _oddities(theirs, one, within))
+
+    def odd(one: Alignment) -> float:
+        return _oddities(theirs, one, within)
+
+    likely = sorted((_with_base_link(theirs, start) for start in close), key=odd)[:FITTED]
+    fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in likely]
+    exact = min(fits, key=odd)
     wrong = np.abs(exact.dimensions) > within
     best = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
     best = _with_base_link(theirs, fit(theirs, best, [*range(8), *(8 + np.flatnonzero(wrong))]))
     return replace(_settle_zeros(theirs, best), exact=_settle_zeros(theirs, exact))
+
+
+def _directions() -> Iterator[Pair]:
+    """Signs of the joints, (4,), and dimensions, (8,), with any of the twists turned by pi."""
+    for sign in itertools.product((1.0, -1.0), repeat=4):
+        for turned in itertools.product((0.0, math.pi), repeat=3):
+            yield np.array(sign), np.array([0.0] * 4 + [*turned, 0.0])
 
 
 def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]:
@@ -131,10 +147,28 @@ def without_zero(theirs: FourJointArm, alignment: Alignment, joint: int) -> floa
 
 
 def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
-    """The link between root and axis_e whose frame comes closest to our base_link."""
+    """The link between root and axis_e that comes closest to being our base_link.
+
+    By its frame, or by the COM of link_0 in it, if axis_e stands elsewhere. Of frames that could all
+    be meant, one that is called so.
+    """
     poses = {name: alignment.base @ theirs.link_poses[name] for name in theirs.base_path}
-    name = min(poses, key=lambda n: round(_distance(poses[n]) - 1e-3 * poses[n][0, 0], 6))
-    return replace(alignment, base_link=name, stands=poses[name])
+    off = {name: _distance(pose) for name, pose in poses.items()}
+    same = {name: far < SAME_FRAME for name, far in off.items()}
+    if theirs.mass[0]:
+        for name in poses:
+            back: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
+            com = float(np.linalg.norm(moved(back, theirs.com[0]) - our_arm().com[0]))
+            if com < SAME_COM:
+                off[name] = min(off[name], SAME_FRAME + com)
+                same[name] = True
+
+    def likely(name: str) -> tuple[bool, float]:
+        named = same[name] and name.lower().endswith(("base", "base_link"))
+        return not named, round(off[name] - 1e-3 * poses[name][0, 0], 6)
+
+    name = min(poses, key=likely)
+    return replace(alignment, base_link=name, stands=poses[name], same_base=same[name])
 
 
 def _distance(pose: FloatArray) -> float:
@@ -145,36 +179,51 @@ def _distance(pose: FloatArray) -> float:
 def _oddities(theirs: FourJointArm, alignment: Alignment, within: FloatArray) -> float:
     """How unlikely an alignment is: everything that somebody must have changed in the model.
 
-    A turned sign, a shifted zero count one, a wrong dimension four, a base that stands elsewhere or
-    upside down up to six, bodies elsewhere up to four.
+    A turned sign, a shifted zero count one, a wrong dimension four, one to the other side two, a base
+    that stands elsewhere or upside down up to six. Bodies elsewhere count up to four together, and
+    so do collision shapes; a tool frame up to six.
     """
     base = min(6.0, 30 * _distance(alignment.stands))
-    com = bodies_in_our_frames(theirs, alignment)[0][2:] - our_arm().com[2:]
-    bodies = 4 * np.minimum(1.0, np.linalg.norm(com, axis=1) / 0.05).mean()
-    changed = 4 * (np.abs(alignment.dimensions) > within).sum()
-    return float(alignment.oddities + base + changed + bodies)
+    wrong = np.abs(alignment.dimensions) > within
+    # A distance to the other side is one joint mounted the wrong way round.
+    lengths = [row.a for row in parameters().dh[:3]]
+    mirrored = np.isclose(alignment.dimensions[:3], np.multiply(-2, lengths), atol=5e-3)
+    changed = 4 * wrong.sum() - 2 * mirrored.sum()
+    transforms = body_transforms(theirs, alignment)
+    ours = our_arm()
+    bodies = moved(transforms, theirs.com) - ours.com
+    shapes = moved(transforms, theirs.shape_centres) - ours.shape_centres
+    odd = alignment.oddities + base + changed
+    odd += 4 * _elsewhere(bodies[2:][theirs.mass[2:] > 0])
+    odd += 4 * _elsewhere(shapes[1:][np.isfinite(shapes[1:, 0])])
+    if theirs.tool:
+        tool = moved(transforms[4], theirs.link_poses[theirs.tool][:3, 3])
+        odd += 6 * _elsewhere(tool[None] - ours.link_poses[ours.tool][:3, 3])
+    return float(odd)
+
+
+def _elsewhere(off: FloatArray) -> float:
+    """How far off points (N, 3) are on average, from 0 to 1; 0 without any."""
+    if not len(off):
+        return 0.0
+    return float(np.minimum(1.0, np.linalg.norm(off, axis=1) / ELSEWHERE).mean())
 
 
 def _settle_zeros(theirs: FourJointArm, alignment: Alignment) -> Alignment:
-    """Zeros of axis_e and axis_b: where the frames stand turned, and the bodies fit with them."""
+    """Zeros of axis_e and axis_b: as the base frame stands, and as the last body fits."""
     sign, zero = alignment.sign, alignment.zero
-    if alignment.same_base and theirs.mass[0]:
-        yaw = _yaw(alignment)
+    if alignment.same_base:
+        yaw = math.atan2(alignment.stands[1, 0], alignment.stands[0, 0])
         back = transform(rotation_about(Z, -yaw))
         base, stands = back @ alignment.base, back @ alignment.stands
-        turned = replace(alignment, base=base, stands=stands, zero=zero + sign * [yaw, 0, 0, 0])
-        alignment = min(turned, alignment, key=lambda a: _body_errors(theirs, a)[0])
+        zero = zero + sign * [yaw, 0, 0, 0]
+        alignment = replace(alignment, base=base, stands=stands, zero=zero)
     seen = body_transforms(theirs, alignment)[4]
     roll = math.atan2(seen[1, 0], seen[0, 0])
     turned = replace(alignment, zero=alignment.zero - sign * [0, 0, 0, roll])
     if 4 * _body_errors(theirs, turned)[4] < _body_errors(theirs, alignment)[4]:
         alignment = turned
     return replace(alignment, zero=wrap(alignment.zero))
-
-
-def _yaw(alignment: Alignment) -> float:
-    """By how much their base_link is turned about our axis_e [rad]."""
-    return math.atan2(alignment.stands[1, 0], alignment.stands[0, 0])
 
 
 def _body_errors(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
@@ -200,8 +249,7 @@ def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     there = alignment.base @ theirs.poses(alignment.zero)
     transforms: FloatArray = np.linalg.inv(zero_poses(alignment.dimensions)) @ there
     if alignment.same_base:
-        base = theirs.link_poses[alignment.base_link]
-        transforms[0] = transform(rotation_about(Z, _yaw(alignment))) @ np.linalg.inv(base)
+        transforms[0] = np.linalg.inv(theirs.link_poses[alignment.base_link])
         held = np.stack([transforms[1]] * 2)
         held[0, 2, 3] -= alignment.stands[2, 3]
         off = np.linalg.norm(moved(held, theirs.com[1]) - our_arm().com[1], axis=1)
@@ -209,15 +257,21 @@ def body_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     return transforms
 
 
-def their_tips(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> FloatArray:
-    """The same point of the other arm, (N, 3) [m], which needs no named frame of it.
+def mended_transforms(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+    """The same once the joints are written as ours: each body's axis lies exactly on ours."""
+    transforms = body_transforms(theirs, alignment)
+    for body, axis in enumerate(alignment.sign[:, None] * theirs.axes, start=1):
+        transforms[body] = _on_axis(transforms[body], axis)
+    return transforms
 
-    Where a link was meant to be our base_link, the arms are mounted by it.
-    """
-    tips, stands = arm.tip_points(*their_lines(theirs, alignment, q)), alignment.stands
-    if alignment.same_base:
-        tips = (tips - stands[:3, 3]) @ stands[:3, :3] @ rotation_about(Z, -_yaw(alignment))
-    return tips
+
+def _on_axis(pose: FloatArray, axis: FloatArray) -> FloatArray:
+    """The pose, moved as little as possible, so that its axis (3,) lies on our z axis, (4, 4)."""
+    seen = pose[:3, :3] @ axis
+    across = np.cross(seen, Z)
+    sine = float(np.linalg.norm(across))
+    turn = rotation_about(across / sine, math.atan2(sine, seen[2])) if sine > 1e-15 else np.eye(3)
+    return transform(turn @ pose[:3, :3], [0.0, 0.0, pose[2, 3]])
 
 
 def fit(theirs: FourJointArm, start: Alignment, free: Iterable[int]) -> Alignment:
@@ -250,6 +304,15 @@ def _changed(alignment: Alignment, change: FloatArray) -> Alignment:
     base[:3, 3] += change[3:6]
     zero = alignment.zero + np.array([0.0, change[6], change[7], 0.0])
     return replace(alignment, base=base, zero=zero, dimensions=alignment.dimensions + change[8:])
+
+
+def _line_error(theirs: FourJointArm, alignment: Alignment) -> float:
+    """Root mean square of `difference`, from fewer positions."""
+    q = arm.random_positions(POSITIONS)[:4]
+    frames = our_frames(q, alignment.dimensions)
+    points, heading = their_lines(theirs, alignment, q)
+    moments = _cross(points, heading) - _cross(frames[..., :3, 3], frames[..., :3, 2])
+    return math.sqrt(np.square([moments, heading - frames[..., :3, 2]]).mean())
 
 
 def difference(theirs: FourJointArm, alignment: Alignment) -> Pair:
@@ -293,16 +356,16 @@ def their_lines(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Pa
     return points @ rotation.T + shift, directions @ rotation.T * alignment.sign[:, None]
 
 
-def closed_form(theirs: FourJointArm, sign: FloatArray) -> Alignment:
-    """The alignment with these signs that is exact where the shapes agree.
+def closed_form(theirs: FourJointArm, sign: FloatArray, dimensions: FloatArray) -> Alignment:
+    """The alignment with these signs and dimensions that is exact where the shapes agree.
 
     The first two axes, which cross at a right angle, place the base. Turning about axis_d brings
     axis_c to its side of the shoulder, turning about axis_c the wrist into its direction.
     """
     zero = np.zeros(4)
-    frames = our_frames(zero)
+    frames = our_frames(zero, dimensions)
     points, directions = frames[:, :3, 3], frames[:, :3, 2]
-    out = Alignment(sign=sign)
+    out = Alignment(sign=sign, dimensions=dimensions)
     there, heading = their_lines(theirs, out, zero)
     turn = _frame(directions) @ _frame(heading).T
     shift = foot(points, directions, 0, 1) - turn @ foot(there, heading, 0, 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
@@ -22,6 +24,8 @@ from alpha5_model.spatial import moved, rotation_about, transform
 #: What a lighter link on the way to axis_e is: a dummy of the arm's base, not something that
 #: carries it.
 CARRIED_FROM = 0.02  # [kg], a tenth of link_0
+#: What tool frames are called, the likeliest first.
+TOOL_WORDS = ("tcp", "tool", "tip", "grasp", "effector", "eef", "ee")
 X, Y, Z = np.eye(3)
 DOWN = np.array(GRAVITY)  # [m/s^2]
 #: Change of our dimensions, see `alpha5_model.comparison.alignment.DIMENSIONS`.
@@ -45,12 +49,14 @@ class FourJointArm:
         com: Per body, in its frame, (5, 3) [m].
         inertia: Per body, at the COM, in its frame's axes, (5, 3, 3) [kg m^2].
         volume: Of all collision primitives [m^3].
+        shape_centres: Their centroid per body, in its frame, (5, 3) [m]; NaN without any.
         links: Names of the links that make up each body.
         link_poses: Link -> its pose in the frame of its body, (4, 4).
         base_path: Links from the root to the one that axis_e turns in.
         carried: Links that move with the base and are not the arm's: vehicle, platform, mount,
             another arm. They are in no body.
         digits: What the digits of the printed origins leave open, see `last_digits`.
+        tool: Name of the link whose frame is the tool's, see `_tool_link`; empty if none is.
     """
 
     joints: Joints
@@ -60,11 +66,13 @@ class FourJointArm:
     com: FloatArray
     inertia: FloatArray
     volume: float
+    shape_centres: FloatArray
     links: tuple[tuple[str, ...], ...]
     link_poses: dict[str, FloatArray]
     base_path: tuple[str, ...]
     carried: tuple[str, ...]
     digits: tuple[float, float, float]
+    tool: str
 
     def poses(self, q: FloatArray) -> FloatArray:
         """Poses of the bodies in the root frame, (..., 5, 4, 4), at its own angles q (..., 4)."""
@@ -161,10 +169,16 @@ def our_frames(q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
 
 def zero_poses(change: FloatArray) -> FloatArray:
     """Poses of our bodies at zero, (5, 4, 4), each with its own joint, with changed dimensions."""
-    before, after = our_frames(np.zeros(4)), our_frames(np.zeros(4), change)
     poses = our_arm().poses(np.zeros(4))
-    poses[1:] = after @ np.linalg.inv(before) @ poses[1:]
+    poses[1:] = our_frames(np.zeros(4), change) @ _bodies_in_frames()
     return poses
+
+
+@cache
+def _bodies_in_frames() -> FloatArray:
+    """Poses of our bodies 1 to 4 in the DH frames of `our_frames`, (4, 4, 4)."""
+    zero = np.zeros(4)
+    return np.asarray(np.linalg.inv(our_frames(zero)) @ our_arm().poses(zero)[1:])
 
 
 def with_dimensions(change: FloatArray) -> FourJointArm:
@@ -226,9 +240,52 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
             mass[i], com[i], inertia[i] = combine(*zip(*seen, strict=True))
     volume = sum(robot.links[name].volume for group in groups for name in group)
     digits = last_digits([j for j in robot.joints.values() if j.child in between])
-    shape = joints, np.array(placements), np.array([joint.axis for joint in joints])
-    links, others = tuple(map(tuple, groups)), tuple(name for name in still if name not in own)
-    return FourJointArm(*shape, mass, com, inertia, volume, links, pose, base_path, others, digits)
+    return FourJointArm(
+        joints=joints,
+        placements=np.array(placements),
+        axes=np.array([joint.axis for joint in joints]),
+        mass=mass,
+        com=com,
+        inertia=inertia,
+        volume=volume,
+        shape_centres=np.array([_shape_centre(robot, pose, group) for group in groups]),
+        links=tuple(map(tuple, groups)),
+        link_poses=pose,
+        base_path=base_path,
+        carried=tuple(name for name in still if name not in own),
+        digits=digits,
+        tool=_tool_link(robot, joints[-1].child),
+    )
+
+
+def _shape_centre(robot: UrdfRobot, pose: Mapping[str, FloatArray], group: list[str]) -> FloatArray:
+    """Centroid of the collision primitives of links that move together, (3,) [m]; NaN if none."""
+    links = [robot.links[name] for name in group if robot.links[name].volume > 0]
+    if not links:
+        return np.full(3, math.nan)
+    centres = [moved(pose[link.name], link.shape_centre) for link in links]
+    return np.average(centres, axis=0, weights=[link.volume for link in links])
+
+
+def _tool_link(robot: UrdfRobot, wrist: str) -> str:
+    """The link fixed to the wrist's whose name says that its frame is the tool's; empty if none.
+
+    Of several the one with the likeliest word, then the outermost.
+    """
+    steps = {wrist: 0}
+    for joint in robot.joints.values():
+        if joint.kind == "fixed" and joint.parent in steps:
+            steps[joint.child] = steps[joint.parent] + 1
+    ranked = [(_tool_rank(name), -count, name) for name, count in steps.items() if count]
+    rank, _, name = min(ranked, default=(len(TOOL_WORDS), 0, ""))
+    return name if rank < len(TOOL_WORDS) else ""
+
+
+def _tool_rank(name: str) -> int:
+    """Place in `TOOL_WORDS` of the first of them in a name."""
+    words = re.split(r"[^a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower())
+    found = [rank for rank, word in enumerate(TOOL_WORDS) if word in words and "base" not in words]
+    return min(found, default=len(TOOL_WORDS))
 
 
 def carried(body: Any, pose: FloatArray) -> tuple[Any, FloatArray, FloatArray]:

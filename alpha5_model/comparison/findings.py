@@ -4,29 +4,40 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison import alignment as aligned
 from alpha5_model.comparison import diagnosis, reading
 from alpha5_model.comparison.alignment import ANGLE_TOLERANCE, LENGTH_TOLERANCE, Alignment, allowed
-from alpha5_model.comparison.arm import FourJointArm, our_arm, our_tips, with_dimensions
+from alpha5_model.comparison.arm import FourJointArm, Z, carried, our_arm, our_tips, with_dimensions
+from alpha5_model.comparison.correction import (
+    LEVER,
+    LIMIT_TOLERANCE,
+    JointCorrection,
+    angle_between,
+    in_degrees,
+    joint_corrections,
+    our_tool,
+    tool_correction,
+    tool_pose,
+)
 from alpha5_model.comparison.diagnosis import Inertial
 from alpha5_model.comparison.records import BodyDifference, Finding
 from alpha5_model.description.urdf_reading import UrdfRobot
 from alpha5_model.inertia import inconsistencies, rotate_tensor
 from alpha5_model.parameters import LinkParameters, parameters
-from alpha5_model.spatial import moved, rotation_about, rpy_from_rotation, wrap
+from alpha5_model.spatial import moved, rotation_about, wrap
 
 FINDINGS: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-#: Limits are printed here to a tenth of a degree.
-LIMIT_TOLERANCE = math.radians(0.1)
+#: The collar of the jaws begins this far from axis_c, by the manufacturer's CAD; a tool frame between
+#: it and the finger tips, this close to the axis and with axes this close to ours, is a choice.
+JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
 #: Of Table 3's whole volume; its digits allow 5 * 0.5 mL of 573 mL.
 VOLUME_TOLERANCE = 5e-3
 #: A COM of link_0 this close to ours settles the zero of axis_e.
@@ -69,28 +80,45 @@ def all_findings(
         folder: Where its meshes are, if it has one.
         q: Our joint positions, (N, 4), at which costs are taken [rad].
     """
+    corrections = joint_corrections(written, theirs, alignment)
+    lines = [correction.text for correction in corrections]
+    axes = [*_shoulder(theirs, alignment, lines)]
+    axes += _zeros(theirs, alignment, q, lines)
+    axes += _dimensions(theirs, alignment, q, lines)
+    tool = [tool_correction(other, theirs, alignment)] if theirs.tool else []
+    axes += _tool(theirs, alignment, tool)
+    rest = [
+        one for one in (*corrections, *tool) if not any(one.text in found.instead for found in axes)
+    ]
     yield from _mount(other, theirs, alignment)
-    yield from _shoulder(theirs, alignment)
-    yield from _zeros(theirs, alignment, q)
-    yield from _dimensions(theirs, alignment, q)
-    apart = aligned.their_tips(theirs, alignment, q) - aligned.their_tips(written, alignment, q)
-    yield from _digits(theirs, alignment, apart)
-    yield from _limits(theirs, alignment)
+    yield from axes
+    yield from _rest(theirs, written, alignment, q, rest)
+    yield from _limits(corrections, alignment)
     yield from _mimics(other)
     transforms = aligned.body_transforms(theirs, alignment)
+    mended = aligned.mended_transforms(theirs, alignment)
+    mended_com = carried(theirs, mended)[1]
     regressor = our_arm().gravity_regressor(q)
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
         # no joint carries the base: it costs nothing
         return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
 
+    def seen(body: BodyDifference, transform: FloatArray) -> list[Inertial]:
+        placed = [(other.links[n], transform @ theirs.link_poses[n]) for n in body.links]
+        return [Inertial(x.name, x.mass or 0.0, x.com, x.inertia, pose) for x, pose in placed]
+
     for i, body in enumerate(bodies):
-        placed = [(other.links[n], transforms[i] @ theirs.link_poses[n]) for n in body.links]
-        by_link = [Inertial(x.name, x.mass or 0.0, x.com, x.inertia, pose) for x, pose in placed]
+        by_link = seen(body, transforms[i])
         # on a root, nothing is what KDL wants
         links = [name for name in body.links if name != other.root or not body.mass]
         bare = [name for name in links if other.links[name].mass is None]
-        yield from _of_body(i, body, by_link, bare, cost)
+        instead = _instead(body.ours, seen(body, mended[i])) if by_link else ("", "", "")
+        found = list(_of_body(i, body, by_link, instead, bare, cost))
+        yield from found
+        off = float(np.linalg.norm(mended_com[i] - body.ours.com))
+        if body.mass and off > COM_TOLERANCE and not any("<origin" in f.instead for f in found):
+            yield finding("digits.of_body", body.name, off=off * 1e3, line=instead[1])
     yield from _files(other, theirs, folder)
 
 
@@ -112,19 +140,24 @@ def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iter
         yield finding("carried", names=names, excess=excess)
 
 
-def _shoulder(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
+def _shoulder(
+    theirs: FourJointArm, alignment: Alignment, lines: Sequence[str]
+) -> Iterator[Finding]:
     """Where the link that was meant to be base_link stands below the shoulder."""
     if not alignment.same_base:
         return
     length, angle = allowed(theirs, short_pi=True)
     (x, y, z), link = alignment.stands[:3, 3] * 1e3, alignment.base_link
-    beside, tilt = math.hypot(x, y), math.acos(min(1.0, alignment.stands[2, 2]))
-    if abs(z) > length * 1e3:
-        d, joint = parameters().dh[0].d * 1e3, theirs.joints[1].name
-        words = {"link": link, "joint": joint, "way": "lower" if z < 0 else "higher"}
-        yield finding("height", d=d, above=d - z, off=abs(z), **words)
+    beside = math.hypot(x, y)
+    tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
+    instead = "; ".join(filter(None, lines[:2]))
     if beside > length * 1e3 or tilt > angle:
-        yield finding("beside", beside=beside, link=link, tilt=math.degrees(tilt))
+        words = {"link": link, "tilt": math.degrees(tilt), "line": instead}
+        yield finding("beside", beside=beside, **words)
+    elif abs(z) > length * 1e3:
+        d = parameters().dh[0].d * 1e3
+        words = {"link": link, "way": "lower" if z < 0 else "higher", "line": instead}
+        yield finding("height", d=d, above=d - z, off=abs(z), **words)
 
 
 def _torque_change(arm: FourJointArm, there: FloatArray, q: FloatArray) -> float:
@@ -132,30 +165,38 @@ def _torque_change(arm: FourJointArm, there: FloatArray, q: FloatArray) -> float
     return float(np.abs(arm.gravity_torque(there) - our_arm().gravity_torque(q)).max())
 
 
-def _zeros(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
+def _zeros(
+    theirs: FourJointArm, alignment: Alignment, q: FloatArray, lines: Sequence[str]
+) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)[1]
-    for j, (axis, joint) in enumerate(zip(reading.AXES, theirs.joints, strict=True)):
+    for j, axis in enumerate(reading.AXES):
         here, zero = np.arange(4) == j, float(alignment.zero[j])
         if alignment.sign[j] < 0:
             cost = round(_torque_change(our_arm(), np.where(here, -q, q), q), 9)
-            yield finding("reversed", axis, cost, joint=joint.name, axis=_numbers(-joint.axis))
+            yield finding("reversed", axis, cost, line=lines[j])
         if abs(zero) <= within:
             continue
-        name, words = "zero", {"joint": joint.name, "shift": math.degrees(zero)}
+        name, words = "zero", {"line": lines[j], "shift": math.degrees(zero)}
         if j in (1, 2):
             name, words["fit"] = "zero.fitted", _fit(alignment)
             words["without"] = aligned.without_zero(theirs, alignment, j) * 1e3
-        elif j == 0:
-            com = aligned.bodies_in_our_frames(theirs, alignment)[0][0]
-            if np.linalg.norm(com - our_arm().com[0]) >= SAME_COM:
-                name = "zero.or_base"
-        turned = rpy_from_rotation(joint.transform[:3, :3] @ rotation_about(joint.axis, zero))
-        words["xyz"], words["rpy"] = _numbers(joint.transform[:3, 3]), _numbers(turned)
+        elif j == 0 and not _base_is_known(theirs, alignment):
+            name = "zero.or_base"
         cost = round(_torque_change(our_arm(), q - alignment.sign * zero * here, q), 9)
         yield finding(name, axis, cost, **words)
 
 
-def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Iterator[Finding]:
+def _base_is_known(theirs: FourJointArm, alignment: Alignment) -> bool:
+    """Whether link_0 fits to the base frame far better than to one that is turned by the zero."""
+    com = aligned.bodies_in_our_frames(theirs, alignment)[0][0]
+    turned = rotation_about(Z, alignment.sign[0] * alignment.zero[0]) @ com
+    here, there = (float(np.linalg.norm(at - our_arm().com[0])) for at in (com, turned))
+    return bool(theirs.mass[0]) and (here < SAME_COM or 3 * here < there)
+
+
+def _dimensions(
+    theirs: FourJointArm, alignment: Alignment, q: FloatArray, lines: Sequence[str]
+) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)
     for k, (name, change) in enumerate(zip(aligned.DIMENSIONS, alignment.dimensions, strict=True)):
         if abs(change) <= within[k >= 4]:
@@ -165,22 +206,77 @@ def _dimensions(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> It
         kind, _, index = name.partition("_")
         scale, unit = (1e3, "mm") if k < 4 else (180 / math.pi, "deg")
         ours = getattr(parameters().dh[int(index)], kind, 0.0) * scale
-        words = {"theirs": ours + change * scale, "ours": ours, "unit": unit, "off": off}
+        seen = ours + change * scale
+        if k >= 4:
+            seen = float(wrap(math.radians(seen), math.radians(ours)) * scale)
+        words = {"theirs": seen, "ours": ours, "unit": unit, "off": off}
         cost = _torque_change(with_dimensions(only), q, q)
-        yield finding(f"dimension.{name}", "", cost, name=name, **words)
+        yield finding(f"dimension.{name}", "", cost, line=lines[int(index) + 1], **words)
 
 
-def _digits(theirs: FourJointArm, alignment: Alignment, apart: FloatArray) -> Iterator[Finding]:
-    """What the number of printed digits does to the axes and tips (N, 3) [m]: remarks only."""
-    if (off := float(np.linalg.norm(apart, axis=1).max())) > LENGTH_TOLERANCE:
-        yield finding("digits.of_pi", off=off * 1e3)
+def _rest(
+    theirs: FourJointArm,
+    written: FourJointArm,
+    alignment: Alignment,
+    q: FloatArray,
+    rest: Sequence[JointCorrection],
+) -> Iterator[Finding]:
+    """What the number of printed digits does, and joints that no other finding mends.
+
+    Args:
+        rest: Of the joints that no other finding mends.
+    """
     length, angle = allowed(theirs, short_pi=True)
+    moved = [one for one in rest if one.off > LENGTH_TOLERANCE]
+    for one in [one for one in moved if one.off > 3 * (length + LEVER * angle)]:
+        moved.remove(one)
+        axis = one.ours.name if one.ours else "tool"
+        yield finding("misplaced", axis, off=one.off * 1e3, line=one.text)
+    instead = "; ".join(one.text for one in moved)
+
+    there = alignment.theirs(q)
+    tips = (arm.poses(there)[:, 4, :3, 3] for arm in (theirs, written))
+    off = float(np.linalg.norm(np.subtract(*tips), axis=1).max())
+    if off > LENGTH_TOLERANCE:
+        yield finding("digits.of_pi", off=off * 1e3, line=instead)
     pairs = zip(reading.AXES[1:3], alignment.zero[1:3], strict=True)
     seen = [(axis, math.degrees(x)) for axis, x in pairs if ANGLE_TOLERANCE < abs(x) <= angle]
     zeros = "".join(f", zero of {axis} {zero:.2f} deg" for axis, zero in seen)
-    if alignment.residual[0] > LENGTH_TOLERANCE or zeros:
+    if alignment.residual[0] > LENGTH_TOLERANCE or zeros or (moved and off <= LENGTH_TOLERANCE):
         words = {"length": length * 1e3, "angle": math.degrees(angle), "zeros": zeros}
-        yield finding("digits", fit=_fit(alignment), **words)
+        line = "" if off > LENGTH_TOLERANCE else instead
+        yield finding("digits", fit=_fit(alignment), line=line, **words)
+
+
+def _tool(
+    theirs: FourJointArm, alignment: Alignment, corrections: Sequence[JointCorrection]
+) -> Iterator[Finding]:
+    """Where the frame of their tool stands in link_4, if they have one.
+
+    Args:
+        corrections: Of the joint that carries it, if there is one.
+    """
+    if not corrections:
+        return
+    ours, seen = our_tool(), tool_pose(theirs, alignment)
+    relative = np.linalg.inv(ours) @ seen
+    off, turned = float(np.linalg.norm(relative[:3, 3])), angle_between(ours, seen)
+    length, angle = allowed(theirs, short_pi=True)
+    if off <= length and turned <= angle:
+        return
+    at = seen[:3, 3]
+    # Another point of the gripper, and axes that are named otherwise, are a choice.
+    ends = parameters().links[4].bounds[2, 0], -JAWS_FROM
+    on_gripper = math.hypot(*at[:2]) < BESIDE + length and ends[0] <= at[2] <= ends[1]
+    choice = (on_gripper or off <= length) and _axes_are_a_choice(seen, TURNED + angle)
+    words = {"x": at[0] * 1e3, "y": at[1] * 1e3, "z": at[2] * 1e3, "frame": theirs.tool}
+    yield finding(
+        "tool.choice" if choice else "tool",
+        off=off * 1e3,
+        turned=math.degrees(turned),
+        line=corrections[0].text,
+        **words,
+    )
 
 
 def _fit(alignment: Alignment) -> FloatArray:
@@ -188,37 +284,55 @@ def _fit(alignment: Alignment) -> FloatArray:
     return np.multiply(alignment.residual, (1e3, 180 / math.pi))
 
 
-def _numbers(values: ArrayLike) -> str:
-    return " ".join(f"{x + 0.0:.7g}" for x in np.round(np.asarray(values), 7))
+def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
+    """Whether one axis of a frame in link_4 lies along the wrist, at a roll of n * 30 deg."""
+    along = np.abs(tool[2, :3])
+    axis = int(along.argmax())
+    other = tool[:3, (axis + 1) % 3]
+    roll = math.atan2(other[1], other[0])
+    step = math.radians(30)
+    straight = math.acos(min(1.0, float(along[axis]))) < within
+    return straight and abs(roll - step * round(roll / step)) < within
 
 
-def _limits(theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
-    rows = zip(parameters().joints, theirs.joints, alignment.sign, alignment.zero, strict=False)
-    for ours, joint, sign, zero in rows:
-        name, words = "limits.none", dict[str, FloatArray]()
+def _limits(corrections: Sequence[JointCorrection], alignment: Alignment) -> Iterator[Finding]:
+    for one, sign, zero in zip(corrections, alignment.sign, alignment.zero, strict=True):
+        joint, ours = one.joint, one.ours
+        if ours is None:
+            continue
+        words: dict[str, Any] = {"line": one.text}
+        lower, upper = joint.lower, joint.upper
+        if in_degrees(joint.velocity, ours.velocity):
+            words |= {"theirs": joint.velocity, "ours": math.degrees(ours.velocity)}
+            yield finding("limits.velocity_in_degrees", ours.name, **words)
+        if lower is None or upper is None:
+            yield finding("limits.none", ours.name, **words)
+            continue
+        if in_degrees(upper - lower, ours.upper - ours.lower):
+            words |= {"theirs": (lower, upper), "ours": np.degrees([ours.lower, ours.upper])}
+            yield finding("limits.in_degrees", ours.name, **words)
+            continue
         printed = np.array([ours.lower, ours.upper])
-        meant = np.sort(zero + sign * printed)
-        if joint.lower is not None and joint.upper is not None:
-            ends = np.sort(sign * (np.array([joint.lower, joint.upper]) - zero))
-            # Their range lies within a turn of ours, whatever turn its zero was counted in.
-            turns = float(wrap(ends.mean(), printed.mean()) - ends.mean())
-            ends, meant = ends + turns, meant - sign * turns
-            if np.abs(ends - printed).max() <= LIMIT_TOLERANCE:
-                continue
-            name, words = "limits", {"theirs": np.degrees(ends), "ours": np.degrees(printed)}
-        yield finding(name, ours.name, joint=joint.name, low=meant[0], high=meant[1], **words)
+        ends = np.sort(sign * (np.array([lower, upper]) - zero))
+        # Their range lies within a turn of ours, whatever turn its zero was counted in.
+        ends = ends + float(wrap(ends.mean(), printed.mean()) - ends.mean())
+        if np.abs(ends - printed).max() > LIMIT_TOLERANCE:
+            words |= {"theirs": np.degrees(ends), "ours": np.degrees(printed)}
+            yield finding("limits", ours.name, **words)
 
 
 def _mimics(other: UrdfRobot) -> Iterator[Finding]:
     """Joints that their leader drives beyond their own limits."""
+    advised: dict[str, FloatArray] = {}
     for joint in other.joints.values():
         leader = other.joints.get(joint.mimic or "")
         if leader is None or None in (leader.lower, leader.upper, joint.lower, joint.upper):
             continue
-        travel = np.array([leader.lower, leader.upper], float)
+        travel = advised.get(leader.name, np.array([leader.lower, leader.upper], float))
         low, high = np.sort(joint.multiplier * travel + joint.offset)
         beyond = max((joint.lower or 0.0) - low, high - (joint.upper or 0.0))
         if beyond > ANGLE_TOLERANCE:
+            advised[joint.name] = np.array([low, high])
             words = {"leader": leader.name, "joint": joint.name, "low": low, "high": high}
             yield finding("mimic", joint.name, beyond=beyond, **words)
 
@@ -238,7 +352,12 @@ def _files(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Itera
 
 
 def _of_body(
-    index: int, body: BodyDifference, written: list[Inertial], bare: list[str], cost: Cost
+    index: int,
+    body: BodyDifference,
+    written: list[Inertial],
+    instead: tuple[str, str, str],
+    bare: list[str],
+    cost: Cost,
 ) -> Iterator[Finding]:
     link, name = body.ours, body.name
     mass_cost = cost(index, body.mass_error, body.mass_error * link.com)
@@ -246,10 +365,10 @@ def _of_body(
     if not written:
         yield finding("body.missing", name, mass_cost)
         return
-    mass, com, inertia = _instead(link, written)
+    mass, com, inertia = instead
     why = partial(diagnosis.reason, link, written)
     if body.mass == 0.0:
-        everything = " ".join((mass, com.partition(": ")[2], inertia.partition(": ")[2]))
+        everything = mass if mass == com else f"{mass} {com.partition(': ')[2]}"
         words = {"links": ", ".join(bare), "ours": link.mass, "everything": everything}
         key = "body.without_inertial" if bare else "body.without_mass"
         yield finding(key, name, mass_cost, tag=mass, **words)
@@ -299,16 +418,23 @@ def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
         yield finding(key, name, radius=math.sqrt(largest / mass), **words)
 
 
-def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, ...]:
-    """Mass, COM and tensor of Table 2 as URDF, in the frame of the other model's heaviest link."""
+def _instead(link: LinkParameters, written: list[Inertial]) -> tuple[str, str, str]:
+    """Mass, COM and tensor of Table 2 as URDF, in the frame of the other model's heaviest link.
+
+    Each is whole: the COM comes with the tensor, whose axes its origin turns, and everything with
+    everything if other links of the body have a mass.
+    """
     main = max(written, key=lambda w: abs(w.mass))
     rest = [w.link for w in written if w is not main and w.mass]
-    alone = f" (nothing in {', '.join(rest)})" if rest else ""
     back = np.asarray(np.linalg.inv(main.pose), np.float64)
     # Table 2 prints 1e-6 m and 1e-9 kg m^2; a frame written with fewer digits adds noise beyond.
     xyz = " ".join(f"{x + 0.0:.6g}" for x in moved(back, link.com).round(6))
     tensor = rotate_tensor(back[:3, :3], link.inertia).round(9) + 0.0
     upper = zip(*np.triu_indices(3), strict=True)
     entries = " ".join(f'i{"xyz"[i]}{"xyz"[j]}="{tensor[i, j]:.6g}"' for i, j in upper)
-    tags = f'mass value="{link.mass:g}"', f'origin xyz="{xyz}" rpy="0 0 0"', f"inertia {entries}"
-    return tuple([f"{main.link}: <{tag}/>{alone}" for tag in tags])
+    mass = f'<mass value="{link.mass:g}"/>'
+    placed = f'<origin xyz="{xyz}" rpy="0 0 0"/> <inertia {entries}/>'
+    if rest:
+        everything = f"{main.link}: {mass} {placed} (nothing in {', '.join(rest)})"
+        return everything, everything, everything
+    return f"{main.link}: {mass}", f"{main.link}: {placed}", f"{main.link}: {placed}"

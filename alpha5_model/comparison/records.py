@@ -10,6 +10,7 @@ import numpy as np
 
 from alpha5_model.checks import FloatArray
 from alpha5_model.comparison.alignment import Alignment
+from alpha5_model.comparison.tool import ToolDifference
 from alpha5_model.inertia import principal_moments
 from alpha5_model.parameters import LinkParameters
 from alpha5_model.text import plain
@@ -96,7 +97,8 @@ class Comparison:
         joints: Ours -> theirs.
         alignment: Base, signs and zeros.
         bodies: Base to tip.
-        tip_error: Largest distance of the tips over the workspace [m].
+        tool: How far the tool is from ours, which frame of theirs that is, and in which of their
+            frames it was measured; None for another arm.
         gravity_error: Largest difference of the gravity torque in air, per joint, (4,) [N m].
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Of its collision primitives [m^3]; NaN if it has none.
@@ -110,11 +112,16 @@ class Comparison:
     joints: dict[str, str] = field(default_factory=dict)
     alignment: Alignment = field(default_factory=Alignment)
     bodies: tuple[BodyDifference, ...] = ()
-    tip_error: float = math.nan
+    tool: ToolDifference | None = None
     gravity_error: FloatArray = field(default_factory=lambda: np.full(4, math.nan))
     mass_matrix_error: float = math.nan
     volume: float = math.nan
     carried: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def tip_error(self) -> float:
+        """Largest distance of the tools at the same joint positions [m]; see `tool`."""
+        return math.nan if self.tool is None else float(self.tool.distance.max())
 
     @property
     def agrees(self) -> bool:
@@ -139,7 +146,9 @@ class Comparison:
         out |= {"carried_kg": self.carried, "sign": a.sign, "zero_rad": a.zero}
         length, angle = a.residual
         out |= {"dimension_error": a.changes(), "residual_m": length, "residual_rad": angle}
-        out |= {"tip_error_m": self.tip_error, "gravity_error_Nm": self.gravity_error}
+        tool = None if self.tool is None else self.tool.as_dict()
+        out |= {"tip_error_m": self.tip_error, "tool": tool}
+        out["gravity_error_Nm"] = self.gravity_error
         out |= {"mass_matrix_error_kgm2": self.mass_matrix_error, "volume_m3": self.volume}
         out["bodies"] = [body.as_dict() for body in self.bodies]
         found = (vars(finding).items() for finding in self.findings)

@@ -71,6 +71,7 @@ class UrdfLink:
         com: In the link frame, (3,) [m].
         inertia: At the COM, in the link's axes, (3, 3) [kg m^2].
         volume: Of all collision primitives, summed [m^3].
+        shape_centre: Their centroid in the link frame, (3,) [m]; zero without any.
         meshes: File names of collision meshes, whose volume is not counted.
         files: File names of all meshes.
     """
@@ -80,6 +81,7 @@ class UrdfLink:
     com: FloatArray
     inertia: FloatArray
     volume: float
+    shape_centre: FloatArray
     meshes: tuple[str, ...]
     files: tuple[str, ...]
 
@@ -245,8 +247,14 @@ class _Reader:
         return UrdfRobot(self.top.get("name", ""), roots[0], links, ordered)
 
     def link(self, element: ET.Element) -> UrdfLink:
-        shapes = [self.geometry(collision) for collision in element.findall("collision")]
-        volume = sum((_volume(kind, *size) for kind, size, _ in shapes), 0.0)
+        collisions = element.findall("collision")
+        shapes = [self.geometry(collision) for collision in collisions]
+        volumes = [_volume(kind, *size) for kind, size, _ in shapes]
+        volume = sum(volumes, 0.0)
+        centre = np.zeros(3)
+        if volume > 0:
+            centres = [self.pose(collision)[:3, 3] for collision in collisions]
+            centre = np.average(centres, axis=0, weights=volumes)
         mass, com, inertia = None, np.zeros(3), np.zeros((3, 3))
         inertial = element.find("inertial")
         if inertial is not None:
@@ -260,7 +268,7 @@ class _Reader:
             inertia = rotation @ np.take(six, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]) @ rotation.T
         files = tuple(self.attribute(mesh, "filename") for mesh in element.iter("mesh"))
         name, meshes = self.attribute(element, "name"), tuple(file for *_, file in shapes if file)
-        return UrdfLink(name, mass, com, inertia, volume, meshes, files)
+        return UrdfLink(name, mass, com, inertia, volume, centre, meshes, files)
 
     def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
         """Kind, size and file name of a visual's or collision's shape; see `UrdfShape`."""
