@@ -44,7 +44,7 @@ class Solutions(NamedTuple):
     """All solutions of one target, as `alpha5_model.inverse_kinematics` has them.
 
     Attributes:
-        q: (4, 4): branch (`alpha5_model.BRANCHES`) and joint [rad]; NaN where it does not reach the target.
+        q: (4, 4): branch (`alpha5_model.BRANCHES`) and joint [rad]; NaN, with its derivatives, where it does not reach the target.
         exists, within_limits: (4,).
         singular: ().
     """
@@ -174,6 +174,8 @@ def load(arm: Arm | None = None, **options: Any) -> JaxArm:
 def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
     """Every joint position that puts the tcp at a point.
 
+    Of a branch that does not reach the target, joint positions and their derivatives are NaN.
+
     Args:
         position: tcp in base_link, (3,) [m].
         wrist: theta_3 [rad].
@@ -181,7 +183,19 @@ def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
     single = jnp.result_type(_given(position), float) == np.float32
     tolerances = SINGLE if single else DOUBLE
     q, exists, within, singular = _computed("inverse_kinematics", position, wrist, tolerances)
-    return Solutions(q, exists, within, singular[0])
+    moved = jnp.sum(_given(position)) + jnp.sum(_given(wrist))
+    return Solutions(_without_slope(q, exists, moved), exists, within, singular[0])
+
+
+def _without_slope(q: Array, exists: Array, moved: Array) -> Array:
+    """q, its derivatives by ``moved`` NaN where a branch does not exist.
+
+    A slope of NaN would also spoil derivatives of the branches that exist, by 0 times NaN. Here the two parts of the
+    slope overflow to infinities that leave NaN, unless nothing is asked of the branch: then both are 0.
+    """
+    largest = float(np.finfo(q.dtype).max)
+    half, quarter = (jnp.where(exists, 0.0, largest / n)[:, None] for n in (2, 4))
+    return q + half * (half * moved) - quarter * (quarter * moved)
 
 
 def _only(name: str, *given: Any) -> Array:

@@ -147,6 +147,40 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
         np.testing.assert_allclose(slope[i], np.linalg.inv(linear)[1], rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("compiled", [False, True])
+def test_what_is_not_reached_has_no_gradient(single: bool, compiled: bool) -> None:
+    far, one_elbow = np.array([9.0, 0.1, 0.2]), np.array([0.3, 0.1, 0.05])
+    expected = a5.inverse_kinematics(one_elbow).exists
+    assert expected.any()
+    assert not expected.all()
+
+    def q(position: jax.Array, wrist: jax.Array) -> jax.Array:
+        return inverse_kinematics(position, wrist).q
+
+    def chosen(position: jax.Array) -> jax.Array:
+        solutions = inverse_kinematics(position)
+        return jnp.where(solutions.exists[:, None], solutions.q, 0.0).sum()
+
+    with jax.enable_x64(not single):
+        run = jax.jit if compiled else lambda function: function
+        for slopes in (jax.jacrev, jax.jacfwd):
+            by_position, by_wrist = run(slopes(q, (0, 1)))(far, 0.3)
+            assert np.isnan(by_position).all()
+            assert np.isnan(by_wrist).all()
+            by_position, by_wrist = run(slopes(q, (0, 1)))(one_elbow, 0.3)
+            assert np.array_equal(np.isfinite(by_position).all(axis=(1, 2)), expected)
+            assert np.array_equal(np.isnan(by_position).all(axis=(1, 2)), ~expected)
+            assert np.array_equal(np.isnan(by_wrist).all(axis=1), ~expected)
+            assert np.array_equal(by_wrist[expected][:, 3], np.ones(expected.sum()))
+        assert np.isnan(run(jax.grad(lambda p: q(p, 0.3)[0, 0]))(far)).all()
+        assert np.isfinite(run(jax.grad(chosen))(one_elbow)).all()
+        tiny = run(jax.grad(lambda p: 1e-12 * q(p, 0.3)[0, 0]))(far)
+        assert np.isnan(tiny).all()
+        many = run(jax.vmap(jax.grad(chosen)))(np.array([one_elbow, far]))
+        assert np.isfinite(many).all()
+
+
 def test_wrong_input_is_told() -> None:
     with pytest.raises(ShapeError, match=r"shape \(4,\)"):
         load().inverse_dynamics(np.zeros(5), np.zeros(4), np.zeros(4))
