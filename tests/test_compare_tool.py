@@ -326,6 +326,8 @@ def test_the_tool_is_measured_and_the_advice_mends_it(name):
 
 PAIRS = list(itertools.combinations(DEFECTS, 2))
 SAMPLE = [PAIRS[k] for k in np.random.default_rng(23).choice(len(PAIRS), 60, replace=False)]
+#: Nothing but its name and place shows the base.
+SAMPLE += [("axis_e turned about x", other) for other in ("link_0 elsewhere", "no inertials")]
 
 
 @pytest.mark.parametrize("pair", SAMPLE, ids=" and ".join)

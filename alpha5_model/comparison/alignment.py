@@ -149,12 +149,16 @@ def without_zero(theirs: FourJointArm, alignment: Alignment, joint: int) -> floa
 def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
     """The link between root and axis_e that comes closest to being our base_link.
 
-    By its frame, or by the COM of link_0 in it, if axis_e stands elsewhere. Of frames that could all
-    be meant, one that is called so.
+    By its frame; by the COM of link_0 in it, if axis_e stands elsewhere; or by its place and name, if
+    axis_e is upside down. Of frames that could all be meant, one that is called so.
     """
     poses = {name: alignment.base @ theirs.link_poses[name] for name in theirs.base_path}
     off = {name: _distance(pose) for name, pose in poses.items()}
+    named = {name: name.lower().endswith(("base", "base_link")) for name in poses}
     same = {name: far < SAME_FRAME for name, far in off.items()}
+    for name, pose in poses.items():
+        if named[name] and np.linalg.norm(pose[:3, 3]) < SAME_FRAME:
+            same[name] = True
     if theirs.mass[0]:
         for name in poses:
             back: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
@@ -164,8 +168,8 @@ def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
                 same[name] = True
 
     def likely(name: str) -> tuple[bool, float]:
-        named = same[name] and name.lower().endswith(("base", "base_link"))
-        return not named, round(off[name] - 1e-3 * poses[name][0, 0], 6)
+        called = same[name] and named[name]
+        return not called, round(off[name] - 1e-3 * poses[name][0, 0], 6)
 
     name = min(poses, key=likely)
     return replace(alignment, base_link=name, stands=poses[name], same_base=same[name])
