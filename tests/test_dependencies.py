@@ -90,8 +90,12 @@ def imported(source: str) -> set[str]:
             found |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and not node.level:
             found.add(str(node.module).partition(".")[0])
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "pytest.importorskip":
-            found.add(ast.literal_eval(node.args[0]).partition(".")[0])
+        elif (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func) == "pytest.importorskip"
+            and isinstance(node.args[0], ast.Constant)  # a variable names modules of our own
+        ):
+            found.add(str(node.args[0].value).partition(".")[0])
     return found - set(sys.stdlib_module_names) - {"alpha5_model"}
 
 
