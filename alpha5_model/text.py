@@ -11,6 +11,17 @@ from typing import Any
 
 import numpy as np
 
+#: Control characters, which a terminal obeys, but for ends of lines, tabs and plain colours.
+_OBEYED = re.compile(
+    r"(\x1b\[(?:0|1|3[0-7]|9[0-7])m)"
+    r"|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
+)
+
+
+def printable(text: str) -> str:
+    """A text that may hold names from a file, its control characters written out."""
+    return _OBEYED.sub(lambda m: m[1] or m[0].encode("unicode_escape").decode(), text)
+
 
 def readable(text: str) -> str:
     """Units as a reader writes them: ``N m`` and ``kg m^2`` as ``N·m`` and ``kg·m²``."""

@@ -18,6 +18,7 @@ import typer
 from alpha5_model import __version__
 from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning
+from alpha5_model.text import printable
 
 #: Command -> module of this package with its function, in the order of ``alpha5 --help``.
 COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}
@@ -96,7 +97,7 @@ def _warner(otherwise: Any) -> Any:
             otherwise(message, category, *place, **more)
         elif str(message) not in printed:
             printed.add(str(message))
-            print("alpha5: warning:", message, file=sys.stderr)
+            print("alpha5: warning:", printable(str(message)), file=sys.stderr)
 
     return show
 
@@ -134,6 +135,6 @@ def run() -> None:
 
 def _complain(message: str) -> int:
     # A file name may hold bytes that are not UTF-8, which stderr may refuse.
-    line = " ".join("; ".join([message, *hints[:1]]).split())
+    line = printable(" ".join("; ".join([message, *hints[:1]]).split()))
     print("alpha5:", line.encode(errors="backslashreplace").decode(), file=sys.stderr)
     return 2

@@ -23,7 +23,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.files import is_stdout
 from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
 from alpha5_model.spatial import rotation_from_rpy
-from alpha5_model.text import plain, readable, wrapped
+from alpha5_model.text import plain, printable, readable, wrapped
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -231,7 +231,7 @@ def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None
 def say(*lines: str) -> None:
     """Print lines to be read, wrapped; a terminal shows a true minus, and verdicts in colour."""
     for line in "\n".join(lines).split("\n"):
-        shown = readable(line)
+        shown = readable(printable(line))
         if sys.stdout.isatty():
             shown = re.sub(r"(?<![\w.,=-])-(?=[\d.])", "−", shown)
         for part in wrapped(shown, width()):

@@ -33,7 +33,16 @@ FORBIDDEN = {
 #: Programs that the package itself starts: ``alpha5 check`` asks liburdfdom's own.
 OWN_PROGRAMS = {"check_urdf"}
 #: Events that are forbidden if their first argument holds the canary's name.
-SUSPECT = {"open", "os.listdir", "os.scandir", "glob.glob", "compile", "exec", "os.remove"}
+SUSPECT = {
+    "open",
+    "sqlite3.connect",
+    "os.listdir",
+    "os.scandir",
+    "glob.glob",
+    "compile",
+    "exec",
+    "os.remove",
+}
 
 _misdeeds: list[str] | None = None
 _installed = False
