@@ -314,3 +314,11 @@ def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():
 def test_a_plugin_without_ros2_control_is_refused():
     with pytest.raises(InputError, match="ros2_control"):
         Variant(ros2_control_plugin="pkg/Driver")
+
+
+@pytest.mark.parametrize("uri", ["relative", "package", "file"])
+def test_meshes_are_written_beside_a_file_that_names_them_there(uri, tmp_path):
+    path = tmp_path / "alpha5.urdf"
+    assert main(["generate", "--mesh-uri", uri, "--output", str(path)]) == 0
+    assert path.exists()
+    assert (tmp_path / "meshes").exists() is (uri == "relative")
