@@ -344,7 +344,7 @@ def test_a_possible_body_is_made_of_numbers(tensor):
         inertia.check_possible("x", 1.0, [0.0, 0.0, 0.0], tensor)
 
 
-@pytest.mark.parametrize("index", [3, -4, 1 + 2j, "0", None, 0.0])
+@pytest.mark.parametrize("index", [3, -4, 1 + 2j, "0", None, 0.0, True])
 def test_a_set_of_a_sample_has_a_number(index):
     sample = a5.uncertainty.sample(3)
     assert sample.parameters(-1).links[2].mass == sample.parameters(2).links[2].mass
@@ -405,3 +405,21 @@ def test_a_table_of_brackets_inside_brackets_is_refused():
 
     with pytest.raises(PublishedDataError, match="fewer brackets"):
         parse("x = " + "[" * 900, "")
+
+
+def test_an_empty_number_is_refused_in_one_line(capsys):
+    from alpha5_model.cli import main
+
+    assert main(["torque", "--q", "3", "1", "1", ""]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_masked_added_mass_is_no_added_mass():
+    masked = np.ma.MaskedArray(np.ones(6), [True] + [False] * 5)
+    with pytest.raises(InputError, match="added_mass: expected an array"):
+        a5.Vehicle(1, np.zeros(3), np.eye(3), 1e-3, np.zeros(3), added_mass=masked)
+
+
+def test_lengths_whose_sum_overflows_are_refused():
+    with pytest.raises(InputError, match="length_ranges"):
+        a5.planar.annulus([(1.7e308, 1.7e308)] * 3)

@@ -85,7 +85,7 @@ def one_syntax(words: Iterable[str]) -> list[str]:
         if most is not None:
             out.append(left.pop(0))
         run: list[str] = []
-        while left and (_NUMBERS.fullmatch(left[0]) or (most == 0 and left[0][0] != "-")):
+        while left and (_NUMBERS.fullmatch(left[0]) or (most == 0 and left[0][:1] != "-")):
             run.append(left.pop(0))
             if most and (len(run) == most or len(_split(run[0])) > 1):
                 break

@@ -20,7 +20,16 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model import plausibility
-from alpha5_model.checks import FloatArray, array, choice, frozen, instance, real, rigid_transform
+from alpha5_model.checks import (
+    FloatArray,
+    array,
+    choice,
+    float_array,
+    frozen,
+    instance,
+    real,
+    rigid_transform,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.hydrodynamics import added_mass
 from alpha5_model.inertia import check_possible
@@ -237,8 +246,8 @@ class Vehicle:
             clean[name] = frozen(array(name, getattr(self, name), *shape))
             if name.endswith("damping") and clean[name].min() < 0:
                 raise InputError(name, clean[name].tolist(), "no negative damping")
-        given = np.asarray(self.added_mass)
-        matrix = np.diag(given) if given.shape == (6,) and given.dtype.kind in "fiu" else given
+        given = float_array("added_mass", self.added_mass, ())
+        matrix = np.diag(given) if given.shape == (6,) else given
         clean["added_mass"] = frozen(added_mass(matrix))
         placement = rigid_transform("transform_vehicle_to_base", self.transform_vehicle_to_base)
         clean["transform_vehicle_to_base"] = placement

@@ -348,7 +348,7 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
     table = float_array("length_ranges", listed("length_ranges", length_ranges, pairs), (2,))
     if table.ndim != 2 or not len(table):
         raise ShapeError("length_ranges", table.shape, pairs)
-    ranges = table.tolist()
+    ranges = bounded("length_ranges", table).tolist()
     outer = math.fsum(high for _, high in ranges)
     inner = max(math.fsum([low, high, *-table[:, 1]]) for low, high in ranges)
     return max(0.0, inner), outer

@@ -215,7 +215,8 @@ class Sample:
             InputError: Not the number of a set.
         """
         size = len(self)
-        if not isinstance(index, int | np.integer) or not -size <= index < size:
+        whole = isinstance(index, int | np.integer) and not isinstance(index, bool)
+        if not whole or not -size <= index < size:
             raise InputError("index", index, f"a whole number from 0 to {size - 1}")
         values = dict(zip(self.names, self.values[index].tolist(), strict=True))
         return parameter_set(values, self.alternatives)

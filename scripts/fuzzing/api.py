@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -55,6 +56,7 @@ GOOD: dict[str, Callable[[Rng], Any]] = {
 }  # fmt: skip
 #: Counts, names of axes, what may be infinite or has no effect: not hopeless, whatever stands there.
 LENIENT = {
+    "limits",
     "samples", "number", "orientations", "threads", "starts", "steps", "start", "stop", "sigma", "lower", "upper", "bandwidth",
 }  # fmt: skip
 
@@ -170,7 +172,7 @@ def _same_rows(draw: Draw) -> Draw:
             value = case.arguments[name]
             if isinstance(value, np.ndarray) and value.ndim == 2 and len(value):
                 case.arguments[name] = value[np.arange(rows) % len(value)]
-        return case
+        return replace(case, hopeless=False)  # what was bad may be left out
 
     return drawn
 
