@@ -15,7 +15,7 @@ The parts are
 A failure is any error outside of the package's tree, a refusal of more than one line or one that a pickle
 changes, NaN in an answer, an answer to what has no meaning (masked, complex, infinite), an answer whose bits
 depend on where the numbers lie, a changed argument, a warning that is not the package's own, a program
-started or another file opened for a file's sake, more than half a minute, or than 2 s for each 100 kB of a
+started or another file opened for a file's sake, more than half a minute of processor time, or than 2 s for each 100 kB of a
 file. Each prints the line that repeats it; status 1 if there is one. Files are read from and written into a
 temporary folder.
 """
