@@ -259,8 +259,9 @@ def moving_links(
     """The arm without link_0, with gravity of 1 m/s^2 along x, y and z of base_link."""
     arms = []
     for axis in np.eye(3):
-        arm = a5.load(fluid_density=density, gravity=axis)
+        arm = a5.load(fluid_density=density)
         model = arm.model.copy()
+        model.gravity.linear = axis
         model.inertias[0] = pin.Inertia.Zero()
         displaced = [d for d in arm.displacements if d.joint != "universe"]
         for joint in range(1, model.njoints):
