@@ -1,4 +1,4 @@
-"""Compiles ``alpha5_model/kernels/_compiled``: when a wheel is built, or in place.
+"""Compiles ``alpha5_model/codegen/kernels/_compiled``: when a wheel is built, or in place.
 
     python hatch_build.py        # in place, for a checkout that is run without being installed
 
@@ -23,7 +23,7 @@ except ModuleNotFoundError:  # in place, beside an installed package
     BuildHookInterface = object  # type: ignore[misc, assignment]
 
 ROOT = Path(__file__).resolve().parent
-FOLDER = Path("alpha5_model", "kernels")
+FOLDER = Path("alpha5_model", "codegen", "kernels")
 #: `-ffp-contract=off`: the same bits at every width. Nothing reads errno.
 FLAGS = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-Wno-psabi", "-g0"]
 MSVC_FLAGS = ["/O2", "/fp:precise", "/std:c11"]

@@ -6,50 +6,43 @@ Pinocchio, xacro, meshcat and matplotlib are imported when something that needs 
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from alpha5_model.errors import Alpha5Error, UnreachableError
 
-# Four functions that share their module's name: bound now, so that a later import of the module
-# cannot put itself in the function's place.
-from alpha5_model.parameters import parameters
-from alpha5_model.published import published
-from alpha5_model.sweep import sweep
-from alpha5_model.view import view
-
 __version__ = "0.1.0"
 
-# `import alpha5_model.parameters as P` gives the function, too, which stands in the module's place:
-# it has the module's names.
-for _function in (parameters, published, sweep, view):
-    _names = vars(sys.modules[_function.__module__]).items()
-    vars(_function).update({name: value for name, value in _names if name[:2] != "__"})
-
 if TYPE_CHECKING:
-    from alpha5_model import actuators, dh, planar, trajectory, uncertainty
-    from alpha5_model.comparison import compare
-    from alpha5_model.consistency import audit
+    from alpha5_model import trajectory
+    from alpha5_model._support.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
+    from alpha5_model.codegen.kernels.choice import backend
     from alpha5_model.description.srdf import named_pose
-    from alpha5_model.dynamics import load, robot_wrapper
+    from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.dynamics.buoyancy import Vehicle
     from alpha5_model.dynamics.collision import without_self_collision
-    from alpha5_model.dynamics.hydrostatics import Vehicle
-    from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
-    from alpha5_model.hydrodynamics import DragStrip
-    from alpha5_model.kernels import backend
+    from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kinematics import workspace
     from alpha5_model.kinematics.ik import (
         BRANCHES,
         inverse_kinematics,
         published_inverse_kinematics,
     )
-    from alpha5_model.kinematics.ik.path import inverse_kinematics_path
-    from alpha5_model.kinematics.ik.pose import inverse_kinematics_pose
+    from alpha5_model.kinematics.path import inverse_kinematics_path
+    from alpha5_model.kinematics.pose import inverse_kinematics_pose
     from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable, reachable
-    from alpha5_model.paths import PACKAGE_PATH, REPOSITORY_PATH, URDF_PATH
-    from alpha5_model.uncertainty import identify
+    from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
+    from alpha5_model.numbers.hydrodynamics import DragStrip
+    from alpha5_model.numbers.parameters import parameters
+    from alpha5_model.numbers.printed import published
+    from alpha5_model.proofs.audit import audit
+    from alpha5_model.proofs.comparison import compare
+    from alpha5_model.studies import uncertainty
+    from alpha5_model.studies.sweep import sweep
+    from alpha5_model.studies.uncertainty import identify
+    from alpha5_model.theory import dh, planar
+    from alpha5_model.viewer import view
 
 # For checkers of types, which need the names written out; a name that is not imported above they report.
 __all__ = ["AIR", "BRANCHES", "FRESH_WATER", "PACKAGE_PATH", "REPOSITORY_PATH", "SEA_WATER"]
@@ -61,25 +54,40 @@ __all__ += ["planar", "published", "published_inverse_kinematics", "reachable", 
 __all__ += ["sweep", "trajectory", "uncertainty", "view", "without_self_collision", "workspace"]
 #: Module -> the public names that it defines.
 _DEFINED = {
-    "comparison": ("compare",),
-    "consistency": ("audit",),
+    "_support.paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
+    "codegen.kernels.choice": ("backend",),
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
-    "dynamics": ("load", "robot_wrapper"),
+    "dynamics.buoyancy": ("Vehicle",),
     "dynamics.collision": ("without_self_collision",),
-    "dynamics.hydrostatics": ("Vehicle",),
-    "hydrodynamics": ("DragStrip",),
-    "fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
-    "kernels": ("backend",),
+    "dynamics.load": ("load", "robot_wrapper"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
-    "kinematics.ik.path": ("inverse_kinematics_path",),
-    "kinematics.ik.pose": ("inverse_kinematics_pose",),
+    "kinematics.path": ("inverse_kinematics_path",),
+    "kinematics.pose": ("inverse_kinematics_pose",),
     "kinematics.reach": ("distance_to_reach", "nearest_reachable", "reachable"),
-    "uncertainty": ("identify",),
-    "paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),
+    "numbers.fluids": ("AIR", "FRESH_WATER", "SEA_WATER", "gravity_in_base"),
+    "numbers.hydrodynamics": ("DragStrip",),
+    "numbers.parameters": ("parameters",),
+    "numbers.printed": ("published",),
+    "proofs.audit": ("audit",),
+    "proofs.comparison": ("compare",),
+    "studies.sweep": ("sweep",),
+    "studies.uncertainty": ("identify",),
+    "viewer": ("view",),
 }
 #: Public modules.
-_MODULES = ("actuators", "dh", "planar", "kinematics.workspace", "trajectory", "uncertainty")
+_MODULES = (
+    "_support.paths",
+    "dynamics.actuators",
+    "kinematics.workspace",
+    "numbers.corrections",
+    "numbers.fluids",
+    "numbers.inertia",
+    "studies.uncertainty",
+    "theory.dh",
+    "theory.planar",
+    "trajectory",
+)
 _PUBLIC = {name: (module, name) for module, names in _DEFINED.items() for name in names}
 _PUBLIC |= {module.rpartition(".")[2]: (module, "") for module in _MODULES}
 

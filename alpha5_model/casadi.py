@@ -15,15 +15,15 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from alpha5_model import kernels
-from alpha5_model.checks import FloatArray, flag, instance
-from alpha5_model.dynamics import load as load_arm
+from alpha5_model._support.checks import FloatArray, flag, instance
+from alpha5_model.codegen.functions import SUMMARIES, casadi, products
+from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.codegen.program import folded, program
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.plane import DOUBLE
-from alpha5_model.symbolic import SUMMARIES, casadi, products
-from alpha5_model.symbolic.program import folded, program
 
 __all__ = ["load"]
 
@@ -64,7 +64,9 @@ def load(
         known["parameters"] = parameters
     if flag("compiled", compiled) and kernels.backend() == "numpy":
         remedy = "install alpha5-model where a C compiler is, or load(compiled=False)"
-        raise MissingDependencyError("alpha5_model.kernels._compiled", "compiled=True", remedy)
+        raise MissingDependencyError(
+            "alpha5_model.codegen.kernels._compiled", "compiled=True", remedy
+        )
     out = SimpleNamespace(parameters=parameters)
     for name, function in functions.items():
         given = {n for n in known if n in function.name_in()}

@@ -35,7 +35,7 @@ class ImplausibleWarning(UserWarning):
     """A quantity that is possible, but most likely given in another unit.
 
     It is given when an object is made. ``warnings.simplefilter("ignore", ImplausibleWarning)``
-    silences it; the bounds stand in `alpha5_model.plausibility`.
+    silences it; the bounds stand in `alpha5_model.numbers.plausibility`.
     """
 
 

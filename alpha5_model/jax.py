@@ -20,12 +20,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from alpha5_model.checks import instance
-from alpha5_model.dynamics import load as load_arm
+from alpha5_model._support.checks import instance
+from alpha5_model.codegen.kernels.generated import formulas, products
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
-from alpha5_model.kernels.generated import formulas, products
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE
 
 with needing("alpha5_model.jax", "pip install jax"):
@@ -63,7 +63,7 @@ class JaxArm:
     Methods are those of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
 
     Attributes:
-        parameters: Base parameters, (41,), see `alpha5_model.base_parameters`. A NumPy array is folded into what is
+        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`. A NumPy array is folded into what is
             compiled; a JAX array is an input like any other.
         fluid_density: Around a payload [kg/m^3].
     """

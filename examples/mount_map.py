@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.view import figures
+from alpha5_model.viewer import figures
 
 HERE = Path(__file__).parent
 

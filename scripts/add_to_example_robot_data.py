@@ -8,8 +8,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from alpha5_model import loaders
-from alpha5_model.files import atomic_write_all
+from alpha5_model._support.files import atomic_write_all
+from alpha5_model.loaders import files as loaders
 
 MODULE = Path(loaders.__file__).with_name("alpha5_loader.py")
 PACKAGE = Path("python", "example_robot_data")

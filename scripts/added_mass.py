@@ -1,4 +1,4 @@
-"""Added mass and drag strips of the arm's bodies, into ``published/estimated_hydrodynamics.toml``.
+"""Added mass and drag strips of the arm's bodies, into ``numbers/estimated_hydrodynamics.toml``.
 
     pip install -e '.[hydrodynamics]'
     python scripts/added_mass.py                 # validates, computes, writes; about half an hour on one core
@@ -7,7 +7,7 @@
 
 What comes first validates the method: a sphere and an ellipsoid against Lamb, cylinders against rings of sources, an
 integral equation along the outline of a body of revolution, with DNV-RP-H103's two figures beside it. Then the drawn
-bodies of `alpha5_model.meshing` over three sizes of panels, each alone, extrapolated to none; and the whole arm in
+bodies of `alpha5_model.geometry` over three sizes of panels, each alone, extrapolated to none; and the whole arm in
 three poses against its bodies alone, which says how far a sum of bodies goes, into ``hydrodynamics/whole_arm.toml``.
 """
 
@@ -32,18 +32,18 @@ from hydrodynamics.potential_flow import (
 )
 from hydrodynamics.revolution import cylinder_across
 
-from alpha5_model.description import joint_placements
+from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
+from alpha5_model.description.bodies import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.jaws import split_link_4
-from alpha5_model.meshing import bodies, frames_in_links
-from alpha5_model.meshing.solid import cylinder, kernel, union
-from alpha5_model.parameters import parameters
-from alpha5_model.spatial import cross_matrix, pose, rotation_about, transform
+from alpha5_model.geometry.parts import bodies, frames_in_links
+from alpha5_model.geometry.solid import cylinder, kernel, union
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import parameters
 
 FILE = (
     Path(__file__).resolve().parent.parent
     / "alpha5_model"
-    / "published"
+    / "numbers"
     / "estimated_hydrodynamics.toml"
 )
 #: Sides of the panels [mm], from which to none is extrapolated; of link 4's fingers, `FINGERS` of the wrist's.
@@ -393,7 +393,7 @@ def _list(texts: Iterable[str]) -> str:
     return "[" + ", ".join(f'"{text}"' for text in texts) + "]"
 
 
-SOURCE = "our own calculation (scripts/added_mass.py) on our own bodies (alpha5_model/meshing)"
+SOURCE = "our own calculation (scripts/added_mass.py) on our own bodies (alpha5_model/geometry)"
 SOURCES = {
     "link_4": SOURCE + ", jaws closed",
     "link_4_open": SOURCE + ", jaws fully open, as one body",

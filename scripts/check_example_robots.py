@@ -1,7 +1,7 @@
 """Which links of the robots in example-robot-data are physically impossible?
 
 A finding about public models, not a failure: the same test that this package applies to its own
-links (`alpha5_model.inertia.inconsistencies`), applied to the inertials that those URDFs print.
+links (`alpha5_model.numbers.inertia.inconsistencies`), applied to the inertials that those URDFs print.
 
     python scripts/check_example_robots.py            # all robots
     python scripts/check_example_robots.py panda ur5  # some
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model.inertia import inconsistencies
+from alpha5_model.numbers.inertia import inconsistencies
 
 #: Relative slack for the digits that a URDF rounds away.
 TOLERANCE = 1e-6

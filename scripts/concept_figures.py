@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.fluids import GRAVITY
-from alpha5_model.inertia import flip_products, second_moments
-from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.view.figures import Color, new_figure, number, style
-from alpha5_model.view.shapes import read_obj
-from alpha5_model.view.workspace_plot import new_axes, plot_planar
+from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model.numbers.fluids import GRAVITY
+from alpha5_model.numbers.inertia import flip_products, second_moments
+from alpha5_model.viewer.figures import Color, new_figure, number, style
+from alpha5_model.viewer.shapes import read_obj
+from alpha5_model.viewer.workspace_plot import new_axes, plot_planar
 
 BODY = "#D9DEE3"
 #: Arm in the plane y = 0, facing +x [rad].

@@ -29,14 +29,14 @@ import numpy as np
 import pinocchio as pin
 from conformance_tools import Arrays, States
 
-from alpha5_model.description import mesh_assets
+from alpha5_model._support.files import atomic_write
+from alpha5_model.description.bodies import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import sdf_files
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import FileFormatError, MissingFileError
-from alpha5_model.files import atomic_write
-from alpha5_model.fluids import SEA_WATER
-from alpha5_model.parameters import parameters
+from alpha5_model.numbers.fluids import SEA_WATER
+from alpha5_model.numbers.parameters import parameters
 
 BEGIN, END = "<!-- conformance: begin -->", "<!-- conformance: end -->"
 QUANTITIES = {

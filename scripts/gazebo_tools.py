@@ -14,10 +14,10 @@ from conformance import installed
 from ros_tools import NotThereError, Result, Workspace
 
 import alpha5_model as a5
+from alpha5_model._support.files import atomic_write
+from alpha5_model._support.paths import URDF_PATH
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files
-from alpha5_model.files import atomic_write
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import URDF_PATH
+from alpha5_model.numbers.parameters import parameters
 
 PLUGIN = "/usr/lib/x86_64-linux-gnu/libignition-physics5-dartsim-plugin.so"
 _SOURCE = Path(__file__).with_name("ignition_dart.cpp")

@@ -32,7 +32,7 @@ import validate_recordings as recordings
 import alpha5_model as a5
 from alpha5_model.dynamics.batch import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
-from alpha5_model.uncertainty import printed
+from alpha5_model.studies.uncertainty import printed
 
 #: What a static moment of the moving links depends on.
 MOMENTS = [f"link_{i}.n{axis}" for i in (1, 2, 3, 4) for axis in "xy"]

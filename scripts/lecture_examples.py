@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.consistency.lecture import PRINTED_TABLE
-from alpha5_model.dh.arm_types import classify, spatial_conditions, task_capability
 from alpha5_model.errors import OutputError
-from alpha5_model.kinematics.ik.pose import approach_directions
-from alpha5_model.view.workspace_plot import new_axes, plot_planar, save
+from alpha5_model.kinematics.pose import approach_directions
+from alpha5_model.proofs.audit.lecture import PRINTED_TABLE
+from alpha5_model.theory.dh.arm_types import classify, spatial_conditions, task_capability
+from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2
 #: Arms of the section "Workspace", one to four joints, without and with limits.

@@ -21,13 +21,13 @@ import numpy as np
 from concept_figures import FIGURES
 
 import alpha5_model as a5
-from alpha5_model.files import atomic_write
+from alpha5_model._support.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
-from alpha5_model.view import workspace_plot
-from alpha5_model.view.build import build_scene
-from alpha5_model.view.figures import CAUSES, Color, new_figure, number, style
-from alpha5_model.view.picture import picture_png
-from alpha5_model.view.scene import framed
+from alpha5_model.viewer import workspace_plot
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.figures import CAUSES, Color, new_figure, number, style
+from alpha5_model.viewer.picture import picture_png
+from alpha5_model.viewer.scene import framed
 
 ROOT = Path(__file__).resolve().parent.parent
 MUJOCO = ROOT / "mjcf"

@@ -62,10 +62,10 @@ EQUIVALENT = "equivalent"
 STATUSES = (KILLED, SURVIVED, UNTESTED, TIMEOUT, EQUIVALENT)
 #: Checked first: file, part of it, what that becomes, the outcome, by which tests.
 PROOFS = (
-    ("consistency/bodies.py", "(excess) * G", "(excess) / G", KILLED, "audit"),
-    ("consistency/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "audit"),
-    ("kernels/rows.h", "return good", "return !good", KILLED, "kernels_compiled"),
-    ("kernels/rows.h", "return good", "return +good", SURVIVED, "kernels_compiled"),
+    ("proofs/audit/bodies.py", "(excess) * G", "(excess) / G", KILLED, "audit"),
+    ("proofs/audit/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "audit"),
+    ("codegen/kernels/rows.h", "return good", "return !good", KILLED, "kernels_compiled"),
+    ("codegen/kernels/rows.h", "return good", "return +good", SURVIVED, "kernels_compiled"),
 )
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from conformance import insert
 
 import alpha5_model as a5
-from alpha5_model.comparison.records import Comparison
+from alpha5_model.proofs.comparison.records import Comparison
 
 #: File in the folder -> repository, file there, as people look for it.
 MODELS = {

@@ -20,9 +20,9 @@ import pinocchio as pin
 from PIL import Image, ImageGrab
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.numbers.parameters import parameters
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 NAME = "alpha5_description"

@@ -51,15 +51,15 @@ import numpy as np
 import pinocchio as pin
 
 import alpha5_model as a5
-from alpha5_model.checks import FloatArray
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import STDOUT, atomic_write, check_outputs, read_named
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import water_terms
 from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError, OutputError
-from alpha5_model.files import STDOUT, atomic_write, check_outputs, read_named
-from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.inertia import flip_products
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.trajectory import Motion, motion, smooth
-from alpha5_model.view.figures import FORMATS
+from alpha5_model.viewer.figures import FORMATS
 
 AVERAGE, STEP = 1.5, 0.05  # [s]
 LAGS = np.arange(0.0, 1.001, 0.05)  # [s]
@@ -494,7 +494,7 @@ def text(result: dict[str, Any]) -> str:
 
 def plot(result: dict[str, Any], path: Path) -> None:
     """Measured and predicted tilt of up to six recordings, and the scores of all models."""
-    from alpha5_model.view.figures import new_figure, write_figure
+    from alpha5_model.viewer.figures import new_figure, write_figure
 
     names, scores = result["recordings"], result["scores"]
     shown = np.unique(np.linspace(0, len(names) - 1, min(6, len(names))).round().astype(int))

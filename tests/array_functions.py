@@ -15,10 +15,10 @@ import pinocchio as pin
 import test_public_api
 
 import alpha5_model as a5
-from alpha5_model import fluids, inertia
 from alpha5_model import jax as jax_arms
 from alpha5_model.dynamics import batch
-from alpha5_model.uncertainty import torque_margin
+from alpha5_model.numbers import fluids, inertia
+from alpha5_model.studies.uncertainty.effects import torque_margin
 
 #: More rows than the compiled kernels turn to columns at once.
 ROWS = 70
@@ -56,7 +56,8 @@ class Call:
 def taking_arrays() -> dict[str, Any]:
     """Name -> function, method or class of the public surface with a parameter that an array fits."""
     roots = {"a5": a5} | {
-        name: import_module(f"alpha5_model.{name}") for name in test_public_api.MODULES
+        name: import_module(f"alpha5_model.{module}")
+        for name, module in test_public_api.MODULES.items()
     }
     classes = test_public_api.own_classes()
     found = {}

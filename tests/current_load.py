@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import reference
 
-FILES = Path(__file__).parents[1] / "alpha5_model" / "published"
+FILES = Path(__file__).parents[1] / "alpha5_model" / "numbers"
 
 
 def bodies(numbers: str = "estimated") -> dict:

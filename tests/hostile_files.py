@@ -13,7 +13,7 @@ from pathlib import Path
 
 from bag_writer import State, write_bag
 
-from alpha5_model.description.variants import urdf
+from alpha5_model.description.urdf import urdf
 
 OWN = urdf()
 SPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from alpha5_model.hydrodynamics import hydrodynamics
+from alpha5_model.numbers.hydrodynamics import hydrodynamics
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 
@@ -81,7 +81,7 @@ def by_sources(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def test_a_sphere_by_sources(script: ModuleType) -> None:
     pytest.importorskip("pymeshlab", exc_type=ImportError)
-    from alpha5_model.meshing.solid import kernel
+    from alpha5_model.geometry.solid import kernel
 
     ball = kernel().Manifold.sphere(20.0, 96)
     matrix = by_sources(*script.panels(ball, 5.0)) / (1000.0 * ball.volume() * 1e-9)

@@ -12,8 +12,9 @@ from literature import PUMA_560, STANFORD
 from scipy.optimize import brentq
 
 import alpha5_model as a5
-from alpha5_model.dh import DHChain, DHLink
-from alpha5_model.dh.arm_types import (
+from alpha5_model.errors import InputError, NonFiniteError, ShapeError
+from alpha5_model.kinematics.pose import approach_directions
+from alpha5_model.theory.dh.arm_types import (
     classify,
     even_rotations,
     matrix_rank,
@@ -22,8 +23,7 @@ from alpha5_model.dh.arm_types import (
     spatial_dexterity,
     task_capability,
 )
-from alpha5_model.errors import InputError, NonFiniteError, ShapeError
-from alpha5_model.kinematics.ik.pose import approach_directions
+from alpha5_model.theory.dh.chain import DHChain, DHLink
 
 Q = math.pi / 2
 X, Y, Z = np.eye(3)

@@ -29,7 +29,7 @@ from array_functions import (
 )
 
 import alpha5_model as a5
-from alpha5_model import kernels
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.batch import regressor_rows
 from alpha5_model.errors import KernelError
 from alpha5_model.kinematics import ik
@@ -135,8 +135,8 @@ def differing(calls: list[tuple[str, Call]], folder: Path) -> list[str]:
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
 def kernel_module(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Any:
     if request.param == "_compiled":
-        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
-    chosen = import_module(f"alpha5_model.kernels.{request.param}")
+        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    chosen = import_module(f"alpha5_model.codegen.kernels.{request.param}")
     for user in (kernels, ik):
         monkeypatch.setattr(user, "module", lambda: chosen)
     return chosen
@@ -204,4 +204,4 @@ def test_only_one_place_runs_batches() -> None:
     users = [
         p for p in root.rglob("*.py") if re.search(r"\.batch\(|\)\.batch\b", p.read_text("utf-8"))
     ]
-    assert users == [root / "kernels" / "__init__.py"]
+    assert users == [root / "codegen" / "kernels" / "choice.py"]

@@ -17,16 +17,16 @@ import pytest
 import reference
 
 import alpha5_model as a5
-from alpha5_model.consistency import bodies, geometry, joints
-from alpha5_model.consistency.lecture import PRINTED_TABLE
-from alpha5_model.consistency.row import AuditRow, figure, sampled_share
-from alpha5_model.consistency.row import verdict as judged
 from alpha5_model.errors import InputError
-from alpha5_model.parameters import convert
-from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.reading import parse
+from alpha5_model.numbers.parameters import convert
+from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.reading import parse
+from alpha5_model.proofs.audit import bodies, geometry, joints
+from alpha5_model.proofs.audit.lecture import PRINTED_TABLE
+from alpha5_model.proofs.audit.row import AuditRow, figure, sampled_share
+from alpha5_model.proofs.audit.row import verdict as judged
 
-DATA = Path(a5.__file__).parent / "published"
+DATA = Path(a5.__file__).parent / "numbers"
 DOCUMENT = (DATA / "reach_alpha_mk2_v7.toml").read_text("utf-8")
 SUPPLEMENTARY = (DATA / "supplementary.toml").read_text("utf-8")
 
@@ -220,7 +220,7 @@ def test_sampled_figures_carry_their_standard_error(rows: dict[str, AuditRow]) -
 
 def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
     script = (
-        "import alpha5_model as a5, alpha5_model.consistency, sys; "
+        "import alpha5_model as a5, alpha5_model.proofs.audit, sys; "
         "early = 'pinocchio' in sys.modules; a5.audit(); "
         "print(early or any(m in sys.modules for m in ('scipy', 'matplotlib', 'xacro', 'rich')))"
     )

@@ -12,10 +12,10 @@ import pytest
 from dynamics_cases import TILTED
 
 import alpha5_model as a5
-from alpha5_model import c_library
-from alpha5_model.c_library import COptions, c_files
 from alpha5_model.cli import main
-from alpha5_model.symbolic import SUMMARIES
+from alpha5_model.codegen import c_library
+from alpha5_model.codegen.c_library.files import COptions, c_files
+from alpha5_model.codegen.functions import SUMMARIES
 
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -139,9 +139,7 @@ def test_wrong_options_end_in_one_line(
 def test_without_casadi_it_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    for name in [
-        n for n in sys.modules if n.startswith(("alpha5_model.symbolic", "alpha5_model.c_library."))
-    ]:
+    for name in [n for n in sys.modules if n.startswith("alpha5_model.codegen")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "casadi", None)
     monkeypatch.delattr(c_library, "source", raising=False)

@@ -14,9 +14,9 @@ from ik_targets import ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model import kernels
-from alpha5_model.c_library.source import answer
 from alpha5_model.casadi import load
+from alpha5_model.codegen.c_library.source import answer
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import MissingDependencyError
 
 
@@ -184,8 +184,8 @@ def test_arms_that_it_has_no_equations_for_are_refused(options: dict) -> None:
 
 
 def test_without_casadi_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [name for name in sys.modules if name.startswith("alpha5_model.symbolic")]:
+    for name in [name for name in sys.modules if name.startswith("alpha5_model.codegen")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(MissingDependencyError, match="pip install"):
-        import_module("alpha5_model.symbolic")
+        import_module("alpha5_model.codegen.functions")

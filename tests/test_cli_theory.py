@@ -15,8 +15,8 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import OutputError, UnknownNameError
-from alpha5_model.planar import PlanarArm
-from alpha5_model.view.workspace_plot import new_axes, plot_planar, save
+from alpha5_model.theory.planar.dexterous import PlanarArm
+from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
 
 SCRIPT = Path(__file__).resolve().parent.parent / "scripts" / "lecture_examples.py"
 

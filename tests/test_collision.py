@@ -23,6 +23,7 @@ from reference import LOWER, UPPER
 from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
 from alpha5_model.description.srdf import (
     ADJACENT_PAIRS,
     CLOSING_PAIRS,
@@ -33,8 +34,7 @@ from alpha5_model.description.srdf import (
 )
 from alpha5_model.dynamics.collision import CollisionModel, collision_geometry
 from alpha5_model.errors import NonFiniteError, ShapeError, UnknownNameError
-from alpha5_model.meshing.collision_shapes import collision_primitives
-from alpha5_model.paths import JAWS_URDF_PATH, REPOSITORY_PATH, URDF_PATH
+from alpha5_model.geometry.collision_shapes import collision_primitives
 
 RNG_SEED = 5
 
@@ -131,8 +131,8 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     pytest.importorskip("manifold3d")
     import trimesh
 
-    from alpha5_model.meshing import bodies
-    from alpha5_model.meshing.solid import surface
+    from alpha5_model.geometry.parts import bodies
+    from alpha5_model.geometry.solid import surface
 
     outside = surface(bodies()[name].outside)
     mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)

@@ -18,14 +18,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.cli import main
-from alpha5_model.comparison import compare, compare_robots
-from alpha5_model.comparison.arm import reduce_robot
-from alpha5_model.comparison.reading import find_chains
-from alpha5_model.description.urdf_reading import parse_urdf
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError
-from alpha5_model.paths import JAWS_URDF_PATH
+from alpha5_model.proofs.comparison.arm import reduce_robot
+from alpha5_model.proofs.comparison.measure import compare, compare_robots
+from alpha5_model.proofs.comparison.reading import find_chains
 
 OWN = urdf()
 Defect = Callable[[ET.Element], None]

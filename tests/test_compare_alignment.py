@@ -16,12 +16,12 @@ import reference
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.comparison import compare, compare_robots
-from alpha5_model.comparison.reading import find_chains, last_digits, meant_angle
-from alpha5_model.description.urdf_reading import parse_urdf
-from alpha5_model.description.variants import urdf
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
-from alpha5_model.view.figures import plot_comparison
+from alpha5_model.proofs.comparison.measure import compare, compare_robots
+from alpha5_model.proofs.comparison.reading import find_chains, last_digits, meant_angle
+from alpha5_model.viewer.figures import plot_comparison
 
 OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

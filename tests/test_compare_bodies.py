@@ -13,10 +13,11 @@ import pytest
 import reference
 
 from alpha5_model.cli import main
-from alpha5_model.comparison import compare_robots, findings
-from alpha5_model.comparison.records import Finding
-from alpha5_model.description.urdf_reading import parse_urdf
-from alpha5_model.description.variants import urdf
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import urdf
+from alpha5_model.proofs.comparison import findings
+from alpha5_model.proofs.comparison.measure import compare_robots
+from alpha5_model.proofs.comparison.records import Finding
 
 OWN = urdf()
 SAMPLES = 40

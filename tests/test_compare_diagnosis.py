@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import reference
 
-from alpha5_model.comparison import findings
-from alpha5_model.comparison.diagnosis import (
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.proofs.comparison import findings
+from alpha5_model.proofs.comparison.diagnosis import (
     Inertial,
     explain_com,
     explain_guess,
@@ -20,8 +21,7 @@ from alpha5_model.comparison.diagnosis import (
     solid_of_size,
     subjects,
 )
-from alpha5_model.comparison.hypotheses import revisions
-from alpha5_model.parameters import parameters
+from alpha5_model.proofs.comparison.hypotheses import revisions
 
 LINKS = parameters().links
 HERE = np.eye(4)
@@ -127,18 +127,18 @@ def test_its_two_tensors_agree_to_the_last_digit():
 
 
 def test_nothing_but_comparison_reads_it():
-    package = Path(findings.__file__).parents[1]
+    package = Path(findings.__file__).parents[2]
     texts = {
         path.relative_to(package).as_posix(): path.read_text(encoding="utf-8")
         for path in package.rglob("*.py")
     }
     assert sorted(name for name in texts if "earlier_revision" in texts[name]) == [
-        "comparison/hypotheses.py",
-        "published/reading.py",
+        "numbers/reading.py",
+        "proofs/comparison/hypotheses.py",
     ]
     assert sorted(name for name in texts if "revisions()" in texts[name]) == [
-        "comparison/diagnosis.py",
-        "comparison/hypotheses.py",
+        "proofs/comparison/diagnosis.py",
+        "proofs/comparison/hypotheses.py",
     ]
 
 
@@ -549,7 +549,7 @@ def test_hardly_a_random_mass_is_named():
 
 
 def test_jaws_beside_a_wrist_that_holds_them():
-    from alpha5_model.jaws import split_link_4
+    from alpha5_model.numbers.jaws import split_link_4
 
     jaws = split_link_4(parameters())
     extra = jaws.rod.mass + jaws.finger_1.mass + jaws.finger_2.mass

@@ -8,9 +8,9 @@ from __future__ import annotations
 import pytest
 import recordings
 
-from alpha5_model.comparison import compare
-from alpha5_model.comparison.reading import find_chains
-from alpha5_model.description.urdf_reading import read_urdf
+from alpha5_model.description.reading import read_urdf
+from alpha5_model.proofs.comparison.measure import compare
+from alpha5_model.proofs.comparison.reading import find_chains
 
 MODELS = recordings.RECORDINGS / "models"
 HKOLANO = {f"axis_{axis}": f"r5m_joint{n}" for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)}

@@ -18,10 +18,10 @@ import pytest
 import recordings
 import reference
 
-from alpha5_model.comparison import compare_robots
-from alpha5_model.comparison.records import Comparison, Finding
-from alpha5_model.description.urdf_reading import parse_urdf
-from alpha5_model.description.variants import urdf
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import urdf
+from alpha5_model.proofs.comparison.measure import compare_robots
+from alpha5_model.proofs.comparison.records import Comparison, Finding
 
 OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

@@ -13,7 +13,7 @@ from reference import configurations, inertial_frames
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description import variants
+from alpha5_model.description import urdf as variants
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 

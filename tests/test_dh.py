@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from literature import PUMA_560, STANFORD
 
 import alpha5_model as a5
-from alpha5_model.dh import DHChain, DHLink, dh_transform
 from alpha5_model.errors import (
     Alpha5Error,
     InputError,
@@ -22,6 +21,7 @@ from alpha5_model.errors import (
     ShapeError,
     UnknownNameError,
 )
+from alpha5_model.theory.dh.chain import DHChain, DHLink, dh_transform
 
 QUARTER = math.pi / 2
 ANGLE = st.floats(-7, 7)

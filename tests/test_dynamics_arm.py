@@ -18,8 +18,8 @@ from dynamics_cases import PAYLOAD, VARIANTS, make, random_q, random_v
 from reference import MASS, VOLUME
 
 import alpha5_model as a5
-from alpha5_model import dynamics
-from alpha5_model.checks import LARGEST
+from alpha5_model._support.checks import LARGEST
+from alpha5_model.dynamics import load as dynamics
 from alpha5_model.dynamics.batch import torque_terms
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.errors import (

@@ -8,7 +8,7 @@ import pytest
 from dynamics_cases import random_q, random_v
 
 import alpha5_model as a5
-from alpha5_model.paths import JAWS_URDF_PATH
+from alpha5_model._support.paths import JAWS_URDF_PATH
 
 CLOSED = 0.0013
 

@@ -28,14 +28,14 @@ from newton_euler import link_frames, newton_euler, rotation_x
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.base_parameters import BASE_PARAMETERS, base_parameters
-from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.dynamics.variants import KernelArm
+from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, base_parameters
+from alpha5_model.codegen.functions import functions
+from alpha5_model.codegen.program import folded, program
+from alpha5_model.codegen.sources import generated_sources
+from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.parameters import RigidBody
-from alpha5_model.symbolic import functions
-from alpha5_model.symbolic.program import folded, program
-from alpha5_model.symbolic.sources import generated_sources
+from alpha5_model.numbers.parameters import RigidBody
 
 # The formulas hold for any bodies, however unlikely.
 pytestmark = pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
@@ -63,7 +63,7 @@ SETS, STATES = 20, 1000
 @pytest.fixture(params=["numpy_kernels", "_compiled"])
 def kernels(request: pytest.FixtureRequest) -> Any:
     try:
-        return import_module(f"alpha5_model.kernels.{request.param}")
+        return import_module(f"alpha5_model.codegen.kernels.{request.param}")
     except ImportError:
         pytest.skip("the kernels are not compiled here")
 
@@ -420,7 +420,7 @@ def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:
 
 def test_sources_are_the_same_in_every_process() -> None:
     script = (
-        "import hashlib; from alpha5_model.symbolic.sources import generated_sources as g\n"
+        "import hashlib; from alpha5_model.codegen.sources import generated_sources as g\n"
         "print(hashlib.sha256(repr(g()).encode()).hexdigest())"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "12345"}

@@ -18,7 +18,9 @@ import pytest
 import scipy.sparse
 
 import alpha5_model as a5
-from alpha5_model import checks, errors, inertia
+from alpha5_model import errors
+from alpha5_model._support import checks
+from alpha5_model.numbers import inertia
 
 
 def pickled(error: Any) -> Any:

@@ -258,7 +258,7 @@ def test_currents_that_overflow_are_refused(method):
 
 
 def test_what_almost_vanishes_is_no_rotation_and_no_mass():
-    from alpha5_model import inertia
+    from alpha5_model.numbers import inertia
 
     for nothing in (np.eye(3) * 5e-324, np.full((3, 3), 5e-324)):
         with pytest.raises(InputError, match="rotation"):
@@ -275,7 +275,7 @@ def test_what_accepts_is_a_function(accept):
 
 def test_a_printed_number_has_no_thousand_digits():
     from alpha5_model.errors import PublishedDataError
-    from alpha5_model.published.quantity import Quantity
+    from alpha5_model.numbers.quantity import Quantity
 
     assert Quantity.parse("9" * 20, "mm", "x").si == pytest.approx(1e17)
     with pytest.raises(PublishedDataError, match="printed decimal number"):
@@ -310,7 +310,7 @@ def test_a_limit_without_effort_moves(tmp_path, capfd):
 
 
 def test_a_mount_is_three_numbers_not_rows_of_them():
-    from alpha5_model.description.variants import Variant
+    from alpha5_model.description.urdf import Variant
 
     with pytest.raises(InputError, match="three numbers"):
         Variant(parent="rov", xyz=np.zeros((2, 3)))
@@ -321,7 +321,7 @@ def test_a_mount_is_three_numbers_not_rows_of_them():
 
 def test_a_table_with_an_endless_integer_is_refused():
     from alpha5_model.errors import PublishedDataError
-    from alpha5_model.published.reading import parse
+    from alpha5_model.numbers.reading import parse
 
     with pytest.raises(PublishedDataError, match="4300 digits"):
         parse(f"x = {'9' * 5000}", "")
@@ -337,7 +337,7 @@ def test_ragged_lists_of_states_are_refused():
 
 @pytest.mark.parametrize("tensor", [[[1.0, 2.0]], "x", np.full((3, 3), np.nan)])
 def test_a_possible_body_is_made_of_numbers(tensor):
-    from alpha5_model import inertia
+    from alpha5_model.numbers import inertia
 
     inertia.check_possible("x", 0.0, [0.0, 0.0, 0.0], np.zeros((3, 3)).tolist())
     with pytest.raises(InputError, match="inertia_com"):
@@ -389,7 +389,7 @@ levels = LEVELS
 )
 def test_levels_and_brackets_of_a_study(levels, says, tmp_path):
     from alpha5_model.errors import FileFormatError
-    from alpha5_model.sweep.study import read_study
+    from alpha5_model.studies.sweep.study import read_study
 
     path = tmp_path / "study.toml"
     path.write_text(STUDY.replace("LEVELS", "[0.5, 1]"))
@@ -401,7 +401,7 @@ def test_levels_and_brackets_of_a_study(levels, says, tmp_path):
 
 def test_a_table_of_brackets_inside_brackets_is_refused():
     from alpha5_model.errors import PublishedDataError
-    from alpha5_model.published.reading import parse
+    from alpha5_model.numbers.reading import parse
 
     with pytest.raises(PublishedDataError, match="fewer brackets"):
         parse("x = " + "[" * 900, "")

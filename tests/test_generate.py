@@ -11,15 +11,15 @@ import pytest
 import yaml
 
 import alpha5_model as a5
+from alpha5_model._support.files import atomic_write, atomic_write_all
+from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
 from alpha5_model.cli import main
 from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.description.variants import Variant, parameter_yaml, urdf
+from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
 from alpha5_model.description.verification import verify_generated
 from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
-from alpha5_model.files import atomic_write, atomic_write_all
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import REPOSITORY_PATH, XACRO_PATH
+from alpha5_model.numbers.parameters import parameters
 
 
 def names(text: str, tag: str) -> list[str]:
@@ -259,7 +259,7 @@ def test_errors_have_attributes():
 
 
 def test_a_broken_xacro_file_is_named(tmp_path):
-    from alpha5_model.description.variants import expand_xacro
+    from alpha5_model.description.urdf import expand_xacro
 
     broken = tmp_path / "broken.xacro"
     broken.write_text("<robot><oops></robot>")

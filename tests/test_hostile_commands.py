@@ -19,7 +19,7 @@ import hostile_files as files
 import pytest
 import typer
 
-from alpha5_model.text import printable
+from alpha5_model._support.text import printable
 
 #: Promised for each 100 kB of input, and for less [s].
 PROMISED = 2.0

@@ -11,9 +11,9 @@ from dynamics_cases import VARIANTS, central_difference, close, make, moved, ran
 
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.hydrodynamic_arm import HydrodynamicArm, joint_water
-from alpha5_model.dynamics.hydrostatics import Displacement
-from alpha5_model.hydrodynamics import BodyHydrodynamics, hydrodynamics
+from alpha5_model.dynamics.buoyancy import Displacement
+from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics, hydrodynamics
+from alpha5_model.water.arm import HydrodynamicArm, joint_water
 
 CURRENT = (0.4, -0.6, 0.8)
 RHO = a5.SEA_WATER

@@ -10,13 +10,13 @@ import pytest
 from newton_euler import link_frames
 
 import alpha5_model as a5
-from alpha5_model.dynamics.hydrodynamic_arm import HydrodynamicArm, joint_water
-from alpha5_model.hydrodynamics import LEVELS, BodyHydrodynamics, hydrodynamics
-from alpha5_model.published.reading import hydrodynamics as read
-from alpha5_model.published.reading import parse_hydrodynamics
+from alpha5_model.numbers.hydrodynamics import LEVELS, BodyHydrodynamics, hydrodynamics
+from alpha5_model.numbers.reading import hydrodynamics as read
+from alpha5_model.numbers.reading import parse_hydrodynamics
+from alpha5_model.water.arm import HydrodynamicArm, joint_water
 
 ROOT = Path(__file__).resolve().parent.parent
-FILE = ROOT / "alpha5_model" / "published" / "estimated_hydrodynamics.toml"
+FILE = ROOT / "alpha5_model" / "numbers" / "estimated_hydrodynamics.toml"
 TEXT = FILE.read_text("utf-8")
 
 

@@ -11,8 +11,9 @@ from fk import FOLDED, STRETCHED, fk, sample, tip
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model.codegen.kernels import numpy_kernels
+from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.errors import InputError
-from alpha5_model.kernels import module, numpy_kernels
 
 TAU = 2 * math.pi
 

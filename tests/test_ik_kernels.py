@@ -14,8 +14,8 @@ from ik_reference import solved
 from ik_targets import EDGES, at_edge, elbow_and_tip, ordinary
 
 import alpha5_model as a5
-from alpha5_model import kernels as kernels_package
-from alpha5_model.kernels import numpy_kernels
+from alpha5_model.codegen.kernels import choice as kernels_package
+from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.kinematics import ik
 from alpha5_model.kinematics.plane import AXIS_TOLERANCE
 
@@ -25,8 +25,8 @@ COUNT, EACH = 130_000, 10_000
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
 def kernels(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     if request.param == "_compiled" and os.environ.get("ALPHA5_REQUIRE_KERNELS") != "1":
-        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
-    chosen = import_module(f"alpha5_model.kernels.{request.param}")
+        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    chosen = import_module(f"alpha5_model.codegen.kernels.{request.param}")
     for user in (ik, kernels_package):
         monkeypatch.setattr(user, "module", lambda: chosen)
     return chosen
@@ -128,7 +128,7 @@ def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(kernels: 
 
 
 def test_the_compiled_functions_refuse_what_they_cannot_hold() -> None:
-    compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
     for given in ((), (list, [0.1] * 3, 0.0), (5, [0.1] * 3, 0.0), (tuple, [0.1] * 3)):
         with pytest.raises(TypeError, match="kind of tuple, position and wrist"):
             compiled.inverse_kinematics(*given)

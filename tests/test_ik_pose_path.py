@@ -429,7 +429,7 @@ def test_a_jump_on_the_axis_and_what_lies_behind_it() -> None:
 @pytest.mark.parametrize("noise", [1e-15, 1e-12, 4e-10])
 def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
     """One tolerance: within a nanometre a target is on the axis, for flags, poses and paths alike."""
-    from alpha5_model.kinematics.ik.pose import approach_directions
+    from alpha5_model.kinematics.pose import approach_directions
 
     target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32, 0.33])
     target[1:-1, :2] += np.random.default_rng(85).uniform(-noise, noise, (4, 2))
@@ -444,7 +444,7 @@ def test_the_axis_is_the_same_for_everyone(noise: float) -> None:
 
 
 def test_beyond_the_tolerance_a_target_is_off_the_axis() -> None:
-    from alpha5_model.kinematics.ik.pose import approach_directions
+    from alpha5_model.kinematics.pose import approach_directions
 
     target = np.array([[1.1e-9, 0.0, 0.3], [0.0, 0.9e-9, 0.3]])
     assert a5.inverse_kinematics(target).singular.tolist() == [False, True]
@@ -510,7 +510,7 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
 def test_how_a_turn_is_shared(
     size: list[float], turn: float, first: float, expected: list[float]
 ) -> None:
-    from alpha5_model.kinematics.ik.path import shared_turn
+    from alpha5_model.kinematics.path import shared_turn
 
     np.testing.assert_allclose(
         shared_turn(np.array(size), turn, first, 0.5), expected, rtol=0, atol=1e-15

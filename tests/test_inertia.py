@@ -13,8 +13,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import alpha5_model as a5
-from alpha5_model import inertia as mod
 from alpha5_model.errors import Alpha5Error, InputError, ShapeError
+from alpha5_model.numbers import inertia as mod
 
 seeds = st.integers(0, 2**32 - 1)
 

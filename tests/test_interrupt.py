@@ -79,7 +79,7 @@ def delay(*arguments: str, kernels: str) -> float:
 def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     *arguments, kernels = CASES[case]
     if kernels == "compiled":
-        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
     quickest = float("inf")
     for _ in range(ATTEMPTS):
         quickest = min(quickest, delay(*arguments, kernels=kernels))
@@ -90,7 +90,7 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no such timer on this system")
 def test_signals_are_answered_within_a_batch_and_change_nothing() -> None:
-    compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
     rng = np.random.default_rng(5)
     parameters = a5.load()._kernel_parameters
     q, v, tau = rng.normal(scale=1e6, size=(3, 150_000, 4))  # slow: sines of large angles

@@ -11,8 +11,8 @@ import casadi
 import numpy as np
 import pytest
 
-from alpha5_model.symbolic.program import program
-from alpha5_model.symbolic.sources import kernels
+from alpha5_model.codegen.program import program
+from alpha5_model.codegen.sources import kernels
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -64,7 +64,7 @@ def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
             *(*flags, "-Wno-psabi", "-Wno-unused-function"),
             *("-fsanitize=undefined", "-fno-sanitize-recover"),
             *(f"-D{name}={size}" for name, size in sizes.items()),
-            *(f"-I{folder}", f"-I{ROOT / 'alpha5_model' / 'kernels'}"),
+            *(f"-I{folder}", f"-I{ROOT / 'alpha5_model' / 'codegen' / 'kernels'}"),
             *(str(ROOT / "tests" / "elementary.c"), "-lm", "-o", str(folder / "elementary")),
         ],
         check=True,

@@ -21,16 +21,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from alpha5_model.checks import LARGEST
-from alpha5_model.kernels import numpy_kernels
-from alpha5_model.symbolic import functions
-from alpha5_model.symbolic.program import Program, program
-from alpha5_model.symbolic.sources import PARAMETERS, UPRIGHT
+from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.functions import functions
+from alpha5_model.codegen.kernels import numpy_kernels
+from alpha5_model.codegen.program import Program, program
+from alpha5_model.codegen.sources import PARAMETERS, UPRIGHT
 
 if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
-    compiled = importlib.import_module("alpha5_model.kernels._compiled")
+    compiled = importlib.import_module("alpha5_model.codegen.kernels._compiled")
 else:
-    compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
 PROGRAMS = {name: program(function) for name, function in functions().items()}
 ROOT = Path(__file__).resolve().parent.parent
 ROWS = 103  # three panels and a rest

@@ -7,12 +7,12 @@ import ctypes
 import numpy as np
 import pytest
 
-from alpha5_model.checks import LARGEST
-from alpha5_model.symbolic import functions
-from alpha5_model.symbolic.program import Program, program
-from alpha5_model.symbolic.sources import PARAMETERS
+from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.functions import functions
+from alpha5_model.codegen.program import Program, program
+from alpha5_model.codegen.sources import PARAMETERS
 
-compiled = pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
 PROGRAMS = {name: program(function) for name, function in functions().items()}
 each_function = pytest.mark.parametrize("name", PROGRAMS)
 

@@ -15,11 +15,11 @@ from alpha5_model.kinematics import ik
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
 def kernels(request: pytest.FixtureRequest) -> ModuleType:
     """Either of both; the compiled ones where they are installed."""
-    name = f"alpha5_model.kernels.{request.param}"
+    name = f"alpha5_model.codegen.kernels.{request.param}"
     return pytest.importorskip(name, exc_type=ImportError)
 
 
-COMPILED = "alpha5_model.kernels._compiled"
+COMPILED = "alpha5_model.codegen.kernels._compiled"
 TARGET = [0.2, -0.1, 0.15]
 LONG = 10**400
 

@@ -10,9 +10,10 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model import planar
-from alpha5_model.dh import arm_types, dh_transform, link, urdf
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
-from alpha5_model.kinematics.ik import pose
+from alpha5_model.kinematics import pose
+from alpha5_model.theory.dh import arm_types, link, urdf
+from alpha5_model.theory.dh.chain import dh_transform
 
 space = a5.workspace
 CHAIN = a5.dh.DHChain.alpha5()

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from alpha5_model.description.variants import expand_xacro
+from alpha5_model._support.paths import XACRO_PATH
+from alpha5_model.description.urdf import expand_xacro
 from alpha5_model.errors import FileFormatError
-from alpha5_model.paths import XACRO_PATH
 
 XACRO = Path(XACRO_PATH).parent
 PLAIN = [sys.executable, "-c", "import sys; sys.path.pop(0); import xacro; xacro.main()"]

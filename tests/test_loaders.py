@@ -19,14 +19,10 @@ from reference import LOWER, UPPER
 from water_reference import Reference
 
 import alpha5_model as a5
+from alpha5_model._support.files import atomic_write
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.files import atomic_write
-from alpha5_model.loaders import (
-    alpha5_description,
-    alpha5_mj_description,
-    loader_class,
-    robot_files,
-)
+from alpha5_model.loaders import alpha5_description, alpha5_mj_description
+from alpha5_model.loaders.files import loader_class, robot_files
 
 SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "add_to_example_robot_data.py"
 #: What that collection's tests of loading look like.

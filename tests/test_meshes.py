@@ -20,9 +20,9 @@ import numpy as np
 import pytest
 from reference import COB, VOLUME, inertial_frames, rotation_x, rotation_z
 
+from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.errors import Alpha5Error, InputError, MissingDependencyError
-from alpha5_model.paths import REPOSITORY_PATH
 
 MESHES = Path(REPOSITORY_PATH) / "meshes"
 LINKS = ("link_0", "link_1", "link_2", "link_3", "link_4")
@@ -203,7 +203,7 @@ def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, nam
 
 def test_measured_dimensions_agree_with_the_recorded_bounds():
     from alpha5_model import parameters
-    from alpha5_model.meshing import BASE, RADIUS, SHELL, SOURCES, WRIST
+    from alpha5_model.geometry.parts import BASE, RADIUS, SHELL, SOURCES, WRIST
 
     bounds = [link.bounds * 1e3 for link in parameters().links]
     assert pytest.approx(bounds[0][0, 0]) == BASE.rear
@@ -392,8 +392,8 @@ def test_glb_shows_the_home_pose_with_y_up(meshes):
 @pytest.mark.parametrize(("count", "kind"), [(65534, 5123), (65535, 5125)])
 def test_many_vertices_take_long_indices(count, kind):
     """glTF 2.0, 3.7.2.1: the largest number of a component type is no index."""
-    from alpha5_model.meshing.formats import Node, glb
-    from alpha5_model.meshing.solid import Surface
+    from alpha5_model.geometry.formats import Node, glb
+    from alpha5_model.geometry.solid import Surface
 
     vertices = np.random.default_rng(1).normal(size=(count, 3))
     faces = np.resize(np.arange(count), (count // 3 + 1, 3))
@@ -495,7 +495,7 @@ def test_mujoco_loads_the_meshes_and_measures_the_same_volume(meshes):
 
 
 def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
-    from alpha5_model.meshing import solid
+    from alpha5_model.geometry import solid
 
     monkeypatch.setitem(sys.modules, "manifold3d", None)
     with pytest.raises(MissingDependencyError, match="manifold3d"):
@@ -504,8 +504,8 @@ def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
 
 def test_a_volume_out_of_reach_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.meshing import solve_volume
-    from alpha5_model.meshing.solid import cylinder
+    from alpha5_model.geometry.parts import solve_volume
+    from alpha5_model.geometry.solid import cylinder
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
     # A regular 56-gon inscribed in the circle.
@@ -517,7 +517,7 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.meshing.solid import check_closed
+    from alpha5_model.geometry.solid import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     check_closed(closed)

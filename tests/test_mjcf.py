@@ -15,17 +15,17 @@ from reference import LOWER, UPPER, configurations
 from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
+from alpha5_model._support.files import atomic_write
+from alpha5_model._support.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
 from alpha5_model.cli import main
-from alpha5_model.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.description import mjcf as writer
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, NonFiniteError, UnknownNameError
-from alpha5_model.files import atomic_write
-from alpha5_model.jaws import split_link_4
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import parameters
 
 mujoco = pytest.importorskip("mujoco", minversion="3.5", reason="MuJoCo 3.5 or later")
 

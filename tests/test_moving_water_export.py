@@ -18,7 +18,7 @@ from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions, ellipsoids, mjcf, mjcf_files
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
 from alpha5_model.errors import InputError
-from alpha5_model.jaws import GRIPPERS
+from alpha5_model.numbers.jaws import GRIPPERS
 
 #: Name of the link in the file of a gripper -> name of the body in the data.
 LINKS = {f"link_{i}": f"link_{i}" for i in range(5)}

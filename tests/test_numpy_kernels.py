@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from alpha5_model.base_parameters import base_parameters
-from alpha5_model.checks import LARGEST
-from alpha5_model.kernels import numpy_kernels
-from alpha5_model.kernels.generated.formulas import KERNELS
-from alpha5_model.parameters import parameters
+from alpha5_model._support.checks import LARGEST
+from alpha5_model.codegen.base_parameters import base_parameters
+from alpha5_model.codegen.kernels import numpy_kernels
+from alpha5_model.codegen.kernels.generated.formulas import KERNELS
+from alpha5_model.numbers.parameters import parameters
 
 PARAMETERS = base_parameters(parameters().links)
 

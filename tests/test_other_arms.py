@@ -12,15 +12,16 @@ import pinocchio as pin
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.dh import DHChain, DHLink
-from alpha5_model.dynamics import arm_of
+from alpha5_model._support.spatial import pose
 from alpha5_model.dynamics.batch import frame_positions, torque_terms, water_terms
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limits
+from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import InputError
-from alpha5_model.spatial import pose
-from alpha5_model.view import figures
-from alpha5_model.view.build import build_scene
+from alpha5_model.studies.uncertainty import effects
+from alpha5_model.theory.dh.chain import DHChain, DHLink
+from alpha5_model.viewer import figures
+from alpha5_model.viewer.build import build_scene
 
 LONGER = 0.05
 Q = np.array([3.0, 1.2, 1.8, 0.5])
@@ -128,7 +129,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "a collision model": lambda: CollisionModel(arm().model),
     "moving water": lambda: water_terms(arm(), *ROWS, current=(0.0, 1.0, 0.0)),
     "bounds": lambda: a5.uncertainty.bounds(Q, V, A, arm()),
-    "margin": lambda: a5.uncertainty.torque_margin(arm(), Q, V, A),
+    "margin": lambda: effects.torque_margin(arm(), Q, V, A),
     "scene": lambda: build_scene(arm()),
     "CasADi": casadi_formulas,
     "JAX": jax_formulas,

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 from alpha5_model.errors import InputError, UnknownNameError
+from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 
 #: Tables 2 and 3 once more, in SI and URDF sign, typed from the document and not from the data file.
 MASSES = [0.234, 0.161, 0.38, 0.142, 0.355]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.dh import DHChain
 from alpha5_model.errors import (
     Alpha5Error,
     InputError,
@@ -16,7 +15,15 @@ from alpha5_model.errors import (
     NonFiniteError,
     ShapeError,
 )
-from alpha5_model.planar import Arc, PlanarArm, Segment, Workspace, annulus, workspace
+from alpha5_model.theory.dh.chain import DHChain
+from alpha5_model.theory.planar.dexterous import (
+    Arc,
+    PlanarArm,
+    Segment,
+    Workspace,
+    annulus,
+    workspace,
+)
 
 TURN = 2 * math.pi
 QUARTER = math.pi / 2

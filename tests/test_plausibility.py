@@ -17,15 +17,15 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model import plausibility
-from alpha5_model.actuators import Actuator
 from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions
 from alpha5_model.description.sdf import SdfOptions
-from alpha5_model.dynamics.hydrostatics import Vehicle
+from alpha5_model.dynamics.actuators import Actuator
+from alpha5_model.dynamics.buoyancy import Vehicle
 from alpha5_model.errors import ImplausibleWarning, InputError
-from alpha5_model.hydrodynamics import DragStrip
-from alpha5_model.jaws import split_link_4
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.hydrodynamics import DragStrip
+from alpha5_model.numbers.jaws import split_link_4
 
 P = a5.parameters()
 #: Of a BlueROV2, about.

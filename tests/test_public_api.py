@@ -24,8 +24,16 @@ import pytest
 import alpha5_model as a5
 
 SNAPSHOT = Path(__file__).with_name("public_api.txt")
-#: Modules that people import by their own name, beside what `alpha5_model` itself exports.
-MODULES = ("errors", "inertia", "corrections", "fluids", "paths", "casadi", "jax")
+#: Modules whose names people use, beside what `alpha5_model` itself exports: name -> where it is.
+MODULES = {
+    "errors": "errors",
+    "inertia": "numbers.inertia",
+    "corrections": "numbers.corrections",
+    "fluids": "numbers.fluids",
+    "paths": "_support.paths",
+    "casadi": "casadi",
+    "jax": "jax",
+}
 
 
 def own_classes() -> dict[str, Any]:
@@ -128,8 +136,8 @@ def surface() -> list[str]:
 
     for name in a5.__all__:
         show(f"a5.{name}", getattr(a5, name))
-    for name in MODULES:
-        show(name, import_module(f"alpha5_model.{name}"))
+    for name, module in MODULES.items():
+        show(name, import_module(f"alpha5_model.{module}"))
     while results:
         record = results.pop()
         if record not in shown:

@@ -12,14 +12,14 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, PublishedDataError
-from alpha5_model.published.quantity import Quantity
-from alpha5_model.published.reading import parse
-from alpha5_model.published.tables import STATUSES, BodyBounds, Source, SourcedQuantity
+from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.reading import parse
+from alpha5_model.numbers.tables import STATUSES, BodyBounds, Source, SourcedQuantity
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = Path(os.environ.get("ALPHA5_SEEDS", ROOT.parent / "shared" / "seeds"))
 SEED = SEEDS / "reach_alpha_mk2_kinematic_and_dynamic_properties_v7.md"
-DATA = ROOT / "alpha5_model" / "published"
+DATA = ROOT / "alpha5_model" / "numbers"
 DOCUMENT = (DATA / "reach_alpha_mk2_v7.toml").read_text(encoding="utf-8")
 SUPPLEMENTARY = (DATA / "supplementary.toml").read_text(encoding="utf-8")
 
@@ -346,7 +346,7 @@ def refuse(document: str, supplementary: str, place: str, problem: str) -> None:
 
 
 def test_an_unreadable_expression_is_refused() -> None:
-    from alpha5_model.parameters import convert
+    from alpha5_model.numbers.parameters import convert
 
     printed = parse(DOCUMENT.replace("theta_3 + pi/2", "theta_3 + tau/4"), SUPPLEMENTARY)
     with pytest.raises(PublishedDataError, match=r"Table 1, link 3.*'tau/4'"):

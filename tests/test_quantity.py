@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from alpha5_model.errors import PublishedDataError
-from alpha5_model.published.quantity import Quantity
+from alpha5_model.numbers.quantity import Quantity
 
 #: Unit -> size in SI, as an exact fraction, written down from the unit's definition.
 SIZE = {

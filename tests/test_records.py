@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model import description
+from alpha5_model.description import bodies as description
 from alpha5_model.description import verification
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
-from alpha5_model.description.urdf_reading import read_urdf
+from alpha5_model.description.reading import read_urdf
 from alpha5_model.errors import PublishedDataError
-from alpha5_model.parameters import parameters
+from alpha5_model.numbers.parameters import parameters
 
 PACKAGE = Path(a5.__file__).parent
 

@@ -24,7 +24,7 @@ CHILD = """
 import ctypes, sys
 import numpy as np
 import alpha5_model as a5
-from alpha5_model import kernels
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.dynamics.batch import arm_parameters
 
 libm = ctypes.CDLL(sys.argv[1])
@@ -70,7 +70,7 @@ for x, y in zip(got, wanted, strict=True):
 @pytest.mark.parametrize("mode", MODES.get(platform.machine(), ()))
 def test_rounding_changes_nothing_and_stays(mode: int, kernels: str) -> None:
     if kernels == "compiled":
-        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
     environment = {**os.environ, "ALPHA5_KERNELS": kernels}
     command = [sys.executable, "-c", CHILD, str(LIBM), str(mode), kernels]
     child = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -14,12 +14,12 @@ import pytest
 from reference import COM, INERTIA, LOWER, MASS, UPPER, dh_frames, inertial_frames
 from water_reference import COB, VOLUME
 
+from alpha5_model._support.paths import URDF_PATH
 from alpha5_model.cli import main
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.jaws import split_link_4
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import URDF_PATH
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import parameters
 
 
 def numbers(element: ET.Element | None) -> np.ndarray:

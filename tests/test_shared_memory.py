@@ -14,7 +14,8 @@ import test_public_api
 from array_functions import kinematics_calls
 
 import alpha5_model as a5
-from alpha5_model import checks, kernels
+from alpha5_model._support import checks
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.description import srdf
 from alpha5_model.kinematics import ik
 
@@ -67,7 +68,10 @@ def needed(function: Any) -> list[str]:
 def answers() -> dict[str, Any]:
     """What gives the same answer twice: public functions without arguments, and arms."""
     found: dict[str, Any] = {}
-    roots = [a5, *(import_module(f"alpha5_model.{name}") for name in test_public_api.MODULES)]
+    roots = [
+        a5,
+        *(import_module(f"alpha5_model.{name}") for name in test_public_api.MODULES.values()),
+    ]
     roots += [a5.workspace, a5.uncertainty, a5.dh, a5.planar, a5.actuators, a5.trajectory]
     for root in roots:
         for name in test_public_api.public(root):
@@ -109,8 +113,8 @@ def test_solutions_share_nothing_that_can_be_written(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if name == "_compiled":
-        pytest.importorskip("alpha5_model.kernels._compiled", exc_type=ImportError)
-    chosen = import_module(f"alpha5_model.kernels.{name}")
+        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    chosen = import_module(f"alpha5_model.codegen.kernels.{name}")
     for user in (kernels, ik):
         monkeypatch.setattr(user, "module", lambda: chosen)
     far, near = (9.0, 0.0, 0.0), (0.2, 0.1, 0.1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from alpha5_model import spatial
+from alpha5_model._support import spatial
 
 rng = np.random.default_rng(8)
 

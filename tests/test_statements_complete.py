@@ -76,7 +76,7 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     "alpha5_model/trajectory/smoothing.py": {
         "below this a sine's amplitude is off by more than 0.1 %": "tests/test_trajectory_smoothing.py",
     },
-    "alpha5_model/published/estimated_hydrodynamics.toml": {
+    "alpha5_model/numbers/estimated_hydrodynamics.toml": {
         "are 0.5 to 1.3 % apart at most": "scripts/added_mass.py",
     },
 }
@@ -119,7 +119,11 @@ def pages() -> dict[str, re.Pattern[str]]:
         found |= {relative(p): MEASURED for p in sorted((REPOSITORY / folder).rglob("*.md"))}
     modules = sorted((REPOSITORY / "alpha5_model").rglob("*.py"))
     found |= {relative(p): SHARES for p in modules if "generated" not in p.parts}
-    for page in ("corrections.toml", "published/estimated_hydrodynamics.toml", "cli/words.toml"):
+    for page in (
+        "numbers/corrections.toml",
+        "numbers/estimated_hydrodynamics.toml",
+        "cli/words.toml",
+    ):
         found[f"alpha5_model/{page}"] = SHARES
     return {page: pattern for page, pattern in found.items() if page not in LEFT_OUT}
 

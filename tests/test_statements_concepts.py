@@ -18,7 +18,7 @@ from statement_registry import AtMost, Figure, Near, Statement, parameters_of, s
 
 import alpha5_model as a5
 from alpha5_model.dynamics.collision import _model
-from alpha5_model.inertia import flip_products, principal_moments, second_moments
+from alpha5_model.numbers.inertia import flip_products, principal_moments, second_moments
 
 ERRATA = "docs/errata.md"
 DEXTERITY = "docs/concepts/dexterity.md"
@@ -120,7 +120,7 @@ def test_the_audits_share_is_the_pages() -> None:
 
 
 @statement(
-    "alpha5_model/corrections.toml",
+    "alpha5_model/numbers/corrections.toml",
     "has the base body at x = {} to {} mm. Table 2's COM ({} mm) and Table 3's COB "
     "({} mm) are inside it only without the rotation. The range that real arms report "
     "for theta_0, {} to {} deg",

@@ -29,8 +29,8 @@ from test_statements_proof import along_the_stretched_arm, folded_arm, stretched
 
 import alpha5_model as a5
 from alpha5_model.description import mjcf
-from alpha5_model.meshing import solid
-from alpha5_model.sweep import rows
+from alpha5_model.geometry import solid
+from alpha5_model.studies.sweep import rows
 
 PROJECT = tomllib.loads(text_of("pyproject.toml"))["project"]
 START = "docs/start.md"
@@ -184,14 +184,15 @@ def test_bus_addresses() -> None:
 
 
 @statement(
-    "alpha5_model/planar/__init__.py", "the notes' arm (5, 4, 1) has a dexterous workspace of {}."
+    "alpha5_model/theory/planar/dexterous.py",
+    "the notes' arm (5, 4, 1) has a dexterous workspace of {}.",
 )
 def dexterous_area_with_limits() -> Sequence[Figure]:
     return [Near(dexterous_cells(2.967, 0.1), 0.6)]
 
 
 @statement(
-    "alpha5_model/actuators.py",
+    "alpha5_model/dynamics/actuators.py",
     "K_t is about {} % above K_v for actuators 0 to 2 and half of it for 3 and 4",
 )
 def constants_of_a_motor() -> Sequence[Figure]:
@@ -203,7 +204,7 @@ def constants_of_a_motor() -> Sequence[Figure]:
 
 
 @statement(
-    "alpha5_model/actuators.py",
+    "alpha5_model/dynamics/actuators.py",
     "A gearbox of {}:1 with {} % beside one of {}:1 with {} % speaks for this",
 )
 def efficiencies() -> Sequence[Figure]:
@@ -230,14 +231,14 @@ def flat_ellipsoid() -> Sequence[Figure]:
 
 
 @statement(
-    "alpha5_model/meshing/solid.py",
+    "alpha5_model/geometry/solid.py",
     "Corners of a full circle of {} mm radius; the chord stays within {} mm of the arc",
 )
 def chords() -> Sequence[Figure]:
     return [Near(20), AtMost(20 * (1 - math.cos(math.pi / solid.SEGMENTS)))]
 
 
-HEAD = "alpha5_model/published/estimated_hydrodynamics.toml"
+HEAD = "alpha5_model/numbers/estimated_hydrodynamics.toml"
 
 
 @statement(

@@ -35,7 +35,7 @@ from test_moving_water_export import moving, own_torque
 from test_uncertainty import of_link, states
 
 import alpha5_model as a5
-from alpha5_model.hydrodynamics import LEVELS, hydrodynamics
+from alpha5_model.numbers.hydrodynamics import LEVELS, hydrodynamics
 
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 from hydrodynamics.revolution import cylinder_across

@@ -18,8 +18,8 @@ import pyarrow
 import pytest
 
 import alpha5_model as a5
+from alpha5_model._support.spatial import rotation_from_rpy
 from alpha5_model.cli import main
-from alpha5_model.spatial import rotation_from_rpy
 from alpha5_model.trajectory import analyse, read_motion
 
 distributed = pytest.importorskip("distributed")
@@ -207,8 +207,8 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
 
 
 def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
-    from alpha5_model.dynamics import arm_of
-    from alpha5_model.uncertainty import sample
+    from alpha5_model.dynamics.load import arm_of
+    from alpha5_model.studies.uncertainty.effects import sample
 
     study = f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n" + GRID[GRID.index("[outputs.rows") :]
     a5.sweep(written(tmp_path, study), tmp_path / "out")

@@ -14,10 +14,10 @@ from ik_targets import EDGES, at_edge, ordinary
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
+from alpha5_model.codegen.program import TRUTHS, folded, program
+from alpha5_model.codegen.sources import python_source
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE
-from alpha5_model.symbolic.inverse_kinematics import inverse_kinematics
-from alpha5_model.symbolic.program import TRUTHS, folded, program
-from alpha5_model.symbolic.sources import python_source
 
 
 def solve(position: np.ndarray, wrist: np.ndarray, tolerances: Any = DOUBLE) -> list[np.ndarray]:

@@ -8,10 +8,10 @@ import casadi
 import numpy as np
 import pytest
 
+from alpha5_model.codegen.functions import functions, products
+from alpha5_model.codegen.program import OPERATIONS as KNOWN
+from alpha5_model.codegen.program import Program, program
 from alpha5_model.errors import InputError
-from alpha5_model.symbolic import functions, products
-from alpha5_model.symbolic.program import OPERATIONS as KNOWN
-from alpha5_model.symbolic.program import Program, program
 
 OPERATIONS = {
     "add": lambda x, y: x + y,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from alpha5_model.text import table
+from alpha5_model._support.text import table
 
 
 @pytest.mark.parametrize("gap", [1, 2, 5])

@@ -15,7 +15,7 @@ from recordings import JOINT_STATES, needs_recordings
 from reference import LOWER, UPPER, dh_frames
 
 import alpha5_model as a5
-from alpha5_model.actuators import actuator
+from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.dynamics.batch import frame_positions, torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.trajectory.report import columns

@@ -19,16 +19,17 @@ from pages import generated_text
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
-from alpha5_model.base_parameters import base_parameters, regrouped
+from alpha5_model.codegen.base_parameters import base_parameters, regrouped
 from alpha5_model.dynamics.batch import regressor_rows
-from alpha5_model.dynamics.hydrostatics import displacements
+from alpha5_model.dynamics.buoyancy import displacements
 from alpha5_model.errors import Alpha5Error
-from alpha5_model.inertia import pseudo_inertia
-from alpha5_model.jaws import split_link_4
-from alpha5_model.uncertainty import printed, torque_margin
+from alpha5_model.numbers.inertia import pseudo_inertia
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.effects import torque_margin
 
 u = a5.uncertainty
-TOML = Path(a5.__file__).with_name("published") / "reach_alpha_mk2_v7.toml"
+TOML = Path(a5.__file__).with_name("numbers") / "reach_alpha_mk2_v7.toml"
 SI = {"": 0, "kg": 0, "Ohm": 0, "Nm/A": 0, "V/rad/s": 0, "%": -2, "mm": -3, "L": -3, "Nmm": -3}
 SI |= {"uH": -6, "kg.mm^2": -6}
 AXES = "xyz"

@@ -15,8 +15,8 @@ import reference
 import yourdfpy
 
 import alpha5_model as a5
-from alpha5_model.description.variants import Variant, urdf
-from alpha5_model.paths import JAWS_URDF_PATH
+from alpha5_model._support.paths import JAWS_URDF_PATH
+from alpha5_model.description.urdf import Variant, urdf
 
 FRAMES = [f"link_{i}" for i in range(5)]
 

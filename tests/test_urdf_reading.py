@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from alpha5_model.description.urdf_reading import parse_urdf, urdf_shapes
+from alpha5_model.description.reading import parse_urdf, urdf_shapes
 from alpha5_model.errors import FileFormatError
 
 ROBOT = """<?xml version="1.0"?>

@@ -14,13 +14,13 @@ import pytest
 import reference
 
 import alpha5_model as a5
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.cli import main
 from alpha5_model.description import verification
-from alpha5_model.description.urdf_reading import read_urdf
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
 from alpha5_model.errors import FileFormatError, MissingFileError
-from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
 
 LOCKED, JAWS = (Path(p).read_text("utf-8") for p in (URDF_PATH, JAWS_URDF_PATH))
 

@@ -17,7 +17,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.view.build import pose_of
+from alpha5_model.viewer.build import pose_of
 
 pytestmark = needs_browser
 

@@ -27,8 +27,8 @@ from websockets.sync.client import connect
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ViewerError
-from alpha5_model.view import server
-from alpha5_model.view.visualizer import ArmVisualizer
+from alpha5_model.viewer import server
+from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4, 0.005])
 ELSEWHERE = [1.0, 1.5, 2.0, 2.5, 0.002]

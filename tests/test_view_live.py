@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
+from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.errors import Alpha5Error, InputError, ShapeError
-from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.view.visualizer import ArmVisualizer
+from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4])
 

@@ -15,10 +15,10 @@ from alpha5_model.cli import main
 from alpha5_model.cli import view as view_command
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.trajectory import motion
-from alpha5_model.view import page
-from alpha5_model.view.build import build_scene
-from alpha5_model.view.page import live_page, static_page
-from alpha5_model.view.scene import Scene
+from alpha5_model.viewer import page
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.page import live_page, static_page
+from alpha5_model.viewer.scene import Scene
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,10 @@ from recordings import JOINT_STATES
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
-from alpha5_model.view.build import build_scene
-from alpha5_model.view.picture import Canvas, picture, picture_png, shade
-from alpha5_model.view.scene import Camera
-from alpha5_model.view.shapes import ball
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.picture import Canvas, picture, picture_png, shade
+from alpha5_model.viewer.scene import Camera
+from alpha5_model.viewer.shapes import ball
 
 FIELD = 40.0
 #: Looks along +y from 2 m away: x to the right, z up.

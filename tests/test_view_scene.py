@@ -13,7 +13,8 @@ from reference import COB, COM, LOWER, MASS, UPPER, VOLUME, inertial_frames
 from scipy.spatial.transform import Rotation
 
 import alpha5_model as a5
-from alpha5_model.description.urdf_reading import urdf_shapes
+from alpha5_model._support.paths import REPOSITORY_PATH, URDF_PATH
+from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.errors import (
     Alpha5Error,
     FileFormatError,
@@ -23,10 +24,9 @@ from alpha5_model.errors import (
     ShapeError,
     UnknownNameError,
 )
-from alpha5_model.paths import REPOSITORY_PATH, URDF_PATH
-from alpha5_model.view.build import ARROW_SCALE, build_scene, pose_of, tour
-from alpha5_model.view.scene import GROUPS, Mean, Rigid, Scene
-from alpha5_model.view.shapes import arrow, ball, drawn, read_obj, triad, tube
+from alpha5_model.viewer.build import ARROW_SCALE, build_scene, pose_of, tour
+from alpha5_model.viewer.scene import GROUPS, Mean, Rigid, Scene
+from alpha5_model.viewer.shapes import arrow, ball, drawn, read_obj, triad, tube
 
 
 @pytest.fixture(scope="module")
@@ -359,7 +359,7 @@ def test_a_mean_needs_no_normalised_weights() -> None:
 
 def test_view_is_there_and_loads_nothing_until_called() -> None:
     script = (
-        "import sys, alpha5_model as a5, alpha5_model.view; assert callable(a5.view);"
+        "import sys, alpha5_model as a5, alpha5_model.viewer; assert callable(a5.view);"
         "bad = {'meshcat', 'pinocchio', 'PIL', 'tornado', 'scipy'} & set(sys.modules);"
         "sys.exit(str(bad) if bad else 0)"
     )

@@ -389,7 +389,7 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     """The audit's longest distance from shoulder to tcp, by the law of cosines at the nearest theta_2."""
     from dataclasses import replace
 
-    from alpha5_model.consistency import geometry as rows
+    from alpha5_model.proofs.audit import geometry as rows
 
     p = a5.parameters()
     joints = list(p.joints)

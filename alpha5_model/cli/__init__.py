@@ -16,9 +16,9 @@ from typing import Annotated, Any
 import typer
 
 from alpha5_model import __version__
+from alpha5_model._support.text import printable
 from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning
-from alpha5_model.text import printable
 
 #: Command -> module of this package with its function, in the order of ``alpha5 --help``.
 COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}

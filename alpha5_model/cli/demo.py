@@ -9,17 +9,19 @@ from typing import Annotated
 import numpy as np
 from typer import Option
 
-from alpha5_model.checks import FloatArray
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import atomic_write, is_stream
+from alpha5_model._support.text import table
 from alpha5_model.cli.options import say
 from alpha5_model.cli.proofs import alike, documents, sentence
-from alpha5_model.consistency import audit
-from alpha5_model.description import mesh_assets, srdf, variants, verification
-from alpha5_model.dynamics import load
+from alpha5_model.description import srdf, verification
+from alpha5_model.description import urdf as variants
+from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.dynamics.load import load
 from alpha5_model.errors import OutputError
-from alpha5_model.files import atomic_write, is_stream
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
-from alpha5_model.text import table
-from alpha5_model.view import build, page, picture, scene
+from alpha5_model.proofs.audit.run import audit
+from alpha5_model.viewer import build, page, picture, scene
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)

@@ -8,15 +8,16 @@ from typing import Annotated, Any
 
 from typer import Context, Option, echo
 
-from alpha5_model.c_library import COptions, c_files
-from alpha5_model.checks import choice
+from alpha5_model._support.checks import choice
+from alpha5_model._support.files import atomic_write_all, check_outputs, is_stream
+from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.cli import options
 from alpha5_model.cli.options import HELP
-from alpha5_model.description import committed, mesh_assets, mjcf, sdf
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.codegen.c_library.files import COptions, c_files
+from alpha5_model.description import committed, mjcf, sdf
+from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
-from alpha5_model.files import atomic_write_all, check_outputs, is_stream
-from alpha5_model.paths import REPOSITORY_PATH
 
 MESH_URIS = {"relative": "meshes/", "package": "package://alpha5_description/meshes/"}
 MESH_URIS["file"] = (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/"

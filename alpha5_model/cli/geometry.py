@@ -7,18 +7,19 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from alpha5_model import planar as library
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
 from alpha5_model.cli import options
 from alpha5_model.cli.options import HELP
-from alpha5_model.dh import DHChain, DHLink, arm_types
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.errors import InputError
-from alpha5_model.files import check_outputs
 from alpha5_model.kinematics import workspace as space
-from alpha5_model.text import table
-from alpha5_model.uncertainty import reach, sensitivity
-from alpha5_model.view import figures
-from alpha5_model.view import workspace_plot as draw
+from alpha5_model.studies.uncertainty.effects import reach, sensitivity
+from alpha5_model.theory import planar as library
+from alpha5_model.theory.dh import arm_types
+from alpha5_model.theory.dh.chain import DHChain, DHLink
+from alpha5_model.viewer import figures
+from alpha5_model.viewer import workspace_plot as draw
 
 _LINK = "'THETA D A ALPHA SIGMA'"
 

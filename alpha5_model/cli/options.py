@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import numpy as np
 from typer import BadParameter, Option, echo, style
 
-from alpha5_model import plausibility
-from alpha5_model.checks import real
-from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model._support.checks import real
+from alpha5_model._support.files import is_stdout
+from alpha5_model._support.spatial import rotation_from_rpy
+from alpha5_model._support.text import plain, printable, readable, wrapped
 from alpha5_model.errors import InputError
-from alpha5_model.files import is_stdout
-from alpha5_model.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
-from alpha5_model.spatial import rotation_from_rpy
-from alpha5_model.text import plain, printable, readable, wrapped
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -192,7 +192,7 @@ def names(text: str) -> tuple[str, ...]:
 
 def arm_in(fluid: str, gravity: str, gripper: str, mount: str, payload: str | None) -> Arm:
     """The arm, from the text of the options."""
-    from alpha5_model.dynamics import load
+    from alpha5_model.dynamics.load import load
 
     rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
     g: Any = numbers("gravity", gravity, (3,), "m/s^2")

@@ -13,16 +13,16 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Argument, Option, style
 
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
 from alpha5_model.cli import options
-from alpha5_model.comparison import compare as run
-from alpha5_model.comparison.records import Comparison
-from alpha5_model.consistency import audit
-from alpha5_model.consistency.row import AuditRow
 from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
 from alpha5_model.errors import InputError
-from alpha5_model.files import check_outputs
-from alpha5_model.text import table
-from alpha5_model.view.figures import FORMATS, plot_comparison
+from alpha5_model.proofs.audit.row import AuditRow
+from alpha5_model.proofs.audit.run import audit
+from alpha5_model.proofs.comparison.measure import compare as run
+from alpha5_model.proofs.comparison.records import Comparison
+from alpha5_model.viewer.figures import FORMATS, plot_comparison
 
 #: Heading -> what the summary calls the claims under it.
 _CLAIMS = {

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from typer import Argument, Option
 
-from alpha5_model.actuators import actuator
-from alpha5_model.checks import FloatArray
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.spatial import rpy_from_rotation, wrap
+from alpha5_model._support.text import table
 from alpha5_model.cli import options
+from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.errors import InputError, MissingParameterError
-from alpha5_model.files import check_outputs
-from alpha5_model.hydrodynamics import LEVELS
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
 from alpha5_model.kinematics.plane import arm_plane
-from alpha5_model.parameters import parameters
-from alpha5_model.spatial import rpy_from_rotation, wrap
-from alpha5_model.text import table
-from alpha5_model.view import figures
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.viewer import figures
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -146,7 +146,7 @@ def torque(
 def _result(arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: Any, a: Any) -> Any:
     """The result as it goes to JSON, SI units."""
     from alpha5_model.dynamics.batch import torque_terms, water_terms
-    from alpha5_model.uncertainty import torque_margin
+    from alpha5_model.studies.uncertainty.effects import torque_margin
 
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
     wrench, load = arm.base_wrench(q, v, a).vector, {}

@@ -14,18 +14,18 @@ from rich.console import Console
 from rich.progress import Progress
 from typer import Argument, Option
 
-from alpha5_model import sweep as computed
 from alpha5_model import trajectory as library
-from alpha5_model.actuators import actuator
-from alpha5_model.checks import choice
+from alpha5_model._support.checks import choice
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
 from alpha5_model.cli import options
+from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.errors import InputError
-from alpha5_model.files import check_outputs
-from alpha5_model.jaws import GRIPPERS
-from alpha5_model.text import table
+from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.studies.sweep.run import sweep as computed
+from alpha5_model.studies.uncertainty.effects import torque_margin
 from alpha5_model.trajectory.report import FORMATS
-from alpha5_model.uncertainty import torque_margin
-from alpha5_model.view import figures
+from alpha5_model.viewer import figures
 
 #: Values of an output of a study that are printed; its file has all, and where they come from.
 _PRINTED = 5

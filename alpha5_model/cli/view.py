@@ -14,11 +14,11 @@ from rich.console import Console
 from rich.progress import track as progress
 from typer import Option, echo
 
+from alpha5_model._support.files import atomic_write_all, check_outputs
 from alpha5_model.cli import options
 from alpha5_model.errors import InputError, NoDisplayError
-from alpha5_model.files import atomic_write_all, check_outputs
 from alpha5_model.trajectory import read_motion
-from alpha5_model.view import build, page, picture, scene
+from alpha5_model.viewer import build, page, picture, scene
 
 
 def view(
@@ -78,7 +78,7 @@ def view(
     if written := [path for path in (*files, video) if path is not None]:
         options.show(False, None, (), *written)
         return
-    from alpha5_model.view.visualizer import ArmVisualizer
+    from alpha5_model.viewer.visualizer import ArmVisualizer
 
     visualizer = ArmVisualizer(arm, shown, port)
     echo(f"{visualizer.url()} (Ctrl-C ends)")

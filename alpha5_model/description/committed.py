@@ -10,17 +10,17 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from alpha5_model.description import arm_bodies
+from alpha5_model._support.files import atomic_write_all
+from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model._support.spatial import Placement
+from alpha5_model.description.bodies import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
-from alpha5_model.description.variants import Variant, parameter_yaml, urdf
-from alpha5_model.files import atomic_write_all
-from alpha5_model.meshing import bodies
-from alpha5_model.meshing.formats import MTL_NAME, Node, glb, mtl, obj
-from alpha5_model.meshing.solid import Surface, surface
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.spatial import Placement
+from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
+from alpha5_model.geometry.formats import MTL_NAME, Node, glb, mtl, obj
+from alpha5_model.geometry.parts import bodies
+from alpha5_model.geometry.solid import Surface, surface
+from alpha5_model.numbers.parameters import parameters
 
 GLB_NAME = "alpha5.glb"
 #: What part of the files needs, and what is not done where it is not installed.
@@ -53,7 +53,7 @@ def generated_files() -> dict[str, bytes]:
         texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
         texts[f"urdf/{name}.srdf"] = srdf(gripper)
     if _in_checkout() and "casadi" not in lacking:
-        from alpha5_model.symbolic.sources import generated_sources
+        from alpha5_model.codegen.sources import generated_sources
 
         texts |= generated_sources()
     drawn = {} if "manifold3d" in lacking else mesh_files()

@@ -19,21 +19,21 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model import description as tree
-from alpha5_model.checks import FloatArray, choice, flag
-from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Body, Value, add
+from alpha5_model._support.checks import FloatArray, choice, flag
+from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model._support.spatial import Placement, quaternion_from_rpy
+from alpha5_model.description import bodies as tree
+from alpha5_model.description.bodies import Body, Value, add
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
-from alpha5_model.description.variants import COLLISIONS
+from alpha5_model.description.urdf import COLLISIONS
 from alpha5_model.errors import InputError
-from alpha5_model.fluids import GRAVITY, SEA_WATER, density_of
-from alpha5_model.hydrodynamics import DragStrip, hydrodynamics
-from alpha5_model.jaws import GRIPPERS, FingerJoint
-from alpha5_model.meshing.collision_shapes import Primitive
-from alpha5_model.meshing.formats import MATERIALS, material_of
-from alpha5_model.parameters import JointRange, parameters
-from alpha5_model.paths import REPOSITORY_PATH
-from alpha5_model.spatial import Placement, quaternion_from_rpy
+from alpha5_model.geometry.collision_shapes import Primitive
+from alpha5_model.geometry.formats import MATERIALS, material_of
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
+from alpha5_model.numbers.hydrodynamics import DragStrip, hydrodynamics
+from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.parameters import JointRange, parameters
 
 ACTUATORS = ("position", "velocity", "motor")
 BUOYANCIES = ("bodies", "none")

@@ -24,16 +24,21 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model import description as tree
-from alpha5_model.checks import choice, flag
-from alpha5_model.corrections import DEFAULT_CORRECTIONS, check_corrections
-from alpha5_model.description import Body, add, text_of
-from alpha5_model.fluids import SEA_WATER, density_of
-from alpha5_model.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points, hydrodynamics
-from alpha5_model.jaws import GRIPPERS, FingerJoint
-from alpha5_model.meshing.formats import material_of
-from alpha5_model.parameters import Alpha5Parameters, JointRange, parameters
-from alpha5_model.spatial import Placement, cross_matrix
+from alpha5_model._support.checks import choice, flag
+from alpha5_model._support.spatial import Placement, cross_matrix
+from alpha5_model.description import bodies as tree
+from alpha5_model.description.bodies import Body, add, text_of
+from alpha5_model.geometry.formats import material_of
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.fluids import SEA_WATER, density_of
+from alpha5_model.numbers.hydrodynamics import (
+    WATER_DENSITY,
+    BodyHydrodynamics,
+    gauss_points,
+    hydrodynamics,
+)
+from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, parameters
 
 #: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")

@@ -6,11 +6,11 @@ import math
 import xml.etree.ElementTree as ET
 from itertools import pairwise
 
-from alpha5_model.checks import FloatArray, choice, frozen
-from alpha5_model.description import XML_HEAD, add, serialized
-from alpha5_model.jaws import GRIPPERS
-from alpha5_model.parameters import parameters
-from alpha5_model.published.tables import BODY_NAMES
+from alpha5_model._support.checks import FloatArray, choice, frozen
+from alpha5_model.description.bodies import XML_HEAD, add, serialized
+from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
 #:

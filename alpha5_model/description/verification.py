@@ -21,18 +21,18 @@ from typing import Literal
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
-from alpha5_model.corrections import DEFAULT_CORRECTIONS
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.committed import not_generated, stale_files
-from alpha5_model.description.urdf_reading import LIMITS, UrdfJoint, UrdfRobot, read_urdf
-from alpha5_model.dh.link import dh_transform
-from alpha5_model.dh.urdf import urdf_model
+from alpha5_model.description.reading import LIMITS, UrdfJoint, UrdfRobot, read_urdf
 from alpha5_model.errors import FileFormatError, MissingFileError
-from alpha5_model.inertia import inconsistencies, pseudo_inertia
-from alpha5_model.parameters import Alpha5Parameters, in_si, parameters
-from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
-from alpha5_model.published import published
-from alpha5_model.published.tables import BODY_NAMES, JOINT_NAMES
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.inertia import inconsistencies, pseudo_inertia
+from alpha5_model.numbers.parameters import Alpha5Parameters, in_si, parameters
+from alpha5_model.numbers.printed import published
+from alpha5_model.numbers.tables import BODY_NAMES, JOINT_NAMES
+from alpha5_model.theory.dh.link import dh_transform
+from alpha5_model.theory.dh.urdf import urdf_model
 
 Verdict = Literal["passed", "failed", "not run"]
 Finder = Callable[["Subject"], Iterator[str]]
@@ -287,7 +287,7 @@ def _stray_masses(text: Subject) -> Iterator[str]:
 
 
 def _impossible_links(text: Subject) -> Iterator[str]:
-    """Links that cannot be bodies; see `alpha5_model.inertia.inconsistencies`."""
+    """Links that cannot be bodies; see `alpha5_model.numbers.inertia.inconsistencies`."""
     for name, given in text.links.items():
         if given.mass is not None and (given.mass or given.inertia.any()):
             problems = inconsistencies(given.mass, given.com, given.inertia)

@@ -14,24 +14,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model import plausibility
-from alpha5_model.checks import FloatArray, array, frozen, instance, listed, real
-from alpha5_model.dynamics import batch, hydrostatics
+from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
+from alpha5_model.dynamics import batch
+from alpha5_model.dynamics import buoyancy as hydrostatics
 from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
-from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limits
-from alpha5_model.dynamics.hydrodynamic_arm import ArmOnVehicle, HydrodynamicArm, joint_water
-from alpha5_model.dynamics.hydrostatics import Displacement, Vehicle, on_free_flyer
+from alpha5_model.dynamics.buoyancy import Displacement, Vehicle, on_free_flyer
+from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
 from alpha5_model.dynamics.states import Embedding, Partials, expanded, forces, state_check
 from alpha5_model.errors import InputError, UnknownNameError
-from alpha5_model.fluids import SEA_WATER
-from alpha5_model.hydrodynamics import hydrodynamics
-from alpha5_model.kinematics.ik.pose import ApproachDirections, approach_directions
+from alpha5_model.kinematics.pose import ApproachDirections, approach_directions
+from alpha5_model.numbers.fluids import SEA_WATER
+
+if TYPE_CHECKING:
+    from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
 
 # Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
 _Algorithm = Callable[..., FloatArray]
@@ -79,7 +80,7 @@ class Arm:
         model: pin.Model of the arm, the caller's to use. The arm computes on a copy of its own, so
             nothing done to this one changes what the arm's methods return. With jaws it has mimic
             joints, which not every algorithm of Pinocchio supports: see
-            `alpha5_model.dynamics.variants`.
+            `alpha5_model.dynamics.kernel_arm`.
         fluid_model: pin.Model of the displaced fluid: point masses ``rho V`` at the centres of
             buoyancy.
         displacements: The displaced volumes.
@@ -569,19 +570,17 @@ class Arm:
         Warns:
             ImplausibleWarning: A current that no water has.
         """
-        gripper = "jaws" if "finger_1" in self._frames else "locked"
-        bodies = hydrodynamics(gripper, level, numbers)
-        check_dimensions(self._model, "the moving water at its links", DRAWN)
-        water = [joint_water(self, name, data) for name, data in bodies.items()]
-        flow = array("current", current, 3)
-        plausibility.check("current", flow, plausibility.CURRENT)
-        return HydrodynamicArm(self, water, flow)
+        from alpha5_model.water.arm import in_moving_water
+
+        return in_moving_water(self, current, level, numbers)
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount; only the vehicle moves water.
 
         For an arm that moves water, too: ``arm.with_hydrodynamics().on_vehicle(vehicle)``.
         """
+        from alpha5_model.water.arm import HydrodynamicArm
+
         return HydrodynamicArm(self, ()).on_vehicle(vehicle)
 
     @cached_property

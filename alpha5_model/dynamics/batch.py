@@ -24,17 +24,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model import kernels
-from alpha5_model.base_parameters import BASE_PARAMETERS, moments, regrouped
-from alpha5_model.checks import FloatArray, count
-from alpha5_model.description import joint_placements, tcp_placement
+from alpha5_model._support.checks import FloatArray, count
+from alpha5_model._support.spatial import pose
+from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
+from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.description.bodies import joint_placements, tcp_placement
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.dynamics.states import expanded, is_one_state, rows
 from alpha5_model.errors import InputError, KernelError
-from alpha5_model.hydrodynamics import LEVELS
-from alpha5_model.parameters import parameters
-from alpha5_model.spatial import pose
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.numbers.parameters import parameters
 
 #: States for which one more thread pays: 3 ms of work, what starting one takes on a busy machine.
 STATES_PER_THREAD = 5000
@@ -246,7 +246,7 @@ def arm_parameters(arm: Any) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Regressor:
-    """``tau = matrix @ parameters`` [Khalil2002], see `alpha5_model.base_parameters`.
+    """``tau = matrix @ parameters`` [Khalil2002], see `alpha5_model.codegen.base_parameters`.
 
     Attributes:
         matrix: (nv, 38), or (N, nv, 38) of many states; columns are derivatives by the parameters.

@@ -23,12 +23,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model.checks import BoolArray, FloatArray, count, float_array, frozen
+from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array, frozen
+from alpha5_model._support.files import read_named
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import srdf
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
-from alpha5_model.files import read_named
-from alpha5_model.parameters import parameters
-from alpha5_model.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.numbers.parameters import parameters
 
 #: Wrist angles that are tried, evenly over the range of axis_b: one every 15 degrees.
 WRISTS = 25

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.description import base_placement, joint_placements, tcp_placement
+from alpha5_model._support.spatial import pose
+from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
 from alpha5_model.errors import InputError
-from alpha5_model.parameters import parameters
-from alpha5_model.spatial import pose
+from alpha5_model.numbers.parameters import parameters
 
 #: How far a joint may be from its place [m], and turned from it [rad], where a closed form or a
 #: kernel answers: what rounding does to the numbers of a file.

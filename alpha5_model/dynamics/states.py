@@ -14,8 +14,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model import kernels
-from alpha5_model.checks import ROTATION_TOLERANCE, FloatArray, array, bounded, float_array, listed
+from alpha5_model._support.checks import (
+    ROTATION_TOLERANCE,
+    FloatArray,
+    array,
+    bounded,
+    float_array,
+    listed,
+)
+from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 
 #: Derivatives with respect to positions, velocities and accelerations or torques.

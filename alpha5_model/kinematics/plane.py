@@ -24,10 +24,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model.checks import LARGEST, BoolArray, FloatArray
+from alpha5_model._support.checks import LARGEST, BoolArray, FloatArray
+from alpha5_model.codegen.kernels.choice import compute
 from alpha5_model.errors import KernelError, PublishedDataError
-from alpha5_model.kernels import compute
-from alpha5_model.parameters import parameters
+from alpha5_model.numbers.parameters import parameters
 
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
 LIMIT_TOLERANCE = 1e-12

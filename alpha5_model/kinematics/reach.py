@@ -28,13 +28,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model import planar
-from alpha5_model.checks import BoolArray, FloatArray, choice, flag, float_array, together
+from alpha5_model._support.checks import BoolArray, FloatArray, choice, flag, float_array, together
+from alpha5_model._support.spatial import wrap
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.plane import BLOCK, arm_plane, on_axis, solve_batch
-from alpha5_model.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
-from alpha5_model.planar.curves import bounds
-from alpha5_model.spatial import wrap
+from alpha5_model.theory import planar
+from alpha5_model.theory.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
+from alpha5_model.theory.planar.curves import bounds
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")

@@ -29,8 +29,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model import checks
-from alpha5_model.checks import BoolArray, FloatArray, float_array
+from alpha5_model._support import checks
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model._support.spatial import wrap
 from alpha5_model.kinematics import reach
 from alpha5_model.kinematics.plane import arm_plane
 from alpha5_model.kinematics.reach import (
@@ -42,9 +43,8 @@ from alpha5_model.kinematics.reach import (
     nearest_reachable,
     reachable,
 )
-from alpha5_model.parameters import parameters
-from alpha5_model.published import published
-from alpha5_model.spatial import wrap
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.printed import published
 
 __all__ = ["SIDES", "Arc", "PublishedErrors", "SampledShare", "Singularities", "Torus", "boundary"]
 __all__ += ["cross_section_area", "distance_to_reach", "in_half_plane", "in_tori", "manipulability"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alpha5_model import paths
+from alpha5_model._support import paths
 from alpha5_model.description.srdf import NAMED_POSES
 
 REPOSITORY_PATH = paths.REPOSITORY_PATH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alpha5_model import paths
+from alpha5_model._support import paths
 from alpha5_model.loaders import alpha5_description
 
 REPOSITORY_PATH, MJCF_PATH = paths.REPOSITORY_PATH, paths.MJCF_PATH

@@ -5,7 +5,7 @@
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse
-from alpha5_model.trajectory.motion import Motion, motion, read_motion
+from alpha5_model.trajectory.motions import Motion, motion, read_motion
 from alpha5_model.trajectory.report import columns, summary, text, write
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 from alpha5_model.trajectory.tables import MotionWarning

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model.actuators import Actuator, Interval, actuator
-from alpha5_model.checks import FloatArray, choice, frozen, real
+from alpha5_model._support.checks import FloatArray, choice, frozen, real
+from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError, MissingParameterError
-from alpha5_model.parameters import parameters
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.trajectory import smoothing, tables
-from alpha5_model.trajectory.motion import Motion
+from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def analyse(
         arm: The model; its joints decide whether the jaw rod is used. None loads the jaws variant
             in sea water if the motion has ``axis_a``, and the one with locked jaws otherwise.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
-        constants: Which of the contradicting motor constants to believe (`alpha5_model.actuators`).
+        constants: Which of the contradicting motor constants to believe (`alpha5_model.dynamics.actuators`).
         actuators: Motors by joint name, in place of those of Table 4: say, with a rotor inertia.
         supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits; not
             published.
@@ -124,7 +124,7 @@ def analyse(
         progress: Called with a stage's name and the part done, 0 to 1.
         current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are
             estimated, not published. None for water that only bears.
-        efficiency: Whose efficiency Table 4's eta_max is (`alpha5_model.actuators`).
+        efficiency: Whose efficiency Table 4's eta_max is (`alpha5_model.dynamics.actuators`).
 
     Raises:
         InputError: An arm with other joints than the motion, or one limit without the other.
@@ -133,7 +133,7 @@ def analyse(
     from alpha5_model.dynamics.batch import WaterTerms, frame_positions, torque_terms, water_terms
 
     if arm is None:
-        from alpha5_model.dynamics import load
+        from alpha5_model.dynamics.load import load
 
         arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
     motion = _for_arm(motion, arm)

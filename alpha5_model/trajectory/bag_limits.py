@@ -16,8 +16,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError, MissingDependencyError
-from alpha5_model.files import PathLike
 from alpha5_model.trajectory.tables import EXPANSION
 
 #: What any bag may expand to [bytes].

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from alpha5_model import errors
-from alpha5_model.checks import FloatArray, choice
-from alpha5_model.files import PathLike
+from alpha5_model._support.checks import FloatArray, choice
+from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.bag_limits import limited
 from alpha5_model.trajectory.names import prefixes
 from alpha5_model.trajectory.tables import (

@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from alpha5_model.published.tables import JOINT_NAMES
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 POSITION, VELOCITY, EFFORT = "position", "velocity", "effort"
 #: Where a robot stands or what it is called; nothing that is measured.

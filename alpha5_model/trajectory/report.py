@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray
-from alpha5_model.files import PathLike, atomic_write, output_format
-from alpha5_model.parameters import JointRange
-from alpha5_model.text import plain, readable, table
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import PathLike, atomic_write, output_format
+from alpha5_model._support.text import plain, readable, table
+from alpha5_model.numbers.parameters import JointRange
 from alpha5_model.trajectory import smoothing, tables
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
-from alpha5_model.trajectory.motion import LIMIT_SLACK
+from alpha5_model.trajectory.motions import LIMIT_SLACK
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")

@@ -30,10 +30,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from alpha5_model.checks import FloatArray, choice, frozen, real
+from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.errors import InputError
-from alpha5_model.parameters import parameters
-from alpha5_model.trajectory.motion import Motion
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.trajectory.motions import Motion
 
 METHODS = ("spline", "savgol", "interpolate")
 #: The arm's joints move at 30 deg/s at most; recordings hold values for about 0.1 s.

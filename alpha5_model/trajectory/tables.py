@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from alpha5_model import errors
-from alpha5_model.checks import FloatArray
-from alpha5_model.files import PathLike, read_named
-from alpha5_model.published.tables import JOINT_NAMES
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import PathLike, read_named
+from alpha5_model.numbers.tables import JOINT_NAMES
 
 #: Base to tip; the first four are the arm, the last is the jaw rod, which a motion may leave out.
 JOINTS = JOINT_NAMES

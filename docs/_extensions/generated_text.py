@@ -19,8 +19,8 @@ from typer.main import get_command
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, application
-from alpha5_model.consistency.row import AuditRow
-from alpha5_model.corrections import CORRECTIONS
+from alpha5_model.numbers.corrections import CORRECTIONS
+from alpha5_model.proofs.audit.row import AuditRow
 
 PAGES = Path(__file__).resolve().parents[1]
 MARK = re.compile(r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE)

@@ -146,7 +146,7 @@ def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
     """The URDF with a weightless body at each centre of buoyancy, which gravcomp lifts by rho V g."""
     import mujoco
 
-    from alpha5_model.description.variants import Variant, urdf
+    from alpha5_model.description.urdf import Variant, urdf
 
     switch = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
     text = urdf(Variant(collision="none")).replace("</robot>", switch)

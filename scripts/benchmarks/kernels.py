@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 import alpha5_model as a5
-from alpha5_model import kernels
+from alpha5_model.codegen.kernels import choice as kernels
 from benchmarks.timing import Row, measure
 
 STATES = 100_000

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model import corrections, fluids, inertia
-from alpha5_model.dh import arm_types
 from alpha5_model.dynamics import batch
+from alpha5_model.numbers import corrections, fluids, inertia
+from alpha5_model.theory.dh import arm_types
 from fuzzing import forms
 from fuzzing.cases import Case, Target
 from fuzzing.values import (

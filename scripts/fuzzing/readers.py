@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.description.urdf_reading import read_urdf, urdf_shapes
-from alpha5_model.description.variants import Variant, urdf
+from alpha5_model.description.reading import read_urdf, urdf_shapes
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import verify_urdf
-from alpha5_model.parameters import convert
-from alpha5_model.published.reading import parse
-from alpha5_model.sweep.study import read_study
+from alpha5_model.numbers.parameters import convert
+from alpha5_model.numbers.reading import parse
+from alpha5_model.studies.sweep.study import read_study
 from fuzzing import hostile, names, quantities
 from fuzzing.cases import Case, Target
 from fuzzing.values import TEXTS, Rng, pick, spoil
@@ -147,7 +147,7 @@ def _tables(rng: Rng, folder: Path) -> Case:
 
 @cache
 def _published() -> tuple[str, str]:
-    folder = Path(a5.__file__).parent / "published"
+    folder = Path(a5.__file__).parent / "numbers"
     first, second = (folder / f"{n}.toml" for n in ("reach_alpha_mk2_v7", "supplementary"))
     return first.read_text(encoding="utf-8"), second.read_text(encoding="utf-8")
 

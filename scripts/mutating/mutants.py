@@ -17,7 +17,7 @@ PACKAGE = REPOSITORY / "alpha5_model"
 C_ROOM = "C"
 C_ENDINGS = (".c", ".h")
 #: Written by `alpha5 generate`, not by hand.
-GENERATED = PACKAGE / "kernels" / "generated"
+GENERATED = PACKAGE / "codegen" / "kernels" / "generated"
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 
 

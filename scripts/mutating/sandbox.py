@@ -112,7 +112,7 @@ class Sandbox:
             text=True,
         ).stdout
         names = [REPOSITORY / name for name in listed.split("\0") if name]
-        for path in [*names, *REPOSITORY.glob("alpha5_model/kernels/_compiled.*.so")]:
+        for path in [*names, *REPOSITORY.glob("alpha5_model/codegen/kernels/_compiled.*.so")]:
             if path.is_file():
                 copy = self.checkout / path.relative_to(REPOSITORY)
                 copy.parent.mkdir(parents=True, exist_ok=True)
@@ -122,8 +122,8 @@ class Sandbox:
             (folder / "shared").symlink_to(beside.resolve())
         subprocess.run(["git", "init", "-q"], cwd=self.checkout, check=True)
         self.package = self.checkout / "alpha5_model"
-        kernels = (self.package / "kernels").glob("_compiled.*.so")
-        self.module = next(kernels, self.package / "kernels" / "_compiled.abi3.so")
+        kernels = (self.package / "codegen" / "kernels").glob("_compiled.*.so")
+        self.module = next(kernels, self.package / "codegen" / "kernels" / "_compiled.abi3.so")
         self.compiled = self.module.read_bytes() if self.module.exists() else None
 
     def write(self, file: Path, text: str) -> None:
@@ -142,7 +142,7 @@ class Sandbox:
         command = [
             "cc", "-shared", "-fPIC", *C_FLAGS, f'-DSOURCES="{digest}"',
             f"-I{numpy.get_include()}", f"-I{sysconfig.get_path('include')}",
-            str(self.package / "kernels" / "_compiled.c"), "-o", str(self.module), "-lm",
+            str(self.package / "codegen" / "kernels" / "_compiled.c"), "-o", str(self.module), "-lm",
         ]  # fmt: skip
         self.module.unlink(missing_ok=True)
         return subprocess.run(command, check=False).returncode == 0

@@ -1,0 +1,1 @@
+"""One source of formulas, written as C, NumPy, JAX, CasADi and JavaScript."""

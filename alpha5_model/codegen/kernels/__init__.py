@@ -1,0 +1,1 @@
+"""The generated formulas, compiled or in NumPy."""

@@ -1,0 +1,156 @@
+"""What moving water does to each body, in SI units: added mass and drag strips. Estimated, not published.
+
+The sets are ``estimated`` (our own calculation, with low, nominal and high) and ``supplementary`` (numbers that
+circulate, by strip theory); both stand in ``numbers/``. `alpha5_model.dynamics` computes with them if it is asked to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, array, choice, frozen, instance, listed, real
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.jaws import GRIPPERS
+from alpha5_model.numbers.parameters import in_si
+from alpha5_model.numbers.reading import hydrodynamics as read
+from alpha5_model.numbers.tables import BODY_NAMES
+
+LEVELS = ("low", "nominal", "high")
+SETS = ("estimated", "supplementary")
+#: Density of the water that added masses and damping are given for [kg/m^3]; another fluid scales them.
+WATER_DENSITY = 1000.0
+#: Relative to the largest product of diagonal entries: how far from symmetric and definite is still rounding.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class DragStrip:
+    """A straight piece of a slender body in the cross-flow principle (Morison).
+
+    A length ds resists the water's velocity u across it with ``rho / 2 across diameter ds |u| u``, and likewise
+    the velocity along it.
+
+    Attributes:
+        start, end: In the body's frame, (3,) [m].
+        diameter: [m].
+        across, along: Drag coefficients, both on ``diameter ds``.
+
+    Raises:
+        InputError: A coefficient or diameter below 0, or a strip without length.
+
+    Warns:
+        ImplausibleWarning: Lengths that seem to be in mm.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    diameter: float
+    across: float
+    along: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            object.__setattr__(self, name, frozen(array(name, getattr(self, name), 3)))
+        for name in ("diameter", "across", "along"):
+            object.__setattr__(self, name, real(name, getattr(self, name), minimum=0.0))
+        for name in ("start", "end", "diameter"):
+            plausibility.check(name, getattr(self, name), plausibility.VEHICLE_POSITION)
+        if np.array_equal(self.start, self.end):
+            raise InputError("end", self.end.tolist(), "a point other than start")
+
+
+@dataclass(frozen=True, eq=False)
+class BodyHydrodynamics:
+    """What moving water does to one body, in its frame.
+
+    Attributes:
+        added_mass: Linear before angular, about the frame's origin, (6, 6) [kg, kg m, kg m^2], in water of
+            `WATER_DENSITY`.
+        strips: Where it drags.
+
+    Raises:
+        InputError: An added mass that is not symmetric, or has a negative eigenvalue.
+    """
+
+    added_mass: FloatArray
+    strips: Iterable[DragStrip] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))
+        strips = listed("strips", self.strips, "DragStrips")
+        object.__setattr__(self, "strips", tuple(instance("strips", s, DragStrip) for s in strips))
+
+
+_legendre = cache(np.polynomial.legendre.leggauss)
+
+
+def gauss_count(strip: DragStrip) -> int:
+    """Points of Gauss's quadrature on a strip: 4 up to 0.1 m, else 6.
+
+    At any speed of the water and of this arm's joints they err by at most 5e-4 of the median torque of its drag.
+    """
+    return 6 if np.linalg.norm(strip.end - strip.start) > 0.1 else 4
+
+
+def gauss_points(strip: DragStrip, count: int = 0) -> list[tuple[FloatArray, float]]:
+    """Points of Gauss's quadrature along a strip, (3,) [m], each with its share of the length; 0 for `gauss_count`."""
+    line, middle = strip.end - strip.start, strip.start + strip.end
+    nodes = zip(*_legendre(count or gauss_count(strip)), strict=True)
+    return [((middle + node * line) / 2, weight / 2) for node, weight in nodes]
+
+
+def added_mass(matrix: ArrayLike) -> FloatArray:
+    """Check an added mass.
+
+    Returns:
+        The symmetric part, (6, 6).
+
+    Raises:
+        InputError: Not symmetric, or with a negative eigenvalue; ShapeError: not (6, 6).
+    """
+    given = array("added_mass", matrix, 6, 6)
+    diagonal = np.sqrt(np.abs(np.diag(given)))
+    # kg beside kg m^2: entries in units of their rows.
+    scale = np.where(diagonal > 0, diagonal, 1.0)
+    relative = given / np.outer(scale, scale)
+    if np.abs(relative - relative.T).max() > _ROUNDING:
+        raise InputError("added_mass", given.tolist(), "a symmetric matrix")
+    symmetric: FloatArray = (given + given.T) / 2
+    if np.linalg.eigvalsh((relative + relative.T) / 2).min() < -_ROUNDING:
+        raise InputError("added_mass", given.tolist(), "no negative eigenvalue")
+    return symmetric
+
+
+def hydrodynamics(
+    gripper: str = "locked", level: str = "nominal", numbers: str = "estimated"
+) -> dict[str, BodyHydrodynamics]:
+    """Moving water at each body of the arm.
+
+    Args:
+        gripper: ``locked`` (link_4 with closed jaws) or ``jaws`` (wrist and fingers, each alone).
+        level: ``low``, ``nominal`` or ``high`` end of the interval.
+        numbers: ``estimated`` or ``supplementary``.
+
+    Returns:
+        Name of the link -> what the water does to it; bodies of which the set knows nothing are left out.
+
+    Raises:
+        UnknownNameError: No such gripper, level or set.
+    """
+    at = LEVELS.index(choice("level", level, LEVELS))
+    rows = read(choice("set", numbers, SETS))
+    moving = choice("gripper", gripper, GRIPPERS) == "jaws"
+    out = {}
+    for link in (*BODY_NAMES, "finger_1", "finger_2") if moving else BODY_NAMES:
+        row = rows.get("wrist" if moving and link == "link_4" else link)
+        if row is not None:
+            strips = ((s.start, s.end, s.diameter, s.across[at], s.along[at]) for s in row.strips)
+            matrix = np.array(in_si(row.added_mass)) * row.added_mass_factor[at].si
+            out[link] = BodyHydrodynamics(matrix, [DragStrip(*in_si(strip)) for strip in strips])
+    return out

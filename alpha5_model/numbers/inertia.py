@@ -1,0 +1,273 @@
+"""Conversions and checks of rigid-body inertia: pure functions on arrays.
+
+Conventions: a *tensor* is (..., 3, 3) [kg m^2] with the products of inertia as negative integrals,
+``I_xy = -(integral of x y dm)``, as URDF, Pinocchio and every textbook tensor have it. SolidWorks
+prints the products with the opposite sign. ``com`` is (..., 3) [m], ``mass`` (...) [kg]. Other
+input raises an `InputError`, leading shapes that do not broadcast a `ShapeError`.
+
+References:
+    [Wensing2018] Wensing, Kim, Slotine: Linear matrix inequalities for physically consistent
+        inertial parameter identification, IEEE RA-L 3(1), 2018.
+    [Traversaro2016] Traversaro, Brossette, Escande, Nori: Identification of fully physical
+        consistent inertial parameters using optimization on manifolds, IROS 2016.
+    [Bhatia2000] Bhatia, Davis: A better bound on the variance, Amer. Math. Monthly 107(4), 2000.
+    [ReachAlpha] Manufacturer's document, Section 2.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import (
+    LARGEST,
+    FloatArray,
+    array,
+    bounded,
+    fitting,
+    is_rotation,
+    real,
+    shaped,
+)
+from alpha5_model.errors import InputError
+
+
+def flip_products(inertia: ArrayLike) -> FloatArray:
+    """Change the sign of the products of inertia: SolidWorks to URDF, and back.
+
+    [ReachAlpha] prints ``+(integral of x y dm)`` off the diagonal; URDF expects the negative.
+
+    Args:
+        inertia: (..., 3, 3) [kg m^2].
+
+    Returns:
+        (..., 3, 3), the same diagonal, every off-diagonal entry negated.
+    """
+    (tensor,) = _together(inertia=inertia)
+    return np.where(np.eye(3, dtype=bool), tensor, -tensor)
+
+
+def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
+    """Tensor of a point mass about the origin, ``m ((p . p) E_3 - p p^T)``.
+
+    This is the parallel-axis term. The document's equation (1) prints ``(p . p)^T`` for the outer
+    product and equation (2) prints ``+m skew(p)^2`` where ``-m skew(p)^2`` is meant.
+
+    Args:
+        mass: (...) [kg].
+        position: (..., 3) [m].
+
+    Returns:
+        (..., 3, 3) [kg m^2].
+    """
+    m, p = _together(mass=mass, position=position)
+    m = m[..., None, None]
+    square = np.einsum("...i,...i->...", p, p)[..., None, None]
+    return np.asarray(m * (square * np.eye(3) - p[..., :, None] * p[..., None, :]))
+
+
+def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+    """Parallel-axis theorem, from the COM to the origin of the frame.
+
+    Args:
+        mass: (...) [kg].
+        com: (..., 3) [m].
+        inertia_com: (..., 3, 3) about the COM [kg m^2].
+
+    Returns:
+        (..., 3, 3) about the origin, same axes [kg m^2].
+    """
+    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
+    return tensor + point_mass_tensor(m, c)
+
+
+def tensor_at_com(mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike) -> FloatArray:
+    """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
+    m, c, tensor = _together(mass=mass, com=com, inertia_origin=inertia_origin)
+    return tensor - point_mass_tensor(m, c)
+
+
+def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
+    """Tensor in the axes of {b} from the tensor in the axes of {a}, ``R I R^T``.
+
+    Args:
+        rotation_a_to_b: (..., 3, 3), maps coordinates in {a} to coordinates in {b}.
+        inertia: (..., 3, 3) in {a} [kg m^2].
+
+    Returns:
+        (..., 3, 3) in {b} [kg m^2].
+
+    Raises:
+        InputError: ``rotation_a_to_b`` is not a rotation.
+    """
+    r, tensor = _together(rotation_a_to_b=rotation_a_to_b, inertia=inertia)
+    if not is_rotation(r).all():
+        raise InputError("rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1")
+    return r @ tensor @ np.swapaxes(r, -1, -2)
+
+
+def combine(
+    masses: ArrayLike, coms: ArrayLike, inertias: ArrayLike
+) -> tuple[float, FloatArray, FloatArray]:
+    """Mass, COM and tensor of rigidly joined bodies; a negative mass takes a body out.
+
+    Args:
+        masses: (N,) [kg].
+        coms: (N, 3) [m], in one common frame.
+        inertias: (N, 3, 3), each about its own COM, in that frame's axes [kg m^2]; those of a
+            body to be taken out negated like its mass.
+
+    Returns:
+        Mass [kg], COM (3,) [m], tensor about that COM (3, 3) [kg m^2].
+
+    Raises:
+        InputError: The masses add up to zero: no COM.
+    """
+    (m,) = fitting(masses=(masses, ()))
+    n = m.size
+    m = array("masses", m, n)
+    c = array("coms", coms, n, 3)
+    tensors = array("inertias", inertias, n, 3, 3)
+    mass = float(m.sum())
+    if mass == 0:
+        raise InputError("masses", m.tolist(), "masses that do not add up to zero")
+    com = (m[:, None] * c).sum(axis=0) / mass
+    return mass, com, (tensors + point_mass_tensor(m, c - com)).sum(axis=0)
+
+
+def second_moments(inertia: ArrayLike) -> FloatArray:
+    """Second moments of mass ``integral of r r^T dm = tr(I)/2 E_3 - I`` [Wensing2018, eq. 8].
+
+    Args:
+        inertia: (..., 3, 3) about any point [kg m^2].
+
+    Returns:
+        (..., 3, 3) about the same point [kg m^2].
+    """
+    (tensor,) = _together(inertia=inertia)
+    trace = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None]
+    return np.asarray(trace / 2 * np.eye(3) - tensor)
+
+
+def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+    """The 4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the origin [Wensing2018, eq. 7].
+
+    A body is physically possible exactly when it is positive definite.
+
+    Args:
+        mass: (...) [kg].
+        com: (..., 3) [m].
+        inertia_com: (..., 3, 3) about the COM [kg m^2].
+
+    Returns:
+        (..., 4, 4).
+    """
+    m, c, tensor = _together(mass=mass, com=com, inertia_com=inertia_com)
+    sigma = second_moments(tensor + point_mass_tensor(m, c))
+    out = np.empty((*sigma.shape[:-2], 4, 4))
+    out[..., :3, :3] = sigma
+    out[..., :3, 3] = out[..., 3, :3] = m[..., None] * c
+    out[..., 3, 3] = m
+    return out
+
+
+def principal_moments(inertia: ArrayLike) -> FloatArray:
+    """Eigenvalues of the symmetric part, ascending, (..., 3) [kg m^2]."""
+    (tensor,) = _together(inertia=inertia)
+    symmetric = (tensor + np.swapaxes(tensor, -1, -2)) / 2
+    return np.asarray(np.linalg.eigvalsh(symmetric), dtype=np.float64)
+
+
+def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
+    """Radii of gyration ``sqrt(I_kk / m)`` about the frame's axes, (..., 3) [m].
+
+    Raises:
+        InputError: A mass not above 0, or a moment of inertia below 0.
+    """
+    m, tensor = _together(mass=mass, inertia=inertia)
+    diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
+    if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
+        raise InputError("mass, inertia", (m, diagonal), "masses above 0, moments of at least 0")
+    return np.sqrt(diagonal / m[..., None])
+
+
+def inconsistencies(
+    mass: float,
+    com: ArrayLike,
+    inertia_com: ArrayLike,
+    bounds: ArrayLike | None = None,
+    tolerance: float = 1e-12,
+) -> tuple[str, ...]:
+    """What makes one body physically impossible; empty if nothing does.
+
+    Positive mass, a symmetric and positive definite tensor, the triangle inequality of the
+    principal moments, and a positive definite pseudo-inertia [Traversaro2016, Wensing2018]. With
+    the body's outer bounds also: the COM lies inside, and along each axis the variance of the mass
+    is at most ``(max - com)(com - min)`` [Bhatia2000]. The bounds find what the triangle inequality
+    cannot: a tensor about the link frame in place of the COM, a COM on the wrong side, a guessed
+    inertia larger than the body.
+
+    Args:
+        mass: [kg].
+        com: (3,) [m].
+        inertia_com: (3, 3) about the COM [kg m^2].
+        bounds: (3, 2), min and max of the body along each axis [m].
+        tolerance: Relative slack on each inequality, for rounding.
+
+    Returns:
+        One short sentence for each violated condition.
+
+    Raises:
+        InputError: Not finite real numbers; ShapeError: of other shapes.
+    """
+    mass, tolerance = real("mass", mass), real("tolerance", tolerance, minimum=0.0)
+    c, tensor = shaped("com", com, (3,)), shaped("inertia_com", inertia_com, (3, 3))
+    least = np.linalg.eigvalsh(pseudo_inertia(mass, c, tensor))[0]
+    small, middle, large = principal_moments(tensor)
+    slack, others = tolerance * float(np.abs(tensor).max()), small + middle
+    asymmetric = np.abs(tensor - tensor.T).max() > slack
+    conditions = {
+        f"mass {mass:g} kg is not positive": mass <= 0,
+        "the inertia tensor is not symmetric": asymmetric,
+        f"the smallest principal moment {small:.4g} kg m^2 is not positive": small <= slack,
+        f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
+        f"{others:.4g}": large > others * (1 + tolerance),
+    }
+    found = [violation for violation, holds in conditions.items() if holds]
+    if not found and least <= 0:
+        found.append("the pseudo-inertia is not positive definite")
+    if bounds is not None:
+        box = array("bounds", bounds, 3, 2)
+        variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
+        for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
+            if not low <= position <= high:
+                at, span = f"{position * 1e3:.1f} mm", f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+                found.append(f"the COM's {axis} = {at} is outside the body, {span}")
+            elif variance > (high - position) * (position - low) * (1 + tolerance):
+                limit = f"{np.sqrt((high - position) * (position - low)) * 1e3:.1f} mm"
+                spread = f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}"
+                found.append(f"{spread}, more than a body of this size can, {limit}")
+    return tuple(found)
+
+
+def check_possible(name: str, mass: float, com: FloatArray, inertia: FloatArray) -> None:
+    """Check one body; one without mass and inertia is possible.
+
+    Args:
+        name: Of the inertia, for the message.
+        mass, com, inertia: See `inconsistencies`.
+
+    Raises:
+        InputError: No body can have this mass and inertia, or they are no finite real numbers.
+    """
+    wrong = inconsistencies(mass, com, inertia)
+    if wrong and (mass or np.any(inertia)):
+        given = np.asarray(inertia).tolist()
+        raise InputError(name, given, f"a possible body, but {wrong[0]}")
+
+
+def _together(**given: ArrayLike) -> list[FloatArray]:
+    """Arrays whose leading shapes fit; the trailing ones go by name. No number is too large."""
+    shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "position": (3,)}
+    named = {name: (value, shapes.get(name, (3, 3))) for name, value in given.items()}
+    return [bounded(*pair) for pair in zip(named, fitting(**named), strict=True)]

@@ -1,0 +1,430 @@
+"""The published numbers in SI units and URDF convention, frozen.
+
+Everything that computes takes its numbers from `parameters`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray, array, frozen, instance, listed, real
+from alpha5_model.errors import InputError, PublishedDataError
+from alpha5_model.numbers import plausibility, tables
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
+from alpha5_model.numbers.inertia import check_possible, flip_products
+from alpha5_model.numbers.printed import published
+from alpha5_model.numbers.quantity import Quantity
+
+
+@dataclass(frozen=True, eq=False)
+class DHParameters:
+    """A row of Table 1: ``A = Rz(theta) Tz(d) Tx(a) Rx(alpha)``, ``theta = q + theta_offset``.
+
+    Attributes:
+        d: Offset along the previous z [m].
+        theta_offset: Constant part of theta [rad].
+        a: Length of the common normal [m].
+        alpha: Angle about the common normal [rad].
+        variable: Name of the joint variable in the document; None for the fixed last row.
+
+    Raises:
+        InputError: Not finite numbers.
+
+    Warns:
+        ImplausibleWarning: Lengths or angles that seem to be in mm or degrees.
+    """
+
+    d: float
+    theta_offset: float
+    a: float
+    alpha: float
+    variable: str | None
+
+    def __post_init__(self) -> None:
+        for name in ("d", "theta_offset", "a", "alpha"):
+            number = real(name, getattr(self, name))
+            object.__setattr__(self, name, number)
+            limits = plausibility.POSITION if name in ("d", "a") else plausibility.ANGLE
+            plausibility.check(name, number, limits)
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """Mass and displaced water of one body, in its own frame.
+
+    Attributes:
+        name: As the link of the URDF.
+        mass: [kg].
+        com: Centre of mass, (3,) [m].
+        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
+        volume: Displaced volume [m^3].
+        cob: Centre of buoyancy, (3,) [m].
+
+    Raises:
+        InputError: A negative mass or volume, or an inertia that no body can have.
+
+    Warns:
+        ImplausibleWarning: Numbers that seem to be in another unit.
+    """
+
+    name: str
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    cob: FloatArray
+
+    def __post_init__(self) -> None:
+        mass = real(f"{self.name}.mass", self.mass, minimum=0.0)
+        com = frozen(array(f"{self.name}.com", self.com, 3))
+        inertia = frozen(array(f"{self.name}.inertia", self.inertia, 3, 3))
+        volume = real(f"{self.name}.volume", self.volume, minimum=0.0)
+        cob = frozen(array(f"{self.name}.cob", self.cob, 3))
+        check_possible(f"{self.name}.inertia", mass, com, inertia)
+        plausibility.check_body(mass, com, inertia, volume, cob, f"{self.name}.")
+        object.__setattr__(self, "mass", mass)
+        object.__setattr__(self, "com", com)
+        object.__setattr__(self, "inertia", inertia)
+        object.__setattr__(self, "volume", volume)
+        object.__setattr__(self, "cob", cob)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkParameters(RigidBody):
+    """One link, ``link_0`` to ``link_4``, in its inertial frame.
+
+    Attributes:
+        bounds: Outer bounds of the body, (3, 2) [m].
+
+    Raises:
+        InputError: Also bounds whose ends are in the wrong order.
+    """
+
+    bounds: FloatArray
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        bounds = frozen(array(f"{self.name}.bounds", self.bounds, 3, 2))
+        if (bounds[:, 0] > bounds[:, 1]).any():
+            expected = "the lower end of each axis before the upper one"
+            raise InputError(f"{self.name}.bounds", bounds.tolist(), expected)
+        farthest = bounds.ravel()[np.abs(bounds).argmax()]
+        plausibility.check(f"{self.name}.bounds", farthest, plausibility.POSITION)
+        object.__setattr__(self, "bounds", bounds)
+
+
+@dataclass(frozen=True, eq=False)
+class JointRange:
+    """Range, speed and effort of a joint; [rad, rad/s, N m], for the jaw rod [m, m/s, N].
+
+    Attributes:
+        name: ``axis_e`` (base) to ``axis_b`` (wrist), ``axis_a`` (jaw rod), ``finger_1_joint``,
+            ``finger_2_joint``.
+        lower, upper: Ends of the range.
+        velocity: Largest speed.
+        effort: A placeholder that every public model copies; no rating is published.
+
+    Raises:
+        InputError: An upper end below the lower one, a negative speed or effort.
+
+    Warns:
+        ImplausibleWarning: A range or speed that seems to be in degrees or mm.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+
+    def __post_init__(self) -> None:
+        lower = real(f"{self.name}.lower", self.lower)
+        upper = real(f"{self.name}.upper", self.upper, minimum=lower)
+        velocity = real(f"{self.name}.velocity", self.velocity, minimum=0.0)
+        effort = real(f"{self.name}.effort", self.effort, minimum=0.0)
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", upper)
+        object.__setattr__(self, "velocity", velocity)
+        object.__setattr__(self, "effort", effort)
+        turns = self.kind == "revolute"
+        limits = plausibility.ANGLE if turns else plausibility.JAW_LENGTH
+        plausibility.check(f"{self.name}.lower", lower, limits)
+        plausibility.check(f"{self.name}.upper", upper, limits)
+        if turns:
+            plausibility.check(f"{self.name}.velocity", velocity, plausibility.ANGULAR_SPEED)
+
+    @property
+    def kind(self) -> str:
+        """``revolute`` or ``prismatic``."""
+        return "prismatic" if self.name == "axis_a" else "revolute"
+
+
+@dataclass(frozen=True, eq=False)
+class JointParameters(JointRange):
+    """A joint with an actuator of its own.
+
+    Attributes:
+        dh_variable: The document's name of the same coordinate.
+        device_id: Address of the actuator on the arm's bus.
+    """
+
+    dh_variable: str
+    device_id: int
+
+
+@dataclass(frozen=True, eq=False)
+class ActuatorParameters:
+    """A row of Table 4.
+
+    Attributes:
+        resistance: [Ohm].
+        inductance: [H].
+        friction: At the motor shaft [N m].
+        friction_tolerance: Printed relative tolerance of the friction, 0.1 for 10 %.
+        efficiency: Highest efficiency of the gearbox, 0 to 1.
+        torque_constant: [N m/A].
+        voltage_constant: [V s/rad].
+        gear_ratio: Motor turns per output turn.
+
+    Raises:
+        InputError: A negative number, a resistance, constant or ratio of zero, or an efficiency that is
+            not above 0 and at most 1.
+
+    Warns:
+        ImplausibleWarning: Numbers that seem to be in another unit.
+    """
+
+    resistance: float
+    inductance: float
+    friction: float
+    friction_tolerance: float
+    efficiency: float
+    torque_constant: float
+    voltage_constant: float
+    gear_ratio: float
+
+    def __post_init__(self) -> None:
+        for name in (f.name for f in fields(self)):
+            may_vanish = name in ("inductance", "friction", "friction_tolerance")
+            number = real(name, getattr(self, name), minimum=0.0, strict=not may_vanish)
+            object.__setattr__(self, name, number)
+        for name in ("friction_tolerance", "efficiency"):
+            if getattr(self, name) > 1:
+                raise InputError(name, getattr(self, name), "at most 1 (86 % is 0.86)")
+        plausibility.check("resistance", self.resistance, plausibility.RESISTANCE)
+        plausibility.check("inductance", self.inductance, plausibility.INDUCTANCE)
+        plausibility.check("friction", self.friction, plausibility.MOTOR_FRICTION)
+        for name in ("torque_constant", "voltage_constant"):
+            plausibility.check(name, getattr(self, name), plausibility.MOTOR_CONSTANT)
+
+
+@dataclass(frozen=True, eq=False)
+class JawParameters:
+    """Geometry of the jaws along -z of link_4 (supplementary and estimated values).
+
+    Attributes:
+        collar_base: Distance of the jaw collar's base from the elbow axis [m].
+        pivot_height: Pivots above the collar's base [m].
+        pivot_offset: Pivots to either side of the wrist axis [m].
+        finger_length, finger_width: [m].
+        finger_volume, second_finger_volume: Of finger_1 and of finger_2 [m^3].
+        finger_density: Estimated [kg/m^3].
+        rod_length, rod_diameter: Estimated [m].
+        rod_density: Estimated [kg/m^3].
+        finger_turn: Turn of each finger per rod travel [rad/m].
+        sdk_plane: Plane of the fingers in the SDK's URDF, from x of link_4 [rad]; not used here.
+
+    Raises:
+        InputError: A length, volume, density or turn that is not above 0.
+
+    Warns:
+        ImplausibleWarning: Numbers that seem to be in another unit.
+    """
+
+    collar_base: float
+    pivot_height: float
+    pivot_offset: float
+    finger_length: float
+    finger_width: float
+    finger_volume: float
+    second_finger_volume: float
+    finger_density: float
+    rod_length: float
+    rod_diameter: float
+    rod_density: float
+    finger_turn: float
+    sdk_plane: float
+
+    def __post_init__(self) -> None:
+        for name in (f.name for f in fields(self)):
+            least = None if name == "sdk_plane" else 0.0
+            number = real(name, getattr(self, name), minimum=least, strict=True)
+            object.__setattr__(self, name, number)
+            if name.endswith("volume"):
+                plausibility.check(name, number, plausibility.VOLUME)
+            elif name.endswith("density"):
+                plausibility.check(name, number, plausibility.SOLID_DENSITY)
+            elif name not in ("finger_turn", "sdk_plane"):
+                plausibility.check(name, number, plausibility.JAW_LENGTH)
+
+
+@dataclass(frozen=True, eq=False)
+class Alpha5Parameters:
+    """The arm in SI units, base to tip. Arrays are read-only.
+
+    Attributes:
+        dh: The five rows of Table 1.
+        theta_c: Elbow angle of Table 1's caption [rad].
+        links: ``link_0`` to ``link_4``, Tables 2 and 3.
+        joints: ``axis_e, axis_d, axis_c, axis_b`` and the jaw rod ``axis_a``.
+        actuators: Actuators 0 to 4 of Table 4; number 4 drives the jaw rod.
+        jaws: Geometry of the jaws.
+        base_yaw: Rotation about z from link_0 to base_link [rad]: 0, or pi without ``base_frame``.
+        corrections: Names of the corrections applied.
+
+    Raises:
+        InputError: Not the records of this arm: five rows, links, joints and actuators.
+    """
+
+    dh: tuple[DHParameters, ...]
+    theta_c: float
+    links: tuple[LinkParameters, ...]
+    joints: tuple[JointParameters, ...]
+    actuators: tuple[ActuatorParameters, ...]
+    jaws: JawParameters
+    base_yaw: float
+    corrections: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        parts = {
+            "dh": DHParameters,
+            "links": LinkParameters,
+            "joints": JointParameters,
+            "actuators": ActuatorParameters,
+        }
+        for name, kind in parts.items():
+            records = tuple(listed(name, getattr(self, name), f"5 {kind.__name__}"))
+            if len(records) != 5:
+                raise InputError(name, len(records), f"5 {kind.__name__}")
+            for record in records:
+                instance(name, record, kind)
+            object.__setattr__(self, name, records)
+        instance("jaws", self.jaws, JawParameters)
+        for name in ("theta_c", "base_yaw"):
+            object.__setattr__(self, name, real(name, getattr(self, name)))
+            plausibility.check(name, getattr(self, name), plausibility.ANGLE)
+
+
+def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parameters:
+    """The arm's parameters in SI units and URDF convention.
+
+    Args:
+        corrections: Names of recorded corrections (`alpha5_model.numbers.corrections.CORRECTIONS`);
+            ``()`` is the document to the letter.
+
+    Returns:
+        A frozen record, the same object for the same corrections.
+
+    Raises:
+        UnknownNameError: A correction that is not recorded.
+    """
+    return _converted(check_corrections(corrections))
+
+
+_converted = cache(lambda corrections: convert(published(), corrections))
+
+
+def convert(printed: tables.Published, corrections: tuple[str, ...]) -> Alpha5Parameters:
+    """Printed tables to SI units and URDF convention, with the named corrections."""
+    extra = printed.supplementary
+    links = (LinkParameters(**numbers) for numbers in link_numbers(printed, corrections))
+    return Alpha5Parameters(
+        dh=_dh(printed),
+        theta_c=_theta_c(printed),
+        links=tuple(links),
+        joints=tuple(_record(JointParameters, row) for row in extra.joints),
+        actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
+        jaws=JawParameters(**{name: in_si(value) for name, value in extra.jaws.items()}),
+        base_yaw=0.0 if "base_frame" in corrections else math.pi,
+        corrections=corrections,
+    )
+
+
+def link_numbers(printed: tables.Published, corrections: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Fields of `LinkParameters` of each link; not checked, the numbers need not be of a body."""
+    bodies = printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies
+    dh = _dh(printed)
+    return [_link(rows, dh, corrections) for rows in zip(*bodies, strict=True)]
+
+
+def _theta_c(printed: tables.Published) -> float:
+    return math.atan2(printed.elbow.opposite.value, printed.elbow.adjacent.value)
+
+
+def _dh(printed: tables.Published) -> tuple[DHParameters, ...]:
+    angles = {"theta_c": _theta_c(printed), "pi": math.pi, "pi/2": math.pi / 2, "0": 0.0}
+    a_1 = math.hypot(printed.elbow.opposite.si, printed.elbow.adjacent.si)
+    return tuple(_dh_row(row, angles, a_1) for row in printed.table_1.rows)
+
+
+def _dh_row(row: tables.DHRow, angles: dict[str, float], a_1: float) -> DHParameters:
+    place = f"Table 1, link {row.link}"
+    variable, offset = _split_angle(row.theta, angles, place)
+    _, alpha = _split_angle(row.alpha, angles, place)
+    a = a_1 if isinstance(row.a, str) else row.a.si
+    return DHParameters(row.d.si, offset, a, alpha, variable)
+
+
+def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple[str | None, float]:
+    """Split ``theta_1 + theta_c - pi/2`` into its joint variable and its constant part [rad]."""
+    variable, constant = None, 0.0
+    for term in expression.replace("-", "+-").replace(" ", "").strip("+").split("+"):
+        name, sign = term.removeprefix("-"), -1.0 if term.startswith("-") else 1.0
+        if name in angles:
+            constant += sign * angles[name]
+        elif name.startswith("theta_") and variable is None and sign > 0:
+            variable = name
+        else:
+            problem = f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
+            raise PublishedDataError(place, problem)
+    return variable, constant
+
+
+def _link(rows: Any, dh: Sequence[DHParameters], corrections: tuple[str, ...]) -> dict[str, Any]:
+    """Fields from its rows of Tables 2 and 3 and its bounds."""
+    inertial, buoyancy, body = rows
+    cob = in_si(buoyancy.cob)
+    if body.name == "link_3" and "link3_cob" in corrections:
+        # Links 1 and 3 carry the same kind of part. In {1} its second axis passes through
+        # (a_0, ., d_0); in {3} that axis is z_3, and the first one lies a_2 along x_3.
+        x, y, z = cob
+        cob = [dh[2].a - x, z - dh[0].d, y]
+    return {
+        "name": body.name,
+        "mass": inertial.mass.si,
+        "com": np.array(in_si(inertial.com)),
+        "inertia": flip_products(in_si(inertial.inertia_com)),
+        "volume": buoyancy.volume.si,
+        "cob": np.array(cob),
+        "bounds": np.array(in_si(body.bounds)),
+    }
+
+
+def _record(kind: type[Any], row: Any) -> Any:
+    """A record from the printed row, whose fields have the same names."""
+    return kind(**{f.name: in_si(getattr(row, f.name)) for f in fields(kind)})
+
+
+def in_si(value: Any) -> Any:
+    """Numbers in SI units, at any depth; what is no printed number as it is."""
+    if isinstance(value, tuple):
+        return [in_si(item) for item in value]
+    if isinstance(value, tables.SourcedQuantity):
+        return value.quantity.si
+    return value.si if isinstance(value, Quantity) else value

@@ -1,0 +1,21 @@
+"""What was printed: Tables 1-4 verbatim, in printed units, each number with its source."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from alpha5_model.numbers.tables import Published
+
+__all__ = ["published"]
+
+
+def published() -> Published:
+    """The manufacturer's tables exactly as printed, in printed units, each with its source.
+
+    Raises:
+        PublishedDataError: A data file is malformed; the message names the place.
+    """
+    from alpha5_model.numbers.reading import load  # late: `import alpha5_model` stays light
+
+    return load()

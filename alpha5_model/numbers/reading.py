@@ -1,0 +1,272 @@
+"""The data files read into the records of `alpha5_model.numbers.tables`, field by field."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cache
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from alpha5_model.errors import PublishedDataError
+from alpha5_model.numbers import tables as t
+from alpha5_model.numbers.quantity import Quantity
+
+_DOCUMENT, _SUPPLEMENTARY = "reach_alpha_mk2_v7.toml", "supplementary.toml"
+_HEAD = ("title", "publisher", "version", "date")
+
+
+@cache
+def load() -> t.Published:
+    """The two data files of this folder; see `alpha5_model.numbers`."""
+    return parse(_text(_DOCUMENT), _text(_SUPPLEMENTARY))
+
+
+def _text(name: str) -> str:
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+
+
+def parse(document_text: str, supplementary_text: str) -> t.Published:
+    """Read the texts of the two data files.
+
+    Raises:
+        PublishedDataError: Not TOML, duplicate, missing or unknown key, wrong unit, not a number,
+            asymmetric tensor, rows out of order, unknown status, empty source.
+    """
+    document = _root(_DOCUMENT, document_text)
+    document.table("document", "table_1", "workspace", "table_2", "table_3", "table_4")
+    head = document["document"].table(*_HEAD)
+    numbers = document["workspace"].table("number", "section", "caption", "units", "values")
+    _check_units(numbers["units"], _units(t.WorkspaceNumbers))
+    return t.Published(
+        table_1=_table(head, document["table_1"], t.DHRow, "elbow"),
+        elbow=_record(t.Elbow, document["table_1"]["elbow"]),
+        workspace=_record(t.WorkspaceNumbers, numbers["values"], source=_source(head, numbers)),
+        table_2=_table(head, document["table_2"], t.InertialRow),
+        table_3=_table(head, document["table_3"], t.BuoyancyRow),
+        table_4=_table(head, document["table_4"], t.ActuatorRow, "origins"),
+        supplementary=_supplementary(_root(_SUPPLEMENTARY, supplementary_text)),
+    )
+
+
+def earlier_revision() -> tuple[t.EarlierRow, ...]:
+    """The earlier revision's rows, from ``earlier_revision.toml``; supplementary, see there."""
+    name = "earlier_revision.toml"
+    root = _root(name, _text(name)).table("status", "source", "table")
+    _status(root["status"]), root["source"].text()
+    table = root["table"].table("units", "rows")
+    _check_units(table["units"], _units(t.EarlierRow))
+    return _rows(t.EarlierRow, table["rows"])
+
+
+@cache
+def hydrodynamics(numbers: str) -> dict[str, t.HydrodynamicRow]:
+    """The bodies of ``estimated_hydrodynamics.toml`` or ``supplementary_hydrodynamics.toml``.
+
+    Raises:
+        PublishedDataError: As of `parse`; also a matrix that is not symmetric, or an interval out of order.
+    """
+    file = f"{numbers}_hydrodynamics.toml"
+    return parse_hydrodynamics(file, _text(file))
+
+
+def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
+    """Read the text of a file of moving water."""
+    root = _root(file, text).table("units", "bodies")
+    _check_units(root["units"], _units(t.HydrodynamicRow) | _units(t.StripRow))
+    given = root["bodies"].value
+    known = [n for n in t.HYDRODYNAMIC_NAMES if isinstance(given, dict) and n in given]
+    bodies = root["bodies"].table(*known)
+    return {name: _record(t.HydrodynamicRow, bodies[name], name=name) for name in known}
+
+
+@dataclass(frozen=True)
+class _Node:
+    """A value of a data file, with its place for messages."""
+
+    value: Any
+    place: str
+
+    def fail(self, problem: str) -> PublishedDataError:
+        return PublishedDataError(self.place, problem)
+
+    def __getitem__(self, key: str) -> _Node:
+        joint = ": " if self.place.endswith(".toml") else "."
+        return _Node(self.value.get(key), f"{self.place}{joint}{key}")
+
+    def table(self, *keys: str) -> _Node:
+        """Itself, if it is a table with exactly these keys, so that a misspelt one is noticed."""
+        if not isinstance(self.value, dict):
+            raise self.fail(f"expected a table, got {self.value!r}")
+        for key in (*keys, *self.value):
+            if key not in self.value or key not in keys:
+                raise self[key].fail("unknown key" if key in self.value else "missing")
+        return self
+
+    def items(self, what: str, count: int | None = None) -> list[_Node]:
+        if not isinstance(self.value, list) or count not in (None, len(self.value)):
+            raise self.fail(f"expected {what}, got {self.value!r}")
+        return [_Node(item, f"{self.place}[{i}]") for i, item in enumerate(self.value)]
+
+    def numbers(self, unit: str, *levels: tuple[int, str]) -> Any:
+        """A printed number, or lists of lists of them: of each level how many, and what to call them."""
+        if not levels:
+            return Quantity.parse(self.value, unit, self.place)
+        count, what = levels[0]
+        return tuple(item.numbers(unit, *levels[1:]) for item in self.items(what, count))
+
+    def text(self) -> str:
+        if not isinstance(self.value, str) or not self.value.strip():
+            raise self.fail(f"expected a text, got {self.value!r}")
+        return self.value
+
+    def expect(self, wanted: str, why: str = "") -> None:
+        if self.value != wanted:
+            raise self.fail(f"expected {wanted!r}{why}, got {self.value!r}")
+
+
+def _root(file: str, text: str) -> _Node:
+    try:
+        return _Node(tomllib.loads(text), file)
+    except ValueError as error:  # TOMLDecodeError, or an integer of more than 4300 digits
+        raise PublishedDataError(file, str(error)) from None
+    except RecursionError:
+        raise PublishedDataError(file, "expected fewer brackets inside one another") from None
+
+
+def _units(record: type[Any], rod: bool = False) -> dict[str, str]:
+    """Field -> printed unit of a record, of the jaw rod's if asked for."""
+    return {f.name: f.metadata["units"][rod] for f in fields(record) if f.metadata}
+
+
+def _check_units(node: _Node, units: dict[str, str]) -> None:
+    node.table(*units)
+    for name, unit in units.items():
+        node[name].expect(unit)
+
+
+def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> Any:
+    """A record from a table, each field by its type and unit; ``known`` ones are given."""
+    units = _units(record, rod)
+    types = {f.name: str(f.type) for f in fields(record) if f.name not in known}
+    node.table(*types)
+    for name, kind in types.items():
+        known[name] = _READ[kind](node[name], units.get(name))
+    return record(**known)
+
+
+def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
+    rows: t.Matrix = node.numbers(unit, (size, f"{word} rows"), (size, f"{word} numbers"))
+    for i, j in combinations(range(size), 2):
+        one, other = rows[i][j], rows[j][i]
+        if one.value != other.value:
+            problem = f"the tensor is not symmetric: {one.text} against {other.text}"
+            raise PublishedDataError(f"{node.place}[{i}][{j}]", problem)
+    return rows
+
+
+def _added_mass(node: _Node, unit: str) -> t.Matrix:
+    return tuple(
+        tuple(Quantity(x.text, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)]) for j, x in enumerate(row))
+        for i, row in enumerate(_symmetric(node, "kg", 6, "six"))
+    )
+
+
+def _interval(node: _Node, unit: None) -> t.Interval:
+    low, nominal, high = node.numbers("", _THREE)
+    if not 0 <= low.value <= nominal.value <= high.value:
+        raise node.fail("expected low, nominal, high, none below 0 and in this order")
+    return low, nominal, high
+
+
+def _bounds(node: _Node) -> Any:
+    pairs = node.numbers("mm", (3, "three [min, max] pairs"), (2, "a [min, max] pair"))
+    for i, (low, high) in enumerate(pairs):
+        if low.value >= high.value:
+            raise PublishedDataError(f"{node.place}[{i}]", "min must be below max")
+    return pairs
+
+
+def _sourced(node: _Node, unit: str) -> t.SourcedQuantity:
+    node.table("value", "unit", "status", "source")["unit"].expect(unit)
+    value, status = node["value"].numbers(unit), _status(node["status"])
+    return t.SourcedQuantity(value, status, node["source"].text())
+
+
+def _status(node: _Node, unit: None = None) -> str:
+    if (status := node.text()) not in t.STATUSES:
+        choices = ", ".join(t.STATUSES)
+        raise node.fail(f"unknown status {status!r}; choose from {choices}")
+    return status
+
+
+def _integer(node: _Node, unit: None) -> int:
+    if type(node.value) is not int:
+        raise node.fail(f"expected an integer, got {node.value!r}")
+    return node.value
+
+
+_THREE = (3, "three numbers")
+#: Type of a field, as annotated -> how it is read.
+_READ: dict[str, Callable[[_Node, Any], Any]] = {
+    "Quantity": _Node.numbers,
+    "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else node.numbers(unit),
+    "Triple": lambda node, unit: node.numbers(unit, _THREE),
+    "Tensor": lambda node, unit: _symmetric(node, unit, 3, "three"),
+    "Interval": _interval,
+    "Matrix": _added_mass,
+    "tuple[StripRow, ...]": lambda node, unit: tuple(
+        _record(t.StripRow, item) for item in node.items("a list of strips")
+    ),
+    "SourcedQuantity": _sourced,
+    "Status": _status,
+    "int": _integer,
+    "str": lambda node, unit: node.text(),
+}
+
+
+def _table(head: _Node, node: _Node, record: type[Any], *more: str) -> t.Table[Any]:
+    node.table("number", "section", "caption", "units", "rows", *more)
+    units = _units(record)
+    _check_units(node["units"], units)
+    rows = _rows(record, node["rows"])
+    said = units if "origins" in more else ()
+    origins = {name: node["origins"].table(*units)[name].text() for name in said}
+    return t.Table(_source(head, node), rows, origins)
+
+
+def _rows(record: type[Any], node: _Node) -> tuple[Any, ...]:
+    rows, number = [], fields(record)[0].name
+    for i, row in enumerate(node.items("5 rows", 5)):
+        rows.append(_record(record, row))
+        row[number].expect(str(i), " (rows from base to tip)")
+    return tuple(rows)
+
+
+def _source(head: _Node, node: _Node) -> t.Source:
+    title, publisher, version, date = (head[key].text() for key in _HEAD)
+    table = "" if node["number"].value == "" else node["number"].text()
+    section, caption = node["section"].text(), node["caption"].text()
+    return t.Source(title, publisher, version, date, section, table, caption)
+
+
+def _supplementary(root: _Node) -> t.Supplementary:
+    root.table("joints", "jaws", "bodies")
+    joints, jaws = root["joints"].table(*t.JOINT_NAMES), root["jaws"].table(*t.JAW_UNITS)
+    rows = []
+    for name in t.JOINT_NAMES:
+        row: t.JointRow = _record(t.JointRow, joints[name], rod=name == "axis_a", name=name)
+        lower, upper = row.lower.quantity, row.upper.quantity
+        if lower.value >= upper.value:
+            raise joints[name]["upper"].fail(f"{upper} is not above lower, {lower}")
+        rows.append(row)
+    bodies = root["bodies"].table("unit", "status", "source", *t.BODY_NAMES)
+    bodies["unit"].expect("mm")
+    said = _status(bodies["status"]), bodies["source"].text()
+    return t.Supplementary(
+        joints=tuple(rows),
+        jaws={key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()},
+        bodies=tuple(t.BodyBounds(name, _bounds(bodies[name]), *said) for name in t.BODY_NAMES),
+    )

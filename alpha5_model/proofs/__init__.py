@@ -1,0 +1,1 @@
+"""The audit of the documents, and the comparison of other models."""

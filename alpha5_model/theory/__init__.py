@@ -1,0 +1,1 @@
+"""The lecture notes: Denavit-Hartenberg chains and planar arms."""

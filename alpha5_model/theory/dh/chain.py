@@ -1,0 +1,315 @@
+"""Serial arms in standard Denavit-Hartenberg parameters: one link, and a chain of them.
+
+``A_j = Rz(theta_j) Tz(d_j) Tx(a_j) Rx(alpha_j)`` maps coordinates in {j} to coordinates in {j-1}.
+Joint j turns about (revolute, ``sigma = 0``) or slides along (prismatic, ``sigma = 1``) the axis
+``z_{j-1}``; its variable is theta_j or d_j. A `DHChain` adds a constant transform on either side,
+which holds the rows of a table that no joint moves: the fixed last row of the arm's Table 1 is the
+``tool`` of `DHChain.alpha5`. The matrix of [Lecture7.1] has ``cos(theta) sin(alpha)`` in row 2
+without the minus sign that the product of the four factors gives it; here the product is used.
+
+References:
+    [Lecture7.1] Describing Robot Arms, section "Standard Denavit-Hartenberg parameters".
+    [Corke2011] Corke: Robotics, Vision and Control, section 7.2, equation (7.2).
+    [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, sections 2.8.2 and 3.1.3.
+    [ReachAlpha] Manufacturer's document, Section 1, Table 1.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import (
+    FloatArray,
+    float_array,
+    instance,
+    listed,
+    rigid_transform,
+    shaped,
+)
+from alpha5_model.errors import InputError, ShapeError, UnknownNameError
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.theory.dh.link import (
+    DHLink,
+    dh_transform,
+    frames_on_axes,
+    table_row,
+    unit_vectors,
+)
+from alpha5_model.theory.dh.urdf import pinocchio_axes, urdf_model, urdf_text
+
+__all__ = ["DHChain", "DHLink", "Frame", "dh_transform"]
+
+#: A frame of a chain: the number j of {j}, or the tool.
+Frame = int | Literal["tool"]
+
+
+@dataclass(frozen=True, eq=False)
+class DHChain:
+    """A serial arm in standard DH parameters.
+
+    Attributes:
+        links: One `DHLink` per joint, base to tip; at least one.
+        base: transform_0_to_world, (4, 4): where frame {0} stands; read-only.
+        tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only. Constant rows at
+            the end of a printed table belong here.
+        name: For messages, tables and the URDF.
+        joint_names: One per joint.
+
+    Raises:
+        InputError: No links, something that is not a `DHLink`, or a base or tool that is not a
+            rigid transform.
+    """
+
+    links: tuple[DHLink, ...]
+    base: FloatArray = field(default_factory=lambda: np.eye(4))
+    tool: FloatArray = field(default_factory=lambda: np.eye(4))
+    name: str = "dh_chain"
+    joint_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        links = tuple(listed("links", self.links, "at least one DHLink"))
+        if not links:
+            raise InputError("links", self.links, "at least one DHLink")
+        for link in links:
+            if not isinstance(link, DHLink):
+                raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
+        instance("name", self.name, str)
+        names = tuple(listed("joint_names", self.joint_names, f"{len(links)} different names"))
+        names = names or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
+        different = {name for name in names if isinstance(name, str)}
+        if not len(different) == len(names) == len(links):
+            raise InputError("joint_names", names, f"{len(links)} different names")
+        object.__setattr__(self, "links", links)
+        object.__setattr__(self, "joint_names", names)
+        for part in ("base", "tool"):
+            object.__setattr__(self, part, rigid_transform(part, getattr(self, part)))
+
+    @classmethod
+    def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
+        """A chain from rows ``[theta, d, a, alpha, sigma]``; options as for `DHChain`."""
+        table = listed("rows", rows, "rows [theta, d, a, alpha, sigma]")
+        return cls(tuple(DHLink.from_vector(row) for row in table), **options)
+
+    @classmethod
+    def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
+        """The Reach Alpha 5 [ReachAlpha, Table 1]: four joints; the fixed last row is the tool.
+
+        Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
+        """
+        p = parameters(corrections)
+        moving = [(row, j) for row in p.dh for j in p.joints if j.dh_variable == row.variable]
+        tool = np.eye(4)
+        for row in p.dh[len(moving) :]:
+            tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
+        rows = ((0.0, r.d, r.a, r.alpha, 0, r.theta_offset, j.lower, j.upper) for r, j in moving)
+        names = tuple(joint.name for _, joint in moving)
+        links = tuple(DHLink(*row) for row in rows)
+        return cls(links, tool=tool, name="alpha5", joint_names=names)
+
+    @classmethod
+    def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
+        """The chain from a pin.Model's root to one of its frames.
+
+        Joint variables, their zero and their sign are the model's. Joints off the chain stay at
+        zero.
+
+        Args:
+            model: pin.Model; not changed.
+            frame: End effector; by default the last body frame of the last joint.
+
+        Raises:
+            UnknownNameError: No such frame.
+            InputError: A joint on the chain with other than one degree of freedom, or a helical
+                one; or no joint at all.
+        """
+        return cls.from_axes(**pinocchio_axes(model, frame))
+
+    @classmethod
+    def from_urdf(cls, path: str | os.PathLike[str], frame: str | None = None) -> DHChain:
+        """The chain from a URDF's root to a link; see `from_pinocchio`.
+
+        Raises:
+            InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`,
+                which names the line, and what Pinocchio says of a URDF that only it refuses.
+        """
+        return cls.from_pinocchio(urdf_model(path), frame)
+
+    @classmethod
+    def from_axes(
+        cls,
+        points: ArrayLike,
+        directions: ArrayLike,
+        sigma: Sequence[int] | None = None,
+        end_effector: ArrayLike | None = None,
+        q: ArrayLike | None = None,
+        limits: Sequence[tuple[float, float]] | None = None,
+        tolerance: float = 1.5e-8,
+        **options: Any,
+    ) -> DHChain:
+        """A chain from its joint axes, drawn at one configuration, which is its home.
+
+        The frames are those of `alpha5_model.theory.dh.link`.
+
+        Args:
+            points: A point on each joint axis, (N, 3) in the world [m].
+            directions: Direction of each axis, (N, 3), of any length but zero.
+            sigma: Joint types, 0 revolute (default) and 1 prismatic, (N,).
+            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is {N-1} without
+                its joint, and the table ends with a row of zeros.
+            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each link's offset
+                takes up the rest, ``theta = q + offset``; by default the joint variable is theta or
+                d itself.
+            limits: (lower, upper) of each joint variable, (N, 2).
+            tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
+                intersecting. The error that this makes in the axes of an arm of 1 m is of the same
+                size. Axes with a larger tilt have a common normal about 1 m / tilt away, and
+                rounding errs by 2e-16 m / tilt in numbers of that size: the default balances both.
+            options: ``name`` and ``joint_names`` of the chain.
+
+        Raises:
+            InputError: No axes, a direction of zero length, shapes that do not fit.
+        """
+        p = float_array("points", points, (3,))
+        z = float_array("directions", directions, (3,))
+        if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
+            raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
+        z = unit_vectors("directions", z.tolist(), 2)
+        n, pairs = len(p), "(lower, upper) of each joint"
+        types = [0] * n if sigma is None else listed("sigma", sigma, "0 or 1 for each joint")
+        bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
+        drawn = np.zeros(n) if q is None else shaped("q", q, (n,))
+        if len(types) != n or len(bounds) != n:
+            raise ShapeError("sigma, limits", (len(types), len(bounds)), f"{n} joints each")
+        end = None if end_effector is None else rigid_transform("end_effector", end_effector)
+        frames = frames_on_axes(p, z, end, tolerance)
+        links = []
+        for j in range(n):
+            theta, d, a, alpha = table_row(np.linalg.inv(frames[j]) @ frames[j + 1])
+            offset = 0.0
+            if q is not None:
+                value, offset = float(drawn[j]), (d if types[j] else theta) - drawn[j]
+                theta, d = (theta, value) if types[j] else (value, d)
+            bound = listed("limits", bounds[j], pairs)
+            if len(bound) != 2:
+                raise ShapeError("limits", (len(bound),), pairs)
+            links.append(DHLink(theta, d, a, alpha, types[j], offset, *bound))
+        tool = np.eye(4)
+        if end is not None:
+            tool = np.linalg.inv(frames[n]) @ end
+            u, _, vt = np.linalg.svd(tool[:3, :3])
+            tool[:3, :3] = u @ vt  # the rounding error of a rotation taken out
+        return cls(tuple(links), frames[0], tool, **options)
+
+    def to_urdf(self) -> str:
+        """The chain as URDF text; see `urdf.urdf_text`."""
+        rows = zip(self.joint_names, self.links, strict=True)
+        return urdf_text(self.name, (self.base, self.tool), rows)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.links)
+
+    @property
+    def sigma(self) -> tuple[int, ...]:
+        """Joint types, 0 revolute and 1 prismatic, base to tip."""
+        return tuple(link.sigma for link in self.links)
+
+    @property
+    def home(self) -> FloatArray:
+        """Joint position at which the table is drawn, (N,) [rad or m]."""
+        return np.array([link.home for link in self.links])
+
+    @property
+    def lower(self) -> FloatArray:
+        """Lower joint limits, (N,) [rad or m], -inf where there is none."""
+        return np.array([link.lower for link in self.links])
+
+    @property
+    def upper(self) -> FloatArray:
+        """Upper joint limits, (N,) [rad or m], inf where there is none."""
+        return np.array([link.upper for link in self.links])
+
+    def frames(self, q: ArrayLike) -> FloatArray:
+        """All frames {0} ... {N} and the tool, in the world.
+
+        Args:
+            q: (..., N) [rad or m].
+
+        Returns:
+            (..., N + 2, 4, 4).
+        """
+        position = float_array("q", q, (self.n,))
+        out = np.empty((*position.shape[:-1], self.n + 2, 4, 4))
+        out[..., 0, :, :] = self.base
+        steps = (link.transform(position[..., j]) for j, link in enumerate(self.links))
+        for j, step in enumerate(chain(steps, [self.tool])):
+            np.matmul(out[..., j, :, :], step, out=out[..., j + 1, :, :])
+        return out
+
+    def forward_kinematics(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
+        """Pose of one frame in the world; `frames` gives all.
+
+        Args:
+            q: (..., N) [rad or m].
+            frame: j for frame {j}, 0 to N, or ``"tool"``.
+
+        Returns:
+            transform_frame_to_world, (..., 4, 4).
+
+        Raises:
+            UnknownNameError: No such frame.
+        """
+        return np.ascontiguousarray(self.frames(q)[..., self._index(frame), :, :])
+
+    def joint_axes(self, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Origins of frames {j-1} and directions z_{j-1}, the axes of joints 1 to N, in the world.
+
+        Args:
+            q: (..., N) [rad or m].
+
+        Returns:
+            Points (..., N, 3) [m] and unit directions (..., N, 3).
+        """
+        frames = self.frames(q)[..., : self.n, :, :]
+        return frames[..., :3, 3].copy(), frames[..., :3, 2].copy()
+
+    def jacobian(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
+        """Geometric Jacobian [Siciliano2009, 3.1.3].
+
+        Linear rows first: velocity of the frame's origin, then angular velocity, both in the axes
+        of the world (Pinocchio's ``LOCAL_WORLD_ALIGNED``).
+
+        Args:
+            q: (..., N) [rad or m].
+            frame: j for frame {j}, 0 to N, or ``"tool"``.
+
+        Returns:
+            (..., 6, N); columns of joints beyond the frame are zero.
+        """
+        index = self._index(frame)
+        frames = self.frames(q)
+        tip = frames[..., index, :3, 3]
+        z, points = frames[..., : self.n, :3, 2], frames[..., : self.n, :3, 3]
+        turns = np.array(self.sigma)[:, None] == 0
+        linear = np.where(turns, np.cross(z, tip[..., None, :] - points), z)
+        columns = np.concatenate([linear, np.where(turns, z, 0.0)], axis=-1)
+        columns[..., index:, :] = 0.0
+        return np.ascontiguousarray(np.swapaxes(columns, -1, -2))
+
+    def _index(self, frame: Frame) -> int:
+        if isinstance(frame, str) and frame == "tool":
+            return self.n + 1
+        number = isinstance(frame, int | np.integer) and not isinstance(frame, bool)
+        if not number or not 0 <= int(frame) <= self.n:
+            raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
+        return int(frame)

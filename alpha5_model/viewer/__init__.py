@@ -1,0 +1,9 @@
+"""The arm in a browser, on a page, in a picture; plots of its workspace and of motions."""
+
+from alpha5_model.viewer.show import (
+    view,
+)
+
+__all__ = [
+    "view",
+]

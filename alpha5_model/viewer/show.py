@@ -1,0 +1,51 @@
+"""The arm in a browser, on a page, in a picture; plots of its workspace and of motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.trajectory.motions import Motion
+    from alpha5_model.viewer.visualizer import ArmVisualizer
+
+
+def view(
+    arm: Arm,
+    q: ArrayLike | None = None,
+    *,
+    target: ArrayLike | None = None,
+    motion: Motion | None = None,
+    show: Iterable[str] | None = None,
+    port: int = 0,
+) -> ArmVisualizer:
+    """Start a live meshcat viewer on an arm.
+
+    The page has a slider for each joint, switches for everything that can be shown, and a player
+    for the motion. ``open()`` shows it in a browser, ``url()`` is its address, ``display(q)`` and
+    ``play(q, dt)`` move the arm in every page, ``on_change(function)`` calls back when a page moves it,
+    ``captureImage()`` is a picture, ``static_html()`` is the same page as one file.
+
+    Args:
+        arm: What to show.
+        q: Joint positions, (nq,). If None: with the tcp at the target, or at the nearest point that it
+            reaches; the pose ``home`` without one.
+        target: Position in base_link, (3,) [m]; the other solutions of its inverse kinematics are ghosts.
+        motion: Played in real time by the page.
+        show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be switched on.
+        port: Of the page on this machine; 0 for a free one.
+
+    Returns:
+        A `meshcat.Visualizer`.
+
+    Raises:
+        InputError, UnknownNameError: Arguments that do not fit the arm.
+        PortInUseError: The port is taken.
+    """
+    from alpha5_model.viewer.build import build_scene
+    from alpha5_model.viewer.visualizer import ArmVisualizer
+
+    return ArmVisualizer(arm, build_scene(arm, q, target=target, motion=motion, show=show), port)

@@ -1,0 +1,1 @@
+"""Moving water: added mass, drag and current."""
