@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -373,6 +374,26 @@ def test_what_cannot_be_read_is_one_line_and_status_2(
     assert captured.err.count("\n") == 1
     assert words in captured.err
     assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("</robot>", '<xacro:include filename="x"/></robot>'),
+        ('rpy="0.0 1.57', 'rpy="inf 1.57'),
+        ('xyz="0 0 0"', 'xyz="0 0 inf"'),
+    ],
+    ids=["undeclared prefix", "infinite angle", "infinite place"],
+)
+def test_other_readers_say_nothing_on_stderr(old: str, new: str, tmp_path: Path) -> None:
+    """In a process of its own, since pytest takes what is logged."""
+    path = tmp_path / "arm.urdf"
+    text = Path(URDF_PATH).read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    command = [sys.executable, "-m", "alpha5_model", "check", "--urdf", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stderr.count("\n") == (done.returncode == 2), done.stderr
 
 
 def test_a_missing_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

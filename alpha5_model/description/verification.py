@@ -8,6 +8,7 @@ rows, which the code that made the file does not form. If a tool is not installe
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import shutil
@@ -169,6 +170,9 @@ def _check_urdf(text: Subject) -> FileCheck:
     return row("failed", words[:200] or f"exit status {done.returncode}")
 
 
+# What yourdfpy logs about a file, its row says.
+logging.getLogger("yourdfpy").addHandler(logging.NullHandler())
+
 #: From the file, names of its frames without prefix, base_link first, and joint positions (N, 4) to the
 #: frames' poses in base_link, N times (F, 4, 4).
 _Tool = Callable[[Subject, list[str], FloatArray], Iterator[list[FloatArray]]]
@@ -182,7 +186,8 @@ def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: floa
     if absent := [n for n in wanted if text.prefix + n not in text.links]:
         return row("failed", f"no link {', '.join(absent)} to compute")
     try:
-        given = np.array(list(compute(text, wanted, q)))
+        with np.errstate(all="ignore"):  # infinite numbers of the file; the row says what they do
+            given = np.array(list(compute(text, wanted, q)))
     except ImportError:
         return row("not run", f"{tool} is not installed")
     except Exception as error:  # other tools raise anything for a file that they cannot load
