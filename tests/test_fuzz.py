@@ -192,7 +192,7 @@ def test_what_a_file_makes_it_do_is_seen(fuzz, act, says):
 def test_a_file_that_takes_long_and_a_silent_answer_are_failures(fuzz, monkeypatch):
     from fuzzing import cases
 
-    monkeypatch.setattr(cases, "LIMIT_OF_FILES", 0.01)
+    monkeypatch.setattr(cases, "LIMIT_OF_FILES", 0.001)
     slow = cases.Case(lambda: sum(range(10**6)), {}, size=10)
     assert "s for 10 bytes" in fuzz.outcome(slow)
     assert fuzz.outcome(cases.Case(lambda: 1.0, {}, told=True)) == (
