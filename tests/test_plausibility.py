@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 import subprocess
 import sys
 import threading
@@ -294,6 +295,9 @@ def test_bounds_are_ranges_and_each_unit_is_one_that_can_be_meant(name: str) -> 
         assert limits.holds(low)
         assert limits.holds(high)
         assert not limits.holds(math.nextafter(high, math.inf))
+    if "turn" not in limits.expected:  # the words name the bounds
+        named = {float(x) for x in re.findall(r"\d+(?:\.\d+)?", limits.expected)}
+        assert named - {0.0} == {end for row in limits.ranges for end in row} - {0.0}
     for size in limits.units.values():
         # What is plausible in that unit is not in SI units, at least in part.
         assert not all(limits.holds(end / size) for end in limits.ranges[-1])

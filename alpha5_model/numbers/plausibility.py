@@ -74,7 +74,7 @@ MASS = Plausible(unit="kg", ranges=((0.0, 20.0),), expected="at most 20 on this 
 POSITION = Plausible(
     unit="m", ranges=((0.0, 2.0),), expected="at most 2 on this arm", units=_LENGTHS
 )
-#: A hundred times the volume of the whole arm's largest link (0.22 L) is 22 L.
+#: Such a buoy lifts with 1000 N: at 0.5 m, five times what the shoulder's motor can hold.
 VOLUME = Plausible(
     unit="m^3", ranges=((0.0, 0.1),), expected="at most 0.1 on this arm", units=_VOLUMES
 )
