@@ -1,4 +1,4 @@
-"""The arm in a browser, on a page, in a picture; plots of its workspace and of motions."""
+"""Show an arm: picture, page or live viewer."""
 
 from __future__ import annotations
 

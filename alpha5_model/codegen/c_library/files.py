@@ -1,8 +1,4 @@
-"""The arm's equations as a C99 library: a header, a source, a CMakeLists.txt and a test program.
-
-The source needs nothing but libm, allocates nothing and keeps no state. What the test program expects comes from
-Pinocchio, not from the equations that the source is generated from.
-"""
+"""The files of the C library for an arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The audit: every claim of the documents that their own numbers can be held against."""
+"""All rows of the audit."""
 
 from __future__ import annotations
 

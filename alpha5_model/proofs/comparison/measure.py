@@ -1,4 +1,4 @@
-"""The comparison itself: both models measured at the same joint positions."""
+"""Measure how far another model of the arm is off."""
 
 from __future__ import annotations
 

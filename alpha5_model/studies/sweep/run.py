@@ -1,7 +1,4 @@
-"""Many states, cases or recordings, here or on a Dask cluster; what is finished is kept, chunk by chunk.
-
-Workers compute, and the process that asked writes: a worker that dies, or a chunk done twice, leaves nothing behind.
-"""
+"""Compute a study in parts and write what it gives."""
 
 from __future__ import annotations
 
