@@ -7,7 +7,8 @@ python=$1
 shift
 
 packages="
-  colcon ament-cmake cmake
+  colcon python3-colcon-cmake python3-colcon-output python3-colcon-package-selection
+  python3-colcon-recursive-crawl python3-colcon-ros ament-cmake cmake
   liburdfdom-tools
   python3-roslaunch ros-robot-state-publisher python3-rospy python3-tf2-ros python3-sensor-msgs
   rviz xvfb
