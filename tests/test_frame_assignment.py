@@ -274,3 +274,17 @@ def test_bad_axes(arguments, words) -> None:
         assign_frames(*arguments)
     with pytest.raises(InputError, match="not parallel"):
         common_normal([0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 2])
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("points", {"points": np.full((3, 3), 1e300)}),
+        ("sigma", {"sigma": np.eye(3), "q": np.zeros(3)}),
+        ("sigma", {"sigma": [0, 2, 0], "q": np.zeros(3)}),
+    ],
+)
+def test_what_cannot_be_computed_with_is_named(name: str, wrong: dict) -> None:
+    given = {"points": np.zeros((3, 3)), "directions": np.eye(3), **wrong}
+    with pytest.raises(InputError, match=f"^{name}"):
+        assign_frames(**given)

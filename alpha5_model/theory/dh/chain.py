@@ -14,9 +14,11 @@ from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import (
     FloatArray,
+    bounded,
     float_array,
     instance,
     listed,
+    real,
     rigid_transform,
     shaped,
 )
@@ -164,13 +166,15 @@ class DHChain:
         Raises:
             InputError: No axes, a direction of zero length, shapes that do not fit.
         """
-        p = float_array("points", points, (3,))
+        p = bounded("points", float_array("points", points, (3,)))
         z = float_array("directions", directions, (3,))
         if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
             raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
         z = unit_vectors("directions", z.tolist(), 2)
         n, pairs = len(p), "(lower, upper) of each joint"
-        types = [0] * n if sigma is None else listed("sigma", sigma, "0 or 1 for each joint")
+        types: list[Any] = [0] * n
+        if sigma is not None:
+            types = [real("sigma", x) for x in listed("sigma", sigma, "0 or 1 for each joint")]
         bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
         drawn = np.zeros(n) if q is None else shaped("q", q, (n,))
         if len(types) != n or len(bounds) != n:
