@@ -61,8 +61,8 @@ HAND_OVERS = {
 }
 
 
-def loaded_after(statement: str) -> set[str]:
-    script = f"{statement}\nimport sys; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+def printed(script: str) -> list[str]:
+    """The words that a script prints in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True,
@@ -70,7 +70,12 @@ def loaded_after(statement: str) -> set[str]:
         check=True,
         cwd=PACKAGE.parent,
     )
-    return set(done.stdout.split())
+    return done.stdout.split()
+
+
+def loaded_after(statement: str) -> set[str]:
+    script = f"{statement}\nimport sys; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    return set(printed(script))
 
 
 @pytest.mark.parametrize(
@@ -254,14 +259,7 @@ for name in {names}:
     if attrgetter(name.partition(".")[2])(alpha5_model) is not sys.modules[name]:
         print(name)
 """
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=PACKAGE.parent,
-    )
-    assert done.stdout.split() == []
+    assert printed(script) == []
 
 
 def test_the_package_has_few_entries() -> None:
