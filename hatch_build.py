@@ -49,8 +49,14 @@ def compiled(output: Path) -> Path:
         py_limited_api=True,
     )
     with tempfile.TemporaryDirectory() as objects:
-        command = Distribution({"ext_modules": [extension]}).get_command_obj("build_ext")
-        command.build_lib, command.build_temp, command.force = str(output), objects, True
+        command = Distribution({"ext_modules": [extension]}).get_command_obj(
+            "build_ext"
+        )
+        command.build_lib, command.build_temp, command.force = (
+            str(output),
+            objects,
+            True,
+        )
         command.ensure_finalized()
         command.run()
     return Path(command.get_outputs()[0])
@@ -67,8 +73,12 @@ class KernelHook(BuildHookInterface):
             module = compiled(self.folder or ROOT / FOLDER)
         except (Exception, SystemExit) as error:
             if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
-                raise RuntimeError(f"the kernels cannot be compiled here: {error}") from None
-            self.app.display_warning(f"kernels not compiled, NumPy will compute: {error}")
+                raise RuntimeError(
+                    f"the kernels cannot be compiled here: {error}"
+                ) from None
+            self.app.display_warning(
+                f"kernels not compiled, NumPy will compute: {error}"
+            )
             return
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
@@ -76,7 +86,9 @@ class KernelHook(BuildHookInterface):
         if not editable:
             build_data["force_include"][str(module)] = str(FOLDER / module.name)
 
-    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+    def finalize(
+        self, version: str, build_data: dict[str, Any], artifact_path: str
+    ) -> None:
         """Called when the wheel is written."""
         if self.folder:
             shutil.rmtree(self.folder)

@@ -31,7 +31,11 @@ if TYPE_CHECKING:
     )
     from alpha5_model.kinematics.path import inverse_kinematics_path
     from alpha5_model.kinematics.pose import inverse_kinematics_pose
-    from alpha5_model.kinematics.reach import distance_to_reach, nearest_reachable, reachable
+    from alpha5_model.kinematics.reach import (
+        distance_to_reach,
+        nearest_reachable,
+        reachable,
+    )
     from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
     from alpha5_model.numbers.hydrodynamics import DragStrip
     from alpha5_model.numbers.parameters import parameters
@@ -45,13 +49,59 @@ if TYPE_CHECKING:
     from alpha5_model.viewer import view
 
 # For checkers of types, which need the names written out; a name that is not imported above they report.
-__all__ = ["AIR", "BRANCHES", "FRESH_WATER", "PACKAGE_PATH", "REPOSITORY_PATH", "SEA_WATER"]
-__all__ += ["URDF_PATH", "Alpha5Error", "Arm", "DragStrip", "UnreachableError", "Vehicle"]
-__all__ += ["__version__", "actuators", "audit", "backend", "compare", "dh", "distance_to_reach"]
-__all__ += ["gravity_in_base", "identify", "inverse_kinematics", "inverse_kinematics_path"]
-__all__ += ["inverse_kinematics_pose", "load", "named_pose", "nearest_reachable", "parameters"]
-__all__ += ["planar", "published", "published_inverse_kinematics", "reachable", "robot_wrapper"]
-__all__ += ["sweep", "trajectory", "uncertainty", "view", "without_self_collision", "workspace"]
+__all__ = [
+    "AIR",
+    "BRANCHES",
+    "FRESH_WATER",
+    "PACKAGE_PATH",
+    "REPOSITORY_PATH",
+    "SEA_WATER",
+]
+__all__ += [
+    "URDF_PATH",
+    "Alpha5Error",
+    "Arm",
+    "DragStrip",
+    "UnreachableError",
+    "Vehicle",
+]
+__all__ += [
+    "__version__",
+    "actuators",
+    "audit",
+    "backend",
+    "compare",
+    "dh",
+    "distance_to_reach",
+]
+__all__ += [
+    "gravity_in_base",
+    "identify",
+    "inverse_kinematics",
+    "inverse_kinematics_path",
+]
+__all__ += [
+    "inverse_kinematics_pose",
+    "load",
+    "named_pose",
+    "nearest_reachable",
+    "parameters",
+]
+__all__ += [
+    "planar",
+    "published",
+    "published_inverse_kinematics",
+    "reachable",
+    "robot_wrapper",
+]
+__all__ += [
+    "sweep",
+    "trajectory",
+    "uncertainty",
+    "view",
+    "without_self_collision",
+    "workspace",
+]
 #: Module -> the public names that it defines.
 _DEFINED = {
     "_support.paths": ("PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH"),

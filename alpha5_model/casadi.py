@@ -30,7 +30,10 @@ __all__ = ["load"]
 #: Function -> kernel that has its derivatives.
 _DERIVATIVES = {
     "hydrostatic_torque": "hydrostatic_torque_derivative",
-    **{f: f"{f}_derivatives" for f in ("inverse_dynamics", "forward_dynamics", "base_wrench")},
+    **{
+        f: f"{f}_derivatives"
+        for f in ("inverse_dynamics", "forward_dynamics", "base_wrench")
+    },
 }
 
 
@@ -85,7 +88,9 @@ def _compiled(
     function: casadi.Function, parameters: FloatArray, kernel: str | None = None
 ) -> casadi.Function:
     """What looks like a Function and calls a kernel; its derivatives call theirs, or are interpreted."""
-    called = casadi.external(f"alpha5_{kernel or function.name()}", kernels.module().__file__)
+    called = casadi.external(
+        f"alpha5_{kernel or function.name()}", kernels.module().__file__
+    )
     names, slope = function.name_in(), function.jacobian()
     inputs: list[Any] = [casadi.MX.sym(x, function.sparsity_in(x)) for x in names]
     last, given = called.n_in() - 1, inputs
@@ -98,5 +103,11 @@ def _compiled(
         shape = function.sparsity_out(i)
         matrix = casadi.reshape(rows, shape.size2(), shape.size1()).T
         outputs.append(casadi.project(matrix, shape))
-    options: dict[str, Any] = {"custom_jacobian": slope, "jac_penalty": 0, "never_inline": True}
-    return casadi.Function(function.name(), inputs, outputs, names, function.name_out(), options)
+    options: dict[str, Any] = {
+        "custom_jacobian": slope,
+        "jac_penalty": 0,
+        "never_inline": True,
+    }
+    return casadi.Function(
+        function.name(), inputs, outputs, names, function.name_out(), options
+    )

@@ -24,11 +24,19 @@ class Alpha5Error(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        line = " ".join(message.split())  # names and paths may hold newlines or be very long
-        super().__init__(line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}")
+        line = " ".join(
+            message.split()
+        )  # names and paths may hold newlines or be very long
+        super().__init__(
+            line if len(line) <= _LONGEST else f"{line[:700]} ... {line[-200:]}"
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), self.args, {k: _sent(v) for k, v in vars(self).items()})
+        return _restored, (
+            type(self),
+            self.args,
+            {k: _sent(v) for k, v in vars(self).items()},
+        )
 
 
 class ImplausibleWarning(UserWarning):
@@ -77,7 +85,9 @@ class UnknownNameError(Alpha5Error, ValueError):
 
     def __init__(self, kind: str, name: Any, choices: Iterable[str]) -> None:
         self.kind, self.name, self.choices = kind, name, tuple(choices)
-        super().__init__(f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}")
+        super().__init__(
+            f"unknown {kind} {_short(name)}; choose from {', '.join(self.choices)}"
+        )
 
 
 class PublishedDataError(Alpha5Error, ValueError):
@@ -97,10 +107,14 @@ class JointLimitError(Alpha5Error, ValueError):
         bound: The bound that it passes.
     """
 
-    def __init__(self, joint: str, value: float, bound: float, unit: str = "rad") -> None:
+    def __init__(
+        self, joint: str, value: float, bound: float, unit: str = "rad"
+    ) -> None:
         self.joint, self.value, self.bound = joint, value, bound
         side = "above the upper" if value > bound else "below the lower"
-        super().__init__(f"{joint}: {value:.6g} {unit} is {side} limit {bound:.6g} {unit}")
+        super().__init__(
+            f"{joint}: {value:.6g} {unit} is {side} limit {bound:.6g} {unit}"
+        )
 
 
 class UnreachableError(Alpha5Error, ValueError):
@@ -112,7 +126,9 @@ class UnreachableError(Alpha5Error, ValueError):
         nearest: That point, (3,) [m].
     """
 
-    def __init__(self, position: Any, distance: float, nearest: Any, reason: str = "") -> None:
+    def __init__(
+        self, position: Any, distance: float, nearest: Any, reason: str = ""
+    ) -> None:
         self.position, self.distance, self.nearest = position, distance, nearest
         super().__init__(
             f"{_metres(position)} cannot be reached{reason}: the nearest reachable point "
@@ -131,7 +147,12 @@ class DiscontinuousPathError(Alpha5Error, ValueError):
     """
 
     def __init__(self, index: int, position: Any, step: float, max_step: float) -> None:
-        self.index, self.position, self.step, self.max_step = index, position, step, max_step
+        self.index, self.position, self.step, self.max_step = (
+            index,
+            position,
+            step,
+            max_step,
+        )
         super().__init__(
             f"positions[{index}] = {_metres(position)} has no continuation within the joint "
             f"limits: a joint would have to jump by {step:.3g} rad, allowed are {max_step:.3g} rad"
@@ -144,7 +165,9 @@ class MissingParameterError(Alpha5Error, ValueError):
     def __init__(self, parameter: str, needed_for: str) -> None:
         self.parameter = parameter
         remedy = "give it yourself"
-        super().__init__(f"{needed_for} needs {parameter}, which is not published: {remedy}")
+        super().__init__(
+            f"{needed_for} needs {parameter}, which is not published: {remedy}"
+        )
 
 
 class MissingFileError(Alpha5Error, FileNotFoundError):
@@ -173,7 +196,9 @@ class KernelError(Alpha5Error, RuntimeError):
     def __init__(self, kernel: str) -> None:
         self.kernel = kernel
         expected = "aligned, C-contiguous float64 rows of finite numbers"
-        super().__init__(f"the kernel {kernel} takes only {expected}; please report this")
+        super().__init__(
+            f"the kernel {kernel} takes only {expected}; please report this"
+        )
 
 
 class OutputError(Alpha5Error, OSError):
@@ -208,7 +233,9 @@ class MissingDependencyError(Alpha5Error, ImportError):
 
     def __init__(self, dependency: str, needed_for: str, remedy: str) -> None:
         self.dependency = dependency
-        super().__init__(f"{needed_for} needs {dependency}, which is not installed: {remedy}")
+        super().__init__(
+            f"{needed_for} needs {dependency}, which is not installed: {remedy}"
+        )
 
 
 @contextmanager
@@ -225,10 +252,14 @@ def _metres(point: Iterable[float]) -> str:
     return f"({', '.join(f'{c:.6g}' for c in point)}) m"
 
 
-def _restored(kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]) -> Any:
+def _restored(
+    kind: type[Alpha5Error], args: tuple[Any, ...], attributes: dict[str, Any]
+) -> Any:
     """An unpickled error: its own ``__init__`` takes other arguments than the message."""
     error = kind.__new__(kind)
-    super(Alpha5Error, error).__init__(*args)  # the built-in's, which also keeps its own fields
+    super(Alpha5Error, error).__init__(
+        *args
+    )  # the built-in's, which also keeps its own fields
     vars(error).update(attributes)
     return error
 
@@ -244,6 +275,8 @@ def _sent(value: Any) -> Any:
 def _short(value: Any) -> str:
     try:
         text = " ".join(repr(value).split())  # arrays print over several lines
-    except Exception:  # a foreign class whose repr fails must not hide the error to report
+    except (
+        Exception
+    ):  # a foreign class whose repr fails must not hide the error to report
         text = f"a {type(value).__name__}"
     return text if len(text) <= 80 else text[:77] + "..."

@@ -55,7 +55,9 @@ class Solutions(NamedTuple):
     singular: Array
 
 
-@partial(register_dataclass, data_fields=("parameters", "fluid_density"), meta_fields=())
+@partial(
+    register_dataclass, data_fields=("parameters", "fluid_density"), meta_fields=()
+)
 @dataclass(frozen=True, eq=False)
 class JaxArm:
     """The arm on a fixed base with its jaws locked; a pytree, so that it can go through JAX's transformations.
@@ -115,7 +117,9 @@ class JaxArm:
         """Joint torque for a motion, water included, (4,) [N m]."""
         return _only("inverse_dynamics", q, v, a, self.parameters)
 
-    def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> Arrays:
+    def inverse_dynamics_derivatives(
+        self, q: Numbers, v: Numbers, a: Numbers
+    ) -> Arrays:
         """dtau/dq, dtau/dv, dtau/da = M, (4, 4) each."""
         return _computed("inverse_dynamics_derivatives", q, v, a, self.parameters)
 
@@ -123,7 +127,9 @@ class JaxArm:
         """Joint acceleration under a torque, water included, (4,) [rad/s^2]."""
         return _only("forward_dynamics", q, v, tau, self.parameters)
 
-    def forward_dynamics_derivatives(self, q: Numbers, v: Numbers, tau: Numbers) -> Arrays:
+    def forward_dynamics_derivatives(
+        self, q: Numbers, v: Numbers, tau: Numbers
+    ) -> Arrays:
         """da/dq, da/dv, da/dtau = M^-1, (4, 4) each."""
         return _computed("forward_dynamics_derivatives", q, v, tau, self.parameters)
 
@@ -153,7 +159,14 @@ class JaxArm:
             cob: Centre of buoyancy in tcp, (3,) [m]; None for the COM.
         """
         inertia = np.zeros((3, 3)) if inertia is None else inertia
-        body = (mass, com, inertia, volume, com if cob is None else cob, self.fluid_density)
+        body = (
+            mass,
+            com,
+            inertia,
+            volume,
+            com if cob is None else cob,
+            self.fluid_density,
+        )
         return replace(self, parameters=_only("with_payload", self.parameters, *body))
 
 
@@ -182,7 +195,9 @@ def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
     """
     single = jnp.result_type(_given(position), float) == np.float32
     tolerances = SINGLE if single else DOUBLE
-    q, exists, within, singular = _computed("inverse_kinematics", position, wrist, tolerances)
+    q, exists, within, singular = _computed(
+        "inverse_kinematics", position, wrist, tolerances
+    )
     moved = jnp.sum(_given(position)) + jnp.sum(_given(wrist))
     return Solutions(_without_slope(q, exists, moved), exists, within, singular[0])
 
@@ -206,7 +221,9 @@ def _only(name: str, *given: Any) -> Array:
 def _computed(name: str, *given: Any) -> Arrays:
     """Outputs of a formula."""
     formula, inputs, outputs = _KERNELS[name]
-    elements = [_elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)]
+    elements = [
+        _elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)
+    ]
     results = formula(*elements, jnp)
     return tuple(_array(r, shape) for r, shape in zip(results, outputs, strict=True))
 
@@ -222,7 +239,10 @@ def _elements(name: str, value: Any, shape: tuple[int, ...]) -> Any:
 
 def _given(value: Any) -> Any:
     """An array of JAX's if any part is one or has single precision, else one of NumPy's."""
-    own = any(isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32 for x in leaves(value))
+    own = any(
+        isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32
+        for x in leaves(value)
+    )
     return jnp.asarray(value) if own else np.asarray(value, np.float64)
 
 

@@ -49,13 +49,17 @@ def main() -> None:
     still = np.zeros(10)
     load = system.mount_load(q, still, still, current=[0.0, 1.0, 0.0])
     print("\nload on the mount in a side current of 1 m/s, arm stretched out:")
-    print(f"  force {np.round(load.linear, 2)} N, moment {np.round(load.angular, 2)} N m")
+    print(
+        f"  force {np.round(load.linear, 2)} N, moment {np.round(load.angular, 2)} N m"
+    )
 
     swing = np.array([1.0, 0.0, 0.0, 0.0])  # rad/s^2 about axis_e
     base, torque = system.reaction(q, still, swing)
     level, _ = system.reaction(q, still, np.zeros(4))
     print("\nthe arm swings about axis_e with 1 rad/s^2, thrusters off:")
-    print(f"  the vehicle turns with {(base - level)[5]:+.3f} rad/s^2; torque {torque[0]:+.3f} N m")
+    print(
+        f"  the vehicle turns with {(base - level)[5]:+.3f} rad/s^2; torque {torque[0]:+.3f} N m"
+    )
 
 
 if __name__ == "__main__":

@@ -16,7 +16,11 @@ def with_mistakes() -> ET.ElementTree:
     """Our URDF with the mistakes that public models of this arm have."""
     tree = ET.parse(a5.URDF_PATH)
     links = {link.get("name"): link for link in tree.getroot().iter("link")}
-    for product in ("ixy", "ixz", "iyz"):  # copied with the signs of the document's table
+    for product in (
+        "ixy",
+        "ixz",
+        "iyz",
+    ):  # copied with the signs of the document's table
         inertia = links["link_2"].find("inertial/inertia")
         inertia.set(product, str(-float(inertia.get(product))))
     origin = links["link_3"].find("inertial/origin")  # y of a mirrored drawing
@@ -36,7 +40,9 @@ def main() -> None:
     for finding in comparison.findings:
         print(f"\n{finding.where}: {finding.text}")
         if finding.instead:
-            print(f"  gravity torque off by up to {finding.cost:.2f} N m; write {finding.instead}")
+            print(
+                f"  gravity torque off by up to {finding.cost:.2f} N m; write {finding.instead}"
+            )
 
 
 if __name__ == "__main__":

@@ -16,7 +16,9 @@ def main() -> None:
     """Print a row for each branch, and the one to take."""
     arm, now = a5.load(), a5.named_pose("home")
     solutions = a5.inverse_kinematics(TARGET, wrist=now[3])
-    print("branch              theta_0  theta_1  theta_2 [deg]  limits  travel [deg]  torque [N m]")
+    print(
+        "branch              theta_0  theta_1  theta_2 [deg]  limits  travel [deg]  torque [N m]"
+    )
     for name, q, exists, allowed in zip(
         a5.BRANCHES, solutions.q, solutions.exists, solutions.within_limits, strict=True
     ):
@@ -26,7 +28,9 @@ def main() -> None:
         angles = "".join(f"{x:9.1f}" for x in np.degrees(q[:3]))
         travel = np.degrees(np.abs(q - now).max())
         torque = np.abs(arm.hydrostatic_torque(q)).max()
-        print(f"{name:18}{angles}{'yes' if allowed else 'no':>14}{travel:14.0f}{torque:14.3f}")
+        print(
+            f"{name:18}{angles}{'yes' if allowed else 'no':>14}{travel:14.0f}{torque:14.3f}"
+        )
     best = solutions.best(now)
     tip = arm.forward_kinematics(best).translation
     print(

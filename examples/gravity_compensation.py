@@ -31,13 +31,18 @@ def error_after(compensation: a5.Arm | None) -> np.ndarray:
 
 def main() -> None:
     """Print the error that is left."""
-    print(f"error after {DURATION:g} s [deg]" + "".join(f"{f'axis_{x}':>9}" for x in "edcb"))
+    print(
+        f"error after {DURATION:g} s [deg]"
+        + "".join(f"{f'axis_{x}':>9}" for x in "edcb")
+    )
     for name, model in (
         ("no compensation", None),
         ("weight only", a5.load(a5.AIR)),
         ("weight and buoyancy", a5.load(a5.SEA_WATER)),
     ):
-        print(f"{name:23}" + "".join(f"{x:9.2f}" for x in np.degrees(error_after(model))))
+        print(
+            f"{name:23}" + "".join(f"{x:9.2f}" for x in np.degrees(error_after(model)))
+        )
 
 
 if __name__ == "__main__":

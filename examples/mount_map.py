@@ -23,7 +23,9 @@ def main() -> None:
     roll, pitch, mass = (np.unique(moment[name]) for name in names)
     norm = moment["norm"].reshape(len(roll), len(pitch), len(mass))
     page = figures.new_figure(9.6, 3.2)
-    for axes, held, values in zip(page.subplots(1, 3, sharey=True), mass, norm.T, strict=True):
+    for axes, held, values in zip(
+        page.subplots(1, 3, sharey=True), mass, norm.T, strict=True
+    ):
         share = 100 * values / values.max()
         levels = np.linspace(80, 100, 11)
         image = axes.contourf(np.degrees(roll), np.degrees(pitch), share, levels)
@@ -33,7 +35,9 @@ def main() -> None:
     page.colorbar(image, ax=page.axes, label="of the panel's largest moment (%)")
     share = (1 - norm.min(axis=(0, 1)) / norm.max(axis=(0, 1))).max()
     title = f"The attitude changes the largest moment by {share:.0%} at most; {mass[-1]:g} kg"
-    page.suptitle(f"{title} make it {norm.max() / norm[..., 0].max():.1f} times as large")
+    page.suptitle(
+        f"{title} make it {norm.max() / norm[..., 0].max():.1f} times as large"
+    )
     figures.write_figure(page, "mount_map.png", dpi=110)
 
 

@@ -23,11 +23,17 @@ def main() -> None:
     """Print the torque that holds each of them with the arm stretched out, and the motor current."""
     arm, q, still = a5.load(), a5.named_pose("reach"), np.zeros(4)
     shoulder = a5.actuators.actuator("axis_d")
-    print(f"{'payload':28}axis_d [N m]   current [A]   mount, down [N]  inertia, axis_e [kg m^2]")
+    print(
+        f"{'payload':28}axis_d [N m]   current [A]   mount, down [N]  inertia, axis_e [kg m^2]"
+    )
     for name, (mass, volume, com, cob) in PAYLOADS.items():
-        loaded = arm.with_payload(mass, com=com, volume=volume, cob=cob) if mass else arm
+        loaded = (
+            arm.with_payload(mass, com=com, volume=volume, cob=cob) if mass else arm
+        )
         torque = loaded.hydrostatic_torque(q)[1]
-        current = shoulder.holding_current(torque)  # friction may hold it, or be in the way
+        current = shoulder.holding_current(
+            torque
+        )  # friction may hold it, or be in the way
         weight = -loaded.base_wrench(q, still, still).linear[2]
         # A neutral payload has no weight under water, but all of its inertia.
         swing = loaded.mass_matrix(q)[0, 0]

@@ -17,8 +17,14 @@ STEEL, COM = 7850.0, (0.0, 0.0, 0.03)  # kg/m^3, m in tcp
 START = np.array([2.0, 1.0, 2.0, 1.0])
 #: What the motors do: hold a payload of 0.3 kg, which is a guess, and swing it, (STEPS, 4) [N m].
 GUESS = 0.3
-TORQUE = a5.load().with_payload(GUESS, com=COM, volume=GUESS / STEEL).hydrostatic_torque(START)
-TORQUE = TORQUE + np.sin(np.linspace(0, 4, STEPS))[:, None] * np.array([0.5, 0.3, 0.2, 0.0])
+TORQUE = (
+    a5.load()
+    .with_payload(GUESS, com=COM, volume=GUESS / STEEL)
+    .hydrostatic_torque(START)
+)
+TORQUE = TORQUE + np.sin(np.linspace(0, 4, STEPS))[:, None] * np.array(
+    [0.5, 0.3, 0.2, 0.0]
+)
 
 
 def recorded(mass: float) -> np.ndarray:
@@ -30,7 +36,9 @@ def recorded(mass: float) -> np.ndarray:
         v = v + STEP / 10 * arm.forward_dynamics(q, v, tau)
         q = q + STEP / 20 * v
         out.append(q)
-    return np.array(out)[9::10] + np.random.default_rng(1).normal(scale=1e-3, size=(STEPS, 4))
+    return np.array(out)[9::10] + np.random.default_rng(1).normal(
+        scale=1e-3, size=(STEPS, 4)
+    )
 
 
 def motion(mass: jax.Array) -> jax.Array:
@@ -53,7 +61,9 @@ def main() -> None:
     for _ in range(4):
         found, slope = follow(mass)
         off = seen - found
-        print(f"{mass:.4f} kg: off by {np.degrees(np.sqrt(np.mean(off**2))):.3f} degrees")
+        print(
+            f"{mass:.4f} kg: off by {np.degrees(np.sqrt(np.mean(off**2))):.3f} degrees"
+        )
         mass = mass + (slope * off).sum() / (slope**2).sum()
     print(f"The payload has {mass:.3f} kg; it was made with 0.35 kg.")
 

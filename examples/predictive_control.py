@@ -30,7 +30,9 @@ def controller() -> casadi.Function:
         opti.subject_to(q[:, k + 1] == middle + STEP / 2 * v[:, k + 1])
         used = casadi.vertcat(tau[:, k] / TORQUE, v[:, k + 1] / SPEED)
         opti.subject_to(opti.bounded(-1, used, 1))
-    opti.minimize(casadi.sumsqr(q - casadi.repmat(goal, 1, AHEAD + 1)) + 0.1 * casadi.sumsqr(v))
+    opti.minimize(
+        casadi.sumsqr(q - casadi.repmat(goal, 1, AHEAD + 1)) + 0.1 * casadi.sumsqr(v)
+    )
     opti.solver("ipopt", {"print_time": False, "expand": True}, quiet)
     return opti.to_function("control", [now, speed, goal, opti.x], [tau[:, 0], opti.x])
 
@@ -49,7 +51,9 @@ def main() -> None:
         miss = np.linalg.norm(arm.forward_kinematics(q).translation - TARGET)
         if step % 10 == 0:
             print(f"{step * STEP:.0f} s: {1e3 * miss:.2f} mm from the target")
-    print("most torque and speed, % of the limits:", *(100 * np.max(used, axis=0)).round())
+    print(
+        "most torque and speed, % of the limits:", *(100 * np.max(used, axis=0)).round()
+    )
 
 
 if __name__ == "__main__":

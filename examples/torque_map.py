@@ -25,7 +25,9 @@ def main() -> None:
     most = max(torque[joint].max() for joint in joints)
     for axes, joint in zip(page.subplots(1, 3, sharey=True), joints, strict=True):
         cells = {"gridsize": 50, "reduce_C_function": np.max, "vmin": 0.0, "vmax": most}
-        image = axes.hexbin(x, z, torque[joint], cmap="viridis", linewidths=0.1, **cells)
+        image = axes.hexbin(
+            x, z, torque[joint], cmap="viridis", linewidths=0.1, **cells
+        )
         k = torque[joint].argmax()
         axes.plot(x[k], z[k], "o", mfc="none", mec=figures.Color.VERMILION, ms=9, mew=2)
         title = f"{joint}: {torque[joint][k]:.2f} N·m"

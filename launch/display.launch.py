@@ -21,13 +21,29 @@ from launch_ros.substitutions import FindPackageShare
 
 # Each goes to xacro under the same name: name, default, description.
 XACRO_ARGUMENTS = (
-    ("gripper", "locked", "locked (4 joints) or jaws (adds axis_a and two fingers that follow it)"),
+    (
+        "gripper",
+        "locked",
+        "locked (4 joints) or jaws (adds axis_a and two fingers that follow it)",
+    ),
     ("prefix", "", "stands before every link and joint name"),
     ("collision", "primitives", "primitives or none"),
     ("dh_frames", "false", "adds the massless frames dh_1 to dh_5"),
-    ("limits_file", "", "YAML of joint limits of your own, as xacro/limits_example.yaml"),
-    ("ros2_control", "false", "adds hardware interfaces and the bus address of each joint"),
-    ("ros2_control_plugin", "mock_components/GenericSystem", "name of the hardware plugin"),
+    (
+        "limits_file",
+        "",
+        "YAML of joint limits of your own, as xacro/limits_example.yaml",
+    ),
+    (
+        "ros2_control",
+        "false",
+        "adds hardware interfaces and the bus address of each joint",
+    ),
+    (
+        "ros2_control_plugin",
+        "mock_components/GenericSystem",
+        "name of the hardware plugin",
+    ),
 )
 FOLDER = Path(__file__).resolve().parent.parent
 MESHES = "package://alpha5_description/meshes/"
@@ -43,9 +59,13 @@ def generate_launch_description() -> LaunchDescription:
         command += [f" {name}:='", LaunchConfiguration(name), "'"]
     description = ParameterValue(Command(command), value_type=str)
     # At zero the arm is out of its limits and in collision: the sliders start at the SRDF's home.
-    home = ET.parse(FOLDER / "urdf" / "alpha5.srdf").findall("group_state[@name='home']/joint")
+    home = ET.parse(FOLDER / "urdf" / "alpha5.srdf").findall(
+        "group_state[@name='home']/joint"
+    )
     start = {
-        ("zeros.", LaunchConfiguration("prefix"), joint.get("name")): float(joint.get("value"))
+        ("zeros.", LaunchConfiguration("prefix"), joint.get("name")): float(
+            joint.get("value")
+        )
         for joint in home
     }
     return LaunchDescription(
@@ -54,7 +74,9 @@ def generate_launch_description() -> LaunchDescription:
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, default, text in XACRO_ARGUMENTS
             ),
-            DeclareLaunchArgument("gui", default_value="true", description="sliders and RViz"),
+            DeclareLaunchArgument(
+                "gui", default_value="true", description="sliders and RViz"
+            ),
             Node(
                 package="robot_state_publisher",
                 executable="robot_state_publisher",

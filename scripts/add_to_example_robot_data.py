@@ -17,7 +17,10 @@ PACKAGE = Path("python", "example_robot_data")
 LINES = {
     PACKAGE / "robots_loader.py": (
         ("from .human import", "from .alpha5 import Alpha5JawsLoader, Alpha5Loader\n"),
-        ('    "b1": ', '    "alpha5": Alpha5Loader,\n    "alpha5_jaws": Alpha5JawsLoader,\n'),
+        (
+            '    "b1": ',
+            '    "alpha5": Alpha5Loader,\n    "alpha5_jaws": Alpha5JawsLoader,\n',
+        ),
     ),
     Path("unittest", "test_load.py"): (
         (
@@ -35,13 +38,17 @@ def patch(checkout: Path) -> dict[Path, bytes]:
     Raises:
         SystemExit: No checkout, or one in which a line has no place.
     """
-    module = MODULE.read_text("utf-8").replace("from example_robot_data.utils", "from .utils")
+    module = MODULE.read_text("utf-8").replace(
+        "from example_robot_data.utils", "from .utils"
+    )
     module = module.replace("  # type: ignore[misc]", "")
     files = {checkout / PACKAGE / "alpha5.py": module.encode()}
     for name, lines in LINES.items():
         path = checkout / name
         if not path.is_file():
-            raise SystemExit(f"{path}: no such file; expected a checkout of example-robot-data")
+            raise SystemExit(
+                f"{path}: no such file; expected a checkout of example-robot-data"
+            )
         text = path.read_text("utf-8")
         for before, line in lines:
             if before not in text:

@@ -84,13 +84,17 @@ def main(arguments: list[str] | None = None) -> int:
     """Run; 1 if a check fails."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--check", metavar="BODY", help="compute one body and compare")
-    parser.add_argument("--only", nargs="+", metavar="PART", help="bodies, validation, whole_arm")
+    parser.add_argument(
+        "--only", nargs="+", metavar="PART", help="bodies, validation, whole_arm"
+    )
     parser.add_argument("--output", type=Path, default=FILE)
     chosen = parser.parse_args(arguments)
     if chosen.check:
         return check(chosen.check)
     parts = solids()
-    wanted = {TWINS.get(x, x) for x in chosen.only or ["validation", *parts, "whole_arm"]}
+    wanted = {
+        TWINS.get(x, x) for x in chosen.only or ["validation", *parts, "whole_arm"]
+    }
     good, found = True, {}
     if "validation" in wanted:
         good &= validate()
@@ -101,14 +105,19 @@ def main(arguments: list[str] | None = None) -> int:
             found[name], converged = converge(name, solid)
             good &= converged
     if found:
-        kept = {name: np.array(x["added_mass"], dtype=float) for name, x in committed().items()}
+        kept = {
+            name: np.array(x["added_mass"], dtype=float)
+            for name, x in committed().items()
+        }
         chosen.output.write_text(toml({**kept, **found}), encoding="utf-8")
     if "whole_arm" in wanted:
         good &= whole_arm()
     return 0 if good else 1
 
 
-def told(what: str, value: float, reference: float, tolerance: float = TOLERANCE) -> bool:
+def told(
+    what: str, value: float, reference: float, tolerance: float = TOLERANCE
+) -> bool:
     off = value / reference - 1
     print(f"  {what:48}{value:8.4f}{reference:8.4f}{100 * off:+7.2f} %", flush=True)
     return abs(off) <= tolerance
@@ -125,10 +134,15 @@ def validate() -> bool:
     m = of_panels(long, (10.0, 7.0, 5.0), SMOOTH) / mass(long)
     good &= told("ellipsoid 4:1, along (Lamb)", m[0], 0.0816)
     good &= told("ellipsoid 4:1, across", m[1], 0.8598)
-    good &= told("ellipsoid 4:1, turning across", m[5] / ((0.1**2 + 0.025**2) / 5), 0.6078)
+    good &= told(
+        "ellipsoid 4:1, turning across", m[5] / ((0.1**2 + 0.025**2) / 5), 0.6078
+    )
     for ratio, printed in ((1.2, 0.62), (2.5, 0.78), (5.0, 0.90)):
         solid = cylinder(20.0, -20.0 * ratio, 20.0 * ratio)
-        m, exact = of_panels(solid, (8.0, 5.6, 4.0)) / mass(solid), cylinder_across(ratio)
+        m, exact = (
+            of_panels(solid, (8.0, 5.6, 4.0)) / mass(solid),
+            cylinder_across(ratio),
+        )
         good &= told(f"cylinder {ratio}:1, across (rings of sources)", m[0], exact)
         told(f"cylinder {ratio}:1, across (DNV-RP-H103)", m[0], printed)
     return good
@@ -136,7 +150,9 @@ def validate() -> bool:
 
 def of_panels(solid: Any, sizes: tuple[float, ...], order: float = EDGED) -> Array:
     """Diagonal of the added mass, extrapolated."""
-    return np.diag(extrapolated(lambda size: added_mass(*panels(solid, size)), sizes, order)[0])
+    return np.diag(
+        extrapolated(lambda size: added_mass(*panels(solid, size)), sizes, order)[0]
+    )
 
 
 def mass(solid: Any) -> float:
@@ -178,14 +194,18 @@ def moved(solid: Any, placement: Array) -> Any:
 def meshed(solid: Any, size: float) -> tuple[Array, Array]:
     """Panels of a body that may be of several parts, those beside the largest of `FINGERS` of the size."""
     parts = sorted(solid.decompose(), key=lambda part: -part.volume())
-    meshes = [panels(part, size * (FINGERS if i else 1.0)) for i, part in enumerate(parts)]
+    meshes = [
+        panels(part, size * (FINGERS if i else 1.0)) for i, part in enumerate(parts)
+    ]
     return joined([vertices for vertices, _ in meshes], [faces for _, faces in meshes])
 
 
 def joined(vertices: list[Array], faces: list[Array]) -> tuple[Array, Array]:
     """Meshes as one."""
     starts = np.cumsum([0, *map(len, vertices[:-1])])
-    return np.vstack(vertices), np.vstack([f + at for f, at in zip(faces, starts, strict=True)])
+    return np.vstack(vertices), np.vstack(
+        [f + at for f, at in zip(faces, starts, strict=True)]
+    )
 
 
 def of_twin(name: str, twin: str, matrix: Array) -> Array:
@@ -232,7 +252,9 @@ def by_unit(matrix: Array) -> Array:
 def placements(q: Iterable[float]) -> dict[str, Array]:
     """Pose of each link in base_link, (4, 4) [m]."""
     found = {"link_0": np.eye(4)}
-    for i, (angle, at) in enumerate(zip(q, joint_placements(parameters()), strict=True)):
+    for i, (angle, at) in enumerate(
+        zip(q, joint_placements(parameters()), strict=True)
+    ):
         turn = transform(rotation_about((0.0, 0.0, 1.0), angle))
         found[f"link_{i + 1}"] = found[at.parent] @ pose(at.xyz, at.rpy) @ turn
     return found
@@ -254,12 +276,17 @@ def whole_arm() -> bool:
     for what, q in POSES.items():
         at = [*placements(q).values()]
         vertices, triangles = joined(
-            [p @ to[:3, :3].T + to[:3, 3] for (p, _), to in zip(meshes, at, strict=True)],
+            [
+                p @ to[:3, :3].T + to[:3, 3]
+                for (p, _), to in zip(meshes, at, strict=True)
+            ],
             [faces for _, faces in meshes],
         )
         centres = vertices[triangles].mean(axis=1)
         motions = [
-            motion * (owner == i)[:, None] for i in range(5) for motion in rigid_motions(centres)
+            motion * (owner == i)[:, None]
+            for i in range(5)
+            for motion in rigid_motions(centres)
         ]
         whole = added_mass(vertices, triangles, motions)
         alone = np.zeros((30, 30))
@@ -299,7 +326,9 @@ def compared(what: str, panels: int, together: Array, apart: Array) -> str:
     rigid, parts = together[:6, :6], apart[:6, :6]
     rigid = (rigid + rigid.T) / 2
     lower = np.linalg.inv(np.linalg.cholesky(parts))
-    motions = np.random.default_rng(0).normal(size=(MOTIONS, 6)) / ([1.0] * 3 + [DISTANCE] * 3)
+    motions = np.random.default_rng(0).normal(size=(MOTIONS, 6)) / (
+        [1.0] * 3 + [DISTANCE] * 3
+    )
     energies = (np.einsum("ni,ij,nj->n", motions, m, motions) for m in (rigid, parts))
     missing = [
         np.linalg.norm((rigid - parts)[at, at], 2) / np.linalg.norm(parts[at, at], 2)
@@ -314,13 +343,23 @@ def compared(what: str, panels: int, together: Array, apart: Array) -> str:
         "missing": missing,
         "kg": [*np.diag(rigid)[:3], *np.diag(parts)[:3]],
     }
-    lines = [f"{name} = [{', '.join(f'{x:.3f}' for x in row)}]" for name, row in figures.items()]
+    lines = [
+        f"{name} = [{', '.join(f'{x:.3f}' for x in row)}]"
+        for name, row in figures.items()
+    ]
     print("\n".join([what, *lines]), flush=True)
     return "\n".join([f"\n[{what}]", f"panels = {panels}", *lines, ""])
 
 
 #: The line of a body's strip: axis of its frame.
-STRIP_AXES = {"link_0": 0, "link_1": 2, "link_2": 0, "link_3": 1, "wrist": 2, "finger": 1}
+STRIP_AXES = {
+    "link_0": 0,
+    "link_1": 2,
+    "link_2": 0,
+    "link_3": 1,
+    "wrist": 2,
+    "finger": 1,
+}
 ACROSS = ("0.5", "0.8", "1.2")
 ALONG = ("0.05", "0.15", "0.3")
 
@@ -341,7 +380,9 @@ def strip(solid: Any, axis: int) -> tuple[Array, Array, float]:
 def _centroid(solid: Any) -> Array:
     vertices, triangles = corners(solid)
     volumes = np.linalg.det(vertices[triangles])
-    return np.einsum("f,fx->x", volumes, vertices[triangles].sum(axis=1)) / (4 * volumes.sum())
+    return np.einsum("f,fx->x", volumes, vertices[triangles].sum(axis=1)) / (
+        4 * volumes.sum()
+    )
 
 
 def strips(name: str) -> list[tuple[Array, Array, float]]:
@@ -352,7 +393,12 @@ def strips(name: str) -> list[tuple[Array, Array, float]]:
         end = wrist.bounding_box()[2]
         beyond = parts[name].split_by_plane([0.0, 0.0, -1.0], -end)[0]
         return [strip(wrist, 2), strip(beyond, 2)]
-    return [strip(parts[name], STRIP_AXES[name.partition("_")[0] if "finger" in name else name])]
+    return [
+        strip(
+            parts[name],
+            STRIP_AXES[name.partition("_")[0] if "finger" in name else name],
+        )
+    ]
 
 
 def toml(numbers: dict[str, Array]) -> str:
@@ -366,7 +412,9 @@ def toml(numbers: dict[str, Array]) -> str:
         ]
         lines += ["]", 'added_mass_factor = ["0.75", "1", "1.25"]', "strips = ["]
         for start, end, diameter in strips(name):
-            ends = (f"[{', '.join(_quoted(x, 1) for x in point)}]" for point in (start, end))
+            ends = (
+                f"[{', '.join(_quoted(x, 1) for x in point)}]" for point in (start, end)
+            )
             lines.append(
                 "  {{ start = {}, end = {}, diameter = {}, across = {}, along = {} }},".format(
                     *ends, _quoted(diameter, 1), _list(ACROSS), _list(ALONG)

@@ -64,15 +64,23 @@ def _duration(seconds: float) -> str:
 def main() -> None:
     """Measure the chosen sections and print them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("sections", nargs="*", metavar="section", help=f"of {', '.join(SECTIONS)}")
-    parser.add_argument("--json", action="store_true", help="machine-readable rows on stdout")
+    parser.add_argument(
+        "sections", nargs="*", metavar="section", help=f"of {', '.join(SECTIONS)}"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="machine-readable rows on stdout"
+    )
     options = parser.parse_args()
     for section in options.sections:
         if section not in SECTIONS:
-            parser.error(f"unknown section {section!r}; choose from {', '.join(SECTIONS)}")
+            parser.error(
+                f"unknown section {section!r}; choose from {', '.join(SECTIONS)}"
+            )
     modules = [import_module(f"benchmarks.{s}") for s in options.sections or SECTIONS]
     rows = [row for module in modules for row in module.rows()]
-    missing = list(dict.fromkeys(peer for module in modules for peer in module.missing()))
+    missing = list(
+        dict.fromkeys(peer for module in modules for peer in module.missing())
+    )
     if options.json:
         table = [{**asdict(row), "ratio": ratio(row, rows)} for row in rows]
         print(json.dumps({"rows": table, "missing": missing}, indent=2))

@@ -81,7 +81,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from rich.table import Table
 
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("robots", nargs="*", help="names as in example-robot-data; all if none")
+    parser.add_argument(
+        "robots", nargs="*", help="names as in example-robot-data; all if none"
+    )
     names = parser.parse_args(arguments).robots or robots()
     table = Table("robot", "link", "mass [kg]", "what is impossible")
     impossible: set[str] = set()
@@ -92,7 +94,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if body.problems:
                 wrong += 1
                 impossible.add(name)
-                table.add_row(name, body.link, f"{body.mass:g}", "; ".join(body.problems))
+                table.add_row(
+                    name, body.link, f"{body.mass:g}", "; ".join(body.problems)
+                )
     console = Console(width=None if sys.stdout.isatty() else 140)
     console.print(table)
     console.print(

@@ -31,7 +31,11 @@ def dead_links(folder: Path) -> tuple[int, list[str]]:
                 continue
             count += 1
             path, _, place = link.partition("#")
-            target = (page.parent / unquote(path.partition("?")[0])).resolve() if path else page
+            target = (
+                (page.parent / unquote(path.partition("?")[0])).resolve()
+                if path
+                else page
+            )
             there = target.exists()
             if there and place and target.suffix == ".html":
                 there = unquote(place) in places(target)

@@ -48,19 +48,36 @@ def outline(axes: Any, mesh: str, pose: np.ndarray, view: np.ndarray) -> None:
     axes.add_collection(PolyCollection(faces, **look))
 
 
-def _arrow(axes: Any, start: np.ndarray, change: np.ndarray, color: str, width: float) -> None:
-    look = {"arrowstyle": "-|>", "color": color, "lw": width, "shrinkA": 0, "shrinkB": 0}
+def _arrow(
+    axes: Any, start: np.ndarray, change: np.ndarray, color: str, width: float
+) -> None:
+    look = {
+        "arrowstyle": "-|>",
+        "color": color,
+        "lw": width,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
     axes.annotate("", start + change, start, arrowprops=look, zorder=5)
 
 
 def _label(axes: Any, text: str, at: Any, shift: tuple[int, int], **look: Any) -> None:
     side = "left" if shift[0] >= 0 else "right"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
-    given = {"fontsize": 9, "ha": side, "va": "center", "bbox": box, "zorder": 7, **look}
+    given = {
+        "fontsize": 9,
+        "ha": side,
+        "va": "center",
+        "bbox": box,
+        "zorder": 7,
+        **look,
+    }
     axes.annotate(text, at, shift, textcoords="offset points", **given)
 
 
-def _look(axes: Any, x: tuple[float, float], z: tuple[float, float], name: str = "z [mm]") -> None:
+def _look(
+    axes: Any, x: tuple[float, float], z: tuple[float, float], name: str = "z [mm]"
+) -> None:
     axes.set(aspect="equal", xlim=x, ylim=z, xlabel="x [mm]", ylabel=name)
 
 
@@ -88,17 +105,34 @@ def frames_figure() -> Any:
         axes.plot(*at, "o", ms=4, color=Color.BLACK, zorder=6)
         _label(axes, text, at, shift)
     line = {"color": Color.BLACK, "lw": 0.8, "ls": (0, (6, 3, 1, 3)), "zorder": 2}
-    for joint, link, reach in (("axis_e", "link_1", (-70, 130)), ("axis_b", "link_4", (-215, 60))):
-        at, along = poses[link].translation[[0, 2]] * 1e3, poses[link].rotation[[0, 2], 2]
+    for joint, link, reach in (
+        ("axis_e", "link_1", (-70, 130)),
+        ("axis_b", "link_4", (-215, 60)),
+    ):
+        at, along = (
+            poses[link].translation[[0, 2]] * 1e3,
+            poses[link].rotation[[0, 2], 2],
+        )
         axes.plot(*np.array([at + s * along for s in reach]).T, **line)
-        _label(axes, f"{joint}: in the plane", at + reach[1] * along, (8, 0), style="italic")
-    for joint, link, shift in (("axis_d", "link_2", (92, 30)), ("axis_c", "link_3", (-84, -26))):
+        _label(
+            axes,
+            f"{joint}: in the plane",
+            at + reach[1] * along,
+            (8, 0),
+            style="italic",
+        )
+    for joint, link, shift in (
+        ("axis_d", "link_2", (92, 30)),
+        ("axis_c", "link_3", (-84, -26)),
+    ):
         at = poses[link].translation[[0, 2]] * 1e3
         axes.plot(*at, "o", ms=15, mfc="none", mec=Color.BLACK, mew=0.8, zorder=4)
         _label(axes, f"{joint}: square to it", at, shift, style="italic", ha="center")
     for color, text in ((Color.VERMILION, "x"), (Color.GREEN, "y"), (Color.BLUE, "z")):
         axes.plot([], [], color=color, label=text)
-    axes.legend(loc="upper left", ncols=3, title="axes that lie in the picture", fontsize=9)
+    axes.legend(
+        loc="upper left", ncols=3, title="axes that lie in the picture", fontsize=9
+    )
     angles = ", ".join(f"{x:.0f}°" for x in np.degrees(SIDE))
     axes.set_title(
         f"frames at q = ({angles}), seen along y: the arm moves in a plane that axis_e turns"
@@ -115,15 +149,27 @@ def products_figure() -> Any:
     panels = page.subplots(1, 2, sharey=True)
     for axes, inertia, title, color in (
         (panels[0], link.inertia, "products as negative integrals (URDF)", Color.GREEN),
-        (panels[1], flip_products(link.inertia), "the printed signs, copied", Color.VERMILION),
+        (
+            panels[1],
+            flip_products(link.inertia),
+            "the printed signs, copied",
+            Color.VERMILION,
+        ),
     ):
-        outline(axes, str(Path(REPOSITORY_PATH, "meshes", "link_3.obj")), np.eye(4), np.eye(3)[:2])
+        outline(
+            axes,
+            str(Path(REPOSITORY_PATH, "meshes", "link_3.obj")),
+            np.eye(4),
+            np.eye(3)[:2],
+        )
         spread = second_moments(inertia)[:2, :2] / link.mass
         size, turn = np.linalg.eigh(spread)
         circle = np.linspace(0, 2 * np.pi, 200)
         round_ = np.stack([np.cos(circle), np.sin(circle)]) * np.sqrt(5 * size)[:, None]
         centre = link.com[:2]
-        axes.plot(*(turn @ round_ + centre[:, None]) * 1e3, color=color, lw=2.2, zorder=4)
+        axes.plot(
+            *(turn @ round_ + centre[:, None]) * 1e3, color=color, lw=2.2, zorder=4
+        )
         for axis, length in zip(turn.T, np.sqrt(5 * size), strict=True):
             ends = np.array([centre - length * axis, centre + length * axis]) * 1e3
             axes.plot(*ends.T, color=color, lw=1.0, ls="--", zorder=4)
@@ -140,7 +186,9 @@ def products_figure() -> Any:
 def buoyancy_figure() -> Any:
     """Weights at the COMs, buoyancy at the COBs, and the torque of each at rest."""
     page = new_figure(9.0, 5.4)
-    panels = page.subplot_mosaic([["weight", "lift"], ["torque", "torque"]], height_ratios=(1.5, 1))
+    panels = page.subplot_mosaic(
+        [["weight", "lift"], ["torque", "torque"]], height_ratios=(1.5, 1)
+    )
     left, middle, right = panels["weight"], panels["lift"], panels["torque"]
     q, arm, links = SIDE, a5.load(), a5.parameters().links
     down, per_newton = float(GRAVITY[2]), 20.0
@@ -153,11 +201,15 @@ def buoyancy_figure() -> Any:
             pose = arm.forward_kinematics(q, link.name)
             weight = axes is left
             point = link.com if weight else link.cob
-            force = link.mass * down if weight else -arm.fluid_density * link.volume * down
+            force = (
+                link.mass * down if weight else -arm.fluid_density * link.volume * down
+            )
             at = pose.act(np.array(point))[[0, 2]] * 1e3
             _arrow(axes, at, np.array([0.0, per_newton * force]), color, 2.0)
             axes.plot(*at, "o", ms=4, color=Color.BLACK, zorder=6)
-            _label(axes, f"{abs(force):.1f} N", at, (5, 4 if weight else -6), fontsize=8)
+            _label(
+                axes, f"{abs(force):.1f} N", at, (5, 4 if weight else -6), fontsize=8
+            )
         axes.set_title(title)
         _look(axes, (-150, 330), (-110, 150))
     middle.set_ylabel("")
@@ -174,9 +226,12 @@ def buoyancy_figure() -> Any:
     right.axvline(0, color=Color.BLACK, lw=0.8)
     right.legend(fontsize=8, loc="lower right")
     held, weight = (
-        np.abs(torque(q)).max() for torque in (arm.hydrostatic_torque, arm.gravity_torque)
+        np.abs(torque(q)).max()
+        for torque in (arm.hydrostatic_torque, arm.gravity_torque)
     )
-    right.set_title(f"torque at rest: {number(held)} N·m are left to hold of {number(weight)} N·m")
+    right.set_title(
+        f"torque at rest: {number(held)} N·m are left to hold of {number(weight)} N·m"
+    )
     right.set_xlabel("[N·m]")
     return page
 
@@ -187,7 +242,9 @@ def branches_figure() -> Any:
     page = new_figure(9.6, 7.6)
     target = np.array([0.18, 0.05, 0.16])
     along = target[:2] / np.linalg.norm(target[:2])
-    view = np.array([[*along, 0.0], [0.0, 0.0, 1.0]])  # the vertical plane through the target
+    view = np.array(
+        [[*along, 0.0], [0.0, 0.0, 1.0]]
+    )  # the vertical plane through the target
     found, arm = a5.inverse_kinematics(target), a5.load()
     ways = f"{found.exists.sum()} ways to one target, {found.within_limits.sum()} within the limits"
     page.suptitle(ways, fontsize=11)
@@ -197,7 +254,10 @@ def branches_figure() -> Any:
         color = Color.BLUE if allowed else Color.VERMILION
         side_view(axes, q, view)
         frames = ("link_2", "link_3", "tcp")
-        points = np.array([view @ arm.forward_kinematics(q, f).translation for f in frames]) * 1e3
+        points = (
+            np.array([view @ arm.forward_kinematics(q, f).translation for f in frames])
+            * 1e3
+        )
         points = np.vstack([[0.0, points[0, 1]], points])
         axes.plot(*points.T, "-", color=color, lw=2.4, zorder=4)
         axes.plot(*points[1:3].T, "o", ms=7, mfc="white", mec=color, mew=2, zorder=5)
@@ -207,7 +267,9 @@ def branches_figure() -> Any:
         verdict = "within the limits" if allowed else "beyond a joint limit"
         axes.set_title(f"{name}: ({angles})\n{verdict}")
         _look(axes, (-200, 260), (-120, 280))
-        axes.set_xlabel("distance from the yaw axis, towards the target [mm]", fontsize=8)
+        axes.set_xlabel(
+            "distance from the yaw axis, towards the target [mm]", fontsize=8
+        )
     return page
 
 
@@ -216,7 +278,9 @@ def dexterity_figure() -> Any:
     panels = new_axes(2)
     limits = [(-2.967, 2.967)] * 3
     plot_planar(a5.planar.PlanarArm([5, 4, 1]), axes=panels[0])
-    plot_planar(a5.planar.PlanarArm([5, 4, 1], limits=limits), axes=panels[1], resolution=121)
+    plot_planar(
+        a5.planar.PlanarArm([5, 4, 1], limits=limits), axes=panels[1], resolution=121
+    )
     return panels[0].figure
 
 

@@ -46,7 +46,13 @@ QUANTITIES = {
     "buoyancy": "buoyancy [N m]",
     "trajectory": "2 s motion [rad]",
 }
-_DOUBLE = {"fk": 1e-12, "mass": 1e-12, "bias": 1e-12, "buoyancy": 1e-12, "trajectory": 1e-7}
+_DOUBLE = {
+    "fk": 1e-12,
+    "mass": 1e-12,
+    "bias": 1e-12,
+    "buoyancy": 1e-12,
+    "trajectory": 1e-7,
+}
 #: PyBullet reports link poses in single precision.
 _PYBULLET = {**_DOUBLE, "fk": 1e-6, "mass": 1e-9, "bias": 1e-9}
 _SINGLE = {**dict.fromkeys(_DOUBLE, 1e-5), "mass": 2e-7}
@@ -81,7 +87,14 @@ TOOLS = (
     Tool("MuJoCo", "MJCF", "mujoco", "mujoco", tools.mujoco_mjcf),
     Tool("MuJoCo", "URDF", "mujoco", "mujoco", tools.mujoco_urdf),
     Tool("MJX", "MJCF, no collision", "mujoco.mjx", "mujoco-mjx", tools.mjx, _SINGLE),
-    Tool("mujoco_warp", "MJCF", "mujoco_warp", "mujoco-warp", simulators.mujoco_warp, _SINGLE),
+    Tool(
+        "mujoco_warp",
+        "MJCF",
+        "mujoco_warp",
+        "mujoco-warp",
+        simulators.mujoco_warp,
+        _SINGLE,
+    ),
     Tool("Newton", "MJCF", "newton", "newton", simulators.newton_mjcf, _SINGLE),
     Tool("brax", "MJCF, no buoyancy", "brax", "brax", simulators.brax, _SINGLE),
     Tool("mink", "MJCF", "mink", "mink", libraries.mink),
@@ -157,7 +170,9 @@ def random_states(count: int) -> States:
     joints = parameters().joints[:4]
     q = rng.uniform([j.lower for j in joints], [j.upper for j in joints], (count, 4))
     start = np.array([[2.0, 0.6, 0.9, 1.0], [0.3, -0.2, 0.1, 0.4]])
-    return States(q, rng.uniform(-1.0, 1.0, (count, 4)), start, duration=2.0, steps=4000)
+    return States(
+        q, rng.uniform(-1.0, 1.0, (count, 4)), start, duration=2.0, steps=4000
+    )
 
 
 def reference(files: Path, states: States) -> Arrays:
@@ -180,7 +195,12 @@ def reference(files: Path, states: States) -> Arrays:
     def acceleration(q: np.ndarray, v: np.ndarray) -> np.ndarray:
         return pin.aba(model, data, q, v, buoyancy(q)).copy()
 
-    out: dict[str, list[np.ndarray]] = {"fk": [], "mass": [], "bias": [], "buoyancy": []}
+    out: dict[str, list[np.ndarray]] = {
+        "fk": [],
+        "mass": [],
+        "bias": [],
+        "buoyancy": [],
+    }
     for q, v in states:
         pin.framesForwardKinematics(model, data, q)
         out["fk"].append(data.oMf[tip].homogeneous.copy())
@@ -211,7 +231,9 @@ def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
     found = version(tool.package)
     try:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-            arrays, printed = pool.submit(observed, tool.compute, files, states).result()
+            arrays, printed = pool.submit(
+                observed, tool.compute, files, states
+            ).result()
     except tools.NotBuiltError as reason:
         return Row(tool.name, tool.file, found, {}, f"not run: {reason}")
     except Exception as error:
@@ -220,9 +242,13 @@ def measure(tool: Tool, files: Path, states: States, expected: Arrays) -> Row:
     errors = {}
     for name, array in arrays.items():
         same = array.shape == expected[name].shape
-        errors[name] = float(np.abs(array - expected[name]).max()) if same else float("inf")
+        errors[name] = (
+            float(np.abs(array - expected[name]).max()) if same else float("inf")
+        )
     # Written so that NaN differs.
-    agrees = bool(errors) and all(error <= tool.bounds[name] for name, error in errors.items())
+    agrees = bool(errors) and all(
+        error <= tool.bounds[name] for name, error in errors.items()
+    )
     verdict = "agrees" if agrees else "differs"
     return Row(tool.name, tool.file, found, errors, verdict, warned(printed))
 
@@ -244,10 +270,14 @@ def observed(
 def warned(printed: str) -> tuple[str, ...]:
     """The warnings among printed lines, each once, without colours and folders."""
     plain = re.sub(r"\x1b\[[0-9;]*m", "", printed).replace("`", "'")
-    lines = plain.replace("b3Warning", "\nb3Warning").splitlines()  # PyBullet ends no line
+    lines = plain.replace(
+        "b3Warning", "\nb3Warning"
+    ).splitlines()  # PyBullet ends no line
     found = {}
     for line, following in zip(lines, [*lines[1:], ""], strict=False):
-        if re.search("warning|deprecat", line, re.IGNORECASE) and not _MACHINE.search(line):
+        if re.search("warning|deprecat", line, re.IGNORECASE) and not _MACHINE.search(
+            line
+        ):
             text = f"{line} {following}" if line.endswith(":") else line
             text = re.sub(r"(?<![\w./])(?:\.*/[\w.+-]+)+/", "", " ".join(text.split()))
             # Of the same kind on many lines of a file: once.
@@ -262,10 +292,15 @@ def table(rows: Sequence[Row], count: int) -> str:
     head = ["tool", "file", "version", *QUANTITIES.values(), "verdict"]
     lines = [head, ["---"] * len(head)]
     for row in rows:
-        cells = [f"{row.errors[name]:.0e}" if name in row.errors else "–" for name in QUANTITIES]
+        cells = [
+            f"{row.errors[name]:.0e}" if name in row.errors else "–"
+            for name in QUANTITIES
+        ]
         lines.append([row.tool, row.file, row.version or "–", *cells, row.status])
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    said = [f"- {row.tool}, {row.file}: `{line}`" for row in rows for line in row.warnings]
+    said = [
+        f"- {row.tool}, {row.file}: `{line}`" for row in rows for line in row.warnings
+    ]
     warnings = "\n".join(["\n\nWhat they warned of:\n", *said]) if said else ""
     note = (
         f"Largest difference from Pinocchio {version('pin')} over {count} random states; – is what a tool "
@@ -288,18 +323,28 @@ def insert(readme: Path, text: str, marks: tuple[str, str] = (BEGIN, END)) -> No
     before, begin, rest = content.partition(first)
     _, end, after = rest.partition(last)
     if not begin or not end or first in after or last in after:
-        raise FileFormatError(readme, f"expected {first} and {last}, once each and in this order")
+        raise FileFormatError(
+            readme, f"expected {first} and {last}, once each and in this order"
+        )
     atomic_write(readme, f"{before}{first}\n{text}{last}{after}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tools, print the table; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0] if __doc__ else None
+    )
     names = sorted({tool.package for tool in TOOLS})
-    parser.add_argument("--readme", type=Path, help="insert the table between its markers")
+    parser.add_argument(
+        "--readme", type=Path, help="insert the table between its markers"
+    )
     parser.add_argument("--json", type=Path, help="write the figures too")
-    parser.add_argument("--states", type=int, default=1000, help="random states (default 1000)")
-    parser.add_argument("--tools", default=",".join(names), help=f"of {', '.join(names)}")
+    parser.add_argument(
+        "--states", type=int, default=1000, help="random states (default 1000)"
+    )
+    parser.add_argument(
+        "--tools", default=",".join(names), help=f"of {', '.join(names)}"
+    )
     chosen = parser.parse_args(arguments)
     asked = set(chosen.tools.split(","))
     if not asked <= set(names) or chosen.states < 1:
@@ -311,13 +356,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         expected = reference(files, states)
         chosen_tools = [tool for tool in TOOLS if tool.package in asked]
         with ThreadPoolExecutor(2) as pool:  # each in a process of its own
-            for row in pool.map(lambda tool: measure(tool, files, states, expected), chosen_tools):
-                print(f"{row.tool} on {row.file}: {row.status}", file=sys.stderr, flush=True)
+            for row in pool.map(
+                lambda tool: measure(tool, files, states, expected), chosen_tools
+            ):
+                print(
+                    f"{row.tool} on {row.file}: {row.status}",
+                    file=sys.stderr,
+                    flush=True,
+                )
                 rows.append(row)
     text = table(rows, chosen.states)
     print(text, end="")
     if chosen.json:
-        atomic_write(chosen.json, json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+        atomic_write(
+            chosen.json, json.dumps([asdict(row) for row in rows], indent=2) + "\n"
+        )
     if chosen.readme:
         insert(chosen.readme, text)
     return 0 if all(row.status.startswith(("agrees", "not run")) for row in rows) else 1

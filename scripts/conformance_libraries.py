@@ -29,7 +29,9 @@ def mink(files: Path, states: States) -> Arrays:
     import mink
     import mujoco
 
-    arm = mink.Configuration(mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml")))
+    arm = mink.Configuration(
+        mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml"))
+    )
     fk = []
     for q, _ in states:
         arm.update(q)
@@ -49,7 +51,8 @@ def urdf2casadi(files: Path, states: States) -> Arrays:
     q, v = states.q.T, states.v.T
     count = len(states.q)
     fk, mass = (
-        np.array(function(q)).reshape(4, count, 4).swapaxes(0, 1) for function in (place, inertia)
+        np.array(function(q)).reshape(4, count, 4).swapaxes(0, 1)
+        for function in (place, inertia)
     )
     return {"fk": fk, "mass": mass, "bias": np.array(torque(q, v, 0 * q)).T}
 

@@ -6,7 +6,15 @@ import re
 from pathlib import Path
 
 import numpy as np
-from conformance_tools import GRAVITY, JOINTS, Arrays, States, cpu_only, pose, undisturbed
+from conformance_tools import (
+    GRAVITY,
+    JOINTS,
+    Arrays,
+    States,
+    cpu_only,
+    pose,
+    undisturbed,
+)
 
 
 def mujoco_warp(files: Path, states: States) -> Arrays:
@@ -15,7 +23,9 @@ def mujoco_warp(files: Path, states: States) -> Arrays:
     import mujoco_warp as mjw
     import warp as wp
 
-    model = undisturbed(mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml")))
+    model = undisturbed(
+        mujoco.MjModel.from_xml_path(str(files / "mjcf" / "alpha5.xml"))
+    )
     count, out = len(states.q), {}
     for wet in (False, True):
         if not wet:
@@ -70,7 +80,9 @@ def newton_mjcf(files: Path, states: States) -> Arrays:
     fk = [_transform(b) @ _transform(t) for b, t in zip(bodies, tips, strict=True)]
     run = solver(model, disable_contacts=True)
     for name in ("ACTUATION", "LIMIT"):
-        run.mjw_model.opt.disableflags |= getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
+        run.mjw_model.opt.disableflags |= getattr(
+            mujoco.mjtDisableBit, f"mjDSBL_{name}"
+        )
     run.step(state, model.state(), model.control(), None, 1e-3)
     acceleration = run.mjw_data.qacc.numpy().astype(float)
     wet = np.einsum("nij,nj->ni", mass, acceleration)
@@ -96,16 +108,27 @@ def brax(files: Path, states: States) -> Arrays:
 
     def one(q, v):
         state = pipeline.init(system, q, v)
-        return state.x.pos[-1], state.x.rot[-1], state.mass_mx, dynamics.inverse(system, state)
+        return (
+            state.x.pos[-1],
+            state.x.rot[-1],
+            state.mass_mx,
+            dynamics.inverse(system, state),
+        )
 
     place, turn, mass, bias = (
         np.asarray(array, dtype=float)
-        for array in jax.jit(jax.vmap(one))(jax.numpy.array(states.q), jax.numpy.array(states.v))
+        for array in jax.jit(jax.vmap(one))(
+            jax.numpy.array(states.q), jax.numpy.array(states.v)
+        )
     )
     arm = system.mj_model
     tip = _transform([*arm.site_pos[0], *np.roll(arm.site_quat[0], -1)])
     frames = np.concatenate([place, np.roll(turn, -1, axis=1)], axis=1)
-    return {"fk": np.array([_transform(f) @ tip for f in frames]), "mass": mass, "bias": bias}
+    return {
+        "fk": np.array([_transform(f) @ tip for f in frames]),
+        "mass": mass,
+        "bias": bias,
+    }
 
 
 def dart(files: Path, states: States) -> Arrays:
@@ -138,12 +161,16 @@ def sapien(files: Path, states: States) -> Arrays:
 
     text = (files / "alpha5.urdf").read_text(encoding="utf-8")
     bare = files / "without_visuals.urdf"
-    bare.write_text(re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL), encoding="utf-8")
+    bare.write_text(
+        re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL), encoding="utf-8"
+    )
     scene = sapien.Scene([physx.PhysxCpuSystem()])
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
     arm = loader.load(str(bare))
-    order = [[joint.name for joint in arm.get_active_joints()].index(name) for name in JOINTS]
+    order = [
+        [joint.name for joint in arm.get_active_joints()].index(name) for name in JOINTS
+    ]
     tip = next(link for link in arm.links if link.name == "tcp")
     model, fk, mass, bias = arm.create_pinocchio_model(), [], [], []
     for q, v in states:
@@ -152,6 +179,8 @@ def sapien(files: Path, states: States) -> Arrays:
         arm.set_qpos(positions)
         arm.set_qvel(speeds)
         fk.append(tip.entity_pose.to_transformation_matrix())
-        mass.append(model.compute_generalized_mass_matrix(positions)[np.ix_(order, order)])
+        mass.append(
+            model.compute_generalized_mass_matrix(positions)[np.ix_(order, order)]
+        )
         bias.append(arm.compute_passive_force()[order])
     return {"fk": np.array(fk), "mass": np.array(mass), "bias": np.array(bias)}

@@ -44,7 +44,9 @@ def mujoco_urdf(files: Path, states: States) -> Arrays:
     import mujoco
 
     text = (files / "alpha5.urdf").read_text(encoding="utf-8")
-    settings = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    settings = (
+        '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    )
     model = mujoco.MjModel.from_xml_string(text.replace("</robot>", settings))
     out = _mujoco(model, states, lambda data: data.body("tcp"))
     del out["buoyancy"]  # URDF has no place for it
@@ -69,7 +71,12 @@ def _mujoco(model, states: States, tip) -> Arrays:
 
     undisturbed(model).opt.gravity = GRAVITY
     data, columns = mujoco.MjData(model), np.zeros((4, 4))
-    out: dict[str, list[np.ndarray]] = {"fk": [], "mass": [], "bias": [], "buoyancy": []}
+    out: dict[str, list[np.ndarray]] = {
+        "fk": [],
+        "mass": [],
+        "bias": [],
+        "buoyancy": [],
+    }
     water = model.body_gravcomp.copy()
     for q, v in states:
         data.qpos, data.qvel = q, v
@@ -96,14 +103,22 @@ def mjx(files: Path, states: States) -> Arrays:
     import mujoco
     from mujoco import mjx
 
-    model = undisturbed(mujoco.MjModel.from_xml_path(str(files / "mjcf_mjx" / "alpha5.xml")))
+    model = undisturbed(
+        mujoco.MjModel.from_xml_path(str(files / "mjcf_mjx" / "alpha5.xml"))
+    )
     water, air = (mjx.put_model(_with_gravcomp(model, wet)) for wet in (True, False))
 
     def one(q, v):
         dry = mjx.forward(air, mjx.make_data(air).replace(qpos=q, qvel=v))
         wet = mjx.forward(water, mjx.make_data(water).replace(qpos=q, qvel=v))
         mass = mjx.full_m(air, dry)
-        return dry.site_xpos[0], dry.site_xmat[0], mass, -mass @ dry.qacc, mass @ wet.qacc
+        return (
+            dry.site_xpos[0],
+            dry.site_xmat[0],
+            mass,
+            -mass @ dry.qacc,
+            mass @ wet.qacc,
+        )
 
     batch = jax.jit(jax.vmap(one))(jax.numpy.array(states.q), jax.numpy.array(states.v))
     xpos, xmat, mass, bias, wet = (np.asarray(array, dtype=float) for array in batch)
@@ -128,7 +143,9 @@ def pinocchio_mjcf(files: Path, states: States) -> Arrays:
     """Its own reader; it knows no buoyancy."""
     import pinocchio as pin
 
-    return _pinocchio(pin.buildModelFromMJCF(str(files / "mjcf" / "alpha5.xml")), states)
+    return _pinocchio(
+        pin.buildModelFromMJCF(str(files / "mjcf" / "alpha5.xml")), states
+    )
 
 
 def pinocchio_sdf(files: Path, states: States) -> Arrays:
@@ -167,7 +184,9 @@ def drake_mjcf(files: Path, states: States) -> Arrays:
 
     file = files / "mjcf" / "alpha5.xml"
     site = ET.parse(file).find(".//body[@name='link_4']/site[@name='tcp']").attrib
-    position, turn = ([float(x) for x in site[name].split()] for name in ("pos", "quat"))
+    position, turn = (
+        [float(x) for x in site[name].split()] for name in ("pos", "quat")
+    )
     tcp = RigidTransform(Quaternion(np.array(turn) / np.linalg.norm(turn)), position)
     return _drake(file, states, at=("link_4", tcp))
 
@@ -265,7 +284,9 @@ def urchin_urdf(files: Path, states: States) -> Arrays:
     import urchin
 
     robot = urchin.URDF.load(str(files / "alpha5.urdf"), lazy_load_meshes=True)
-    poses = [robot.link_fk(dict(zip(JOINTS, q, strict=True)), link="tcp") for q, _ in states]
+    poses = [
+        robot.link_fk(dict(zip(JOINTS, q, strict=True)), link="tcp") for q, _ in states
+    ]
     return {"fk": np.array(poses)}
 
 

@@ -30,9 +30,14 @@ def code_lines(source: str) -> int:
     """Number of lines that hold a token of code."""
     docstrings: set[int] = set()
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
+        if (
+            isinstance(node, _DOCUMENTED)
+            and ast.get_docstring(node, clean=False) is not None
+        ):
             first = node.body[0]
-            docstrings |= set(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+            docstrings |= set(
+                range(first.lineno, (first.end_lineno or first.lineno) + 1)
+            )
     used: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type not in _NO_CODE:
@@ -64,7 +69,10 @@ def other_lines(suffixes: str, package: Path = PACKAGE) -> tuple[int, int, int]:
     """Lines and files written by hand in another language, comments apart, and generated lines."""
     lines = files = generated = 0
     for path in sorted(package.rglob("*")):
-        if path.suffix not in suffixes.split() or "_data" in path.relative_to(package).parts:
+        if (
+            path.suffix not in suffixes.split()
+            or "_data" in path.relative_to(package).parts
+        ):
             continue
         source = path.read_text(encoding="utf-8")
         code = re.sub(r"/\*.*?\*/|(?m:^\s*//[^\n]*)", "", source, flags=re.DOTALL)
@@ -81,7 +89,9 @@ def main() -> None:
     lines, files, generated = rooms()
     for room, count in sorted(lines.items(), key=lambda item: -item[1]):
         print(f"{room:14}{count:7}{files[room]:5} files")
-    print(f"{'all':14}{lines.total():7}{files.total():5} files, generated ones apart: {generated}")
+    print(
+        f"{'all':14}{lines.total():7}{files.total():5} files, generated ones apart: {generated}"
+    )
     for language, suffixes in LANGUAGES.items():
         count, number, made = other_lines(suffixes)
         print(f"{language:14}{count:7}{number:5} files, generated ones apart: {made}")

@@ -172,14 +172,18 @@ def fuzz(
     kernels = os.environ.get("ALPHA5_KERNELS", "")
     before = f"ALPHA5_KERNELS={kernels} " if kernels else ""
     for number in numbers:
-        again = f'{before}scripts/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
+        again = (
+            f'{before}scripts/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
+        )
         if mark is not None:
             mark.write_text(again, encoding="utf-8")
         rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
         case = target(rng, folder)
         result = outcome(case, endless)
         if result not in ("ok", "refused"):
-            shown = ", ".join(f"{key}={value!r}" for key, value in case.arguments.items())
+            shown = ", ".join(
+                f"{key}={value!r}" for key, value in case.arguments.items()
+            )
             failed(ascii(f"{result[:300]} | {again} | {shown[:600]}")[1:-1])
             result = "failed"
         counts[result] += 1
@@ -238,7 +242,9 @@ def main() -> int:
     options = parser.parse_args()
     every = jobs(options.names, options.count, options.seed, options.first)
     if not every:
-        parser.error(f"choose from {', '.join((*PARTS, *(n for t in PARTS.values() for n in t)))}")
+        parser.error(
+            f"choose from {', '.join((*PARTS, *(n for t in PARTS.values() for n in t)))}"
+        )
     os.environ["MPLBACKEND"] = "agg"
     by_target: dict[str, Counter[str]] = {}
     by_part: dict[str, Counter[str]] = {part: Counter() for part in PARTS}

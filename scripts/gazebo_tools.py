@@ -21,7 +21,12 @@ from alpha5_model.numbers.parameters import parameters
 
 PLUGIN = "/usr/lib/x86_64-linux-gnu/libignition-physics5-dartsim-plugin.so"
 _SOURCE = Path(__file__).with_name("ignition_dart.cpp")
-_LIBRARIES = ["ignition-physics5", "ignition-physics5-sdf", "ignition-plugin1-loader", "sdformat12"]
+_LIBRARIES = [
+    "ignition-physics5",
+    "ignition-physics5-sdf",
+    "ignition-plugin1-loader",
+    "sdformat12",
+]
 #: With its own Pinocchio: placo's wheels are built for one below 4.
 _PLACO = "placo==0.10.2"
 _ASK_PLACO = """
@@ -65,15 +70,25 @@ def _complaint(file: Path) -> str:
     """What libsdformat says of a file beside that it is valid."""
     configured = {"IGN_CONFIG_PATH": "/usr/share/ignition", **os.environ}
     done = subprocess.run(
-        ["ign", "sdf", "-k", str(file)], capture_output=True, text=True, check=False, env=configured
+        ["ign", "sdf", "-k", str(file)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=configured,
     )
-    said = [line for line in (done.stdout + done.stderr).splitlines() if "backward.so" not in line]
+    said = [
+        line
+        for line in (done.stdout + done.stderr).splitlines()
+        if "backward.so" not in line
+    ]
     return "" if "Valid." in said[-1:] and len(said) == 1 else " ".join(said)
 
 
 def step(work: Workspace) -> Result:
     """Fall freely in air for a tenth of a millisecond, from each of 100 states."""
-    program, world, states = (work.folder / name for name in ("dart", "dart.sdf", "states.txt"))
+    program, world, states = (
+        work.folder / name for name in ("dart", "dart.sdf", "states.txt")
+    )
     flags = subprocess.run(
         ["pkg-config", "--cflags", "--libs", *_LIBRARIES],
         capture_output=True,
@@ -93,7 +108,10 @@ def step(work: Workspace) -> Result:
     v = rng.uniform(-0.5, 0.5, (100, 4)) * [j.velocity for j in joints]
     np.savetxt(states, np.hstack([q, v]), fmt="%.17g")
     done = subprocess.run(
-        [str(program), PLUGIN, str(world), str(states)], capture_output=True, text=True, check=True
+        [str(program), PLUGIN, str(world), str(states)],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     found = np.array([line.split() for line in done.stdout.splitlines()], dtype=float)
     arm, still = a5.load(fluid_density=0.0), np.zeros(4)
@@ -107,7 +125,9 @@ def step(work: Workspace) -> Result:
     errors = np.abs(found - expected)
     text = f"{errors[:, :4].max():.0e} of up to {np.abs(expected)[:, :4].max():.0f}; {errors[:, 4:].max():.0e}"
     said = tuple(
-        line for line in done.stderr.splitlines() if "robot" not in line and "at line" not in line
+        line
+        for line in done.stderr.splitlines()
+        if "robot" not in line and "at line" not in line
     )
     return Result(text, float(errors.max()), said)
 
@@ -139,12 +159,18 @@ def follow(work: Workspace) -> Result:
         for gripper in ("locked", "jaws")
         for hydrodynamics in (False, True)
     }
-    complaints = [f"{name}: {said}" for name, text in texts.items() if (said := _refused(text))]
-    wrong = texts["jaws False"].replace('<mimic joint="axis_a"', '<mimic joint="axis_z"')
+    complaints = [
+        f"{name}: {said}" for name, text in texts.items() if (said := _refused(text))
+    ]
+    wrong = texts["jaws False"].replace(
+        '<mimic joint="axis_a"', '<mimic joint="axis_z"'
+    )
     if not _refused(wrong):
         complaints.append("a mimic of a joint that is not there is taken")
     return Result(
-        f"{len(texts)} files taken", complaints=tuple(complaints), version=version("drake")
+        f"{len(texts)} files taken",
+        complaints=tuple(complaints),
+        version=version("drake"),
     )
 
 
@@ -163,8 +189,12 @@ def _refused(text: str) -> str:
 def placo(work: Workspace) -> Result:
     """In an environment of its own."""
     python = work.folder / "placo" / "bin" / "python"
-    bare = {k: x for k, x in os.environ.items() if k not in ("PIP_CONSTRAINT", "PYTHONPATH")}
-    subprocess.run([sys.executable, "-m", "venv", str(python.parents[1])], check=True, env=bare)
+    bare = {
+        k: x for k, x in os.environ.items() if k not in ("PIP_CONSTRAINT", "PYTHONPATH")
+    }
+    subprocess.run(
+        [sys.executable, "-m", "venv", str(python.parents[1])], check=True, env=bare
+    )
     pip = [str(python), "-m", "pip", "install", "--quiet", _PLACO]
     try:
         subprocess.run(pip, capture_output=True, env=bare, check=True, timeout=240)

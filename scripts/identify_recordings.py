@@ -89,7 +89,9 @@ def combinations(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[str,
         time = np.mean([correlation_time(part) for part in np.split(left, ends)])
         rows = compliance * rows / (left.std() * np.sqrt(time))
         unit = moment / np.linalg.norm(moment)
-        whitened.append(rows - np.outer(unit, unit @ rows))  # a factor is the compliance's
+        whitened.append(
+            rows - np.outer(unit, unit @ rows)
+        )  # a factor is the compliance's
     data = np.concatenate(whitened)
     # In units of the size of each moment: the largest of nx and ny of its link.
     scale = np.repeat(np.abs(size.reshape(4, 2)).max(axis=1), 2)
@@ -99,9 +101,16 @@ def combinations(tables: list[np.ndarray], tilts: list[np.ndarray]) -> dict[str,
         way = way * np.sign(way[np.abs(way).argmax()])
         direction = way / scale  # the combination is direction @ moments
         known = np.linalg.norm(digits @ direction)
-        parts = {n: float(w) for n, w in zip(MOMENTS, way, strict=True) if abs(w) > SHOWN}
-        found.append({"of": parts, "deviation": float(1 / value), "by_digits": float(known)})
-    return {"combinations": found, "size_kg_m": dict(zip(MOMENTS, scale.tolist(), strict=True))}
+        parts = {
+            n: float(w) for n, w in zip(MOMENTS, way, strict=True) if abs(w) > SHOWN
+        }
+        found.append(
+            {"of": parts, "deviation": float(1 / value), "by_digits": float(known)}
+        )
+    return {
+        "combinations": found,
+        "size_kg_m": dict(zip(MOMENTS, scale.tolist(), strict=True)),
+    }
 
 
 def between(tables: list[np.ndarray], tilts: list[np.ndarray]) -> float:
@@ -121,13 +130,20 @@ def between(tables: list[np.ndarray], tilts: list[np.ndarray]) -> float:
     return s
 
 
-def held_out(tables: list[np.ndarray], tilts: list[np.ndarray], of: np.ndarray) -> list[float]:
+def held_out(
+    tables: list[np.ndarray], tilts: list[np.ndarray], of: np.ndarray
+) -> list[float]:
     """R^2 of roll and pitch, each recording with compliances from the others."""
     pairs = [(t @ of, tilt) for t, tilt in zip(tables, tilts, strict=True)]
     left, total = np.zeros(2), np.zeros(2)
     for k, (moment, tilt) in enumerate(pairs):
-        m, t = (np.concatenate([p[i] for j, p in enumerate(pairs) if j != k]) for i in (0, 1))
-        left += ((tilt - (m * t).sum(axis=0) / (m**2).sum(axis=0) * moment) ** 2).sum(axis=0)
+        m, t = (
+            np.concatenate([p[i] for j, p in enumerate(pairs) if j != k])
+            for i in (0, 1)
+        )
+        left += ((tilt - (m * t).sum(axis=0) / (m**2).sum(axis=0) * moment) ** 2).sum(
+            axis=0
+        )
         total += (tilt**2).sum(axis=0)
     return [float(x) for x in 1 - left / total]
 
@@ -136,7 +152,9 @@ def findings(folders: list[Path]) -> dict[str, Any]:
     """Everything, of all folders."""
     read = [r for folder in folders for r in recordings.read(folder)[0]]
     if len(read) < 3:
-        raise FileFormatError(folders[0], f"{len(read)} recordings of a moving arm, 3 are needed")
+        raise FileFormatError(
+            folders[0], f"{len(read)} recordings of a moving arm, 3 are needed"
+        )
     both = [linear(r) for r in read]
     lag, _ = recordings.fit([(table @ numbers(), tilt) for table, tilt in both])
     tables, tilts = [table[lag] for table, _ in both], [tilt for _, tilt in both]
@@ -146,7 +164,9 @@ def findings(folders: list[Path]) -> dict[str, Any]:
         between([tables[j] for j in each if j != k], [tilts[j] for j in each if j != k])
         for k in each
     ]
-    error = np.sqrt((len(read) - 1) / len(read) * np.sum((without - np.mean(without)) ** 2))
+    error = np.sqrt(
+        (len(read) - 1) / len(read) * np.sum((without - np.mean(without)) ** 2)
+    )
     return {
         "recordings": [r.name for r in read],
         "lag_s": float(recordings.LAGS[lag]),

@@ -21,7 +21,11 @@ import alpha5_model as a5
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.pose import approach_directions
 from alpha5_model.proofs.audit.lecture import PRINTED_TABLE
-from alpha5_model.theory.dh.arm_types import classify, spatial_conditions, task_capability
+from alpha5_model.theory.dh.arm_types import (
+    classify,
+    spatial_conditions,
+    task_capability,
+)
 from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2
@@ -38,7 +42,9 @@ PLANAR = {
     "RP": a5.planar.PlanarArm((1, 0), [(-1, 2), (1, 3)], "RP"),
     "PR": a5.planar.PlanarArm((1, 2), [(0, 3), None], "PR"),
     "PP": a5.planar.PlanarArm((0, 0), [(1, 4), (0, 2)], "PP", (0, QUARTER)),
-    "4R, limits": a5.planar.PlanarArm((5, 4, 3, 1), [(-1, 2), (-1, 1.5), (-1, 1), (-1, 2)]),
+    "4R, limits": a5.planar.PlanarArm(
+        (5, 4, 3, 1), [(-1, 2), (-1, 1.5), (-1, 1), (-1, 2)]
+    ),
 }
 #: Arms of the section on dexterous workspaces: the notes' own, and where the theorem falls short.
 DEXTEROUS = {
@@ -46,13 +52,22 @@ DEXTEROUS = {
     "the theorem leaves out 0 to 3": a5.planar.PlanarArm((5, 5, 3)),
     "2R of equal links: a point": a5.planar.PlanarArm((5, 5)),
     "a length that varies": a5.planar.PlanarArm((1, 0, 1), [None, (0, 4), None], "RPR"),
-    "elbow limited to 2.5 rad": a5.planar.PlanarArm((5, 4, 1), [None, (-2.5, 2.5), None]),
-    "last joint limited to 3 rad": a5.planar.PlanarArm((5, 4, 1), [None, None, (-3, 3)]),
+    "elbow limited to 2.5 rad": a5.planar.PlanarArm(
+        (5, 4, 1), [None, (-2.5, 2.5), None]
+    ),
+    "last joint limited to 3 rad": a5.planar.PlanarArm(
+        (5, 4, 1), [None, None, (-3, 3)]
+    ),
 }
 #: Arms of the sections "Arm Types" and "Task requirements"; rows [theta, d, a, alpha, sigma].
 ARMS = {
     "SCARA": a5.dh.DHChain.from_table(
-        [[0, 0.4, 0.3, 0, 0], [0, 0, 0.25, math.pi, 0], [0, 0, 0, 0, 1], [0, 0, 0, 0, 0]]
+        [
+            [0, 0.4, 0.3, 0, 0],
+            [0, 0, 0.25, math.pi, 0],
+            [0, 0, 0, 0, 1],
+            [0, 0, 0, 0, 0],
+        ]
     ),
     "six joints (Puma 560)": a5.dh.DHChain.from_table(
         [
@@ -90,7 +105,9 @@ def arm_types() -> None:
         kind, task = classify(chain), task_capability(chain)
         print(f"  {name}: {kind.joints}, {kind.kind} ({kind.reason})")
         print(f"    general tasks {_yes(task.general)}: {task.general_reason}")
-        print(f"    vertical insertion {_yes(task.vertical_insertion)}: {task.insertion_reason}")
+        print(
+            f"    vertical insertion {_yes(task.vertical_insertion)}: {task.insertion_reason}"
+        )
         conditions = spatial_conditions(chain)
         missing = "; ".join(conditions.reasons) or "necessary conditions hold"
         print(f"    dexterous workspace with an interior: {missing}")
@@ -100,7 +117,9 @@ def arm_types() -> None:
         f"  the Alpha 5 at {point} m instead has {int(ways.within_limits.sum())} approach direction(s):"
     )
     for direction in ways.directions[ways.within_limits]:
-        print(f"    ({', '.join(f'{x:.4f}' for x in direction)}), any wrist roll in its range")
+        print(
+            f"    ({', '.join(f'{x:.4f}' for x in direction)}), any wrist roll in its range"
+        )
 
 
 def workspaces(out: Path) -> None:
@@ -112,7 +131,9 @@ def workspaces(out: Path) -> None:
         print(
             f"  {name}: {space.shape}, {low:.4g} to {high:.4g} m from the base, {space.area:.6g} m^2"
         )
-        plot_planar(arm, axes=ax, dexterous=False).set_title(f"{name}: {space.shape}", fontsize=10)
+        plot_planar(arm, axes=ax, dexterous=False).set_title(
+            f"{name}: {space.shape}", fontsize=10
+        )
     save(axes, out / "workspaces.png")
 
 
@@ -120,7 +141,9 @@ def dexterous_workspaces(out: Path) -> None:
     print("\nDexterous workspace")
     axes = new_axes(3, 2, 4.6)
     for (name, arm), ax in zip(DEXTEROUS.items(), axes.flat, strict=True):
-        plot_planar(arm, axes=ax).set_title(f"{arm.joints} {arm.lengths}\n{name}", fontsize=10)
+        plot_planar(arm, axes=ax).set_title(
+            f"{arm.joints} {arm.lengths}\n{name}", fontsize=10
+        )
         if arm.length_ranges is None:
             print(f"  {name}: by enumeration, see the picture")
             continue
@@ -137,16 +160,22 @@ def theorem_table() -> bool:
     same = True
     for l_4, pair, half in PRINTED_TABLE:
         row = a5.planar.theorem_row(5, 4, 1, l_4)
-        equal = bool(np.allclose((row.pair, row.half), (pair, half), rtol=0, atol=1e-12))
+        equal = bool(
+            np.allclose((row.pair, row.half), (pair, half), rtol=0, atol=1e-12)
+        )
         same &= equal
         print(
             f"  {l_4:6g} {row.pair:9g} {row.half:8g}   {pair:5g} {half:6g} {'' if equal else 'DIFFERS':8s}"
             f"  {_yes(row.theorem):7s}   {_yes(row.exact)}"
         )
     low, high = a5.planar.theorem_radii(5, 4, 1) or (math.nan, math.nan)
-    print(f"  the theorem holds for {low:g} <= l_4 <= {high:g}; the exact condition adds l_4 = 0")
+    print(
+        f"  the theorem holds for {low:g} <= l_4 <= {high:g}; the exact condition adds l_4 = 0"
+    )
     row = a5.planar.theorem_row(5, 5, 3, 1)
-    print(f"  l = (5, 5, 3), l_4 = 1: theorem {_yes(row.theorem)}, turns fully {_yes(row.exact)}")
+    print(
+        f"  l = (5, 5, 3), l_4 = 1: theorem {_yes(row.theorem)}, turns fully {_yes(row.exact)}"
+    )
     return same
 
 

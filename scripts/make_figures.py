@@ -39,7 +39,10 @@ def main(folder: Path) -> None:
     for name, content in (
         ("arm.png", arm_picture()),
         ("workspace.png", workspace_figure()),
-        ("self_collision.png", _png(workspace_plot.self_collision_figure(samples=100_000))),
+        (
+            "self_collision.png",
+            _png(workspace_plot.self_collision_figure(samples=100_000)),
+        ),
         ("torque.png", torque_figure()),
         *((name, _png(draw())) for name, draw in FIGURES.items()),
     ):
@@ -89,7 +92,9 @@ def torque_figure() -> bytes | None:
     if not found:
         return None
     # The pool is fresh water.
-    a = analyse(read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws"))
+    a = analyse(
+        read_motion(found[0]), arm=a5.load(fluid_density=a5.FRESH_WATER, gripper="jaws")
+    )
     figure = new_figure(9.6, 5.2)
     rows, sizes = figure.subplots(2, 1, sharex=True, sharey=True), []
     for axes, name in zip(rows, ("axis_d", "axis_c"), strict=True):
@@ -100,11 +105,20 @@ def torque_figure() -> bytes | None:
         for term, width in zip(drawn, (3.8, 3.2, 2.9, 1.3), strict=True):
             color, values = CAUSES[term], causes[term][:, k]
             axes.plot(a.smooth.time, values, color=color, linewidth=width, label=term)
-        axes.plot(a.smooth.time, a.torque[:, k], color=Color.BLACK, linewidth=1.3, label="torque")
+        axes.plot(
+            a.smooth.time,
+            a.torque[:, k],
+            color=Color.BLACK,
+            linewidth=1.3,
+            label="torque",
+        )
         axes.set_ylabel(f"{name} [N·m]")
         axes.margins(x=0.01)
         sizes.append(
-            [np.abs(causes[term][:, k]).max() for term in ("weight", "buoyancy", "inertia")]
+            [
+                np.abs(causes[term][:, k]).max()
+                for term in ("weight", "buoyancy", "inertia")
+            ]
         )
     weight, lift, inertia = map(number, np.max(sizes, axis=0))
     most = f"weight up to {weight}, buoyancy {lift}, inertia {inertia} N·m"

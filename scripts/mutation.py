@@ -64,8 +64,20 @@ STATUSES = (KILLED, SURVIVED, UNTESTED, TIMEOUT, EQUIVALENT)
 PROOFS = (
     ("proofs/audit/bodies.py", "(excess) * G", "(excess) / G", KILLED, "audit"),
     ("proofs/audit/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "audit"),
-    ("codegen/kernels/rows.h", "return good", "return !good", KILLED, "kernels_compiled"),
-    ("codegen/kernels/rows.h", "return good", "return +good", SURVIVED, "kernels_compiled"),
+    (
+        "codegen/kernels/rows.h",
+        "return good",
+        "return !good",
+        KILLED,
+        "kernels_compiled",
+    ),
+    (
+        "codegen/kernels/rows.h",
+        "return good",
+        "return +good",
+        SURVIVED,
+        "kernels_compiled",
+    ),
 )
 
 
@@ -87,7 +99,9 @@ def main() -> int:
         while True:
             mutants = _mutants(asked, texts, spare)
             for mutant in mutants:
-                if mutant.key not in results and is_equivalent(mutant, texts[mutant.file]):
+                if mutant.key not in results and is_equivalent(
+                    mutant, texts[mutant.file]
+                ):
                     done(Job(mutant, (), 0.0), Outcome(EQUIVALENT, 0.0), boxes[0])
             waiting = (seen.job(m) for m in mutants if m.key not in results)
             run(waiting, boxes, texts, done)
@@ -145,7 +159,9 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _mutants(asked: argparse.Namespace, texts: dict[Path, str], spare: int) -> list[Mutant]:
+def _mutants(
+    asked: argparse.Namespace, texts: dict[Path, str], spare: int
+) -> list[Mutant]:
     """Those of the places that are asked for, or a sample, with some to spare."""
     if asked.at:
         found = []
@@ -160,7 +176,9 @@ def _mutants(asked: argparse.Namespace, texts: dict[Path, str], spare: int) -> l
     if unknown:
         raise SystemExit(f"no such room: {', '.join(sorted(unknown))}")
     chosen = {
-        file: text for file, text in texts.items() if not asked.rooms or room(file) in asked.rooms
+        file: text
+        for file, text in texts.items()
+        if not asked.rooms or room(file) in asked.rooms
     }
     return draw(chosen, places, code_lines, asked.sample + spare, asked.seed)
 
@@ -181,7 +199,9 @@ def _results(output: Path) -> dict[str, dict[str, Any]]:
     return {row["key"]: row for row in map(json.loads, lines)}
 
 
-def _appended(output: Path, texts: dict[Path, str], results: dict[str, dict[str, Any]]) -> Any:
+def _appended(
+    output: Path, texts: dict[Path, str], results: dict[str, dict[str, Any]]
+) -> Any:
     """What hears of each job: it writes a line, and shows who lives."""
     output.parent.mkdir(parents=True, exist_ok=True)
 
@@ -221,7 +241,9 @@ def _proved(boxes: Sequence[Sandbox], texts: dict[Path, str]) -> bool:
         good.append(outcome.status == job.mutant.operator)
         if not good[-1]:
             said = box.output.read_text("utf-8", "replace")[-2000:]
-            print(f"{job.mutant.file}: expected {job.mutant.operator}, {outcome}\n{said}")
+            print(
+                f"{job.mutant.file}: expected {job.mutant.operator}, {outcome}\n{said}"
+            )
 
     jobs = []
     for name, old, new, expected, test in PROOFS:

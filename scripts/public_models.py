@@ -42,7 +42,11 @@ TOLD = 4
 
 def tables(compared: dict[str, Comparison]) -> str:
     """Errors of each model, of its bodies, and its costliest findings in words."""
-    errors, bodies, words = [HEAD, ["---"] * len(HEAD)], [BODIES, ["---"] * len(BODIES)], []
+    errors, bodies, words = (
+        [HEAD, ["---"] * len(HEAD)],
+        [BODIES, ["---"] * len(BODIES)],
+        [],
+    )
     for name, found in compared.items():
         serious = [finding for finding in found.findings if finding.serious]
         tool = found.tool
@@ -62,7 +66,9 @@ def tables(compared: dict[str, Comparison]) -> str:
         for body in found.bodies:
             mass = f"{body.mass:.3g} for {body.ours.mass:g}"
             inertia = f"{body.inertia_error * 1e6:.0f}"
-            bodies.append([f"`{name}`", body.name, mass, f"{body.com_error * 1e3:.1f}", inertia])
+            bodies.append(
+                [f"`{name}`", body.name, mass, f"{body.com_error * 1e3:.1f}", inertia]
+            )
         words += [f"\n`{name}`, the costliest of {len(serious)}:\n"]
         words += [f"- {f.where}: {f.text} ({f.cost:.2g} N m)" for f in serious[:TOLD]]
     lines = ["| " + " | ".join(row) + " |" for row in errors]
@@ -74,12 +80,16 @@ def tables(compared: dict[str, Comparison]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compare, print, write; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0] if __doc__ else None
+    )
     parser.add_argument("folder", type=Path, help="where the models are")
     parser.add_argument("--page", type=Path, help="insert the tables between its marks")
     chosen = parser.parse_args(arguments)
     paths = {name: chosen.folder / f"{name}.urdf" for name in MODELS}
-    compared = {name: a5.compare(path) for name, path in paths.items() if path.is_file()}
+    compared = {
+        name: a5.compare(path) for name, path in paths.items() if path.is_file()
+    }
     text = tables(compared)
     print(text)
     if chosen.page:

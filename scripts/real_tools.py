@@ -114,7 +114,9 @@ def row(check: Check, work: Workspace) -> tuple[str, ...]:
     """Run a check: tool, version, what is compared, what came out, verdict."""
     words = check.tool, _version(check.package), check.compared
     missing = [
-        name for name in check.needs if shutil.which(name) is None and not Path(name).exists()
+        name
+        for name in check.needs
+        if shutil.which(name) is None and not Path(name).exists()
     ]
     if missing:
         return *words, f"{', '.join(missing)} not there", "not run"
@@ -124,31 +126,53 @@ def row(check: Check, work: Workspace) -> tuple[str, ...]:
         return *words, str(absence), "not run"
     except Exception as error:
         said = getattr(error, "stderr", None) or error
-        return *words, f"{type(error).__name__}: {' '.join(str(said).split())[-300:]}", "failed"
+        return (
+            *words,
+            f"{type(error).__name__}: {' '.join(str(said).split())[-300:]}",
+            "failed",
+        )
     # Written so that NaN differs.
     agrees = result.difference <= check.bound and not result.complaints
     found = "; ".join((result.text, *result.complaints, *result.warnings))
-    return words[0], result.version or words[1], words[2], found, "agrees" if agrees else "differs"
+    return (
+        words[0],
+        result.version or words[1],
+        words[2],
+        found,
+        "agrees" if agrees else "differs",
+    )
 
 
 def _version(package: str) -> str:
     if not package or shutil.which("dpkg-query") is None:
         return "–"
     query = ["dpkg-query", "-W", "-f", "${Version}", package]
-    return subprocess.run(query, capture_output=True, text=True, check=False).stdout or "–"
+    return (
+        subprocess.run(query, capture_output=True, text=True, check=False).stdout or "–"
+    )
 
 
 def table(rows: Sequence[tuple[str, ...]]) -> str:
     """The rows as Markdown."""
-    head = ("tool", "version", "what was compared with Pinocchio or looked at", "found", "verdict")
+    head = (
+        "tool",
+        "version",
+        "what was compared with Pinocchio or looked at",
+        "found",
+        "verdict",
+    )
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the checks, print the table; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--page", type=Path, help="insert the table between its markers")
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0] if __doc__ else None
+    )
+    parser.add_argument(
+        "--page", type=Path, help="insert the table between its markers"
+    )
     parser.add_argument("--picture", type=Path, help="keep RViz's picture")
     chosen = parser.parse_args(arguments)
     rows = []

@@ -25,7 +25,9 @@ def main(request: Path, answer: Path) -> None:
     publisher = rospy.Publisher("joint_states", JointState, queue_size=10)
     rows = []
     for positions in asked["positions"]:
-        rospy.sleep(0.005)  # robot_state_publisher leaves out what follows within its period
+        rospy.sleep(
+            0.005
+        )  # robot_state_publisher leaves out what follows within its period
         stamp = rospy.Time.now()
         message = JointState(name=asked["joints"], position=positions)
         message.header.stamp = stamp
@@ -36,7 +38,9 @@ def main(request: Path, answer: Path) -> None:
             )
             if found:
                 break
-        rows.append([pose(buffer, asked["base"], frame, stamp) for frame in asked["frames"]])
+        rows.append(
+            [pose(buffer, asked["base"], frame, stamp) for frame in asked["frames"]]
+        )
     answer.write_text(json.dumps(rows), encoding="utf-8")
     listener.unregister()
 

@@ -28,7 +28,12 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 NAME = "alpha5_description"
 PUBLISHER = "/usr/lib/robot_state_publisher/robot_state_publisher"
 #: Debian's own programs and Python, whatever else is on the path.
-SYSTEM = {**os.environ, "PATH": "/usr/bin:/bin", "LIBGL_ALWAYS_SOFTWARE": "1", "PYTHONPATH": ""}
+SYSTEM = {
+    **os.environ,
+    "PATH": "/usr/bin:/bin",
+    "LIBGL_ALWAYS_SOFTWARE": "1",
+    "PYTHONPATH": "",
+}
 #: Dark pixels in RViz's picture that are the arm; at home it has some twenty thousand.
 LEAST_PIXELS = 10_000
 _RVIZ = """\
@@ -91,17 +96,28 @@ class Workspace:
 
 def build(work: Workspace) -> Result:
     """Build the repository as a ROS 2 package."""
-    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", str(REPOSITORY)]
+    command = [
+        "/usr/bin/colcon",
+        "--log-base",
+        "log",
+        "build",
+        "--base-paths",
+        str(REPOSITORY),
+    ]
     command += ["--packages-select", NAME, "--event-handlers", "console_direct+"]
     done = subprocess.run(
         command, cwd=work.folder, env=SYSTEM, capture_output=True, text=True, check=True
     )
-    said = [line for line in (done.stdout + done.stderr).splitlines() if "arning" in line]
+    said = [
+        line for line in (done.stdout + done.stderr).splitlines() if "arning" in line
+    ]
     missing, count = [], 0
     for urdf in (work.share / "urdf").glob("*.urdf"):
         for mesh in ET.parse(urdf).getroot().iter("mesh"):
             count += 1
-            package, _, path = mesh.get("filename", "").removeprefix("package://").partition("/")
+            package, _, path = (
+                mesh.get("filename", "").removeprefix("package://").partition("/")
+            )
             if package != NAME or not (work.share / path).is_file():
                 missing.append(f"{urdf.name}: {mesh.get('filename')} not installed")
     complaints = (*said, *missing) if count else ("no meshes",)
@@ -113,14 +129,27 @@ def parse(work: Workspace) -> Result:
     complaints, count = [], 0
     for path in (URDF_PATH, JAWS_URDF_PATH):
         done = subprocess.run(
-            ["/usr/bin/check_urdf", path], capture_output=True, text=True, check=True, env=SYSTEM
+            ["/usr/bin/check_urdf", path],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=SYSTEM,
         )
-        tree = [line for line in done.stdout.splitlines() if line.strip().startswith("child(")]
+        tree = [
+            line
+            for line in done.stdout.splitlines()
+            if line.strip().startswith("child(")
+        ]
         count += len(tree)
         model = pin.buildModelFromUrdf(path)
-        ours = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+        ours = {
+            frame.name for frame in model.frames if frame.type == pin.FrameType.BODY
+        }
         theirs = {line.split(":")[1].strip() for line in tree}
-        if "Successfully Parsed XML" not in done.stdout or theirs | {"base_link"} != ours:
+        if (
+            "Successfully Parsed XML" not in done.stdout
+            or theirs | {"base_link"} != ours
+        ):
             complaints.append(f"{Path(path).name}: {sorted(theirs ^ ours)}")
         complaints += done.stderr.split("\n")[:-1]
     return Result(f"{count} links below base_link", complaints=tuple(complaints))
@@ -137,7 +166,9 @@ def ros(work: Workspace, urdf: str) -> Iterator[tuple[dict[str, str], Path]]:
     environment |= {"ROS_HOME": str(work.folder / "ros"), "HOME": str(work.folder)}
     environment |= {"ROS_PACKAGE_PATH": f"{work.share}:/usr/share"}
     with ExitStack() as stack:
-        stack.enter_context(running(["roscore", "-p", str(port)], environment, "roscore.log"))
+        stack.enter_context(
+            running(["roscore", "-p", str(port)], environment, "roscore.log")
+        )
         master = ServerProxy(uri)
         for _ in range(120):
             try:
@@ -151,10 +182,14 @@ def ros(work: Workspace, urdf: str) -> Iterator[tuple[dict[str, str], Path]]:
 
 
 @contextmanager
-def running(command: list[str], environment: dict[str, str], log: str) -> Iterator[None]:
+def running(
+    command: list[str], environment: dict[str, str], log: str
+) -> Iterator[None]:
     """A program that is asked to stop at the end, and does."""
     with (Path(environment["HOME"]) / log).open("w", encoding="utf-8") as file:
-        process = subprocess.Popen(command, env=environment, stdout=file, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(
+            command, env=environment, stdout=file, stderr=subprocess.STDOUT
+        )
         try:
             yield
         finally:
@@ -175,7 +210,12 @@ def poses(
 ) -> np.ndarray:
     """Poses of the frames in base_link by tf, (N, F, 7): position and quaternion (x, y, z, w)."""
     request, answer = work.folder / "request.json", work.folder / "answer.json"
-    asked = {"joints": joints, "positions": q.tolist(), "base": "base_link", "frames": frames}
+    asked = {
+        "joints": joints,
+        "positions": q.tolist(),
+        "base": "base_link",
+        "frames": frames,
+    }
     request.write_text(json.dumps(asked), encoding="utf-8")
     script = str(REPOSITORY / "scripts" / "ros_states.py")
     subprocess.run(
@@ -193,15 +233,21 @@ def publish(work: Workspace, path: str = JAWS_URDF_PATH) -> Result:
     """Frames by robot_state_publisher and tf; the fingers follow by ``<mimic>``."""
     urdf, joints = Path(path).read_text(encoding="utf-8"), parameters().joints
     rng, frames = np.random.default_rng(2022), ["tcp", "finger_1", "finger_2"]
-    q = rng.uniform([j.lower for j in joints], [j.upper for j in joints], (100, len(joints)))
+    q = rng.uniform(
+        [j.lower for j in joints], [j.upper for j in joints], (100, len(joints))
+    )
     with ros(work, urdf) as (environment, log):
         found = poses(work, environment, [j.name for j in joints], q, frames)
     arm, worst = a5.load(gripper="jaws"), 0.0
     for row, measured in zip(q, found, strict=True):
         for frame, pose in zip(frames, measured, strict=True):
             expected = arm.forward_kinematics(row, frame=frame).homogeneous
-            worst = max(worst, np.abs(pin.XYZQUATToSE3(pose).homogeneous - expected).max())
-    said = tuple(line for line in log.read_text(encoding="utf-8").splitlines() if line.strip())
+            worst = max(
+                worst, np.abs(pin.XYZQUATToSE3(pose).homogeneous - expected).max()
+            )
+    said = tuple(
+        line for line in log.read_text(encoding="utf-8").splitlines() if line.strip()
+    )
     return Result(f"{worst:.0e}", float(worst), said)
 
 
@@ -210,13 +256,18 @@ def look(work: Workspace, path: Path | None = None) -> Result:
     urdf = (path or work.share / "urdf" / "alpha5.urdf").read_text(encoding="utf-8")
     settings = work.folder / "view.rviz"
     settings.write_text(_RVIZ, encoding="utf-8")
-    home, joints = np.array([NAMED_POSES["home"]]), [j.name for j in parameters().joints[:4]]
+    home, joints = (
+        np.array([NAMED_POSES["home"]]),
+        [j.name for j in parameters().joints[:4]],
+    )
     pixels = 0
     with ExitStack() as stack:
         environment, _ = stack.enter_context(ros(work, urdf))
         display = stack.enter_context(screen(environment))
         environment = {**environment, "DISPLAY": display, "QT_X11_NO_MITSHM": "1"}
-        stack.enter_context(running(["rviz", "-d", str(settings)], environment, "rviz.log"))
+        stack.enter_context(
+            running(["rviz", "-d", str(settings)], environment, "rviz.log")
+        )
         end = time.monotonic() + 120
         while pixels < LEAST_PIXELS and time.monotonic() < end:
             poses(work, environment, joints, home, ["tcp"])

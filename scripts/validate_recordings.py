@@ -55,7 +55,12 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import STDOUT, atomic_write, check_outputs, read_named
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import water_terms
-from alpha5_model.errors import Alpha5Error, FileFormatError, MissingFileError, OutputError
+from alpha5_model.errors import (
+    Alpha5Error,
+    FileFormatError,
+    MissingFileError,
+    OutputError,
+)
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.trajectory import Motion, motion, smooth
@@ -134,7 +139,11 @@ class Report:
 
     def __str__(self) -> str:
         notes = "; ".join(f"{rule}: {what}" for rule, what in self.left_out.items())
-        used = f"used {self.seconds[0]:.1f} of {self.seconds[1]:.1f} s" if self.used else "left out"
+        used = (
+            f"used {self.seconds[0]:.1f} of {self.seconds[1]:.1f} s"
+            if self.used
+            else "left out"
+        )
         return f"  {self.name:38}{used}" + (f"  ({notes})" if notes else "")
 
 
@@ -143,11 +152,17 @@ def read(folder: Path) -> tuple[list[Recording], list[str], list[Report]]:
     if not folder.is_dir():
         raise MissingFileError(folder, "a folder of recordings")
     names = {
-        path.name.removesuffix(suffix) for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")
+        path.name.removesuffix(suffix)
+        for suffix in SUFFIXES
+        for path in folder.glob(f"*{suffix}")
     }
     reports = [Report(name) for name in sorted(names)]
     moving = [r for report in reports if (r := _recording(folder, report)) is not None]
-    return moving, [report.name for report in reports if "rest" in report.left_out], reports
+    return (
+        moving,
+        [report.name for report in reports if "rest" in report.left_out],
+        reports,
+    )
 
 
 def _recording(folder: Path, report: Report) -> Recording | None:
@@ -170,7 +185,9 @@ def _recording(folder: Path, report: Report) -> Recording | None:
         report.leave("norm", f"{np.count_nonzero(~unit)} rows")
     time, (x, y, z, w) = vehicle[unit, 0], (vehicle[unit, 1:] / norm[unit, None]).T
     # Rows of the rotation vehicle -> world: the last one is world z in the vehicle's axes.
-    up = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    up = np.stack(
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1
+    )
     tracked = _tracked(time, up)
     if not tracked.all():
         report.leave("jump", f"{np.count_nonzero(~tracked)} rows")
@@ -180,7 +197,9 @@ def _recording(folder: Path, report: Report) -> Recording | None:
         report.leave("short", f"{report.seconds[0]:.1f} s are left")
         return None
     report.used = True
-    tilt = np.stack([np.arctan2(up[:, 1], up[:, 2]), -np.arcsin(np.clip(up[:, 0], -1, 1))], axis=1)
+    tilt = np.stack(
+        [np.arctan2(up[:, 1], up[:, 2]), -np.arcsin(np.clip(up[:, 0], -1, 1))], axis=1
+    )
     return Recording(report.name, moved, time, tilt, -GRAVITY * up, grid)
 
 
@@ -220,10 +239,13 @@ def _tracked(time: FloatArray, up: FloatArray) -> Any:
     if time.size < 2:
         return np.ones(time.size, dtype=bool)
     turn = np.arctan2(
-        np.linalg.norm(np.cross(up[1:], up[:-1]), axis=1), (up[1:] * up[:-1]).sum(axis=1)
+        np.linalg.norm(np.cross(up[1:], up[:-1]), axis=1),
+        (up[1:] * up[:-1]).sum(axis=1),
     )
     run = np.concatenate([[0], np.cumsum(turn > JUMP + TURN * np.diff(time))])
-    first, last = (np.searchsorted(run, np.arange(run[-1] + 1), side) for side in ("left", "right"))
+    first, last = (
+        np.searchsorted(run, np.arange(run[-1] + 1), side) for side in ("left", "right")
+    )
     lasts = time[last - 1] - time[first]
     mean = np.stack([up[i:j].mean(axis=0) for i, j in zip(first, last, strict=True)])
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
@@ -236,7 +258,10 @@ def _grid(arm: FloatArray, vehicle: FloatArray, report: Report) -> FloatArray:
     if not vehicle.size:
         return np.empty(0)
     # The moment is averaged up to a lag earlier.
-    reach = ((arm, AVERAGE / 2 + LAGS[-1], AVERAGE / 2), (vehicle, AVERAGE / 2, AVERAGE / 2))
+    reach = (
+        (arm, AVERAGE / 2 + LAGS[-1], AVERAGE / 2),
+        (vehicle, AVERAGE / 2, AVERAGE / 2),
+    )
     start = max(times[0] + before for times, before, _ in reach)
     end = min(times[-1] - after for times, _, after in reach)
     grid = np.arange(start, end, STEP)
@@ -269,7 +294,9 @@ def moving_links(
                 model.inertias[joint] = change_body(joint, model.inertias[joint])
         if cob_at_com:
             displaced = [
-                replace(d, cob=np.array(model.inertias[model.getJointId(d.joint)].lever))
+                replace(
+                    d, cob=np.array(model.inertias[model.getJointId(d.joint)].lever)
+                )
                 for d in displaced
             ]
         arms.append(Arm(model, displaced, density))
@@ -284,7 +311,9 @@ def _wrong_body(joint: int, inertia: Any) -> Any:
     return pin.Inertia(inertia.mass, com, flip_products(inertia.inertia))
 
 
-def moments(arms: Sequence[Arm], recording: Recording, level: bool = False) -> FloatArray:
+def moments(
+    arms: Sequence[Arm], recording: Recording, level: bool = False
+) -> FloatArray:
     """Static moment of the moving links about x and y of base_link at the motion's times, (N, 2)."""
     motion = recording.motion
     gravity = _at(motion.time, recording.time, recording.gravity)
@@ -362,7 +391,9 @@ def score(
 ) -> Score:
     """Score (moment, tilt) pairs, each with what was fitted on ``fits[of[k]]``."""
     fitted = [fit(group) for group in fits]
-    predicted = [m[fitted[k][0]] * fitted[k][1] for (m, _), k in zip(pairs, of, strict=True)]
+    predicted = [
+        m[fitted[k][0]] * fitted[k][1] for (m, _), k in zip(pairs, of, strict=True)
+    ]
     left = np.array(
         [((a - p) ** 2).sum(axis=0) for (_, a), p in zip(pairs, predicted, strict=True)]
     )
@@ -398,20 +429,28 @@ def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
     def pair(name: str, recording: Recording) -> tuple[FloatArray, FloatArray]:
         arms, level = models[name]
         moment = moments(arms, recording, level)
-        return signals(recording, moment + (moving_water(recording) if name == MOVING else 0.0))
+        return signals(
+            recording, moment + (moving_water(recording) if name == MOVING else 0.0)
+        )
 
     for name in models:
         series[name] = [pair(name, r) for r in recordings]
         if fit_folder is None:
             fits = [
-                [one for one, half in zip(series[name], halves, strict=True) if half != side]
+                [
+                    one
+                    for one, half in zip(series[name], halves, strict=True)
+                    if half != side
+                ]
                 for side in (0, 1)
             ]
             scores[name] = score(series[name], fits, halves)
         else:
             theirs = [pair(name, r) for r in others]
             scores[name] = score(series[name], [theirs], [0] * len(recordings))
-        ours, alike = (np.concatenate([m[0] for m, _ in series[key]]) for key in ("model", name))
+        ours, alike = (
+            np.concatenate([m[0] for m, _ in series[key]]) for key in ("model", name)
+        )
         course[name] = (ours * alike).sum(axis=0) / np.sqrt(
             (ours**2).sum(axis=0) * (alike**2).sum(axis=0)
         )
@@ -422,11 +461,15 @@ def validate(folder: Path, fit_folder: Path | None = None) -> dict[str, Any]:
         "fitted_on": None if fit_folder is None else [r.name for r in others],
         "scores": scores,
         "course": course,
-        "series": [(r.grid, a) for r, (_, a) in zip(recordings, series["model"], strict=True)],
+        "series": [
+            (r.grid, a) for r, (_, a) in zip(recordings, series["model"], strict=True)
+        ],
     }
 
 
-def _enough(folder: Path, found: Sequence[Any], reports: Sequence[Report], needed: int) -> None:
+def _enough(
+    folder: Path, found: Sequence[Any], reports: Sequence[Report], needed: int
+) -> None:
     if len(found) < needed:
         why = "; ".join(str(report).strip() for report in reports if not report.used)
         raise FileFormatError(
@@ -466,7 +509,11 @@ def record(result: dict[str, Any]) -> dict[str, Any]:
 def text(result: dict[str, Any]) -> str:
     """The figures of `validate` as a table."""
     fitted = result["fitted_on"]
-    by = "the other half" if fitted is None else f"{len(fitted)} recordings of another folder"
+    by = (
+        "the other half"
+        if fitted is None
+        else f"{len(fitted)} recordings of another folder"
+    )
     lines = [
         f"{len(result['recordings'])} of {len(result['reports'])} recordings used; stiffnesses and lag fitted "
         f"on {by}",
@@ -483,11 +530,16 @@ def text(result: dict[str, Any]) -> str:
         roll, pitch = result["course"][name]
         lines.append(
             f"{name:24}{s.r2[0]:8.3f}{s.r2[1]:8.3f}   "
-            + "".join(f"{', '.join(f'{x:.2f}' for x in s.stiffness[:, k]):>17}" for k in (0, 1))
+            + "".join(
+                f"{', '.join(f'{x:.2f}' for x in s.stiffness[:, k]):>17}"
+                for k in (0, 1)
+            )
             + f"   {', '.join(f'{x:.2f}' for x in s.lag):>10}   {roll:7.3f}{pitch:7.3f}"
         )
     lines += ["", f"{'held-out R^2 of the model':40}{'roll':>8}{'pitch':>8}"]
-    for name, row in zip(result["recordings"], result["scores"]["model"].recordings, strict=True):
+    for name, row in zip(
+        result["recordings"], result["scores"]["model"].recordings, strict=True
+    ):
         lines.append(f"  {name:38}{row[0]:8.3f}{row[1]:8.3f}")
     return "\n".join(lines)
 
@@ -497,28 +549,43 @@ def plot(result: dict[str, Any], path: Path) -> None:
     from alpha5_model.viewer.figures import new_figure, write_figure
 
     names, scores = result["recordings"], result["scores"]
-    shown = np.unique(np.linspace(0, len(names) - 1, min(6, len(names))).round().astype(int))
+    shown = np.unique(
+        np.linspace(0, len(names) - 1, min(6, len(names))).round().astype(int)
+    )
     page = new_figure(15, 2.3 * len(shown) + 3.4)
-    grid = page.add_gridspec(len(shown) + 1, 2, height_ratios=[1.0] * len(shown) + [1.35])
+    grid = page.add_gridspec(
+        len(shown) + 1, 2, height_ratios=[1.0] * len(shown) + [1.35]
+    )
     for row, index in enumerate(shown):
         time, tilt = result["series"][index]
         predicted = scores["model"].predicted[index]
         for k, axis in ((0, 1), (1, 0)):  # pitch left, roll right
             axes = page.add_subplot(grid[row, k])
             axes.plot(time, np.degrees(tilt[:, axis]), color="#222222", linewidth=1.6)
-            axes.plot(time, np.degrees(predicted[:, axis]), color="#D55E00", linewidth=1.6)
+            axes.plot(
+                time, np.degrees(predicted[:, axis]), color="#D55E00", linewidth=1.6
+            )
             wrong = scores["COM and products wrong"].predicted[index]
             axes.plot(
-                time, np.degrees(wrong[:, axis]), color="#999999", linewidth=1, linestyle="--"
+                time,
+                np.degrees(wrong[:, axis]),
+                color="#999999",
+                linewidth=1,
+                linestyle="--",
             )
             r2 = scores["model"].recordings[index, axis]
             axes.set_title(f"{names[index]}   R² = {r2:.3f}", loc="left", fontsize=10)
             axes.set_ylabel(f"{AXES[axis]} [°]")
             axes.margins(x=0.01)
             if row == 0:
-                labels = ["measured by motion capture", "model, fitted on other recordings"]
+                labels = [
+                    "measured by motion capture",
+                    "model, fitted on other recordings",
+                ]
                 labels.append("the wrist's COM on the wrong side")
-                axes.legend(labels, fontsize=8, frameon=False, loc="best" if k else "lower left")
+                axes.legend(
+                    labels, fontsize=8, frameon=False, loc="best" if k else "lower left"
+                )
             if row == len(shown) - 1:
                 axes.set_xlabel("time [s]")
     axes = page.add_subplot(grid[-1, :])
@@ -526,7 +593,11 @@ def plot(result: dict[str, Any], path: Path) -> None:
     for k, (axis, colour) in enumerate(((1, "#0072B2"), (0, "#E69F00"))):
         values = np.array([s.r2[axis] for s in scores.values()])
         bars = axes.bar(
-            place + 0.4 * k - 0.2, np.maximum(values, 0), 0.36, color=colour, label=AXES[axis]
+            place + 0.4 * k - 0.2,
+            np.maximum(values, 0),
+            0.36,
+            color=colour,
+            label=AXES[axis],
         )
         axes.bar_label(bars, [f"{v:.3f}" for v in values], fontsize=9, padding=2)
     axes.set_xticks(place, list(scores))
@@ -549,12 +620,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the script; 0, or 2 with one line on stderr for a folder that cannot be used."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--fit", type=Path, metavar="FOLDER", help="fit on these recordings")
+    parser.add_argument(
+        "--fit", type=Path, metavar="FOLDER", help="fit on these recordings"
+    )
     parser.add_argument("--plot", type=Path, help="page of curves, .png, .pdf or .svg")
     parser.add_argument("--json", action="store_true", help="figures as JSON")
     options = parser.parse_args(arguments)
     try:
-        read = [path for folder in (options.folder, options.fit) for path in _csv_files(folder)]
+        read = [
+            path
+            for folder in (options.folder, options.fit)
+            for path in _csv_files(folder)
+        ]
         check_outputs(read, plot=(options.plot, FORMATS))
         result = validate(options.folder, options.fit)
         if options.plot:
@@ -562,7 +639,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         said = json.dumps(record(result), indent=2) if options.json else text(result)
         atomic_write(STDOUT, said + "\n")
     except OutputError as error:
-        if isinstance(error.__context__, BrokenPipeError):  # the reader has left, as `head` does
+        if isinstance(
+            error.__context__, BrokenPipeError
+        ):  # the reader has left, as `head` does
             return 0
         print(f"validate_recordings: {error}", file=sys.stderr)
         return 2

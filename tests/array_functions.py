@@ -108,7 +108,12 @@ def _of_arm(owner: str, arm: Any, rng: np.random.Generator) -> dict[str, Call]:
         if name.startswith("_"):
             continue
         given = [p for p in inspect.signature(value).parameters if p in state]
-        if not given or name in ("with_hydrodynamics", "configuration", "reaction", "trim"):
+        if not given or name in (
+            "with_hydrodynamics",
+            "configuration",
+            "reaction",
+            "trim",
+        ):
             continue
         if name == "regressor" and arm._kernel_parameters is None:
             continue  # refused
@@ -129,7 +134,11 @@ def _bounded(model: Any) -> Any:
 
 
 def _vehicle(**arrays: Any) -> a5.Vehicle:
-    own = {"com": np.zeros(3), "inertia": np.diag([0.26, 0.23, 0.37]), "cob": [0.0, 0.0, 0.02]}
+    own = {
+        "com": np.zeros(3),
+        "inertia": np.diag([0.26, 0.23, 0.37]),
+        "cob": [0.0, 0.0, 0.02],
+    }
     return a5.Vehicle(**{"mass": 13.5, "volume": 0.0134, **own, **arrays})
 
 
@@ -168,19 +177,31 @@ def arm_calls() -> list[tuple[str, Call]]:
         "bounds": (a5.uncertainty.bounds, state, {}),
         "torque_bounds": (a5.uncertainty.torque_bounds, state, {}),
         "without_self_collision": (a5.without_self_collision, {"q": q}, {"wrists": 2}),
-        "load": (lambda **g: torque(a5.load(**g)), {"gravity": np.array([1.0, 2.0, -9.0])}, {}),
+        "load": (
+            lambda **g: torque(a5.load(**g)),
+            {"gravity": np.array([1.0, 2.0, -9.0])},
+            {},
+        ),
         "arm": (
             lambda **g: torque(a5.uncertainty.arm(a5.parameters(), **g)),
             {"gravity": np.array([1.0, 2.0, -9.0])},
             {},
         ),
-        "Arm.with_payload": (lambda **g: torque(plain.with_payload(0.6, **g)), _LOAD, {}),
+        "Arm.with_payload": (
+            lambda **g: torque(plain.with_payload(0.6, **g)),
+            _LOAD,
+            {},
+        ),
         "HydrodynamicArm.with_payload": (
             lambda **g: torque(wet.with_payload(0.6, **g)),
             {**_LOAD, "added_mass": np.diag(np.arange(1.0, 7.0))},
             {},
         ),
-        "Arm.with_hydrodynamics": (lambda **g: torque(plain.with_hydrodynamics(**g)), current, {}),
+        "Arm.with_hydrodynamics": (
+            lambda **g: torque(plain.with_hydrodynamics(**g)),
+            current,
+            {},
+        ),
         "ArmOnVehicle.configuration": (
             on_vehicle.configuration,
             {"transform_vehicle_to_world": np.eye(4), "q": q[0]},
@@ -219,8 +240,18 @@ def kinematics_calls() -> list[tuple[str, Call]]:
     table: list[tuple[str, Any, dict[str, Any], dict[str, Any]]] = [
         ("inverse_kinematics", a5.inverse_kinematics, {"position": positions}, {}),
         ("inverse_kinematics", a5.inverse_kinematics, {"position": positions[0]}, {}),
-        ("inverse_kinematics", a5.inverse_kinematics, {"position": positions, "wrist": wrist}, {}),
-        ("inverse_kinematics_pose", a5.inverse_kinematics_pose, {"transform": poses}, {}),
+        (
+            "inverse_kinematics",
+            a5.inverse_kinematics,
+            {"position": positions, "wrist": wrist},
+            {},
+        ),
+        (
+            "inverse_kinematics_pose",
+            a5.inverse_kinematics_pose,
+            {"transform": poses},
+            {},
+        ),
         (
             "inverse_kinematics_path",
             a5.inverse_kinematics_path,
@@ -245,7 +276,12 @@ def kinematics_calls() -> list[tuple[str, Call]]:
         ("reachable", a5.reachable, {"positions": positions}, {}),
         ("distance_to_reach", a5.distance_to_reach, {"positions": positions}, {}),
         ("nearest_reachable", a5.nearest_reachable, {"positions": positions}, {}),
-        ("published_reachable", space.published_reachable, {"positions": positions}, {}),
+        (
+            "published_reachable",
+            space.published_reachable,
+            {"positions": positions},
+            {},
+        ),
         ("in_half_plane", space.in_half_plane, plane, {}),
         ("in_tori", space.in_tori, plane, {}),
         ("manipulability", space.manipulability, {"q": q}, {}),
@@ -267,18 +303,26 @@ def theory_calls() -> list[tuple[str, Call]]:
     chain = a5.dh.DHChain.alpha5()
     pose = chain.forward_kinematics(q[0])
     planar = a5.planar.PlanarArm((5.0, 4.0, 1.0))
-    arc, segment = a5.planar.Arc((0.1, 0.2), 1.0), a5.planar.Segment((0.1, 0.2), 0.3, 1.0)
+    arc, segment = (
+        a5.planar.Arc((0.1, 0.2), 1.0),
+        a5.planar.Segment((0.1, 0.2), 0.3, 1.0),
+    )
     points = rng.uniform(-6.0, 6.0, (ROWS, 2))
     axis = a5.actuators.actuator("axis_c", rotor_inertia=1e-7)
     time = np.linspace(0.0, 2.0, 101)
     wave = np.sin(time[:, None] + np.arange(4.0)) * 0.3 + 1.5
     moved = {"time": time, "position": wave}
-    points_3, ways_3 = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0.0, 0, 1], [0, 1, 0]])
+    points_3, ways_3 = (
+        np.array([[0.0, 0, 0], [1, 0, 0]]),
+        np.array([[0.0, 0, 1], [0, 1, 0]]),
+    )
     drag = {"torque": torque, "velocity": velocity, "acceleration": more}
     current = {"current": torque, "velocity": velocity, "acceleration": more}
     limits = {"supply_voltage": 24.0, "current_limit": 3.0}
     pulled = {"mass": mass, "com": com, "inertia_com": tensor}
-    recording = a5.trajectory.motion(**moved, joints=("axis_e", "axis_d", "axis_c", "axis_b"))
+    recording = a5.trajectory.motion(
+        **moved, joints=("axis_e", "axis_d", "axis_c", "axis_b")
+    )
     wrench = rng.normal(size=(101, 6))
     drawn = a5.uncertainty.sample(3)
 
@@ -296,7 +340,12 @@ def theory_calls() -> list[tuple[str, Call]]:
             {"com": com[0], "inertia": tensor[0]},
             {"name": "a body", "mass": 0.1},
         ),
-        ("combine", inertia.combine, {"masses": mass, "coms": com, "inertias": tensor}, {}),
+        (
+            "combine",
+            inertia.combine,
+            {"masses": mass, "coms": com, "inertias": tensor},
+            {},
+        ),
         (
             "check_possible",
             inertia.check_possible,
@@ -307,13 +356,27 @@ def theory_calls() -> list[tuple[str, Call]]:
         (
             "inconsistencies",
             inertia.inconsistencies,
-            {"com": com[0], "inertia_com": far[0], "bounds": np.tile([-1.0, 1.0], (3, 1))},
+            {
+                "com": com[0],
+                "inertia_com": far[0],
+                "bounds": np.tile([-1.0, 1.0], (3, 1)),
+            },
             {"mass": 0.1},
         ),
-        ("point_mass_tensor", inertia.point_mass_tensor, {"mass": mass, "position": com}, {}),
+        (
+            "point_mass_tensor",
+            inertia.point_mass_tensor,
+            {"mass": mass, "position": com},
+            {},
+        ),
         ("principal_moments", inertia.principal_moments, {"inertia": far}, {}),
         ("pseudo_inertia", inertia.pseudo_inertia, pulled, {}),
-        ("radii_of_gyration", inertia.radii_of_gyration, {"mass": mass, "inertia": tensor}, {}),
+        (
+            "radii_of_gyration",
+            inertia.radii_of_gyration,
+            {"mass": mass, "inertia": tensor},
+            {},
+        ),
         (
             "rotate_tensor",
             inertia.rotate_tensor,
@@ -363,7 +426,12 @@ def theory_calls() -> list[tuple[str, Call]]:
         (
             "DHChain.from_axes",
             a5.dh.DHChain.from_axes,
-            {"points": points_3, "directions": ways_3, "end_effector": pose, "q": q[0, :2]},
+            {
+                "points": points_3,
+                "directions": ways_3,
+                "end_effector": pose,
+                "q": q[0, :2],
+            },
             {},
         ),
         (
@@ -404,11 +472,26 @@ def theory_calls() -> list[tuple[str, Call]]:
         ),
         ("Arc.moved", arc.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
         ("Arc.point", arc.point, {"t": torque}, {}),
-        ("Arc.parameter", arc.parameter, {"points": arc.point(mass)}, {"tolerance": 1e-9}),
+        (
+            "Arc.parameter",
+            arc.parameter,
+            {"points": arc.point(mass)},
+            {"tolerance": 1e-9},
+        ),
         ("Segment.moved", segment.moved, {"shift": com[0, :2]}, {"angle": 0.1}),
         ("Segment.point", segment.point, {"t": torque}, {}),
-        ("Segment.parameter", segment.parameter, {"points": points}, {"tolerance": 1e-9}),
-        ("motion", a5.trajectory.motion, {**moved, "velocity": wave, "effort": wave}, {}),
+        (
+            "Segment.parameter",
+            segment.parameter,
+            {"points": points},
+            {"tolerance": 1e-9},
+        ),
+        (
+            "motion",
+            a5.trajectory.motion,
+            {**moved, "velocity": wave, "effort": wave},
+            {},
+        ),
         ("analyse", analysed, {"current": com[0]}, {}),
         ("identify", identified, {"wrench": wrench}, {}),
         ("Sample.base_parameters", drawn.base_parameters, {"gravity": com[0]}, {}),
@@ -439,15 +522,21 @@ def theory_calls() -> list[tuple[str, Call]]:
 def jax_calls() -> list[tuple[str, Call]]:
     """Of `alpha5_model.jax`, one state each, (name, call)."""
     arm = jax_arms.load()
-    state = dict(zip(("q", "v", "a"), np.random.default_rng(6).normal(size=(3, 4)), strict=True))
+    state = dict(
+        zip(("q", "v", "a"), np.random.default_rng(6).normal(size=(3, 4)), strict=True)
+    )
     state["tau"] = state["a"]
     calls = []
     for name, method in inspect.getmembers(jax_arms.JaxArm, inspect.isfunction):
-        given = {p: state[p] for p in inspect.signature(method).parameters if p in state}
+        given = {
+            p: state[p] for p in inspect.signature(method).parameters if p in state
+        }
         if given:
             calls.append((f"JaxArm.{name}", Call(getattr(arm, name), given, {})))
     target = {"position": np.array([0.2, 0.1, 0.1]), "wrist": np.array([0.3])}
-    calls.append(("jax.inverse_kinematics", Call(jax_arms.inverse_kinematics, target, {})))
+    calls.append(
+        ("jax.inverse_kinematics", Call(jax_arms.inverse_kinematics, target, {}))
+    )
     held = Call(lambda **given: arm.with_payload(0.6, **given).parameters, _LOAD, {})
     calls.append(("JaxArm.with_payload", held))
     return calls

@@ -29,7 +29,9 @@ class State:
     frame: str = ""
 
 
-def write_bag(folder: Path, kind: str, states: Iterable[State], compression: str = "") -> Path:
+def write_bag(
+    folder: Path, kind: str, states: Iterable[State], compression: str = ""
+) -> Path:
     """The bag's file, or the folder of a ROS 2 bag, as `read_motion` takes it.
 
     Args:
@@ -56,7 +58,9 @@ def write_bag(folder: Path, kind: str, states: Iterable[State], compression: str
             writer.set_compression(writer.CompressionFormat[compression.upper()])
     else:
         plugin = (
-            rosbag2.StoragePlugin.SQLITE3 if kind.endswith(".db3") else rosbag2.StoragePlugin.MCAP
+            rosbag2.StoragePlugin.SQLITE3
+            if kind.endswith(".db3")
+            else rosbag2.StoragePlugin.MCAP
         )
         writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
         if compression:
@@ -74,9 +78,13 @@ def write_bag(folder: Path, kind: str, states: Iterable[State], compression: str
                 )
             stamp = time(*divmod(s.stamp, 10**9))
             head = header(0, stamp, s.frame) if first else header(stamp, s.frame)
-            arrays = (np.array(x, dtype=float) for x in (s.position, s.velocity, s.effort))
+            arrays = (
+                np.array(x, dtype=float) for x in (s.position, s.velocity, s.effort)
+            )
             message = joint_state(head, list(s.names), *arrays)
             received = s.received or s.stamp + 10**6
-            writer.write(connections[key], received, serialize(message, joint_state.__msgtype__))
+            writer.write(
+                connections[key], received, serialize(message, joint_state.__msgtype__)
+            )
     whole = kind == ".bag" or kind.startswith("folder")
     return path if whole else next(path.glob(f"*{kind}"))

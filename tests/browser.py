@@ -132,7 +132,10 @@ def new_tab(running: Any, size: tuple[int, int] = SIZE, **options: Any) -> Tab:
     tab = Tab(page)
     page.on(
         "console",
-        lambda m: m.type in ("error", "warning") and tab.complaints.append(f"{m.type}: {m.text}"),
+        lambda m: (
+            m.type in ("error", "warning")
+            and tab.complaints.append(f"{m.type}: {m.text}")
+        ),
     )
     page.on("pageerror", lambda error: tab.complaints.append(str(error)))
     page.on("request", lambda request: tab.requests.append(request.url))

@@ -64,4 +64,6 @@ POSITIONS = {
 
 def not_positions() -> list[str]:
     """The names, each with ``*`` for the joint."""
-    return [name for line in NOT_POSITIONS.split("\n") if line for name in line.split("|")]
+    return [
+        name for line in NOT_POSITIONS.split("\n") if line for name in line.split("|")
+    ]

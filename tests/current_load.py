@@ -34,8 +34,12 @@ def strip_drag(strip: dict, level: int, velocity, density: float, pieces: int = 
     along = (flow @ axis)[:, None] * axis
     across = flow - along
     area = 0.5 * density * float(strip["diameter"]) / 1000 * length / pieces
-    force = float(strip["across"][level]) * np.linalg.norm(across, axis=1)[:, None] * across
-    force += float(strip["along"][level]) * np.linalg.norm(along, axis=1)[:, None] * along
+    force = (
+        float(strip["across"][level]) * np.linalg.norm(across, axis=1)[:, None] * across
+    )
+    force += (
+        float(strip["along"][level]) * np.linalg.norm(along, axis=1)[:, None] * along
+    )
     return points, area * force
 
 
@@ -48,10 +52,14 @@ def load(q, current, level: int, density: float = 1025.0, numbers: str = "estima
         u = turn.T @ np.asarray(current, dtype=float)
         force, moment = np.zeros(3), np.zeros(3)
         for strip in row["strips"]:
-            points, drag = strip_drag(strip, level, lambda p, u=u: np.tile(u, (len(p), 1)), density)
+            points, drag = strip_drag(
+                strip, level, lambda p, u=u: np.tile(u, (len(p), 1)), density
+            )
             force += drag.sum(axis=0)
             moment += np.cross(points, drag).sum(axis=0)
-        added = np.array(row["added_mass"], dtype=float) * float(row["added_mass_factor"][level])
+        added = np.array(row["added_mass"], dtype=float) * float(
+            row["added_mass_factor"][level]
+        )
         # The water pushes a body that stands still by -nu x* A nu, nu = -u.
         moment -= np.cross(u, density / 1000 * added[:3, :3] @ u)
         force, moment = turn @ force, turn @ moment

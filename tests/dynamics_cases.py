@@ -25,13 +25,29 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "locked, payload, tilted": {"gravity": TILTED, "payload": PAYLOAD},
     "to the letter": {"corrections": ()},
     "kernels": {"backend": "kernels"},
-    "kernels, air, tilted": {"backend": "kernels", "fluid_density": a5.AIR, "gravity": TILTED},
-    "kernels, payload, tilted": {"backend": "kernels", "gravity": TILTED, "payload": PAYLOAD},
+    "kernels, air, tilted": {
+        "backend": "kernels",
+        "fluid_density": a5.AIR,
+        "gravity": TILTED,
+    },
+    "kernels, payload, tilted": {
+        "backend": "kernels",
+        "gravity": TILTED,
+        "payload": PAYLOAD,
+    },
     "floating": {"floating_base": True},
-    "floating, air, payload": {"floating_base": True, "fluid_density": 0.0, "payload": PAYLOAD},
+    "floating, air, payload": {
+        "floating_base": True,
+        "fluid_density": 0.0,
+        "payload": PAYLOAD,
+    },
     "jaws": {"gripper": "jaws", "gravity": TILTED},
     "jaws, payload": {"gripper": "jaws", "payload": {**PAYLOAD, "frame": "finger_1"}},
-    "jaws, floating, payload": {"gripper": "jaws", "floating_base": True, "payload": PAYLOAD},
+    "jaws, floating, payload": {
+        "gripper": "jaws",
+        "floating_base": True,
+        "payload": PAYLOAD,
+    },
 }
 
 
@@ -97,7 +113,9 @@ def central_difference(
     """Derivative of function(q, *rest) along each coordinate of the tangent space, as columns."""
     columns = []
     for i in range(arm.model.nv):
-        h = step * (0.02 if arm.model.nv - i == 1 and "axis_a" in arm.joint_names else 1.0)
+        h = step * (
+            0.02 if arm.model.nv - i == 1 and "axis_a" in arm.joint_names else 1.0
+        )
         dq = np.zeros(arm.model.nv)
         dq[i] = h
         ahead, behind = (function(moved(arm, q, s * dq), *rest) for s in (1.0, -1.0))

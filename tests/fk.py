@@ -24,7 +24,11 @@ def fk(q: np.ndarray) -> np.ndarray:
         row[..., 0, 0], row[..., 0, 1], row[..., 0, 2] = c, -s * ca, s * sa
         row[..., 1, 0], row[..., 1, 1], row[..., 1, 2] = s, c * ca, -c * sa
         row[..., 2, 1], row[..., 2, 2] = sa, ca
-        row[..., 0, 3], row[..., 1, 3], row[..., 2, 3] = a / 1e3 * c, a / 1e3 * s, d / 1e3
+        row[..., 0, 3], row[..., 1, 3], row[..., 2, 3] = (
+            a / 1e3 * c,
+            a / 1e3 * s,
+            d / 1e3,
+        )
         row[..., 3, 3] = 1.0
         out = out @ row
     return out

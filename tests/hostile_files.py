@@ -92,14 +92,15 @@ ENTITIES = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 12
 URDFS = {
     **{f"program {name}": with_name(text) for name, text in PROGRAMS.items()},
     **{f"mesh {name}": with_mesh(text) for name, text in ADDRESSES.items()},
-    "include": OWN.replace("</robot>", '<xacro:include filename="SECRET"/></robot>').replace(
-        "<robot ", f"<robot {SPACE} ", 1
-    ),
+    "include": OWN.replace(
+        "</robot>", '<xacro:include filename="SECRET"/></robot>'
+    ).replace("<robot ", f"<robot {SPACE} ", 1),
     "xinclude": OWN.replace(
         "</robot>",
         '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="SECRET" parse="text"/></robot>',
     ),
-    "style sheet": '<?xml-stylesheet type="text/xsl" href="SECRET"?>' + OWN.partition("?>")[2],
+    "style sheet": '<?xml-stylesheet type="text/xsl" href="SECRET"?>'
+    + OWN.partition("?>")[2],
     "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "file://SECRET">]><robot name="&x;"/>',
     "entity in text": '<!DOCTYPE robot [<!ENTITY x SYSTEM "SECRET">]><robot name="a">&x;</robot>',
     "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "file://SECRET"> %x;]><robot/>',
@@ -169,7 +170,8 @@ RECORDINGS = {
     "cell": HEADER + "\n" + "9" * 200_000 + ",1,1,1,1\n",
     "digits": HEADER + "\n" + f"0,1,1,1,0.{'0' * 100_000}1\n" * 1,
     "powers": HEADER + "\n" + "".join(f"{k},1e{'9' * 3000},1,1,1\n" for k in range(30)),
-    "names": ",".join(f"{x}_axis_{y}" for x in "abcdefghij" * 500 for y in "edcb") + "\n",
+    "names": ",".join(f"{x}_axis_{y}" for x in "abcdefghij" * 500 for y in "edcb")
+    + "\n",
     "name": "tau_" * 25_000 + "axis_e\n",
     "times": HEADER + "\n" + "".join(f"{k % 7}e300,1,1,1,1\n" for k in range(4000)),
     "zero": RECORDING.replace("1", "\0"),
@@ -223,7 +225,9 @@ def bags(folder: Path, secret: Path, canary: Path) -> dict[str, Path]:
         made[name].write_bytes(content)
 
     def states() -> list[State]:
-        return [State(10**18 + k * 10**8, JOINTS, (1.0, 1.0, 1.0, 0.5)) for k in range(8)]
+        return [
+            State(10**18 + k * 10**8, JOINTS, (1.0, 1.0, 1.0, 0.5)) for k in range(8)
+        ]
 
     for kind in (".bag", ".mcap", ".db3"):
         (folder / f"good{kind}").mkdir()
@@ -232,7 +236,9 @@ def bags(folder: Path, secret: Path, canary: Path) -> dict[str, Path]:
         file(f"noise {kind}", good[:64] + bytes(range(256)) * 300, kind)
         file(f"text {kind}", b"tau_axis_e\n" * 5000, kind)
         file(f"empty {kind}", b"", kind)
-    file("lengths .mcap", b"\x89MCAP0\r\n" + b"\x01" + b"\xff" * 8 + b"x" * 1000, ".mcap")
+    file(
+        "lengths .mcap", b"\x89MCAP0\r\n" + b"\x01" + b"\xff" * 8 + b"x" * 1000, ".mcap"
+    )
     file("lengths .bag", b"#ROSBAG V2.0\n" + b"\xff\xff\xff\x7f" * 1000, ".bag")
     file("compressed .bag", _bz2_bomb(), ".bag")
     made |= _databases(folder)
@@ -248,7 +254,12 @@ def _bz2_bomb() -> bytes:
             struct.pack("<I", len(k) + 1 + len(v)) + k.encode() + b"=" + v
             for k, v in fields.items()
         )
-        return struct.pack("<I", len(head)) + head + struct.pack("<I", len(content)) + content
+        return (
+            struct.pack("<I", len(head))
+            + head
+            + struct.pack("<I", len(content))
+            + content
+        )
 
     packed = bz2.compress(bytes(200_000_000), 9)
     size = struct.pack("<I", 200_000_000)
@@ -257,8 +268,16 @@ def _bz2_bomb() -> bytes:
     counts = {"conn_count": struct.pack("<I", 0), "chunk_count": struct.pack("<I", 1)}
     head = record({"op": b"\x03", "index_pos": where, **counts}, b"")
     padded = head[:-4] + struct.pack("<I", 4096 - len(head)) + b" " * (4096 - len(head))
-    info = {"op": b"\x06", "ver": struct.pack("<I", 1), "chunk_pos": struct.pack("<Q", 13 + 4096)}
-    times = {"start_time": bytes(8), "end_time": bytes(8), "count": struct.pack("<I", 0)}
+    info = {
+        "op": b"\x06",
+        "ver": struct.pack("<I", 1),
+        "chunk_pos": struct.pack("<Q", 13 + 4096),
+    }
+    times = {
+        "start_time": bytes(8),
+        "end_time": bytes(8),
+        "count": struct.pack("<I", 0),
+    }
     return b"#ROSBAG V2.0\n" + padded + chunk + record(info | times, b"")
 
 
@@ -308,14 +327,18 @@ rosbag2_bagfile_information:
 def _folders(folder: Path, secret: Path, canary: Path) -> dict[str, Path]:
     """Folders whose ``metadata.yaml`` is a program, grows without end or names other files."""
     program = f"!!python/object/apply:os.system ['touch {canary}']"
-    bomb = "a0: &a0 [x]\n" + "".join(f"a{k}: &a{k} [{f'*a{k - 1},' * 10}]\n" for k in range(1, 9))
+    bomb = "a0: &a0 [x]\n" + "".join(
+        f"a{k}: &a{k} [{f'*a{k - 1},' * 10}]\n" for k in range(1, 9)
+    )
     texts = {
         "yaml program": METADATA.replace("NONE", program),
         "yaml bomb": bomb + METADATA.replace("NONE", "*a8"),
         "yaml levels": METADATA.replace("NONE", "[" * 3000),
         "other mcap": METADATA.replace("PATH", f"../outside/{secret.name}.mcap"),
         "other absolute": METADATA.replace("PATH", f"{secret}.mcap"),
-        "other db3": METADATA.replace("PATH", f"{secret}.db3").replace("mcap\n", "sqlite3\n"),
+        "other db3": METADATA.replace("PATH", f"{secret}.db3").replace(
+            "mcap\n", "sqlite3\n"
+        ),
         "yaml noise": "\0" * 1000,
     }
     made = {}

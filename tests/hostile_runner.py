@@ -39,7 +39,10 @@ def warm() -> None:
     rosbags.typesys.get_typestore(rosbags.typesys.Stores.LATEST)
     rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS1_NOETIC)
     assert all((xacro, rosbags.rosbag1, rosbags.rosbag2))
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+    with (
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.redirect_stderr(io.StringIO()),
+    ):
         cli.main(["compare", str(a5.URDF_PATH), "--samples", "3"])
         cli.main(["check", "--urdf", str(a5.URDF_PATH)])
         cli.main(["dh", "--urdf", str(a5.URDF_PATH)])
@@ -55,7 +58,9 @@ def child(case: dict[str, Any], report: Path) -> int:
         file = os.open(f"{report}.{name}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)
     sys.stdout = os.fdopen(1, "w", encoding="utf-8", closefd=False)
-    sys.stderr = os.fdopen(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False)
+    sys.stderr = os.fdopen(
+        2, "w", encoding="utf-8", errors="backslashreplace", closefd=False
+    )
     resource.setrlimit(resource.RLIMIT_CPU, (CPU_LIMIT, CPU_LIMIT))
     sys.argv = ["alpha5", *case["args"]]
     status = 0
@@ -95,7 +100,9 @@ def tried(case: dict[str, Any], report: Path) -> dict[str, Any]:
         "status": os.waitstatus_to_exitcode(state),
         "out": Path(f"{report}.out").read_text("utf-8", "replace"),
         "err": Path(f"{report}.err").read_text("utf-8", "replace"),
-        "misdeeds": json.loads(misdeeds.read_text()) if misdeeds.exists() else ["no report"],
+        "misdeeds": json.loads(misdeeds.read_text())
+        if misdeeds.exists()
+        else ["no report"],
         "seconds": usage.ru_utime + usage.ru_stime,
         "memory": 1024 * (usage.ru_maxrss - before),
     }

@@ -20,7 +20,9 @@ def near(angle: np.ndarray, joint: int) -> np.ndarray:
     return angle - 2 * np.pi * np.floor((angle - MIDDLE[joint]) / (2 * np.pi) + 0.5)
 
 
-def on_limit(angle: np.ndarray, joint: int, slack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def on_limit(
+    angle: np.ndarray, joint: int, slack: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The angle, on its limit if it passes that by no more than the slack; whether it is within."""
     clipped = np.clip(angle, LOWER[joint], UPPER[joint])
     fits = np.abs(angle - clipped) <= slack
@@ -45,7 +47,9 @@ def solved(position: np.ndarray, wrist: np.ndarray) -> tuple[np.ndarray, ...]:
         exists[:, branch] = left >= -EDGE
         singular |= exists[:, branch] & (left <= 1e-9)
         azimuth = np.arctan2(y, x) - math.pi + (0 if faces > 0 else math.pi)
-        theta_0, fits_0 = on_limit(near(azimuth, 0), 0, LIMIT + 1e-15 / np.maximum(distance, AXIS))
+        theta_0, fits_0 = on_limit(
+            near(azimuth, 0), 0, LIMIT + 1e-15 / np.maximum(distance, AXIS)
+        )
         theta_0 = np.where(free, MIDDLE[0], theta_0)
         above, below = (L_1 + L_2) ** 2 - rho**2, rho**2 - (L_2 - L_1) ** 2
         half = np.arctan2(*(np.sqrt(np.maximum(part, 0)) for part in (below, above)))
@@ -53,9 +57,13 @@ def solved(position: np.ndarray, wrist: np.ndarray) -> tuple[np.ndarray, ...]:
         raw = near(np.arctan2(h, r) - side * inner - PHI, 1)
         sine = np.maximum(np.sqrt(np.abs(above) / (L_1 * L_2)), 1e-7)
         theta_1, fits_1 = on_limit(raw, 1, LIMIT + 1e-14 / sine)
-        theta_2 = near(side * 2 * half + FOLDED, 2) + (L_1 + L_2) / L_2 * (theta_1 - raw)
+        theta_2 = near(side * 2 * half + FOLDED, 2) + (L_1 + L_2) / L_2 * (
+            theta_1 - raw
+        )
         theta_2, fits_2 = on_limit(theta_2, 2, least)
         q[:, branch] = np.stack([theta_0, theta_1, theta_2, theta_3], axis=-1)
-        within[:, branch] = exists[:, branch] & (fits_0 | free) & fits_1 & fits_2 & fits_3
+        within[:, branch] = (
+            exists[:, branch] & (fits_0 | free) & fits_1 & fits_2 & fits_3
+        )
     q[~exists] = np.nan
     return q, exists, within, singular

@@ -15,16 +15,25 @@ EDGES = ("axis", "stretched", "folded", *(f"limit_{joint}" for joint in range(4)
 def ordinary(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Half of them reached by a random joint position, half anywhere; (N, 3) and wrists (N,)."""
     rng = np.random.default_rng(seed)
-    reached, anywhere = tip(sample(count // 2, seed)), rng.uniform(-0.4, 0.4, (count // 2, 3))
-    return np.concatenate([reached, anywhere]), rng.uniform(-10.0, 10.0, 2 * (count // 2))
+    reached, anywhere = (
+        tip(sample(count // 2, seed)),
+        rng.uniform(-0.4, 0.4, (count // 2, 3)),
+    )
+    return np.concatenate([reached, anywhere]), rng.uniform(
+        -10.0, 10.0, 2 * (count // 2)
+    )
 
 
-def at_edge(edge: str, count: int, seed: int, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def at_edge(
+    edge: str, count: int, seed: int, gap: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Targets that an edge runs through but for a gap of either sign, (count,) [m or rad]."""
     rng, q = np.random.default_rng(seed), sample(count, seed)
     if edge.startswith("limit"):
         joint = int(edge[-1])
-        q[:, joint] = np.where(rng.random(count) < 0.5, LOWER[joint], UPPER[joint]) + gap
+        q[:, joint] = (
+            np.where(rng.random(count) < 0.5, LOWER[joint], UPPER[joint]) + gap
+        )
         return elbow_and_tip(q)[1], q[:, 3].copy()
     _, position = elbow_and_tip(q)
     if edge == "axis":

@@ -71,7 +71,9 @@ def newton_euler(
         turn = rotation_x(ALPHA[3]) @ rotation_z(np.array(reference.DH[4][1]))
         tcp = np.array([A[3], 0.0, D[3]])
         held_tensor = turn @ tensor @ turn.T
-        bodies.append((4, m, tcp + turn @ com, held_tensor, v_held, tcp + turn @ cob_held))
+        bodies.append(
+            (4, m, tcp + turn @ com, held_tensor, v_held, tcp + turn @ cob_held)
+        )
     n = len(q)
     omega, alpha, acceleration = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
     forces, moments, arms = [], [], []
@@ -80,17 +82,23 @@ def newton_euler(
         if i > 0:
             step = origins[i] - origins[i - 1]
             acceleration = (
-                acceleration + np.cross(alpha, step) + np.cross(omega, np.cross(omega, step))
+                acceleration
+                + np.cross(alpha, step)
+                + np.cross(omega, np.cross(omega, step))
             )
             z = rotation[:, :, 2]
             rate = z * v[:, i - 1, None]
             alpha = alpha + z * a[:, i - 1, None] + np.cross(omega, rate)
             omega = omega + rate
         total, turning = np.zeros((n, 3)), np.zeros((n, 3))
-        for _, m, com, tensor, displaced, centre in (body for body in bodies if body[0] == i):
+        for _, m, com, tensor, displaced, centre in (
+            body for body in bodies if body[0] == i
+        ):
             to_com, to_cob = rotation @ com, rotation @ centre
             com_acceleration = (
-                acceleration + np.cross(alpha, to_com) + np.cross(omega, np.cross(omega, to_com))
+                acceleration
+                + np.cross(alpha, to_com)
+                + np.cross(omega, np.cross(omega, to_com))
             )
             world_tensor = rotation @ tensor @ np.swapaxes(rotation, 1, 2)
             spin = np.einsum("nij,nj->ni", world_tensor, omega)

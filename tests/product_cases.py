@@ -41,6 +41,9 @@ def states(count: int, seed: int) -> list[dict[str, np.ndarray]]:
     q = sample(count, seed)
     q[0] = 0.0
     return [
-        {"q": row, **{name: rng.normal(scale=2.0, size=4) for name in ("v", "a", "tau")}}
+        {
+            "q": row,
+            **{name: rng.normal(scale=2.0, size=4) for name in ("v", "a", "tau")},
+        }
         for row in q
     ]

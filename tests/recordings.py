@@ -12,5 +12,6 @@ RECORDINGS = Path(os.environ.get("ALPHA5_RECORDINGS", _BESIDE))
 JOINT_STATES = sorted(RECORDINGS.glob("*_joint_states.csv"))
 
 needs_recordings = pytest.mark.skipif(
-    not JOINT_STATES, reason="no recordings: the folder shared/data beside the checkout is absent"
+    not JOINT_STATES,
+    reason="no recordings: the folder shared/data beside the checkout is absent",
 )

@@ -64,7 +64,12 @@ def dh_frames(q: np.ndarray) -> list[np.ndarray]:
     """DH frames {0} to {5} in the base frame, Section 1.1."""
     frames = [np.eye(4)]
     for (d, offset, a, alpha), angle in zip(DH, [*q, 0.0], strict=True):
-        row = rotation_z(angle + offset) @ translation(0, d) @ translation(a, 0) @ rotation_x(alpha)
+        row = (
+            rotation_z(angle + offset)
+            @ translation(0, d)
+            @ translation(a, 0)
+            @ rotation_x(alpha)
+        )
         frames.append(frames[-1] @ row)
     return frames
 

@@ -89,7 +89,9 @@ STATEMENTS: list[Statement] = []
 def statement(page: str, words: str, *marks: Any) -> Callable[[Any], Any]:
     """Register the decorated function as what computes the numbers of a statement."""
 
-    def register(figures: Callable[[], Sequence[Figure]]) -> Callable[[], Sequence[Figure]]:
+    def register(
+        figures: Callable[[], Sequence[Figure]],
+    ) -> Callable[[], Sequence[Figure]]:
         STATEMENTS.append(Statement(page, words, figures, marks))
         return figures
 
@@ -100,7 +102,8 @@ def parameters_of(module: str) -> list[Any]:
     """The statements of a test module, for pytest."""
     mine = [item for item in STATEMENTS if item.figures.__module__ == module]
     return [
-        pytest.param(item, marks=item.marks, id=f"{item.page}: {item.words[:40]}") for item in mine
+        pytest.param(item, marks=item.marks, id=f"{item.page}: {item.words[:40]}")
+        for item in mine
     ]
 
 

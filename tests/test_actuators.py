@@ -10,7 +10,12 @@ from scipy.integrate import solve_ivp
 
 import alpha5_model as a5
 from alpha5_model import actuators
-from alpha5_model.errors import InputError, MissingParameterError, ShapeError, UnknownNameError
+from alpha5_model.errors import (
+    InputError,
+    MissingParameterError,
+    ShapeError,
+    UnknownNameError,
+)
 
 # Table 4, typed from the document, in SI: R, L, F, tolerance, eta, K_t, K_v, Gr.
 BIG = (3.22, 231e-6, 3.752e-3, 0.10, 0.86, 0.0134, 0.0116, 1754.4)
@@ -50,7 +55,9 @@ def test_current_in_four_quadrants(joint: str, efficiency: str) -> None:
         for t, v in zip(torque, velocity, strict=True)
     ]
     np.testing.assert_allclose(motor.current(torque, velocity), expected, rtol=1e-13)
-    np.testing.assert_allclose(motor.torque(expected, velocity), torque, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        motor.torque(expected, velocity), torque, rtol=1e-9, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("joint", REVOLUTE)
@@ -66,7 +73,9 @@ def test_whose_efficiency_eta_max_is(joint: str) -> None:
     assert (plain.power(torque, velocity).gear[velocity != 0] > 0).all()
 
     low, high = lossless.holding_current(2.0)
-    assert (low, high) == pytest.approx(((2 / gear - friction) / k_t, (2 / gear + friction) / k_t))
+    assert (low, high) == pytest.approx(
+        ((2 / gear - friction) / k_t, (2 / gear + friction) / k_t)
+    )
     low, high = lossless.holding_torque(0.05)
     assert (low, high) == pytest.approx(
         ((k_t * 0.05 - friction) * gear, (k_t * 0.05 + friction) * gear)
@@ -75,11 +84,15 @@ def test_whose_efficiency_eta_max_is(joint: str) -> None:
     # Stalled at full voltage, friction left out: eta apart.
     ends = [motor.torque_limits(0.0, 24.0, 100.0).upper for motor in (plain, lossless)]
     assert ends == pytest.approx([k_t * 24 / resistance * gear] * 2)
-    ends = [motor.torque_limits(1e-12, 24.0, 100.0).upper for motor in (plain, lossless)]
+    ends = [
+        motor.torque_limits(1e-12, 24.0, 100.0).upper for motor in (plain, lossless)
+    ]
     stalled = (k_t * 24 / resistance - friction) * gear
     assert ends == pytest.approx([stalled * eta, stalled])
 
-    with pytest.raises(UnknownNameError, match="efficiency 'best'; choose from gearbox, motor"):
+    with pytest.raises(
+        UnknownNameError, match="efficiency 'best'; choose from gearbox, motor"
+    ):
         actuators.actuator(joint, efficiency="best")
     with pytest.raises(UnknownNameError, match="gearbox, motor"):
         actuators.Actuator(joint, plain.parameters, efficiency="best")
@@ -97,7 +110,10 @@ def test_torque_and_voltage_are_inverted(joint: str, constants: str) -> None:
             motor.torque(current, velocity, a), torque, rtol=1e-10, atol=1e-12
         )
     np.testing.assert_allclose(
-        motor.speed(motor.voltage(current, velocity), current), velocity, rtol=1e-9, atol=1e-12
+        motor.speed(motor.voltage(current, velocity), current),
+        velocity,
+        rtol=1e-9,
+        atol=1e-12,
     )
 
 
@@ -120,7 +136,9 @@ def test_power_is_accounted_for(joint: str, constants: str) -> None:
 
 def test_constants_contradict_each_other_and_the_choice_is_obeyed() -> None:
     for joint, (_, _, _, _, _, k_t, k_v, _) in TABLE_4.items():
-        assert actuators.actuator(joint).constants_ratio == pytest.approx(k_t / k_v, rel=1e-14)
+        assert actuators.actuator(joint).constants_ratio == pytest.approx(
+            k_t / k_v, rel=1e-14
+        )
         chosen = {
             c: (m.torque_constant, m.back_emf_constant)
             for c in actuators.CONSTANTS
@@ -144,10 +162,15 @@ def test_steady_state_of_a_simulated_motor(joint: str, load: float) -> None:
         current, speed = state
         gear_input = load / (gear * eta) if load > 0 else load * eta / gear
         shaft = k_t * current - friction - gear_input  # it turns forward throughout
-        return [(voltage - resistance * current - k_v * speed) / inductance, shaft / rotor]
+        return [
+            (voltage - resistance * current - k_v * speed) / inductance,
+            shaft / rotor,
+        ]
 
     # Start at the no-load speed, so that friction keeps its sign.
-    run = solve_ivp(rates, (0, 1.0), [0.0, voltage / k_v], method="LSODA", rtol=1e-10, atol=1e-10)
+    run = solve_ivp(
+        rates, (0, 1.0), [0.0, voltage / k_v], method="LSODA", rtol=1e-10, atol=1e-10
+    )
     current, speed = run.y[:, -1]
     motor = actuators.actuator(joint)
     assert (run.y[1] > 0).all()
@@ -166,8 +189,12 @@ def test_holding_interval_is_where_a_pushed_joint_stays(joint: str) -> None:
     currents = np.linspace(-1.5, 1.5, 601) * (friction + 3 / (gear * eta)) / k_t
     low, high = motor.holding_current(torque)
     for tau, lo, hi in zip(torque, low, high, strict=True):
-        rises = k_t * currents - friction > (tau / (gear * eta) if tau > 0 else tau * eta / gear)
-        falls = k_t * currents + friction < (tau * eta / gear if tau > 0 else tau / (gear * eta))
+        rises = k_t * currents - friction > (
+            tau / (gear * eta) if tau > 0 else tau * eta / gear
+        )
+        falls = k_t * currents + friction < (
+            tau * eta / gear if tau > 0 else tau / (gear * eta)
+        )
         inside = (currents >= lo) & (currents <= hi)
         np.testing.assert_array_equal(inside, ~(rises | falls))
     for current in currents[::60]:
@@ -193,7 +220,9 @@ def test_limits_are_the_edge_of_what_voltage_and_current_allow(joint: str) -> No
     torque, velocity = states()
     low, high = motor.torque_limits(velocity, supply, limit)
     current = motor.current(torque, velocity)
-    allowed = (np.abs(current) <= limit) & (np.abs(motor.voltage(current, velocity)) <= supply)
+    allowed = (np.abs(current) <= limit) & (
+        np.abs(motor.voltage(current, velocity)) <= supply
+    )
     assert 0 < allowed.sum() < allowed.size
     np.testing.assert_array_equal((low <= torque) & (torque <= high), allowed)
     too_fast = motor.torque_limits(100.0, supply, limit)
@@ -263,9 +292,18 @@ def test_jaw_needs_its_screw_and_acceleration_its_rotor() -> None:
         (lambda: actuators.actuator("axis_e").current([1.0, float("nan")]), InputError),
         (lambda: actuators.actuator("axis_e").current("much"), InputError),
         (lambda: actuators.actuator("axis_e").torque_limits(0.0, 0.0, 1.0), InputError),
-        (lambda: actuators.actuator("axis_e").torque_limits(0.0, 24.0, -1.0), InputError),
-        (lambda: actuators.actuator("axis_e").current(np.zeros(2), np.zeros(3)), ShapeError),
-        (lambda: actuators.actuator("axis_e").voltage(0.0, np.zeros(2), np.zeros(3)), ShapeError),
+        (
+            lambda: actuators.actuator("axis_e").torque_limits(0.0, 24.0, -1.0),
+            InputError,
+        ),
+        (
+            lambda: actuators.actuator("axis_e").current(np.zeros(2), np.zeros(3)),
+            ShapeError,
+        ),
+        (
+            lambda: actuators.actuator("axis_e").voltage(0.0, np.zeros(2), np.zeros(3)),
+            ShapeError,
+        ),
         (
             lambda: actuators.actuator("axis_e", rotor_inertia=1e-6).power(
                 np.zeros(2), np.zeros(2), np.zeros(3)
@@ -283,8 +321,12 @@ def test_what_cannot_be_used_is_refused(call, error) -> None:
 @pytest.mark.parametrize("joint", ["axis_e", "axis_a"])
 @pytest.mark.parametrize("screw_lead", [1e-51, 1e-3, 2e51])
 @pytest.mark.parametrize("rotor_inertia", [0.0, 1e-6, 2e51])
-def test_no_number_overflows(joint: str, screw_lead: float, rotor_inertia: float) -> None:
-    motor = actuators.actuator(joint, rotor_inertia=rotor_inertia, screw_lead=screw_lead)
+def test_no_number_overflows(
+    joint: str, screw_lead: float, rotor_inertia: float
+) -> None:
+    motor = actuators.actuator(
+        joint, rotor_inertia=rotor_inertia, screw_lead=screw_lead
+    )
     numbers = [0.0, 1.0, -1e-300, 2e51, -2e51]
     rows = np.array(np.meshgrid(numbers, numbers, numbers)).reshape(3, -1)
     answers = 0
@@ -298,7 +340,9 @@ def test_no_number_overflows(joint: str, screw_lead: float, rotor_inertia: float
             (motor.holding_torque, 1),
             (motor.power, 3),
         ):
-            with contextlib.suppress(InputError):  # a quotient of two that is itself too large
+            with contextlib.suppress(
+                InputError
+            ):  # a quotient of two that is itself too large
                 result = method(*state[:count])
                 parts = (
                     tuple(vars(result).values())

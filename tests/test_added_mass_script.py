@@ -26,21 +26,29 @@ def test_the_committed_strips_are_those_of_the_bodies(script: ModuleType) -> Non
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
     assert list(kept) == list(script.solids())
     for name, body in kept.items():
-        for strip, (start, end, diameter) in zip(body["strips"], script.strips(name), strict=True):
-            numbers = np.array([*strip["start"], *strip["end"], strip["diameter"]], dtype=float)
+        for strip, (start, end, diameter) in zip(
+            body["strips"], script.strips(name), strict=True
+        ):
+            numbers = np.array(
+                [*strip["start"], *strip["end"], strip["diameter"]], dtype=float
+            )
             assert numbers == pytest.approx([*start, *end, diameter], abs=0.051), name
 
 
 def test_the_file_is_what_the_script_writes(script: ModuleType) -> None:
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
-    numbers = {name: np.array(body["added_mass"], dtype=float) for name, body in kept.items()}
+    numbers = {
+        name: np.array(body["added_mass"], dtype=float) for name, body in kept.items()
+    }
     assert script.toml(numbers) == script.FILE.read_text("utf-8")
 
 
 def test_the_interval_covers_the_whole_arm_but_folded(script: ModuleType) -> None:
     """Low to high is wider than what the bodies do to one another, along the arm too, where most is missing."""
     kept = tomllib.loads(script.FILE.read_text("utf-8"))["bodies"]
-    low, _, high = np.array([body["added_mass_factor"] for body in kept.values()], dtype=float).T
+    low, _, high = np.array(
+        [body["added_mass_factor"] for body in kept.values()], dtype=float
+    ).T
     poses = tomllib.loads(script.COMPARISON.read_text("utf-8"))
     assert {"extended"} <= {*poses} <= {*script.POSES}
     covered = {}
@@ -49,7 +57,9 @@ def test_the_interval_covers_the_whole_arm_but_folded(script: ModuleType) -> Non
         covered[name] = low.max() <= ratios.min() and ratios.max() <= high.min()
     assert all(covered[name] == (name != "folded") for name in poses)
     along, *others = poses["extended"]["base"] + poses["extended"]["joints"]
-    assert along < 0.9  # of the smallest of the three: ends that face one another push no water
+    assert (
+        along < 0.9
+    )  # of the smallest of the three: ends that face one another push no water
     assert others == pytest.approx([1.0] * len(others), abs=0.1)
     assert max(poses["extended"]["missing"]) < 0.1
     whole, parts = np.reshape(poses["extended"]["kg"], (2, 3))

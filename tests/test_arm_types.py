@@ -28,7 +28,12 @@ from alpha5_model.theory.dh.chain import DHChain, DHLink
 Q = math.pi / 2
 X, Y, Z = np.eye(3)
 
-SCARA = [[0, 0.4, 0.3, 0, 0], [0, 0, 0.25, math.pi, 0], [0, 0, 0, 0, 1], [0, 0, 0, 0, 0]]
+SCARA = [
+    [0, 0.4, 0.3, 0, 0],
+    [0, 0, 0.25, math.pi, 0],
+    [0, 0, 0, 0, 1],
+    [0, 0, 0, 0, 0],
+]
 #: yaw, three parallel pitch joints, roll about the tool: a five-joint arm such as the youBot's
 FIVE = [
     [0, 0.147, 0.033, Q, 0],
@@ -50,9 +55,13 @@ def axes_chain(
 
 ORIGIN = np.zeros(3)
 #: Six axes anywhere: with its tool upright it moves on a curved set.
-SKEW = axes_chain([(*pair, 0) for pair in np.random.default_rng(3).normal(size=(6, 2, 3))])
+SKEW = axes_chain(
+    [(*pair, 0) for pair in np.random.default_rng(3).normal(size=(6, 2, 3))]
+)
 GANTRY = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1)])
-GANTRY_ROLL = axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1), (ORIGIN, Z, 0)])
+GANTRY_ROLL = axes_chain(
+    [(ORIGIN, X, 1), (ORIGIN, Y, 1), (ORIGIN, Z, 1), (ORIGIN, Z, 0)]
+)
 OBLIQUE = axes_chain([(ORIGIN, X, 1), (ORIGIN, X + Y, 1), (ORIGIN, Z, 1)])
 PRRR_SCARA = axes_chain([(ORIGIN, Z, 1), (ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 0)])
 FALLEN_SCARA = axes_chain([(ORIGIN, X, 0), (Y, X, 0), (2 * Y, X, 1)])
@@ -75,11 +84,18 @@ WRIST_SCARA = axes_chain([(ORIGIN, Z, 0), (X, Z, 0), (2 * X, Z, 1), (2 * X, Y, 0
         (OBLIQUE, "other", "PPP", False),
         (SPHERICAL, "other", "RRP", False),
         (DHChain.from_table(STANFORD), "other", "RRPRRR", False),
-        (axes_chain([(ORIGIN, Z, 0), (ORIGIN, Z, 0), (ORIGIN, Z, 1)]), "other", "RRP", True),
+        (
+            axes_chain([(ORIGIN, Z, 0), (ORIGIN, Z, 0), (ORIGIN, Z, 1)]),
+            "other",
+            "RRP",
+            True,
+        ),
         (axes_chain([(ORIGIN, X, 1), (ORIGIN, Y, 1)]), "other", "PP", False),
     ],
 )
-def test_classification(chain: DHChain, kind: str, joints: str, horizontal: bool) -> None:
+def test_classification(
+    chain: DHChain, kind: str, joints: str, horizontal: bool
+) -> None:
     found = classify(chain)
     assert (found.kind, found.joints, found.horizontal) == (kind, joints, horizontal)
     assert found.reason
@@ -104,7 +120,13 @@ def test_a_fallen_scara_stands_up_with_another_vertical() -> None:
         (DHChain.from_table(FIVE), 5, 3, 3, 4),
         (SKEW, 6, 3, 3, 4),
         (DHChain.from_table([[0, 0, 1, 0, 0]] * 3), 3, 2, 1, 3),
-        (DHChain.from_table([[0, 0, 1, 0, 0]] * 7), 3, 2, 1, 3),  # seven joints, still a plane
+        (
+            DHChain.from_table([[0, 0, 1, 0, 0]] * 7),
+            3,
+            2,
+            1,
+            3,
+        ),  # seven joints, still a plane
         (axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)]), 3, 0, 3, 1),
         (DHChain.from_table([[0, 0, 1, 0, 0]]), 1, 1, 1, 1),
     ],
@@ -125,8 +147,14 @@ def test_task_capability(chain, dimension, position, orientation, insertion) -> 
 @pytest.mark.parametrize(
     ("count", "reason"),
     [
-        (3, "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian has rank 3"),
-        (4, "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian has rank 3"),
+        (
+            3,
+            "3 joints reach at most 3 of the 6 dimensions of SE(3); the Jacobian has rank 3",
+        ),
+        (
+            4,
+            "4 joints reach at most 4 of the 6 dimensions of SE(3); the Jacobian has rank 3",
+        ),
         (6, "6 joints, but the Jacobian never has more than rank 3"),
         (7, "7 joints, but the Jacobian never has more than rank 3"),
     ],
@@ -143,11 +171,15 @@ def test_a_tool_that_can_never_be_vertical() -> None:
 
 
 @pytest.mark.parametrize(("middle", "dimension"), [(0.0, 4), (0.4, 0)])
-def test_joint_limits_decide_whether_the_tool_gets_upright(middle: float, dimension: int) -> None:
+def test_joint_limits_decide_whether_the_tool_gets_upright(
+    middle: float, dimension: int
+) -> None:
     """At zero the hand points down; three pitch joints at 0.4 +- 0.1 rad each hold it 0.9 rad off."""
     low, high = middle - 0.1, middle + 0.1
     links = [DHLink(*row[:4]) for row in FIVE]
-    links[1:4] = [DHLink(0, x.d, x.a, x.alpha, lower=low, upper=high) for x in links[1:4]]
+    links[1:4] = [
+        DHLink(0, x.d, x.a, x.alpha, lower=low, upper=high) for x in links[1:4]
+    ]
     task = task_capability(DHChain(tuple(links)))
     assert task.insertion_dimension == dimension
 
@@ -200,9 +232,13 @@ def test_the_notes_conditions_for_spatial_arms() -> None:
     assert spatial_conditions(DHChain.from_table(STANFORD)).satisfied
     missing = spatial_conditions(DHChain.alpha5())
     assert not missing.satisfied
-    assert missing.reasons == ("1 more, beside them, where placing the end effector takes three",)
+    assert missing.reasons == (
+        "1 more, beside them, where placing the end effector takes three",
+    )
     assert len(spatial_conditions(GANTRY).reasons) == 1
-    assert len(spatial_conditions(DHChain.from_table([[0, 0, 1, 0, 0]] * 2)).reasons) == 2
+    assert (
+        len(spatial_conditions(DHChain.from_table([[0, 0, 1, 0, 0]] * 2)).reasons) == 2
+    )
 
 
 def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
@@ -214,7 +250,8 @@ def test_alpha5_cannot_turn_about_a_point_but_by_its_wrist() -> None:
         _, _, vt = np.linalg.svd(chain.jacobian(x)[:3])
         assert np.abs(vt[-1, :3]).max() < 1e-9
     assert (
-        orientation_freedom(DHChain.from_table(PUMA_560), rng.uniform(-2, 2, (100, 6))) == 3
+        orientation_freedom(DHChain.from_table(PUMA_560), rng.uniform(-2, 2, (100, 6)))
+        == 3
     ).all()
 
 
@@ -243,7 +280,10 @@ def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
     the tcp to the height of the target; among these the roots of the radial distance.
     """
     found = []
-    for yaw in (math.atan2(point[1], point[0]) + math.pi, math.atan2(point[1], point[0])):
+    for yaw in (
+        math.atan2(point[1], point[0]) + math.pi,
+        math.atan2(point[1], point[0]),
+    ):
         inwards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
 
         def plane(first: np.ndarray, second: np.ndarray, yaw=yaw, inwards=inwards):
@@ -275,7 +315,9 @@ def enumerate_directions(chain: DHChain, point: np.ndarray) -> list[np.ndarray]:
                 angles = angles - np.linalg.lstsq(slope, value, rcond=None)[0]
             if np.abs(plane(*angles[:, None])).max() < 1e-9:
                 q = np.array([yaw, *angles, 0.0])
-                tip, elbow = (chain.forward_kinematics(q, f)[:3, 3] for f in ("tool", 3))
+                tip, elbow = (
+                    chain.forward_kinematics(q, f)[:3, 3] for f in ("tool", 3)
+                )
                 direction = (tip - elbow) / np.linalg.norm(tip - elbow)
                 if not any(np.abs(direction - other).max() < 1e-6 for other in found):
                     found.append(direction)
@@ -306,7 +348,9 @@ def test_approach_directions_of_sampled_poses() -> None:
     for x in q:
         pin.framesForwardKinematics(model, data, x)
         points.append(data.oMf[tcp].translation.copy())
-        line = points[-1] - data.oMi[4].translation  # joint 3's frame lies on the hand's axis
+        line = (
+            points[-1] - data.oMi[4].translation
+        )  # joint 3's frame lies on the hand's axis
         directions.append(line / np.linalg.norm(line))
     ways = approach_directions(np.array(points))
     gap = np.linalg.norm(ways.directions - np.array(directions)[:, None], axis=-1)
@@ -346,7 +390,9 @@ def elbow_arm(hand: float) -> DHChain:
 def test_steps_converge_quadratically() -> None:
     """Each step squares the error: a dozen find every orientation that there is a way to."""
     wrist = axes_chain([(ORIGIN, Z, 0), (ORIGIN, Y, 0), (ORIGIN, X, 0)])
-    assert spatial_dexterity(wrist, ORIGIN, orientations=40, starts=6, steps=10).share == 1
+    assert (
+        spatial_dexterity(wrist, ORIGIN, orientations=40, starts=6, steps=10).share == 1
+    )
     puma = DHChain.from_table(PUMA_560)
     near = spatial_dexterity(puma, [0.3, 0.2, 0.2], orientations=40, starts=6, steps=15)
     assert near.share == 1
@@ -364,7 +410,10 @@ def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> 
     wanted = (radius + hand <= 0.7) & (np.abs(radius - hand) >= 0.1)
     assert np.array_equal(estimate.share == 1, wanted)
     # orientation by orientation: is the wrist's place in the shell?
-    place = np.outer(radius, [0.6, 0.0, 0.8])[:, None] - hand * estimate.rotations[None, :, :, 2]
+    place = (
+        np.outer(radius, [0.6, 0.0, 0.8])[:, None]
+        - hand * estimate.rotations[None, :, :, 2]
+    )
     shell = np.linalg.norm(place, axis=-1)
     away = (np.abs(shell - 0.1) > 0.01) & (np.abs(shell - 0.7) > 0.01)
     truth = (shell >= 0.1) & (shell <= 0.7)
@@ -372,7 +421,9 @@ def test_dexterity_of_an_arm_whose_dexterous_workspace_is_known(hand: float) -> 
     assert estimate.interior
 
 
-@pytest.mark.parametrize(("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")])
+@pytest.mark.parametrize(
+    ("robot", "frame"), [("ur5", "tool0"), ("panda", "panda_hand")]
+)
 def test_dexterity_of_real_arms(robot: str, frame: str) -> None:
     chain = DHChain.from_pinocchio(load(robot).model, frame)
     estimate = spatial_dexterity(
@@ -386,7 +437,9 @@ def test_dexterity_of_real_arms(robot: str, frame: str) -> None:
 def test_dexterity_of_the_alpha5_is_nothing() -> None:
     rng = np.random.default_rng(3)
     chain = DHChain.alpha5()
-    points = chain.forward_kinematics(rng.uniform(chain.lower, chain.upper, (4, 4)))[:, :3, 3]
+    points = chain.forward_kinematics(rng.uniform(chain.lower, chain.upper, (4, 4)))[
+        :, :3, 3
+    ]
     estimate = spatial_dexterity(chain, points, orientations=20, starts=3, steps=30)
     assert (estimate.share == 0).all()
     assert not estimate.interior

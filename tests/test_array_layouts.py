@@ -60,7 +60,9 @@ def mapped(x: np.ndarray, folder: Path) -> np.ndarray:
 
 def of_records(x: np.ndarray) -> np.ndarray:
     """A field of packed records, one for each row."""
-    records = np.zeros(x.shape[:1], [("tag", "u1"), ("x", "f8", x.shape[1:]), ("more", "f4")])
+    records = np.zeros(
+        x.shape[:1], [("tag", "u1"), ("x", "f8", x.shape[1:]), ("more", "f4")]
+    )
     records["x"] = x
     return records["x"]
 
@@ -105,7 +107,9 @@ def bits(value: Any) -> Iterator[bytes]:
     elif isinstance(value, dict):
         yield from bits([*value.values()])
     elif hasattr(value, "homogeneous") or hasattr(value, "vector"):
-        yield from bits(value.homogeneous if hasattr(value, "homogeneous") else value.vector)
+        yield from bits(
+            value.homogeneous if hasattr(value, "homogeneous") else value.vector
+        )
     elif isinstance(value, str) or value is None:
         yield str(value).encode()
     elif isinstance(value, list | tuple) or type(value).__name__.startswith("StdVec"):
@@ -125,7 +129,9 @@ def differing(calls: list[tuple[str, Call]], folder: Path) -> list[str]:
         wanted = [*bits(call.function(**call.arrays, **call.others))]
         assert wanted, name
         for layout, changed in layouts.items():
-            arrays = {key: changed(np.ascontiguousarray(x)) for key, x in call.arrays.items()}
+            arrays = {
+                key: changed(np.ascontiguousarray(x)) for key, x in call.arrays.items()
+            }
             got = [*bits(call.function(**arrays, **call.others))]
             if got != wanted:
                 wrong.append(f"{name}: {layout}")
@@ -133,9 +139,13 @@ def differing(calls: list[tuple[str, Call]], folder: Path) -> list[str]:
 
 
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
-def kernel_module(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Any:
+def kernel_module(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> Any:
     if request.param == "_compiled":
-        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip(
+            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+        )
     chosen = import_module(f"alpha5_model.codegen.kernels.{request.param}")
     for user in (kernels, ik):
         monkeypatch.setattr(user, "module", lambda: chosen)
@@ -162,11 +172,15 @@ def test_jax_gives_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_every_public_function_of_arrays_is_called() -> None:
-    called = {short(name) for name, _ in arm_calls() + kinematics_calls() + theory_calls()}
+    called = {
+        short(name) for name, _ in arm_calls() + kinematics_calls() + theory_calls()
+    }
     called |= {short(name) for name, _ in jax_calls()}
     taking = taking_arrays()
     assert len(taking) > 150
-    missing = [name for name in taking if short(name) not in called and not left_out(name)]
+    missing = [
+        name for name in taking if short(name) not in called and not left_out(name)
+    ]
     assert missing == [], "add a call of it to array_functions.py"
     assert set(NOT_CALLED) - {"ArmVisualizer"} <= {short(name) for name in taking}
     batches = [name for name in called if name.endswith("_batch")]
@@ -175,7 +189,9 @@ def test_every_public_function_of_arrays_is_called() -> None:
 
 def test_layouts_are_what_they_are_called(tmp_path: Path) -> None:
     x = np.arange(12.0).reshape(3, 4)
-    arrays = {name: change(x) for name, change in LAYOUTS.items()} | {"mapped": mapped(x, tmp_path)}
+    arrays = {name: change(x) for name, change in LAYOUTS.items()} | {
+        "mapped": mapped(x, tmp_path)
+    }
     assert all(np.array_equal(y, x) for y in arrays.values())
     odd = {name for name, y in arrays.items() if not y.flags.aligned}
     assert odd == {"shifted", "buffer", "records", "mapped"}
@@ -202,6 +218,8 @@ def test_a_kernel_that_computes_nothing_raises(kernel_module: Any) -> None:
 def test_only_one_place_runs_batches() -> None:
     root = Path(a5.__file__).parent
     users = [
-        p for p in root.rglob("*.py") if re.search(r"\.batch\(|\)\.batch\b", p.read_text("utf-8"))
+        p
+        for p in root.rglob("*.py")
+        if re.search(r"\.batch\(|\)\.batch\b", p.read_text("utf-8"))
     ]
     assert users == [root / "codegen" / "kernels" / "choice.py"]

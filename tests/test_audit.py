@@ -97,19 +97,31 @@ def test_judging() -> None:
         "agrees",
         "differs",
     ]
-    assert [verdict(x, "<=") for x in (-9, 1.05, 1.15)] == ["agrees", "agrees", "differs"]
-    assert [verdict(x, ">=") for x in (9, 0.95, 0.85)] == ["agrees", "agrees", "differs"]
+    assert [verdict(x, "<=") for x in (-9, 1.05, 1.15)] == [
+        "agrees",
+        "agrees",
+        "differs",
+    ]
+    assert [verdict(x, ">=") for x in (9, 0.95, 0.85)] == [
+        "agrees",
+        "agrees",
+        "differs",
+    ]
     assert verdict(1.15, "=", law=True) == "impossible"
     plain = AuditRow("a.b", "p", "s", 1.0, "=", 1.0, 0.0, "", "agrees", "f")
     assert (plain.standard_error, plain.effect, plain.kind) == (0.0, None, "claim")
     assert plain.category == "error"
     assert verdict(1.05, "=", law=True) == "agrees"
     assert verdict(1.1 + 1e-12, "<=") == "differs"
-    assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == ["agrees"] * 3
+    assert [verdict(x, r) for x, r in ((1.0, "="), (1.0, "<="), (1.0, ">="))] == [
+        "agrees"
+    ] * 3
 
 
 def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
-    words = tomllib.loads((Path(geometry.__file__).parent / "rows.toml").read_text("utf-8"))
+    words = tomllib.loads(
+        (Path(geometry.__file__).parent / "rows.toml").read_text("utf-8")
+    )
     for topic, text in words.items():
         subjects = [name for name, value in text.items() if isinstance(value, dict)]
         claims = [f"{topic}.{name}" for name in subjects]
@@ -117,15 +129,21 @@ def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
         assert set(claims) <= set(rows)
     # Frames are {0}, {i}, {i-1} and {A}; longer words in braces are places that nothing filled.
     unfilled = re.compile(r"\{\w*[a-z_]{2}")
-    assert not any(unfilled.search(row.says + row.place + row.finding) for row in rows.values())
+    assert not any(
+        unfilled.search(row.says + row.place + row.finding) for row in rows.values()
+    )
 
 
 def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
     """The documents do not speak of these: their numbers are held against something else."""
     observed = {claim for claim, row in rows.items() if row.kind == "observation"}
-    by_link = {f"{name}.link_{i}" for name in ("density", "mass_spread") for i in range(5)}
+    by_link = {
+        f"{name}.link_{i}" for name in ("density", "mass_spread") for i in range(5)
+    }
     by_actuator = {
-        f"{name}.actuator_{i}" for name in ("friction", "stall_torque") for i in range(4)
+        f"{name}.actuator_{i}"
+        for name in ("friction", "stall_torque")
+        for i in range(4)
     }
     by_actuator |= {f"efficiency.actuator_{i}" for i in range(3)}
     single = {
@@ -136,7 +154,9 @@ def test_what_is_observed_is_no_claim(rows: dict[str, AuditRow]) -> None:
         "jaw_plane.direction",
         "jaw_plane.spread",
     }
-    moving_water = {f"circulating_water.{k}" for k in ("axis_e", "axis_d", "axis_c", "coupling")}
+    moving_water = {
+        f"circulating_water.{k}" for k in ("axis_e", "axis_d", "axis_c", "coupling")
+    }
     assert observed == by_link | by_actuator | single | moving_water
 
 
@@ -164,7 +184,9 @@ TRANSCRIPTION = {
 }
 
 
-def test_errors_readings_and_matters_of_transcription(rows: dict[str, AuditRow]) -> None:
+def test_errors_readings_and_matters_of_transcription(
+    rows: dict[str, AuditRow],
+) -> None:
     differing = {claim: row for claim, row in rows.items() if row.verdict != "agrees"}
 
     def of(category: str) -> set[str]:
@@ -177,7 +199,11 @@ def test_errors_readings_and_matters_of_transcription(rows: dict[str, AuditRow])
         finding = differing[claim].finding
         assert " if " in finding, claim
         assert "right" in finding or claim in RIGHT_IN_OTHER_WORDS, claim
-    for claim in ("equation_1.rotation", "workspace.beyond_reach", "workspace.self_collision"):
+    for claim in (
+        "equation_1.rotation",
+        "workspace.beyond_reach",
+        "workspace.self_collision",
+    ):
         assert differing[claim].category == "reading"
     assert rows["mass_spread.link_1"].kind == "observation"
 
@@ -191,7 +217,9 @@ RIGHT_IN_OTHER_WORDS = {
 }
 
 
-def test_no_row_leans_on_figures_that_are_not_at_hand(rows: dict[str, AuditRow]) -> None:
+def test_no_row_leans_on_figures_that_are_not_at_hand(
+    rows: dict[str, AuditRow],
+) -> None:
     """The documents came as text. Only what is read off a caption may name a figure."""
     for row in rows.values():
         named = set(re.findall(r"Figures? (\d)", row.place + row.says))
@@ -240,7 +268,9 @@ def test_the_audit_needs_numpy_and_for_self_collision_pinocchio() -> None:
 def steiner(mass: float, p: tuple[float, float, float]) -> np.ndarray:
     """xx, yy, zz, xy, xz, yz of the parallel-axis term, products positive as SolidWorks prints."""
     x, y, z = p
-    return mass * np.array([y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
+    return mass * np.array(
+        [y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]
+    )
 
 
 @pytest.mark.parametrize("i", range(5))
@@ -296,7 +326,9 @@ def test_implied_mass(rows: dict[str, AuditRow], i: int) -> None:
     assert row.expected == reference.MASS[i]
     assert row.bound > MASS_ROUNDING[i]
     lever = math.dist((0, 0, 0), reference.COM[i]) / 1000
-    assert row.effect == pytest.approx(abs(mass - reference.MASS[i]) * 9.81 * lever, rel=1e-9)
+    assert row.effect == pytest.approx(
+        abs(mass - reference.MASS[i]) * 9.81 * lever, rel=1e-9
+    )
 
 
 def test_implied_masses_of_links_0_and_1(rows: dict[str, AuditRow]) -> None:
@@ -315,7 +347,9 @@ def test_equations_as_printed_and_as_they_must_be(rows: dict[str, AuditRow]) -> 
     m, (x, y, z) = reference.MASS[4], reference.COM[4]
     difference = np.array(INERTIA_LINK[4]) - reference.INERTIA[4]
     nothing = np.abs(difference).max()  # (P.P) - (P.P) leaves no term
-    twice = np.abs(difference + steiner(m, (x, y, z))).max()  # + m SKEW(P)^2 is minus the term
+    twice = np.abs(
+        difference + steiner(m, (x, y, z))
+    ).max()  # + m SKEW(P)^2 is minus the term
     assert rows["equation_1.printed"].measured == pytest.approx(nothing, abs=1e-9)
     assert rows["equation_2.printed"].measured == pytest.approx(twice, abs=1e-9)
     for n in (1, 2):
@@ -333,14 +367,18 @@ def test_every_tensor_is_one_of_a_body(rows: dict[str, AuditRow], i: int) -> Non
         ("link", INERTIA_LINK[i] - steiner(reference.MASS[i], reference.COM[i])),
     ):
         xx, yy, zz, xy, xz, yz = entries
-        a, b, c = np.sort(np.linalg.eigvalsh([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]))
+        a, b, c = np.sort(
+            np.linalg.eigvalsh([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]])
+        )
         row = rows[f"possible_{name}.link_{i}"]
         # tr/2 - c: half of what the triangle inequality leaves over
         assert row.measured == pytest.approx((a + b - c) / 2, abs=1e-9)
         assert row.verdict == "agrees"
 
 
-def test_equation_1_needs_the_com_and_the_other_rotation(rows: dict[str, AuditRow]) -> None:
+def test_equation_1_needs_the_com_and_the_other_rotation(
+    rows: dict[str, AuditRow],
+) -> None:
     term = np.array(INERTIA_LINK[4]) - reference.INERTIA[4]
     again = term + steiner(reference.MASS[4], reference.COM[4])
     row = rows["equation_1.any_frame"]
@@ -349,7 +387,9 @@ def test_equation_1_needs_the_com_and_the_other_rotation(rows: dict[str, AuditRo
     # A quarter turn about x exchanges xy and xz; turned the wrong way their signs are the other ones.
     quarter = [reference.INERTIA[i] for i in (1, 3, 4)]
     rotation = rows["equation_1.rotation"]
-    assert rotation.measured == pytest.approx(2 * max(abs(t[k]) for t in quarter for k in (3, 4)))
+    assert rotation.measured == pytest.approx(
+        2 * max(abs(t[k]) for t in quarter for k in (3, 4))
+    )
     assert rotation.verdict == "differs"
     assert rows["equation_1.rotation_of_coordinates"].verdict == "agrees"
 
@@ -357,7 +397,9 @@ def test_equation_1_needs_the_com_and_the_other_rotation(rows: dict[str, AuditRo
 def test_the_jaws_lie_along_x(rows: dict[str, AuditRow]) -> None:
     xx, yy, _, xy, _, _ = reference.INERTIA[4]
     moments, axes = np.linalg.eigh([[xx, -xy], [-xy, yy]])
-    along = axes[:, np.argmin(moments)]  # least moment: the mass is spread along this axis
+    along = axes[
+        :, np.argmin(moments)
+    ]  # least moment: the mass is spread along this axis
     row = rows["jaw_plane.direction"]
     assert row.measured == pytest.approx(math.degrees(math.atan(along[1] / along[0])))
     assert row.measured == pytest.approx(0.4, abs=0.05)
@@ -373,7 +415,9 @@ def test_the_jaws_lie_along_x(rows: dict[str, AuditRow]) -> None:
         for v in (-5e-5, 5e-5)
         for x in (-0.05, 0.05)
     ]
-    assert spread.bound == pytest.approx(max(corners) - spread.expected + 1e-3, rel=0.02)
+    assert spread.bound == pytest.approx(
+        max(corners) - spread.expected + 1e-3, rel=0.02
+    )
     assert f"two of {1000 * 9.386 / (2 * 15.5**2):.3g} g" in spread.finding
 
 
@@ -422,7 +466,9 @@ def test_densities(rows: dict[str, AuditRow]) -> None:
         assert said == (i in (1, 3))
     # 2.70 +- what the digits allow: just inside it is not said
     for mass, heavy in (("0.0868", False), ("0.0900", True)):
-        turned = audit_of(DOCUMENT.replace('mass = "0.161"', f'mass = "{mass}"'))["density.link_1"]
+        turned = audit_of(DOCUMENT.replace('mass = "0.161"', f'mass = "{mass}"'))[
+            "density.link_1"
+        ]
         assert (turned.verdict == "differs") == heavy
         assert ("some of the mass" in turned.finding) == heavy
 
@@ -430,8 +476,12 @@ def test_densities(rows: dict[str, AuditRow]) -> None:
 def test_totals(rows: dict[str, AuditRow]) -> None:
     assert rows["total.volume"].measured == pytest.approx(0.573)
     assert rows["total.volume"].bound == pytest.approx(0.0025)
-    assert rows["total.wet_weight"].measured == pytest.approx((1.272 - 1.025 * 0.573) * 9.81)
-    assert {rows[f"total.{n}"].verdict for n in ("mass", "volume", "wet_weight")} == {"agrees"}
+    assert rows["total.wet_weight"].measured == pytest.approx(
+        (1.272 - 1.025 * 0.573) * 9.81
+    )
+    assert {rows[f"total.{n}"].verdict for n in ("mass", "volume", "wet_weight")} == {
+        "agrees"
+    }
 
 
 # --- Table 4 ----------------------------------------------------------------------------------
@@ -442,10 +492,16 @@ def test_motor_constants(rows: dict[str, AuditRow]) -> None:
         row = rows[f"motor_constants.actuator_{i}"]
         low, high = (0.0134, 0.0116) if i < 3 else (0.0271, 0.0545)
         assert row.measured == pytest.approx(low / high)
-        corners = [(low + s * 5e-5) / (high + t * 5e-5) for s in (-1, 1) for t in (-1, 1)]
-        assert row.bound == pytest.approx(max(abs(c - low / high) for c in corners), rel=0.01)
+        corners = [
+            (low + s * 5e-5) / (high + t * 5e-5) for s in (-1, 1) for t in (-1, 1)
+        ]
+        assert row.bound == pytest.approx(
+            max(abs(c - low / high) for c in corners), rel=0.01
+        )
         assert row.verdict == "differs"
-    assert rows["motor_constants.actuator_0"].effect == pytest.approx(0.0018 * 1754.4 * 0.86)
+    assert rows["motor_constants.actuator_0"].effect == pytest.approx(
+        0.0018 * 1754.4 * 0.86
+    )
 
 
 @pytest.mark.parametrize(("density", "expected"), [(0.0, 1.39), (1000.0, 0.86)])
@@ -463,7 +519,8 @@ def test_peak_torque_by_pinocchio(density: float, expected: float) -> None:
     assert peak == pytest.approx(expected, abs=0.01)
     q = np.random.default_rng(2).uniform(reference.LOWER, reference.UPPER, (8000, 4))
     best = max(
-        (abs(pin.computeGeneralizedGravity(model, data, row)[1]), k) for k, row in enumerate(q)
+        (abs(pin.computeGeneralizedGravity(model, data, row)[1]), k)
+        for k, row in enumerate(q)
     )
     assert best[0] <= peak * (1 + 1e-3)
     near = q[best[1]] + np.random.default_rng(3).normal(size=(4000, 4)) * 0.05
@@ -504,16 +561,22 @@ def test_added_inertia_of_the_numbers_that_circulate_by_pinocchio(
     rows: dict[str, AuditRow],
 ) -> None:
     arm = a5.load(a5.FRESH_WATER)
-    wet = [arm.with_hydrodynamics(numbers=name) for name in ("supplementary", "estimated")]
+    wet = [
+        arm.with_hydrodynamics(numbers=name) for name in ("supplementary", "estimated")
+    ]
     ranges = [np.linspace(j.lower, j.upper, 7) for j in a5.parameters().joints[1:4]]
     sums = np.zeros((2, 4))
     for q in itertools.product([0.7], *ranges):
         still = arm.mass_matrix(q)
         sums += [np.diag(w.mass_matrix(q) - still) for w in wet]
-    for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), sums[0] / sums[1], strict=False):
+    for joint, ratio in zip(
+        ("axis_e", "axis_d", "axis_c"), sums[0] / sums[1], strict=False
+    ):
         row = rows[f"circulating_water.{joint}"]
         assert row.measured == pytest.approx(ratio, rel=1e-9)
-        assert row.bound == pytest.approx(0.25)  # of the factors in the file of the estimate
+        assert row.bound == pytest.approx(
+            0.25
+        )  # of the factors in the file of the estimate
     assert rows["circulating_water.axis_c"].verdict == "differs"
 
 
@@ -532,33 +595,51 @@ def test_strip_theory_is_coupled(rows: dict[str, AuditRow]) -> None:
     }
     lower, upper = reference.LOWER, reference.UPPER
     total = np.zeros(3)
-    grid = list(itertools.product([0.0], *(np.linspace(lower[k], upper[k], 7) for k in (1, 2, 3))))
+    grid = list(
+        itertools.product(
+            [0.0], *(np.linspace(lower[k], upper[k], 7) for k in (1, 2, 3))
+        )
+    )
     for q in grid:
         frames = reference.inertial_frames(np.array(q))
         for i, (x, y, z, length, axis) in lines.items():
-            points = np.tile([x, y, z], (200, 1)) + pieces[:, None] * length * np.eye(3)[axis]
+            points = (
+                np.tile([x, y, z], (200, 1))
+                + pieces[:, None] * length * np.eye(3)[axis]
+            )
             world = points @ frames[i][:3, :3].T + frames[i][:3, 3]
             mass = 1000 * math.pi * 0.02**2 * abs(length) / 200
             for k in range(min(i, 3)):
                 origin, turn = frames[k + 1][:3, 3], frames[k + 1][:3, 2]
                 speed = np.cross(turn, world - origin)
-                across = speed - (speed @ frames[i][:3, axis])[:, None] * frames[i][:3, axis]
+                across = (
+                    speed - (speed @ frames[i][:3, axis])[:, None] * frames[i][:3, axis]
+                )
                 total[k] += mass * (across**2).sum() / len(grid)
                 along = (speed @ frames[i][:3, axis]) ** 2  # half the water of a sphere
-                total[k] += 0.5 * 4 / 3 * math.pi * 0.02**3 * 1000 * along.mean() / len(grid)
+                total[k] += (
+                    0.5 * 4 / 3 * math.pi * 0.02**3 * 1000 * along.mean() / len(grid)
+                )
     arm = a5.load(a5.FRESH_WATER)
     wet = arm.with_hydrodynamics()
-    ours = np.mean([np.diag(wet.mass_matrix(q) - arm.mass_matrix(q)) for q in grid], axis=0)[:3]
+    ours = np.mean(
+        [np.diag(wet.mass_matrix(q) - arm.mass_matrix(q)) for q in grid], axis=0
+    )[:3]
     for joint, ratio in zip(("axis_e", "axis_d", "axis_c"), total / ours, strict=True):
         said = rows[f"circulating_water.{joint}"].finding
-        assert float(re.search(r"; (\d\.\d\d) with", said)[1]) == pytest.approx(ratio, abs=0.008)
+        assert float(re.search(r"; (\d\.\d\d) with", said)[1]) == pytest.approx(
+            ratio, abs=0.008
+        )
 
 
 # --- Sections 1 and 2 -------------------------------------------------------------------------
 
 
 def test_frames(rows: dict[str, AuditRow]) -> None:
-    assert (rows["frames.first"].measured, rows["frames.first"].verdict) == (-1, "differs")
+    assert (rows["frames.first"].measured, rows["frames.first"].verdict) == (
+        -1,
+        "differs",
+    )
     angles = []
     for q in reference.configurations(20, seed=5):
         for frame, dh in zip(
@@ -627,14 +708,22 @@ def test_tori(rows: dict[str, AuditRow]) -> None:
     expected += (caption[0] * 0.5 - caption[1] * 0.05) / math.hypot(*caption)
     assert inner.bound == pytest.approx(expected, rel=3e-3)
     outer = rows["workspace.outer_torus"]
-    assert outer.expected == pytest.approx(math.hypot(offset, length) + math.hypot(d_3, a_2))
+    assert outer.expected == pytest.approx(
+        math.hypot(offset, length) + math.hypot(d_3, a_2)
+    )
     assert outer.verdict == "agrees"
     assert outer.measured == pytest.approx(outer.expected, abs=1e-9)
     elbow = tcp[2][:3, 3] * 1000
-    assert rows["workspace.downward_centre"].measured == pytest.approx(math.hypot(*elbow[:2]) - a_0)
+    assert rows["workspace.downward_centre"].measured == pytest.approx(
+        math.hypot(*elbow[:2]) - a_0
+    )
     assert rows["workspace.downward_centre"].measured == pytest.approx(40)
-    assert rows["workspace.downward_radius"].measured == pytest.approx(math.hypot(20, 180))
-    assert {rows[f"workspace.downward_{n}"].verdict for n in ("centre", "radius")} == {"differs"}
+    assert rows["workspace.downward_radius"].measured == pytest.approx(
+        math.hypot(20, 180)
+    )
+    assert {rows[f"workspace.downward_{n}"].verdict for n in ("centre", "radius")} == {
+        "differs"
+    }
 
 
 @pytest.mark.parametrize(
@@ -644,13 +733,17 @@ def test_tori(rows: dict[str, AuditRow]) -> None:
         ('lower = { value = "0.01745"', 'lower = { value = "3.1"', 3.1),
     ],
 )
-def test_the_outer_torus_asks_for_the_elbows_limits(old: str, new: str, theta_2: float) -> None:
+def test_the_outer_torus_asks_for_the_elbows_limits(
+    old: str, new: str, theta_2: float
+) -> None:
     """A limit short of the stretched elbow, or beyond it, keeps the arm from the torus."""
     head, _, tail = SUPPLEMENTARY.partition("[joints.axis_c]")
     assert old in tail
     changed = f"{head}[joints.axis_c]{tail.replace(old, new, 1)}"
     printed = parse(DOCUMENT, changed)
-    outer = {r.claim: r for r in geometry.tori(printed, convert(printed, ("base_frame",)))}
+    outer = {
+        r.claim: r for r in geometry.tori(printed, convert(printed, ("base_frame",)))
+    }
     row = outer["workspace.outer_torus"]
     frames = reference.dh_frames(np.array([0, 0, theta_2, 0]))
     distance = 1000 * np.linalg.norm(frames[5][:3, 3] - frames[1][:3, 3])
@@ -681,7 +774,9 @@ def test_the_tests_own_plane() -> None:
 
 def test_workspace_shares_by_filling_cells(rows: dict[str, AuditRow]) -> None:
     """Millions of joint positions paint a grid of 1 mm cells; no inverse kinematics in here."""
-    t_1, t_2 = (np.linspace(reference.LOWER[i], reference.UPPER[i], 2400) for i in (1, 2))
+    t_1, t_2 = (
+        np.linspace(reference.LOWER[i], reference.UPPER[i], 2400) for i in (1, 2)
+    )
     r, z = plane(t_1[:, None], t_2[None, :])
     edges = np.arange(0.0, 361.0), np.arange(-300.0, 401.0)
     painted = np.histogram2d(np.abs(r).ravel(), z.ravel(), bins=edges)[0] > 0
@@ -723,7 +818,9 @@ def test_self_collision_point_by_point(rows: dict[str, AuditRow]) -> None:
     row = rows["workspace.self_collision"]
     assert row.verdict == "differs"
     p = row.measured / 100
-    assert row.standard_error == pytest.approx(100 * math.sqrt(p * (1 - p) / 4000), rel=0.01)
+    assert row.standard_error == pytest.approx(
+        100 * math.sqrt(p * (1 - p) / 4000), rel=0.01
+    )
     arm = a5.load()
     rng = np.random.default_rng(21)
     points = rng.uniform([-0.36, -0.36, -0.3], [0.36, 0.36, 0.4], (700, 3))
@@ -749,7 +846,9 @@ def test_inverse_kinematics(rows: dict[str, AuditRow]) -> None:
         assert rows[f"inverse_kinematics.{name}"].measured < 1e-9
     # The formulas take the elbow with 0 < gamma < pi, gamma = theta_2 plus two constant angles.
     _, _, length, offset, a_2, d_3 = LENGTHS
-    gamma = math.asin(2 * a_2 / math.hypot(offset, length)) + math.asin(a_2 / math.hypot(a_2, d_3))
+    gamma = math.asin(2 * a_2 / math.hypot(offset, length)) + math.asin(
+        a_2 / math.hypot(a_2, d_3)
+    )
     low, high = reference.LOWER[2], reference.UPPER[2]
     share = 100 * (min(high, math.pi - gamma) - low) / (high - low)
     row = rows["inverse_kinematics.branches"]
@@ -770,9 +869,14 @@ def test_the_theorem_by_turning_the_hand(rows: dict[str, AuditRow]) -> None:
         wrist = np.hypot(l_4 + l_3 * np.cos(angle), l_3 * np.sin(angle))
         exact = wrist.max() <= l_1 + l_2 + 1e-9 and wrist.min() >= abs(l_1 - l_2) - 1e-9
         half = (l_1 + l_2 + l_3 + l_4) / 2
-        theorem = all(a + b >= half for a, b in itertools.combinations((l_1, l_2, l_4), 2))
+        theorem = all(
+            a + b >= half for a, b in itertools.combinations((l_1, l_2, l_4), 2)
+        )
         turns, promised = turns + exact, promised + theorem
-        broken, missed = broken + (theorem and not exact), missed + (exact and not theorem)
+        broken, missed = (
+            broken + (theorem and not exact),
+            missed + (exact and not theorem),
+        )
         longer += exact and l_3 > min(l_1, l_2, l_4)
         strict += theorem and sum(sorted((l_1, l_2, l_4))[:2]) == half
         assert not (exact and not theorem) or l_4 <= min(l_1, l_2, l_3)
@@ -799,7 +903,11 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
         others = [*first, tip]
         promised = all(a + b >= half for a, b in itertools.combinations(others, 2))
         threes = all(sum(x) >= half for x in itertools.combinations(others, 3))
-        turning, by_pairs, by_threes = turning + turns, by_pairs + promised, by_threes + threes
+        turning, by_pairs, by_threes = (
+            turning + turns,
+            by_pairs + promised,
+            by_threes + threes,
+        )
         broken += threes and not turns
     assert by_pairs == 0
     assert by_threes > 100
@@ -809,11 +917,15 @@ def test_the_theorem_with_four_joints(rows: dict[str, AuditRow]) -> None:
     assert (row.measured, row.verdict, row.category) == (100, "differs", "error")
 
 
-def test_the_spatial_condition_by_counting_dimensions(rows: dict[str, AuditRow]) -> None:
+def test_the_spatial_condition_by_counting_dimensions(
+    rows: dict[str, AuditRow],
+) -> None:
     """Prismatic joints do not turn the tool: three dimensions need three revolute joints, six need six."""
     row = rows["dexterous_workspace.spatial"]
     assert (row.measured, row.verdict) == (0, "agrees")
-    sequences = [kinds for n in range(1, 7) for kinds in itertools.product("RP", repeat=n)]
+    sequences = [
+        kinds for n in range(1, 7) for kinds in itertools.product("RP", repeat=n)
+    ]
     able = [kinds for kinds in sequences if len(kinds) == 6 and kinds.count("R") >= 3]
     assert f"the {len(able)} sequences of up to 6 joints" in row.finding
 
@@ -822,7 +934,10 @@ def test_the_notes_numbers_of_axes_and_frames(rows: dict[str, AuditRow]) -> None
     middle = (reference.LOWER + reference.UPPER) / 2
     frames = reference.dh_frames(middle)
     steps = [np.linalg.inv(a) @ b for a, b in itertools.pairwise(frames)]
-    apart = max(np.abs(step - frame).max() for step, frame in zip(steps, frames[1:], strict=True))
+    apart = max(
+        np.abs(step - frame).max()
+        for step, frame in zip(steps, frames[1:], strict=True)
+    )
     row = rows["relative_pose.superscript"]
     assert row.measured == pytest.approx(apart)
     gap = steps[-1][:3, 3] - frames[-1][:3, 3]
@@ -855,8 +970,14 @@ def test_two_links_with_limits_keep_their_hole(rows: dict[str, AuditRow]) -> Non
         shoulder = np.angle(np.exp(1j * bearing) / (5 + 4 * np.exp(1j * elbow)))
         missed &= (np.abs(elbow) > 2.967) | (np.abs(shoulder) > 2.967)
     lost = float((missed * r).sum()) * 0.005 * 2 * np.pi / bearing.size
-    assert float(row.finding.split("here ")[1].split()[0]) == pytest.approx(lost, abs=0.06)
-    for name, measured in (("1r", 10 * math.pi), ("1r_limits", 5 * 2 * 2.967), ("1p", 2.0)):
+    assert float(row.finding.split("here ")[1].split()[0]) == pytest.approx(
+        lost, abs=0.06
+    )
+    for name, measured in (
+        ("1r", 10 * math.pi),
+        ("1r_limits", 5 * 2 * 2.967),
+        ("1p", 2.0),
+    ):
         assert rows[f"planar_workspace.{name}"].measured == pytest.approx(measured)
         assert rows[f"planar_workspace.{name}"].verdict == "agrees"
     for name, measured in (("2r", 80 * math.pi), ("3r", 100 * math.pi)):
@@ -887,12 +1008,17 @@ def test_dexterous_without_a_free_joint(rows: dict[str, AuditRow]) -> None:
     assert area == pytest.approx(155.8, abs=1.5)
     assert row.measured == pytest.approx(area, abs=3 * row.standard_error)
     p = row.measured / (100 * math.pi)
-    assert row.standard_error == pytest.approx(100 * math.pi * math.sqrt(p * (1 - p) / 4000))
+    assert row.standard_error == pytest.approx(
+        100 * math.pi * math.sqrt(p * (1 - p) / 4000)
+    )
     assert row.verdict == "differs"
     at_135 = float(row.finding.split("still ")[1])
     assert at_135 == pytest.approx(dexterous_cells(0.75 * math.pi), abs=4)
     limits = rows["dexterous_workspace.limits"]
-    assert (limits.measured, limits.standard_error) == (row.measured, row.standard_error)
+    assert (limits.measured, limits.standard_error) == (
+        row.measured,
+        row.standard_error,
+    )
     assert limits.expected == pytest.approx(math.pi * (64 - 4))
     assert limits.verdict == "agrees"
 
@@ -940,7 +1066,9 @@ def test_the_relative_pose_by_its_four_factors(rows: dict[str, AuditRow]) -> Non
 
 # --- the seed texts themselves -----------------------------------------------------------------
 
-SEEDS = Path(os.environ.get("ALPHA5_SEEDS", DATA.parent.parent.parent / "shared" / "seeds"))
+SEEDS = Path(
+    os.environ.get("ALPHA5_SEEDS", DATA.parent.parent.parent / "shared" / "seeds")
+)
 
 
 def seed(name: str) -> str:
@@ -975,7 +1103,9 @@ def test_the_documents_cross_references_arrived() -> None:
     def section(of: int) -> str:
         return [m[1] for m in heading.finditer(text) if m.start() < of][-1]
 
-    where = section(re.search(r"Inertial frame\s+\$\\\{1\\\}\$\s+is located", text).start())
+    where = section(
+        re.search(r"Inertial frame\s+\$\\\{1\\\}\$\s+is located", text).start()
+    )
     found = {
         section(m.start()): (m[1].rstrip("."), where)
         for m in re.finditer(r"described in Section ([\d.]+)", text)
@@ -995,7 +1125,12 @@ TURNED = {
         "equation_1.corrected",
         "impossible",
     ),
-    "a tensor that no body has": ('"393.932"', '"300.932"', "possible_com.link_0", "impossible"),
+    "a tensor that no body has": (
+        '"393.932"',
+        '"300.932"',
+        "possible_com.link_0",
+        "impossible",
+    ),
     "a COM outside": ('"73.563"', '"173.563"', "com_inside.link_2", "differs"),
     "link 3's COB mended": (
         '["2", "-4", "29"]',
@@ -1010,7 +1145,12 @@ TURNED = {
         "impossible",
     ),
     "a light link 1": ('mass = "0.161"', 'mass = "0.081"', "density.link_1", "agrees"),
-    "an arm that floats": ('volume = "0.157"', 'volume = "1.157"', "total.wet_weight", "differs"),
+    "an arm that floats": (
+        'volume = "0.157"',
+        'volume = "1.157"',
+        "total.wet_weight",
+        "differs",
+    ),
     "a volume beyond the bodies": (
         'volume = "0.157"',
         'volume = "1.157"',
@@ -1035,12 +1175,19 @@ TURNED = {
         "inverse_kinematics.elbow_offset",
         "differs",
     ),
-    "a base body on the other side": ('"-52.425"', '"-2.425"', "base_frame.link_0", "agrees"),
+    "a base body on the other side": (
+        '"-52.425"',
+        '"-2.425"',
+        "base_frame.link_0",
+        "agrees",
+    ),
 }
 
 
 @pytest.mark.parametrize("change", TURNED)
-def test_a_verdict_turns_with_the_document(rows: dict[str, AuditRow], change: str) -> None:
+def test_a_verdict_turns_with_the_document(
+    rows: dict[str, AuditRow], change: str
+) -> None:
     old, new, claim, verdict = TURNED[change]
     assert DOCUMENT.count(old) == 1
     document = DOCUMENT.replace(old, new)
@@ -1105,7 +1252,9 @@ def test_the_tori_fit_the_underarm_pose(rows: dict[str, AuditRow]) -> None:
     inside &= square >= (39.94 + a_2) ** 2 + (145.3 - d_3) ** 2
     inside &= (radius - a_0) ** 2 + (height - d_0 + 145.3) ** 2 >= d_3**2
     share = 100 * (reached & ~inside).sum() / reached.sum()
-    (printed,) = re.findall(r"it is ([\d.]+) % if the tori", rows["workspace.left_out"].finding)
+    (printed,) = re.findall(
+        r"it is ([\d.]+) % if the tori", rows["workspace.left_out"].finding
+    )
     assert float(printed) == pytest.approx(share, abs=0.02)
     assert float(printed) < rows["workspace.left_out"].measured / 8
 
@@ -1122,7 +1271,10 @@ def test_the_other_sign_would_be_found(rows: dict[str, AuditRow]) -> None:
         document = document.replace(f'"{a}"', f'"{b}"')
     turned = audit_of(document)
     assert turned["parallel_axis.link_1"].measured > 60
-    assert turned["product_sign.link_1"].measured < rows["product_sign.link_1"].measured / 10
+    assert (
+        turned["product_sign.link_1"].measured
+        < rows["product_sign.link_1"].measured / 10
+    )
 
 
 def test_motors_that_obey_physics_agree() -> None:

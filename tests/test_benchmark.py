@@ -36,7 +36,9 @@ def test_measure_takes_turns_and_tells_fast_from_slow(
         return run
 
     seconds = timing.measure(  # type: ignore[attr-defined]
-        {"fast": candidate("fast", 0.002), "slow": candidate("slow", 0.02)}, per_call=2, rounds=3
+        {"fast": candidate("fast", 0.002), "slow": candidate("slow", 0.02)},
+        per_call=2,
+        rounds=3,
     )
     assert seconds == pytest.approx({"fast": 0.001, "slow": 0.01}, rel=1e-9)
     assert "".join(name[0] for name in calls).count("sf") >= 2, "they take turns"
@@ -58,7 +60,9 @@ def test_rows_are_ratios_to_the_first_of_their_work(
 
 def test_unknown_section_is_refused() -> None:
     done = subprocess.run(
-        [sys.executable, str(SCRIPTS / "benchmark.py"), "nonsense"], capture_output=True, text=True
+        [sys.executable, str(SCRIPTS / "benchmark.py"), "nonsense"],
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 2
     assert "choose from" in done.stderr

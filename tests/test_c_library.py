@@ -48,7 +48,16 @@ def built(folder: Path, compiler: str, *flags: str) -> subprocess.CompletedProce
     """Compile in a folder and run the test program."""
     if shutil.which(compiler) is None:
         pytest.skip(f"there is no {compiler}")
-    command = [compiler, *STRICT, *flags, "alpha5.c", "test_alpha5.c", "-lm", "-o", "test_alpha5"]
+    command = [
+        compiler,
+        *STRICT,
+        *flags,
+        "alpha5.c",
+        "test_alpha5.c",
+        "-lm",
+        "-o",
+        "test_alpha5",
+    ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.stderr == ""
     assert done.returncode == 0
@@ -82,10 +91,19 @@ def test_the_program_sees_a_wrong_number(tmp_path: Path) -> None:
 def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
     if not (shutil.which("cmake") and shutil.which("ctest")):
         pytest.skip("there is no cmake")
-    assert main(["generate", "--format", "c", "--output", str(tmp_path / "library")]) == 0
+    assert (
+        main(["generate", "--format", "c", "--output", str(tmp_path / "library")]) == 0
+    )
     build, strict = tmp_path / "build", " ".join(STRICT)
     for command in (
-        ["cmake", "-S", str(tmp_path / "library"), "-B", str(build), f"-DCMAKE_C_FLAGS={strict}"],
+        [
+            "cmake",
+            "-S",
+            str(tmp_path / "library"),
+            "-B",
+            str(build),
+            f"-DCMAKE_C_FLAGS={strict}",
+        ],
         ["cmake", "--build", str(build)],
         ["ctest", "--test-dir", str(build)],
     ):
@@ -95,7 +113,9 @@ def test_cmake_builds_and_tests_it(tmp_path: Path) -> None:
 
 
 def test_the_header_says_names_shapes_and_units() -> None:
-    header = c_files(COptions(parameters="struct", fluid_density=1000.0))["alpha5.h"].decode()
+    header = c_files(COptions(parameters="struct", fluid_density=1000.0))[
+        "alpha5.h"
+    ].decode()
     for name, summary in SUMMARIES.items():
         assert f"void alpha5_{name}(" in header
         assert summary in header
@@ -103,17 +123,23 @@ def test_the_header_says_names_shapes_and_units() -> None:
     assert "Fluid: 1000 kg/m^3" in header
     assert "alpha5_real link_4_xx; /* kg m^2 */" in header
     assert ": \n" not in header
-    public = re.findall(r"^(?:void|extern const \w+|typedef \w+) (\w+)", header, re.MULTILINE)
+    public = re.findall(
+        r"^(?:void|extern const \w+|typedef \w+) (\w+)", header, re.MULTILINE
+    )
     assert all(name.startswith("alpha5_") for name in public)
 
 
 def test_the_source_needs_nothing_but_libm() -> None:
     source = c_files()["alpha5.c"].decode()
     assert re.findall(r"#include (\S+)", source) == ['"alpha5.h"', "<math.h>"]
-    called = set(re.findall(r"\b([a-z]\w*)\(", source)) - {f"alpha5_{name}" for name in SUMMARIES}
+    called = set(re.findall(r"\b([a-z]\w*)\(", source)) - {
+        f"alpha5_{name}" for name in SUMMARIES
+    }
     assert called == {"sin", "cos", "sqrt", "atan2", "floor", "fabs", "fmin", "fmax"}
     single = c_files(COptions(real="float"))["alpha5.c"].decode()
-    assert not re.search(r"\bdouble\b|\d\.\d+(e-?\d+)?[^\de.f]", single), "no double crept in"
+    assert not re.search(r"\bdouble\b|\d\.\d+(e-?\d+)?[^\de.f]", single), (
+        "no double crept in"
+    )
 
 
 @pytest.mark.parametrize(
@@ -157,7 +183,10 @@ DEFECTS = {
     "q[i][3] = exists[i] ? q[i][3] : 0": "not a number",
     "q[i][1] += 1e-6": "position",
     **{f"exists[{i}] = !exists[{i}], i = 4": "exists" for i in range(4)},
-    **{f"within_limits[{i}] = !within_limits[{i}], i = 4": "within_limits" for i in range(4)},
+    **{
+        f"within_limits[{i}] = !within_limits[{i}], i = 4": "within_limits"
+        for i in range(4)
+    },
     "*singular = !*singular, i = 4": "singular",
 }
 WRAPPER = """
@@ -192,7 +221,9 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_program_sees_a_wrong_solution(defect: str, objects: Path) -> None:
     (objects / "wrapper.c").write_text(WRAPPER % defect)
     files = ["alpha5.o", "test_alpha5.o", "wrapper.c"]
-    subprocess.run(["gcc", "-O0", *files, "-lm", "-o", "wrong"], cwd=objects, check=True)
+    subprocess.run(
+        ["gcc", "-O0", *files, "-lm", "-o", "wrong"], cwd=objects, check=True
+    )
     done = subprocess.run(["./wrong"], cwd=objects, capture_output=True, text=True)
     assert done.returncode == 1
     *lines, last = done.stdout.splitlines()

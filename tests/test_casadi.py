@@ -26,14 +26,18 @@ def called(function: casadi.Function, *inputs: object) -> list[np.ndarray]:
     return [np.array(x)[:, 0] if x.is_column() else np.array(x) for x in found]
 
 
-needs_compiled = pytest.mark.skipif(kernels.backend() == "numpy", reason="kernels run in NumPy")
+needs_compiled = pytest.mark.skipif(
+    kernels.backend() == "numpy", reason="kernels run in NumPy"
+)
 KINDS = [False, pytest.param(True, marks=needs_compiled)]
 
 
 @pytest.mark.parametrize("compiled", KINDS)
 @pytest.mark.parametrize("fold", [True, False])
 @pytest.mark.parametrize("name", ARMS)
-def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool, compiled: bool) -> None:
+def test_every_function_gives_what_pinocchio_gives(
+    name: str, fold: bool, compiled: bool
+) -> None:
     arm = ARMS[name]()
     functions = load(arm, fold=fold, compiled=compiled)
     rest = [] if fold else [functions.parameters]
@@ -45,7 +49,9 @@ def test_every_function_gives_what_pinocchio_gives(name: str, fold: bool, compil
             found = called(function, *given.values(), *more)
             for got, want in zip(found, answer(arm, method, given), strict=True):
                 bound = 1e-9 if "forward_d" in method else 1e-12
-                assert np.abs(got - want).max() < bound * max(1.0, np.abs(want).max()), method
+                assert np.abs(got - want).max() < bound * max(
+                    1.0, np.abs(want).max()
+                ), method
 
 
 @pytest.mark.parametrize("compiled", KINDS)
@@ -53,7 +59,11 @@ def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
     arm, functions = a5.load(), load(compiled=compiled)
     (state,) = states(2, seed=2)[1:]
     q, v, a, tau = state.values()
-    for method, last in (("inverse_dynamics", a), ("forward_dynamics", tau), ("base_wrench", a)):
+    for method, last in (
+        ("inverse_dynamics", a),
+        ("forward_dynamics", tau),
+        ("base_wrench", a),
+    ):
         found = called(
             getattr(functions, method).jacobian(),
             q,
@@ -61,7 +71,9 @@ def test_casadis_own_derivatives_are_pinocchios(compiled: bool) -> None:
             last,
             np.zeros(6 if "base" in method else 4),
         )
-        for got, want in zip(found, getattr(arm, method + "_derivatives")(q, v, last), strict=True):
+        for got, want in zip(
+            found, getattr(arm, method + "_derivatives")(q, v, last), strict=True
+        ):
             assert np.abs(got - want).max() < 1e-9 * max(1.0, np.abs(want).max())
 
 
@@ -91,13 +103,25 @@ def test_compiled_functions_have_the_interpreted_ones_derivatives(fold: bool) ->
         found = []
         for functions in (interpreted, compiled):
             function = getattr(functions, name)
-            x = [casadi.MX.sym(n, function.size1_in(i)) for i, n in enumerate(function.name_in())]
-            given = [*x[:-1], functions.parameters] if "parameters" in function.name_in() else x
+            x = [
+                casadi.MX.sym(n, function.size1_in(i))
+                for i, n in enumerate(function.name_in())
+            ]
+            given = (
+                [*x[:-1], functions.parameters]
+                if "parameters" in function.name_in()
+                else x
+            )
             spent = casadi.sumsqr(casadi.veccat(*function.call(given)))
             hessian, gradient = casadi.hessian(spent, x[0])
             found.append(casadi.Function("f", x, [spent, gradient, hessian]))
-        state = [rng.uniform(0.2, 1.0, f) for f in map(found[0].size1_in, range(found[0].n_in()))]
-        for got, want in zip(called(found[1], *state), called(found[0], *state), strict=True):
+        state = [
+            rng.uniform(0.2, 1.0, f)
+            for f in map(found[0].size1_in, range(found[0].n_in()))
+        ]
+        for got, want in zip(
+            called(found[1], *state), called(found[0], *state), strict=True
+        ):
             assert np.abs(got - want).max() < 1e-10 * max(1.0, np.abs(want).max()), name
 
 
@@ -126,9 +150,13 @@ def test_compiled_functions_make_nan_of_what_they_cannot_compute() -> None:
         assert np.isnan(found).all()
 
 
-def test_without_compiled_kernels_they_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_compiled_kernels_they_are_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(kernels, "backend", lambda: "numpy")
-    with pytest.raises(MissingDependencyError, match=r"compiled=True.*_compiled.*compiled=False"):
+    with pytest.raises(
+        MissingDependencyError, match=r"compiled=True.*_compiled.*compiled=False"
+    ):
         load(compiled=True)
 
 
@@ -148,7 +176,10 @@ def test_inverse_kinematics_with_its_flags() -> None:
 def test_names_shapes_and_units_are_documented(compiled: bool) -> None:
     functions = load(compiled=compiled)
     assert functions.inverse_dynamics.__doc__.startswith("Joint torque for a motion")
-    for line in ("q (4): joint positions, base to tip [rad]", "tau (4): joint torques [N m]"):
+    for line in (
+        "q (4): joint positions, base to tip [rad]",
+        "tau (4): joint torques [N m]",
+    ):
         assert line in functions.inverse_dynamics.__doc__
     for name, function in vars(functions).items():
         if name != "parameters":
@@ -183,8 +214,12 @@ def test_arms_that_it_has_no_equations_for_are_refused(options: dict) -> None:
         load(3)
 
 
-def test_without_casadi_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [name for name in sys.modules if name.startswith("alpha5_model.codegen")]:
+def test_without_casadi_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in [
+        name for name in sys.modules if name.startswith("alpha5_model.codegen")
+    ]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "casadi", None)
     with pytest.raises(MissingDependencyError, match="pip install"):

@@ -35,13 +35,19 @@ def test_a_reader_that_leaves_is_no_failed_check(arguments):
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        program(*arguments), stdout=write, stderr=subprocess.PIPE, env=environment(), check=False
+        program(*arguments),
+        stdout=write,
+        stderr=subprocess.PIPE,
+        env=environment(),
+        check=False,
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (0, b"")
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")
+@pytest.mark.skipif(
+    not Path("/dev/full").exists(), reason="no /dev/full on this system"
+)
 def test_a_full_disk_is_one_line_and_status_2():
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run(
@@ -103,6 +109,8 @@ def test_no_arguments_print_the_help_and_no_complaint(capsys):
 def test_very_far_points_project_like_far_ones():
     directions = np.random.default_rng(3).normal(size=(50, 3))
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
-    far, very_far = (a5.distance_to_reach(scale * directions) for scale in (1e90, 1e200))
+    far, very_far = (
+        a5.distance_to_reach(scale * directions) for scale in (1e90, 1e200)
+    )
     assert far == pytest.approx(1e90, rel=1e-12)
     assert very_far == pytest.approx(1e200, rel=1e-12)

@@ -36,8 +36,20 @@ def test_dh_prints_table_1(capsys) -> None:
     status, out, err = run(capsys, "dh")
     assert (status, err) == (0, "")
     lines = out.splitlines()
-    assert lines[1].split()[:5] == ["axis_e", "q+3.141593", "0.046200", "0.020000", "1.570796"]
-    assert lines[4].split()[:5] == ["axis_b", "q+1.570796", "-0.180000", "0.000000", "1.570796"]
+    assert lines[1].split()[:5] == [
+        "axis_e",
+        "q+3.141593",
+        "0.046200",
+        "0.020000",
+        "1.570796",
+    ]
+    assert lines[4].split()[:5] == [
+        "axis_b",
+        "q+1.570796",
+        "-0.180000",
+        "0.000000",
+        "1.570796",
+    ]
     tool = next(line for line in lines if line.startswith("tool")).split()
     assert float(tool[4]) == pytest.approx(-0.08)
 
@@ -49,8 +61,14 @@ def test_dh_as_json(capsys) -> None:
     data = json.loads(out)
     chain = a5.dh.DHChain.alpha5()
     assert data["q"] == q
-    assert np.abs(np.array(data["frames"]["tool"]) - chain.forward_kinematics(q)).max() < 1e-15
-    assert np.abs(np.array(data["frames"]["{2}"]) - chain.forward_kinematics(q, 2)).max() < 1e-15
+    assert (
+        np.abs(np.array(data["frames"]["tool"]) - chain.forward_kinematics(q)).max()
+        < 1e-15
+    )
+    assert (
+        np.abs(np.array(data["frames"]["{2}"]) - chain.forward_kinematics(q, 2)).max()
+        < 1e-15
+    )
     assert data["links"][3]["d"] == -0.18
     assert data["type"]["kind"] == "revolute"
     assert data["tasks"]["general"] is False
@@ -66,7 +84,9 @@ def test_dh_of_another_arm(capsys) -> None:
     assert data["links"][0]["lower"] is None  # no limit; JSON knows no infinity
     chain = a5.dh.DHChain.from_table([[float(x) for x in row.split()] for row in rows])
     assert (
-        np.abs(np.array(data["frames"]["tool"]) - chain.forward_kinematics([-0.4, 0.2])).max()
+        np.abs(
+            np.array(data["frames"]["tool"]) - chain.forward_kinematics([-0.4, 0.2])
+        ).max()
         < 1e-15
     )
     status, out, _ = run(capsys, "dh", "--urdf", a5.URDF_PATH, "--frame", "tcp")
@@ -92,7 +112,10 @@ def test_dh_of_another_arm(capsys) -> None:
         (["planar", "5", "4", "--limits", "0 1"], "one (lower, upper)"),
         (["planar", "5", "4", "--joints", "RX"], "letters R or P"),
         (["planar", "5", "4", "--joints", "RP"], "prismatic"),
-        (["planar", "5", "4", "-l", "0 1", "-l", "none", "--radius", "2"], "without limits"),
+        (
+            ["planar", "5", "4", "-l", "0 1", "-l", "none", "--radius", "2"],
+            "without limits",
+        ),
         (["planar", "5", "4", "1", "--radius", "-2"], "l_4"),
         (["planar", "5", "4", "--plot", "arm.gif"], ".png, .pdf, .svg"),
     ],
@@ -124,7 +147,9 @@ def test_planar_as_json(capsys) -> None:
     assert data["dexterous_workspace"]["radii"] == [[0, 0], [2, 8]]
     assert data["dexterous_workspace"]["area"] == pytest.approx(60 * math.pi)
     assert data["theorem"]["l_4"] == [2, 8]
-    status, out, _ = run(capsys, "planar", "5", "4", "-l", "-1 2", "-l", "-2.5 1", "--json")
+    status, out, _ = run(
+        capsys, "planar", "5", "4", "-l", "-1 2", "-l", "-2.5 1", "--json"
+    )
     data = json.loads(out)
     assert data["workspace"]["shape"] == "region"
     assert data["dexterous_workspace"] is None
@@ -163,7 +188,9 @@ def test_planar_with_many_limited_joints_is_quick(capsys, tmp_path: Path) -> Non
 
 
 def test_planar_prismatic_and_empty(capsys) -> None:
-    status, out, _ = run(capsys, "planar", "1", "2", "--joints", "RP", "-l", "none", "-l", "0 1")
+    status, out, _ = run(
+        capsys, "planar", "1", "2", "--joints", "RP", "-l", "none", "-l", "0 1"
+    )
     assert status == 0
     assert "annulus, 3 to 4 m" in out
     assert "dexterous workspace  empty" in out
@@ -180,7 +207,9 @@ def test_planar_writes_a_picture(capsys, tmp_path: Path, suffix: str) -> None:
 
 def test_planar_names_the_picture_it_wrote(capsys, tmp_path: Path) -> None:
     path = tmp_path / "arm.svg"
-    assert run(capsys, "planar", "5", "4", "1", "--plot", str(path))[1].endswith(f"wrote {path}\n")
+    assert run(capsys, "planar", "5", "4", "1", "--plot", str(path))[1].endswith(
+        f"wrote {path}\n"
+    )
     out = run(capsys, "planar", "5", "4", "1", "--plot", str(path), "--json")[1]
     assert json.loads(out)["joints"] == "RRR"
 
@@ -213,7 +242,10 @@ def test_the_filled_area_is_the_workspace(arm: PlanarArm) -> None:
     pixels = axes.transData.transform(points)
     rows = image.shape[0] - 1 - pixels[:, 1].astype(int)
     colour = image[rows, pixels[:, 0].astype(int)]
-    filled, empty = (colour == (0xDB, 0xE7, 0xF3)).all(axis=1), (colour == 255).all(axis=1)
+    filled, empty = (
+        (colour == (0xDB, 0xE7, 0xF3)).all(axis=1),
+        (colour == 255).all(axis=1),
+    )
     inside = arm.workspace().contains(points)
     assert (filled | empty).mean() > 0.85  # the rest is arm and outline
     assert inside[filled].mean() > 0.998
@@ -226,7 +258,12 @@ def test_the_dexterous_rings_are_drawn_where_they_are() -> None:
     axes = plot_planar(PlanarArm((5, 4, 1)))
     axes.figure.canvas.draw()
     image = np.asarray(axes.figure.canvas.buffer_rgba())[..., :3].astype(int)
-    for radius, colour in ((1.5, "DBE7F3"), (3.0, "5B9BD5"), (7.5, "5B9BD5"), (9.0, "DBE7F3")):
+    for radius, colour in (
+        (1.5, "DBE7F3"),
+        (3.0, "5B9BD5"),
+        (7.5, "5B9BD5"),
+        (9.0, "DBE7F3"),
+    ):
         x, y = axes.transData.transform([-radius, 0.0]).astype(int)
         assert tuple(image[image.shape[0] - 1 - y, x]) == tuple(bytes.fromhex(colour))
 

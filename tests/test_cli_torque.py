@@ -28,10 +28,21 @@ def run(capsys, *arguments):
 
 
 @pytest.mark.parametrize(
-    ("fluid", "density"), [("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("1340", 1340.0)]
+    ("fluid", "density"),
+    [("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("1340", 1340.0)],
 )
 def test_json_equals_own_newton_euler(capsys, fluid, density):
-    arguments = ["--q", *text(Q), "--v", *text(V), "--a", *text(A), "--fluid", fluid, "--json"]
+    arguments = [
+        "--q",
+        *text(Q),
+        "--v",
+        *text(V),
+        "--a",
+        *text(A),
+        "--fluid",
+        fluid,
+        "--json",
+    ]
     result = json.loads(run(capsys, *arguments))
     q, v, a = (np.array([x]) for x in (Q, V, A))
     tau, force, moment = newton_euler(q, v, a, density)
@@ -86,21 +97,36 @@ def test_text_is_the_json_rounded(capsys):
         keys = ("inertia", "coriolis", "weight", "buoyancy", "torque", "current")
         expected = [*(joint[key] for key in keys), *joint["current_range"]]
         assert cells[0] == joint["joint"]
-        assert [float(cell) for cell in cells[1:]] == pytest.approx(expected, abs=5.1e-5)
+        assert [float(cell) for cell in cells[1:]] == pytest.approx(
+            expected, abs=5.1e-5
+        )
         assert "-0.0000" not in row
     assert rows[5].startswith("axis_b *")
     assert rows[-1] == "* position beyond the joint's limits"
-    assert [joint["within_limits"] for joint in result["joints"]] == [True, True, True, False]
+    assert [joint["within_limits"] for joint in result["joints"]] == [
+        True,
+        True,
+        True,
+        False,
+    ]
 
 
 def test_degrees_and_tilt(capsys):
-    radians = json.loads(run(capsys, "--q", *text(np.deg2rad([170, 60, 100, 20])), "--json"))
-    degrees = json.loads(run(capsys, "--q", "170", "60", "100", "20", "--degrees", "--json"))
+    radians = json.loads(
+        run(capsys, "--q", *text(np.deg2rad([170, 60, 100, 20])), "--json")
+    )
+    degrees = json.loads(
+        run(capsys, "--q", "170", "60", "100", "20", "--degrees", "--json")
+    )
     torque = [[joint["torque"] for joint in r["joints"]] for r in (radians, degrees)]
     assert torque[0] == pytest.approx(torque[1], abs=1e-15)
-    tilted = json.loads(run(capsys, "--q", *text(Q), "--gravity", "-9.81 0 0", "--json"))
+    tilted = json.loads(
+        run(capsys, "--q", *text(Q), "--gravity", "-9.81 0 0", "--json")
+    )
     still = np.zeros((1, 4))
-    expected = newton_euler(np.array([Q]), still, still, 1025.0, (-9.81, 0.0, 0.0))[0][0]
+    expected = newton_euler(np.array([Q]), still, still, 1025.0, (-9.81, 0.0, 0.0))[0][
+        0
+    ]
     assert [j["torque"] for j in tilted["joints"]] == pytest.approx(expected, abs=1e-12)
 
 

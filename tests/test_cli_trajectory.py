@@ -17,17 +17,23 @@ JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
 
 @pytest.fixture(autouse=True)
 def wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "200")  # sentences stay whole, paths of this machine too
+    monkeypatch.setenv(
+        "COLUMNS", "200"
+    )  # sentences stay whole, paths of this machine too
 
 
 @pytest.fixture
 def motion_file(tmp_path: Path) -> Path:
     t = np.arange(0, 6, 0.02)
-    q = np.stack([1.5 + amplitude * np.sin(t) for amplitude in (0.4, 0.3, 0.2, 0.5)], axis=1)
+    q = np.stack(
+        [1.5 + amplitude * np.sin(t) for amplitude in (0.4, 0.3, 0.2, 0.5)], axis=1
+    )
     rod = 0.007 + 0.002 * np.sin(t)
     path = tmp_path / "motion.csv"
     header = "time," + ",".join(f"{joint}_pos" for joint in (*JOINTS, "axis_a"))
-    rows = [",".join(repr(float(x)) for x in row) for row in np.column_stack([t, q, rod])]
+    rows = [
+        ",".join(repr(float(x)) for x in row) for row in np.column_stack([t, q, rod])
+    ]
     path.write_text("\n".join([header, *rows]) + "\n")
     return path
 
@@ -49,7 +55,9 @@ def summary_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
     return json.loads(out.out)
 
 
-def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_is_the_library_summary(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     motion = a5.trajectory.read_motion(motion_file)
     arm = a5.load(a5.FRESH_WATER, gripper="locked", gravity=(0.5, 0, -9.7))
     expected = a5.trajectory.analyse(
@@ -64,17 +72,34 @@ def test_json_is_the_library_summary(motion_file: Path, capsys: pytest.CaptureFi
     )
     got = summary_of(
         capsys,
-        *(str(motion_file), "--fluid", "fresh", "--gripper", "locked", "--gravity", "0.5 0 -9.7"),
+        *(
+            str(motion_file),
+            "--fluid",
+            "fresh",
+            "--gripper",
+            "locked",
+            "--gravity",
+            "0.5 0 -9.7",
+        ),
         *("--smoothing", "savgol", "--bandwidth", "3", "--constants", "torque"),
         *("--efficiency", "motor"),
         *("--supply-voltage", "18", "--current-limit", "0.5"),
     )
     # What the printed digits leave of the peaks is the command's to add.
-    state = expected.smooth.position, expected.smooth.velocity, expected.smooth.acceleration
+    state = (
+        expected.smooth.position,
+        expected.smooth.velocity,
+        expected.smooth.acceleration,
+    )
     bounds = a5.uncertainty.bounds(*state, arm).torque
     for k, joint in enumerate(got["joints"].values()):
-        ends, at = joint["torque_peak"].pop("interval"), np.abs(expected.torque[:, k]).argmax()
-        assert ends == pytest.approx([end[at, k] for end in bounds], rel=1e-9, abs=1e-12)
+        ends, at = (
+            joint["torque_peak"].pop("interval"),
+            np.abs(expected.torque[:, k]).argmax(),
+        )
+        assert ends == pytest.approx(
+            [end[at, k] for end in bounds], rel=1e-9, abs=1e-12
+        )
     assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
 
 
@@ -87,15 +112,23 @@ def test_defaults_are_those_of_the_library(
         low, high = joint["torque_peak"].pop("interval")
         assert low <= joint["torque_peak"]["value"] <= high
     assert got == json.loads(json.dumps(a5.trajectory.summary(expected)))
-    assert (got["smoothing"]["method"], got["smoothing"]["bandwidth_hz"]) == ("spline", 2.0)
+    assert (got["smoothing"]["method"], got["smoothing"]["bandwidth_hz"]) == (
+        "spline",
+        2.0,
+    )
 
 
-def test_milliseconds_are_said(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_milliseconds_are_said(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     header, *rows = motion_file.read_text().split()
     cells = [row.split(",", 1) for row in rows]
     scaled = [f"{1e3 * float(time)!r},{rest}" for time, rest in cells]
     plain = summary_of(capsys, str(motion_file))
-    for name, said in (("time", "warning: time read as ms"), ("time_ms", "(time column in ms)")):
+    for name, said in (
+        ("time", "warning: time read as ms"),
+        ("time_ms", "(time column in ms)"),
+    ):
         motion_file.write_text("\n".join([header.replace("time", name), *scaled]))
         assert main(["trajectory", str(motion_file)]) == 0
         out = capsys.readouterr().out
@@ -103,14 +136,23 @@ def test_milliseconds_are_said(motion_file: Path, capsys: pytest.CaptureFixture[
         assert said in out
         assert ("warning" in out) == (name == "time")
         got = summary_of(capsys, str(motion_file))
-        assert got["energy"]["drawn_j"] == pytest.approx(plain["energy"]["drawn_j"], rel=1e-9)
+        assert got["energy"]["drawn_j"] == pytest.approx(
+            plain["energy"]["drawn_j"], rel=1e-9
+        )
     motion_file.write_text("\n".join([header.replace("time", "time_secs"), *scaled]))
     assert main(["trajectory", str(motion_file)]) == 2
     assert "is the time in seconds?" in capsys.readouterr().err
 
 
-def test_fluids_and_grippers(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for text, density in (("sea", 1025.0), ("fresh", 1000.0), ("air", 0.0), ("870.5", 870.5)):
+def test_fluids_and_grippers(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for text, density in (
+        ("sea", 1025.0),
+        ("fresh", 1000.0),
+        ("air", 0.0),
+        ("870.5", 870.5),
+    ):
         got = summary_of(capsys, str(motion_file), "--fluid", text)
         assert got["model"]["fluid_density"] == density
         assert got["model"]["gripper"] == "jaws"
@@ -123,7 +165,9 @@ def test_fluids_and_grippers(motion_file: Path, capsys: pytest.CaptureFixture[st
     assert got["ignored_columns"] == ["axis_a"]
 
 
-def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_are_written_and_named(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = motion_file.parent / "new"
     for table, page, magic in (
         ("a.csv", "a.png", b"\x89PNG"),
@@ -136,7 +180,9 @@ def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFi
         assert f"wrote {folder / page}" in out
         assert (folder / page).read_bytes().startswith(magic)
     assert len((folder / "a.csv").read_text().splitlines()) == 301
-    assert len(json.loads((folder / "b.json").read_text())["columns"]["time_secs"]) == 300
+    assert (
+        len(json.loads((folder / "b.json").read_text())["columns"]["time_secs"]) == 300
+    )
 
 
 @pytest.mark.parametrize(
@@ -149,7 +195,10 @@ def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFi
         (["--smoothing", "magic"], "spline, savgol, interpolate"),
         (["--bandwidth", "500"], "half the sample rate"),
         (["--bandwidth", "1e-100"], "at least 0.0001 of the sample rate"),
-        (["--bandwidth", "1e-100", "--smoothing", "savgol"], "at least 0.0001 of the sample rate"),
+        (
+            ["--bandwidth", "1e-100", "--smoothing", "savgol"],
+            "at least 0.0001 of the sample rate",
+        ),
         (["--velocities", "file"], "no velocities"),
         (["--constants", "both"], "printed, torque, voltage"),
         (["--efficiency", "both"], "gearbox, motor"),
@@ -160,10 +209,17 @@ def test_files_are_written_and_named(motion_file: Path, capsys: pytest.CaptureFi
     ],
 )
 def test_one_line_for_what_cannot_be_used(
-    arguments: list[str], message: str, motion_file: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    message: str,
+    motion_file: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     before = sorted(motion_file.parent.iterdir())
-    files = ["--output", str(motion_file.parent / "out.csv")] if "--output" not in arguments else []
+    files = (
+        ["--output", str(motion_file.parent / "out.csv")]
+        if "--output" not in arguments
+        else []
+    )
     assert main(["trajectory", str(motion_file), *files, *arguments]) == 2
     out = capsys.readouterr()
     assert out.out == ""
@@ -184,7 +240,9 @@ def test_bad_file_names_line_and_column(
     assert not out_file.exists()
 
 
-def test_jaws_need_the_jaw_column(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_jaws_need_the_jaw_column(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     text = motion_file.read_text().replace("axis_a_pos", "something")
     motion_file.write_text(text)
     assert main(["trajectory", str(motion_file), "--gripper", "jaws"]) == 2
@@ -206,7 +264,9 @@ def test_progress_is_reported_for_long_work(motion_file: Path) -> None:
     def note(stage: str, done: float) -> None:
         seen.append((stage, done))
 
-    analysis = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file, note), progress=note)
+    analysis = a5.trajectory.analyse(
+        a5.trajectory.read_motion(motion_file, note), progress=note
+    )
     a5.trajectory.write(analysis, motion_file.parent / "out.csv", note)
     assert [stage for stage, _ in seen] == ["read", "compute", "write"]
     assert all(done == 1.0 for _, done in seen)
@@ -232,7 +292,9 @@ def test_plot_draws_what_was_computed(motion_file: Path) -> None:
     page = motion_figure(analysis)
     assert len(page.axes) == 3 * 6
     for row in range(5):
-        lines = {line.get_label(): line.get_ydata() for line in page.axes[3 * row + 1].lines}
+        lines = {
+            line.get_label(): line.get_ydata() for line in page.axes[3 * row + 1].lines
+        }
         np.testing.assert_array_equal(lines["torque"], analysis.torque[:, row])
         np.testing.assert_array_equal(lines["buoyancy"], analysis.buoyancy[:, row])
 
@@ -241,8 +303,25 @@ def test_plot_draws_what_was_computed(motion_file: Path) -> None:
 def test_recording_from_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
     for path in JOINT_STATES:
         assert (
-            main(["trajectory", str(path), "--supply-voltage", "24", "--current-limit", "1"]) == 0
+            main(
+                [
+                    "trajectory",
+                    str(path),
+                    "--supply-voltage",
+                    "24",
+                    "--current-limit",
+                    "1",
+                ]
+            )
+            == 0
         )
         out = capsys.readouterr().out
-        for words in ("torque", "N·m", "current", "left to the limits", *JOINTS, "axis_a"):
+        for words in (
+            "torque",
+            "N·m",
+            "current",
+            "left to the limits",
+            *JOINTS,
+            "axis_a",
+        ):
             assert words in out

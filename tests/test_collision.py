@@ -75,7 +75,10 @@ def signed_distance(shape, points: np.ndarray) -> np.ndarray:
     else:
         radius, length = shape.size
         beyond = np.column_stack(
-            [np.hypot(local[:, 0], local[:, 1]) - radius, np.abs(local[:, 2]) - length / 2]
+            [
+                np.hypot(local[:, 0], local[:, 1]) - radius,
+                np.abs(local[:, 2]) - length / 2,
+            ]
         )
     outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
     return outside + np.minimum(beyond.max(1), 0)
@@ -108,7 +111,9 @@ def surface_points(shape, count: int, rng) -> np.ndarray:
         height, r = rng.uniform(-1, 1, count), np.full(count, radius)
         height[::2] = np.sign(height[::2])
         r[::4] *= np.sqrt(rng.uniform(0, 1, len(r[::4])))
-        local = np.column_stack([r * np.cos(angle), r * np.sin(angle), height * length / 2])
+        local = np.column_stack(
+            [r * np.cos(angle), r * np.sin(angle), height * length / 2]
+        )
     return local @ rotation(*shape.rpy).T + shape.xyz
 
 
@@ -122,7 +127,9 @@ def test_primitives_enclose_the_drawn_body(meshes, name):
     for left_out in range(len(shapes)):
         rest = [s for i, s in enumerate(shapes) if i != left_out]
         if rest:
-            assert np.min([signed_distance(s, points) for s in rest], axis=0).max() > 1e-4
+            assert (
+                np.min([signed_distance(s, points) for s in rest], axis=0).max() > 1e-4
+            )
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -145,7 +152,9 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     assert excess.max() < 3e-3
 
 
-@pytest.mark.parametrize(("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")])
+@pytest.mark.parametrize(
+    ("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")]
+)
 def test_urdf_carries_the_primitives(path, gripper):
     root = ET.parse(path).getroot()
     wanted = collision_primitives(gripper)
@@ -185,7 +194,10 @@ def test_locked_is_the_jaws_closed():
 
 @pytest.mark.parametrize(
     ("path", "gripper", "file"),
-    [(URDF_PATH, "locked", "alpha5.srdf"), (JAWS_URDF_PATH, "jaws", "alpha5_jaws.srdf")],
+    [
+        (URDF_PATH, "locked", "alpha5.srdf"),
+        (JAWS_URDF_PATH, "jaws", "alpha5_jaws.srdf"),
+    ],
 )
 def test_srdf_leaves_the_same_pairs_as_the_package(path, gripper, file):
     """Pinocchio's own route: collision bodies of the URDF, all pairs, less those of the SRDF."""
@@ -218,10 +230,16 @@ def _link_pairs(model, geometry) -> dict[frozenset[str], int]:
     return counts
 
 
-@pytest.mark.parametrize(("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")])
-def test_every_pair_of_links_is_checked_but_neighbours_and_those_that_cannot_meet(path, gripper):
+@pytest.mark.parametrize(
+    ("path", "gripper"), [(URDF_PATH, "locked"), (JAWS_URDF_PATH, "jaws")]
+)
+def test_every_pair_of_links_is_checked_but_neighbours_and_those_that_cannot_meet(
+    path, gripper
+):
     model = pin.buildModelFromUrdf(path)
-    left_out = {frozenset(pair) for pair in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS)}
+    left_out = {
+        frozenset(pair) for pair in (*ADJACENT_PAIRS, *CLOSING_PAIRS, *NEVER_PAIRS)
+    }
     shapes = collision_primitives(gripper)
     expected = {
         frozenset((one, other)): len(shapes[one]) * len(shapes[other])
@@ -234,10 +252,15 @@ def test_every_pair_of_links_is_checked_but_neighbours_and_those_that_cannot_mee
 def test_urdf_route_and_package_agree_on_distances(model, collisions):
     """Pinocchio on the URDF and the SRDF files, from a fresh start each time."""
     geometry = pin.buildGeomFromUrdf(
-        model, URDF_PATH, pin.GeometryType.COLLISION, package_dirs=[str(Path(URDF_PATH).parent)]
+        model,
+        URDF_PATH,
+        pin.GeometryType.COLLISION,
+        package_dirs=[str(Path(URDF_PATH).parent)],
     )
     geometry.addAllCollisionPairs()
-    pin.removeCollisionPairs(model, geometry, str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf"))
+    pin.removeCollisionPairs(
+        model, geometry, str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.srdf")
+    )
     data = model.createData()
     rng = np.random.default_rng(RNG_SEED)
     folded = rng.uniform((0.02, 0.02, 0.02, 0), (0.6, 0.7, 1.5, 6.2), (20, 4))
@@ -246,9 +269,13 @@ def test_urdf_route_and_package_agree_on_distances(model, collisions):
         scratch = geometry.createData()
         index = pin.computeDistances(model, data, geometry, scratch, q)
         distance = collisions.clearance(q).distance
-        assert distance == pytest.approx(scratch.distanceResults[index].min_distance, abs=2e-6)
+        assert distance == pytest.approx(
+            scratch.distanceResults[index].min_distance, abs=2e-6
+        )
         hit = pin.computeCollisions(model, data, geometry, scratch, q, True)
-        assert hit == collisions.in_collision(q) == (collisions.colliding_links(q) != ())
+        assert (
+            hit == collisions.in_collision(q) == (collisions.colliding_links(q) != ())
+        )
         hits += hit
     assert 5 < hits < 35, "the sample must hold both kinds"
 
@@ -270,7 +297,9 @@ def test_named_poses_look_as_described():
     assert tips["stow"][0] < 0.12, "folded in front of the base"
     for name in ("home", "reach"):
         along = -poses[name]["link_4"][:3, 2]
-        assert along == pytest.approx([1, 0, 0], abs=1e-9), "the forearm points forward, level"
+        assert along == pytest.approx([1, 0, 0], abs=1e-9), (
+            "the forearm points forward, level"
+        )
     assert tips["reach"][0] > 0.34
     assert tips["home"][2] < 0
     with pytest.raises(UnknownNameError, match="stow, home, reach"):
@@ -321,9 +350,15 @@ def test_answers_bracket_the_distance_between_the_drawn_bodies(collisions, meshe
         there = {name: placed(solids[name], poses[name]) for name in BODIES}
         gap, overlap = 30.0, 0.0
         for one, other in itertools.combinations(BODIES, 2):
-            if frozenset((one, other)) in adjacent or {one, other} == {"finger_1", "finger_2"}:
+            if frozenset((one, other)) in adjacent or {one, other} == {
+                "finger_1",
+                "finger_2",
+            }:
                 continue
-            if {one, other} == {"link_3", "finger_1"} or {one, other} == {"link_3", "finger_2"}:
+            if {one, other} == {"link_3", "finger_1"} or {one, other} == {
+                "link_3",
+                "finger_2",
+            }:
                 continue
             overlap += (there[one] ^ there[other]).volume()
             gap = min(gap, there[one].min_gap(there[other], 30.0))
@@ -358,7 +393,9 @@ def test_links_1_and_3_cannot_meet(model):
     objects = geometry.geometryObjects
     geometry.removeAllCollisionPairs()
     of = {
-        name: [i for i, o in enumerate(objects) if model.frames[o.parentFrame].name == name]
+        name: [
+            i for i, o in enumerate(objects) if model.frames[o.parentFrame].name == name
+        ]
         for name in LINKS
     }
     for a, b in itertools.product(of["link_1"], of["link_3"]):
@@ -370,7 +407,9 @@ def test_links_1_and_3_cannot_meet(model):
         assert scratch.distanceResults[index].min_distance > 0.04
 
 
-@pytest.mark.parametrize("arguments", [{}, {"gripper": "jaws"}, {"floating_base": True}])
+@pytest.mark.parametrize(
+    "arguments", [{}, {"gripper": "jaws"}, {"floating_base": True}]
+)
 def test_the_arm_itself_answers(arguments, collisions):
     arm = a5.load(**arguments)
     for pose in [*NAMED_POSES.values(), (0.02, 0.02, math.pi, 1.0)]:
@@ -391,14 +430,20 @@ def test_the_arm_itself_answers(arguments, collisions):
 
 def test_threads_and_copies_have_memory_of_their_own(collisions):
     arm = a5.load()
-    q = [np.array(pose) for pose in (*NAMED_POSES.values(), (0.02, 0.02, math.pi, 1.0))] * 25
+    q = [
+        np.array(pose) for pose in (*NAMED_POSES.values(), (0.02, 0.02, math.pi, 1.0))
+    ] * 25
     alone = [arm.collision_distance(x) for x in q]
     with ThreadPoolExecutor(4) as pool:
-        assert list(pool.map(arm.collision_distance, q)) == pytest.approx(alone, abs=2e-6)
+        assert list(pool.map(arm.collision_distance, q)) == pytest.approx(
+            alone, abs=2e-6
+        )
     assert pickle.loads(pickle.dumps(arm)).collision_distance(q[0]) == pytest.approx(
         alone[0], abs=2e-6
     )
-    assert arm.with_payload(1.0).collision_distance(q[0]) == pytest.approx(alone[0], abs=2e-6)
+    assert arm.with_payload(1.0).collision_distance(q[0]) == pytest.approx(
+        alone[0], abs=2e-6
+    )
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
@@ -410,7 +455,10 @@ def test_the_answer_at_q_does_not_depend_on_what_was_asked_before(gripper):
 
     def answers(order):
         found = {i: collisions.clearance(q[i]) for i in order}
-        return [(found[i].distance, found[i].links, *found[i].points.ravel()) for i in range(60)]
+        return [
+            (found[i].distance, found[i].links, *found[i].points.ravel())
+            for i in range(60)
+        ]
 
     first = answers(range(60))
     assert answers(rng.permutation(60)) == first
@@ -449,7 +497,11 @@ def test_open_jaws_reach_farther():
 def test_floating_base_gives_the_same_answers(collisions):
     arm = a5.load(floating_base=True)
     floating = CollisionModel(arm.model)
-    pose = pin.SE3ToXYZQUAT(pin.SE3(rotation(0.3, -0.4, 2.0), np.array([1.0, 2.0, -3.0])))
+    pose = pin.SE3ToXYZQUAT(
+        pin.SE3(rotation(0.3, -0.4, 2.0), np.array([1.0, 2.0, -3.0]))
+    )
     for q in map(np.array, NAMED_POSES.values()):
         there = floating.clearance(np.concatenate([pose, q]))
-        assert there.distance == pytest.approx(collisions.clearance(q).distance, abs=2e-6)
+        assert there.distance == pytest.approx(
+            collisions.clearance(q).distance, abs=2e-6
+        )

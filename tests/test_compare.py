@@ -22,7 +22,12 @@ from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
-from alpha5_model.errors import Alpha5Error, FileFormatError, InputError, UnknownNameError
+from alpha5_model.errors import (
+    Alpha5Error,
+    FileFormatError,
+    InputError,
+    UnknownNameError,
+)
 from alpha5_model.proofs.comparison.arm import reduce_robot
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
 from alpha5_model.proofs.comparison.reading import find_chains
@@ -36,7 +41,9 @@ def inertial(root: ET.Element, link: str) -> ET.Element:
 
 
 def set_com(root: ET.Element, link: str, com) -> None:
-    inertial(root, link).find("origin").set("xyz", " ".join(repr(float(x)) for x in com))
+    inertial(root, link).find("origin").set(
+        "xyz", " ".join(repr(float(x)) for x in com)
+    )
 
 
 def set_inertia(root: ET.Element, link: str, tensor) -> None:
@@ -94,7 +101,9 @@ def dummy_link(root):
     link = ET.SubElement(root, "link", name="dummy")
     body = ET.SubElement(link, "inertial")
     ET.SubElement(body, "mass", value="0.0001")
-    ET.SubElement(body, "inertia", ixx="1e-4", iyy="1e-4", izz="1e-4", ixy="0", ixz="0", iyz="0")
+    ET.SubElement(
+        body, "inertia", ixx="1e-4", iyy="1e-4", izz="1e-4", ixy="0", ixz="0", iyz="0"
+    )
     joint = ET.SubElement(root, "joint", name="dummy_joint", type="fixed")
     ET.SubElement(joint, "parent", link="link_4")
     ET.SubElement(joint, "child", link="dummy")
@@ -115,7 +124,9 @@ def greedy_mimic(root):
         joint = ET.SubElement(root, "joint", name=f"{name}_joint", type=kind)
         ET.SubElement(joint, "parent", link="link_4")
         ET.SubElement(joint, "child", link=name)
-        ET.SubElement(joint, "limit", lower=lower, upper=upper, effort="1", velocity="1")
+        ET.SubElement(
+            joint, "limit", lower=lower, upper=upper, effort="1", velocity="1"
+        )
         if name == "finger":
             ET.SubElement(joint, "mimic", joint="rod_joint", multiplier="51")
 
@@ -171,7 +182,9 @@ def found(comparison, defect: Defect) -> bool:
 def test_each_defect_is_found_and_named(defect):
     comparison = inject(defect)
     assert found(comparison, defect), comparison.findings
-    assert comparison.agrees == (defect is too_much_water)  # the URDF itself still computes right
+    assert comparison.agrees == (
+        defect is too_much_water
+    )  # the URDF itself still computes right
 
 
 def test_defects_are_found_in_pairs():
@@ -197,7 +210,9 @@ def test_our_own_files_have_no_findings(path):
 @pytest.mark.parametrize(
     "variant",
     [
-        Variant(prefix="left_", parent="vehicle", xyz=(0.3, -0.1, 0.2), rpy=(0.1, -0.4, 2.0)),
+        Variant(
+            prefix="left_", parent="vehicle", xyz=(0.3, -0.1, 0.2), rpy=(0.1, -0.4, 2.0)
+        ),
         Variant(parent="vehicle", rpy=(math.pi, 0.0, 0.0), dh_frames=True),
     ],
 )
@@ -213,7 +228,10 @@ def test_a_mounted_arm_differs_by_its_mount_only(variant):
 def test_the_base_after_the_rotation_pi_is_recognised():
     comparison = compare_robots(parse_urdf(urdf(Variant(corrections=()))), samples=5)
     assert {finding.where for finding in comparison.findings} == {"link_0"}
-    assert sum("turned by pi about z" in finding.text for finding in comparison.findings) == 2
+    assert (
+        sum("turned by pi about z" in finding.text for finding in comparison.findings)
+        == 2
+    )
 
 
 def test_shifted_zeros_and_signs_are_measured():
@@ -222,7 +240,9 @@ def test_shifted_zeros_and_signs_are_measured():
     root.find("joint[@name='axis_c']/axis").set("xyz", "0 0 -1")
     alignment = compare_robots(parse_urdf(ET.tostring(root)), samples=5).alignment
     np.testing.assert_array_equal(alignment.sign, [1, 1, -1, 1])
-    np.testing.assert_allclose(alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        alignment.zero, [0, 1.5 - 1.3021582029078473, 0, 0], atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -233,7 +253,9 @@ def test_a_mimic_beyond_a_limit_of_zero_is_measured(side):
         text = text.replace('offset="-0.0663"', 'offset="-0.1"', 1)
     else:
         text = text.replace('"51.0" offset="-0.0663"', '"-51.0" offset="0.1"', 1)
-        text = text.replace('lower="0.0" upper="0.612"', 'lower="-0.612" upper="0.0"', 1)
+        text = text.replace(
+            'lower="0.0" upper="0.612"', 'lower="-0.612" upper="0.0"', 1
+        )
     findings = compare_robots(parse_urdf(text), samples=5).findings
     (found,) = (f for f in findings if "mimics" in f.text)
     assert (found.where, found.text) == (
@@ -244,7 +266,9 @@ def test_a_mimic_beyond_a_limit_of_zero_is_measured(side):
 
 def test_a_limit_a_hair_below_zero_prints_no_negative_zero():
     def limits(root):
-        root.find("joint[@name='axis_d']/limit").attrib.update(lower="-0.0001", upper="3.8")
+        root.find("joint[@name='axis_d']/limit").attrib.update(
+            lower="-0.0001", upper="3.8"
+        )
 
     (finding,) = (f for f in inject(limits).findings if f.text.startswith("range"))
     assert finding.text == "range 0.0 to 217.7 deg in place of 1.0 to 195.0 deg"
@@ -258,8 +282,13 @@ def test_dynamic_errors_equal_pinocchio_on_the_files():
     models = [pin.buildModelFromXML(source) for source in (OWN, text)]
     data = [model.createData() for model in models]
     gravity, matrix = np.zeros(4), 0.0
-    for q in np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (40, 4)):
-        g = [pin.computeGeneralizedGravity(m, d, q) for m, d in zip(models, data, strict=True)]
+    for q in np.random.default_rng(0).uniform(
+        reference.LOWER, reference.UPPER, (40, 4)
+    ):
+        g = [
+            pin.computeGeneralizedGravity(m, d, q)
+            for m, d in zip(models, data, strict=True)
+        ]
         M = [pin.crba(m, d, q) for m, d in zip(models, data, strict=True)]
         gravity = np.maximum(gravity, np.abs(g[0] - g[1]))
         matrix = max(matrix, np.abs(M[0] - M[1]).max())
@@ -275,12 +304,16 @@ def test_bodies_equal_pinocchio_on_the_jaws():
     full = pin.buildModelFromXML(text)
     rest = pin.neutral(full)
     rest[full.joints[full.getJointId("axis_a")].idx_q] = 0.0013
-    frozen = [full.getJointId(n) for n in ("axis_a", "finger_1_joint", "finger_2_joint")]
+    frozen = [
+        full.getJointId(n) for n in ("axis_a", "finger_1_joint", "finger_2_joint")
+    ]
     model = pin.buildReducedModel(full, frozen, rest)
     for i in range(1, 5):
         assert arm.mass[i] == pytest.approx(model.inertias[i].mass, abs=1e-15)
         np.testing.assert_allclose(arm.com[i], model.inertias[i].lever, atol=1e-15)
-        np.testing.assert_allclose(arm.inertia[i], model.inertias[i].inertia, atol=1e-15)
+        np.testing.assert_allclose(
+            arm.inertia[i], model.inertias[i].inertia, atol=1e-15
+        )
 
 
 def test_joints_are_mapped_by_name_prefix_order_or_hand():
@@ -296,7 +329,10 @@ def test_joints_are_mapped_by_name_prefix_order_or_hand():
     ]
     jaws = Path(JAWS_URDF_PATH).read_text().replace('"axis_d"', '"shoulder"')
     assert find_chains(parse_urdf(jaws))[0].joints[1].name == "shoulder"
-    assert find_chains(parse_urdf(jaws), {"axis_d": "shoulder"})[0].joints[1].name == "shoulder"
+    assert (
+        find_chains(parse_urdf(jaws), {"axis_d": "shoulder"})[0].joints[1].name
+        == "shoulder"
+    )
     with pytest.raises(UnknownNameError, match="choose from link_0_fixed"):
         find_chains(robot, {"axis_e": "waist"})
     with pytest.raises(InputError, match="four different joints"):
@@ -314,15 +350,39 @@ def test_joints_are_mapped_by_name_prefix_order_or_hand():
         ("<sdf/>", "expected <robot>, got <sdf>"),
         ("<robot/>", "there is no <link>"),
         ("<robot><link/></robot>", "<link> has no attribute 'name'"),
-        ("<robot><link name='a'/>\n<link name='a'/></robot>", "line 2: link 'a' is there twice"),
+        (
+            "<robot><link name='a'/>\n<link name='a'/></robot>",
+            "line 2: link 'a' is there twice",
+        ),
         ("<robot><link name='a'/><link name='b'/></robot>", "2 root links: a, b"),
-        (OWN.replace('value="0.38"', 'value="heavy"'), "expected a finite number, got 'heavy'"),
-        (OWN.replace('value="0.38"', 'value="nan"'), "expected a finite number, got 'nan'"),
-        (OWN.replace('ixx="8.2697e-05"', 'ixx="abc"'), "<inertia ixx>: expected a finite number"),
-        (OWN.replace('<child link="link_2"/>', '<child link="limb"/>'), "no link 'limb'"),
-        (OWN.replace('<child link="link_2"/>', '<child link="link_1"/>'), "has two parents"),
-        (OWN.replace('<parent link="link_0"/>', '<parent link="tcp"/>'), "2 root links|a loop"),
-        (OWN.replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"'), "the axis has no direction"),
+        (
+            OWN.replace('value="0.38"', 'value="heavy"'),
+            "expected a finite number, got 'heavy'",
+        ),
+        (
+            OWN.replace('value="0.38"', 'value="nan"'),
+            "expected a finite number, got 'nan'",
+        ),
+        (
+            OWN.replace('ixx="8.2697e-05"', 'ixx="abc"'),
+            "<inertia ixx>: expected a finite number",
+        ),
+        (
+            OWN.replace('<child link="link_2"/>', '<child link="limb"/>'),
+            "no link 'limb'",
+        ),
+        (
+            OWN.replace('<child link="link_2"/>', '<child link="link_1"/>'),
+            "has two parents",
+        ),
+        (
+            OWN.replace('<parent link="link_0"/>', '<parent link="tcp"/>'),
+            "2 root links|a loop",
+        ),
+        (
+            OWN.replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"'),
+            "the axis has no direction",
+        ),
         (OWN.replace('type="revolute"', 'type="hinge"'), "unknown type 'hinge'"),
     ],
 )
@@ -336,7 +396,9 @@ def test_broken_files_say_where(text, words, tmp_path, capsys):
 
 
 def test_a_lighter_body_has_a_negative_mass_error():
-    comparison = compare_robots(parse_urdf(OWN.replace('value="0.38"', 'value="0.3"')), samples=5)
+    comparison = compare_robots(
+        parse_urdf(OWN.replace('value="0.38"', 'value="0.3"')), samples=5
+    )
     assert comparison.bodies[2].mass_error == pytest.approx(-0.08)
 
 
@@ -382,7 +444,20 @@ def test_wrong_input_is_one_line_and_status_2(arguments, words, capsys):
 
 
 TOKENS = st.sampled_from(
-    ["0", "-1", "1e308", "1e-320", "nan", "inf", "", "a b", "link_0", "axis_e", "fixed", "0 0 0"]
+    [
+        "0",
+        "-1",
+        "1e308",
+        "1e-320",
+        "nan",
+        "inf",
+        "",
+        "a b",
+        "link_0",
+        "axis_e",
+        "fixed",
+        "0 0 0",
+    ]
 )
 
 
@@ -396,10 +471,18 @@ def test_fuzzed_files_end_in_a_comparison_or_our_own_error(data):
         element = elements[data.draw(st.integers(0, len(elements) - 1))]
         action = data.draw(st.sampled_from(["attribute", "remove", "tag", "double"]))
         if action == "attribute" and element.attrib:
-            element.set(data.draw(st.sampled_from(sorted(element.attrib))), data.draw(TOKENS))
+            element.set(
+                data.draw(st.sampled_from(sorted(element.attrib))), data.draw(TOKENS)
+            )
         elif action == "tag":
-            element.tag = data.draw(st.sampled_from(["link", "joint", "origin", "nonsense"]))
-        elif action == "remove" and element in parents and element in list(parents[element]):
+            element.tag = data.draw(
+                st.sampled_from(["link", "joint", "origin", "nonsense"])
+            )
+        elif (
+            action == "remove"
+            and element in parents
+            and element in list(parents[element])
+        ):
             parents[element].remove(element)
         elif action == "double" and element in parents:
             parents[element].append(element)
@@ -420,7 +503,9 @@ def test_samples_are_a_count(samples) -> None:
         compare(a5.URDF_PATH, samples=samples)
 
 
-def test_a_picture_without_matplotlib_is_one_clear_line(monkeypatch, capsys, tmp_path) -> None:
+def test_a_picture_without_matplotlib_is_one_clear_line(
+    monkeypatch, capsys, tmp_path
+) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     path = tmp_path / "errors.png"
     assert main(["compare", a5.URDF_PATH, "--plot", str(path)]) == 2

@@ -37,9 +37,15 @@ def cut(text: str, digits: int) -> str:
 
 def matrix(rpy) -> np.ndarray:
     (a, b, c) = rpy
-    x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
-    y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
-    z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
+    x = np.array(
+        [[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]]
+    )
+    y = np.array(
+        [[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]]
+    )
+    z = np.array(
+        [[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]]
+    )
     return z @ y @ x
 
 
@@ -65,7 +71,9 @@ def shift_zero(joint: ET.Element, angle: float) -> None:
     angle = float(angle)
     origin, sign = joint.find("origin"), float(joint.find("axis").get("xyz").split()[2])
     turn = matrix((0, 0, -sign * angle))
-    origin.set("rpy", rpy_of(matrix([float(x) for x in origin.get("rpy").split()]) @ turn))
+    origin.set(
+        "rpy", rpy_of(matrix([float(x) for x in origin.get("rpy").split()]) @ turn)
+    )
     limit = joint.find("limit")
     for end in ("lower", "upper"):
         limit.set(end, repr(float(limit.get(end)) + angle))
@@ -82,7 +90,9 @@ def dressed(text: str, prefix: str, xyz=None, rpy=None) -> ET.Element:
     # What is mounted is no root any more: xacro writes its zeros out, which PyBullet asks for.
     zeros = ET.SubElement(root.find(f"link[@name='{prefix}base_link']"), "inertial")
     ET.SubElement(zeros, "mass", value="0")
-    ET.SubElement(zeros, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+    ET.SubElement(
+        zeros, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
+    )
     if xyz is not None:
         ET.SubElement(root, "link", name="vehicle")
         mount = ET.SubElement(root, "joint", name="mount", type="fixed")
@@ -104,7 +114,9 @@ def test_pi_cut_short_changes_nothing(digits):
     comparison = compare_robots(parse_urdf(text), samples=50)
     assert wheres(comparison) == []
     # The one remark is about the digits, and there only where they can be seen.
-    assert {f.where for f in comparison.findings} == ({"digits"} if digits < 6 else set())
+    assert {f.where for f in comparison.findings} == (
+        {"digits"} if digits < 6 else set()
+    )
     np.testing.assert_allclose(comparison.alignment.zero, 0, atol=1e-12)
     np.testing.assert_allclose(comparison.alignment.base, np.eye(4), atol=1e-12)
 
@@ -132,11 +144,16 @@ def test_what_was_done_is_found_and_nothing_else():
         done = [axis for axis, flip in zip(AXES, flips, strict=True) if flip]
         done += [axis for axis, zero in zip(AXES, zeros, strict=True) if zero]
         assert wheres(comparison) == sorted(done), case
-        assert set(wheres(comparison, False)) <= {"digits", *(["base"] if mounted else [])}, case
+        assert set(wheres(comparison, False)) <= {
+            "digits",
+            *(["base"] if mounted else []),
+        }, case
         np.testing.assert_array_equal(comparison.alignment.sign, signs, str(case))
         off = comparison.alignment.zero - zeros
         # A joint with a cut pi and a shift has one number, from which nobody can tell the cut.
-        np.testing.assert_allclose(np.angle(np.exp(1j * off)), 0, atol=2e-3, err_msg=str(case))
+        np.testing.assert_allclose(
+            np.angle(np.exp(1j * off)), 0, atol=2e-3, err_msg=str(case)
+        )
         if mounted:
             at = np.linalg.inv(comparison.alignment.base)
             np.testing.assert_allclose(at[:3, 3], xyz, atol=1e-4)
@@ -179,9 +196,13 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
     joint = root.find(f"joint[@name='{AXES[index + 1]}']")
     origin = joint.find("origin")
     turn = matrix((math.radians(1.0), 0, 0))
-    origin.set("rpy", rpy_of(turn @ matrix([float(x) for x in origin.get("rpy").split()])))
+    origin.set(
+        "rpy", rpy_of(turn @ matrix([float(x) for x in origin.get("rpy").split()]))
+    )
     comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=20)
-    assert {f.where for f in comparison.findings} == {AXES[index + 1]}, comparison.findings
+    assert {f.where for f in comparison.findings} == {AXES[index + 1]}, (
+        comparison.findings
+    )
     change = comparison.alignment.changes()[f"alpha_{index}"]
     assert abs(math.degrees(change)) == pytest.approx(1.0, abs=1e-6)
     ours = (90.0, 180.0, -90.0)[index]  # Table 1
@@ -192,7 +213,14 @@ def test_a_twisted_axis_is_measured_and_nothing_else(index):
 
 @pytest.mark.parametrize(
     ("text", "multiple"),
-    [("3.14", 12), ("3.1415", 12), ("-1.57075", -6), ("1.5708", 6), ("2.09439", 8), ("0.785", 3)],
+    [
+        ("3.14", 12),
+        ("3.1415", 12),
+        ("-1.57075", -6),
+        ("1.5708", 6),
+        ("2.09439", 8),
+        ("0.785", 3),
+    ],
 )
 def test_a_short_multiple_of_pi_is_recognised(text, multiple):
     assert meant_angle(text) == pytest.approx(multiple * math.pi / 12, rel=1e-15)
@@ -209,7 +237,9 @@ def test_digits_that_explain_a_difference_make_it_none():
     short = OWN.replace("0.1507053084665567", "0.151").replace("0.0462", "0.046")
     remarks = compare_robots(parse_urdf(short), samples=5).findings
     assert {(f.where, f.serious) for f in remarks} == {("digits", False)}, remarks
-    found = compare_robots(parse_urdf(short.replace('"0.151 ', '"0.1510 ')), samples=5).findings
+    found = compare_robots(
+        parse_urdf(short.replace('"0.151 ', '"0.1510 ')), samples=5
+    ).findings
     assert {f.where for f in found if f.serious} == {"axis_c", "axis_d"}
     joints = parse_urdf(short).joints
     assert last_digits([joints["axis_c"]])[0] == pytest.approx(0.0005)
@@ -227,9 +257,18 @@ OTHERS = ("ur_description/urdf/ur5_robot", "panda_description/urdf/panda", "z1_d
 def test_other_robots_are_not_this_arm(name, capsys):
     data = pytest.importorskip("example_robot_data")
     folder = next(
-        (p for p in Path(data.__file__).parents if (p / "share/example-robot-data").is_dir()), None
+        (
+            p
+            for p in Path(data.__file__).parents
+            if (p / "share/example-robot-data").is_dir()
+        ),
+        None,
     )
-    path = folder / "share/example-robot-data/robots" / f"{name}.urdf" if folder else Path("-")
+    path = (
+        folder / "share/example-robot-data/robots" / f"{name}.urdf"
+        if folder
+        else Path("-")
+    )
     if not path.is_file():
         pytest.skip(f"{name} is not shipped")
     comparison = compare(path)
@@ -237,14 +276,23 @@ def test_other_robots_are_not_this_arm(name, capsys):
     assert not comparison.agrees
     assert len(comparison.findings) == 1
     assert main(["compare", str(path)]) == 1
-    assert len(capsys.readouterr().out.strip().splitlines()) <= 5  # wrapped at the terminal's width
+    assert (
+        len(capsys.readouterr().out.strip().splitlines()) <= 5
+    )  # wrapped at the terminal's width
     assert main(["compare", str(path), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["verdict"] == comparison.verdict
 
 
 def six_axes(scale: float) -> str:
     """Yaw, pitch, pitch, roll, pitch, roll, named from the tip as the maker of this arm does."""
-    offsets = ("0 0 0.1", "0.046 0 0.107", "0.29 0 0", "0.041 0 0", "0 0 0.16", "0 0 0.1")
+    offsets = (
+        "0 0 0.1",
+        "0.046 0 0.107",
+        "0.29 0 0",
+        "0.041 0 0",
+        "0 0 0.16",
+        "0 0 0.1",
+    )
     turns = ("0 0 0", "1.5708 0 0", "0 0 0", "1.5708 0 0", "-1.5708 0 0", "1.5708 0 0")
     text = "<robot name='six'><link name='base_link'/>"
     parent = "base_link"
@@ -262,7 +310,9 @@ def six_axes(scale: float) -> str:
 @pytest.mark.parametrize("scale", [0.5, 0.75, 1.0])
 def test_a_larger_arm_of_the_same_maker_is_told_apart(scale):
     comparison = compare_robots(parse_urdf(six_axes(scale)))
-    assert comparison.verdict.startswith("This is not a Reach Alpha 5: of its 6 turning joints")
+    assert comparison.verdict.startswith(
+        "This is not a Reach Alpha 5: of its 6 turning joints"
+    )
     assert comparison.as_dict()["tip_error_m"] is None
 
 
@@ -302,13 +352,18 @@ def test_of_many_carried_bodies_the_heaviest_are_named():
             "</robot>",
         )
     said = compare_robots(parse_urdf(text)).findings[1].text
-    assert ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with" in said
+    assert (
+        ": frame (40 kg), hull (25 kg), t0 (25 kg) and 2 more, 115.5 kg in all; with"
+        in said
+    )
 
 
 def test_a_vehicle_is_left_out_of_link_0():
     comparison = compare_robots(parse_urdf(with_vehicle(25.0)))
     assert comparison.agrees
-    assert [f.where for f in comparison.findings] == ["base", "base"], comparison.findings
+    assert [f.where for f in comparison.findings] == ["base", "base"], (
+        comparison.findings
+    )
     assert comparison.bodies[0].mass == pytest.approx(reference.MASS[0])
     assert comparison.carried == {"world": 0.0, "hull": 25.0, "t0": 25.0, "t1": 25.0}
     assert "hull (25 kg), t0 (25 kg), t1 (25 kg);" in comparison.findings[1].text
@@ -323,19 +378,25 @@ def test_a_vehicle_that_hangs_on_the_arm_is_left_out_too():
     mount.find("child").set("link", "vehicle")
     body = ET.SubElement(root.find("link[@name='vehicle']"), "inertial")
     ET.SubElement(body, "mass", value="11")
-    ET.SubElement(body, "inertia", dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), "0"))
+    ET.SubElement(
+        body, "inertia", dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), "0")
+    )
     comparison = compare_robots(parse_urdf(ET.tostring(root)), samples=5)
     assert comparison.carried == {"vehicle": 11.0}
     assert [f.where for f in comparison.findings] == ["base"]
 
 
 def test_the_arms_first_link_can_be_given():
-    light = parse_urdf(with_vehicle(0.005))  # found by its frame, no heavier than a dummy
+    light = parse_urdf(
+        with_vehicle(0.005)
+    )  # found by its frame, no heavier than a dummy
     assert compare_robots(light).bodies[0].mass == pytest.approx(reference.MASS[0])
     given = compare_robots(light, base="arm0_link_0")
     assert given.carried.keys() >= {"hull", "t1", "arm0_base_link"}
     assert compare_robots(light, base="hull").bodies[0].mass == pytest.approx(0.249)
-    with pytest.raises(UnknownNameError, match="choose from world, hull, arm0_base_link"):
+    with pytest.raises(
+        UnknownNameError, match="choose from world, hull, arm0_base_link"
+    ):
         compare_robots(light, base="t0")
     assert main(["compare", a5.URDF_PATH, "--samples", "5", "--base", "link_0"]) == 0
     assert main(["compare", a5.URDF_PATH, "--base", "tcp"]) == 2
@@ -367,7 +428,10 @@ def test_joints_need_no_names():
     for axis in AXES:
         text = text.replace(f'"{axis}"', f'"j{hash(axis) % 97}{axis[-1]}"')
     turned = ET.fromstring(text)  # a turntable below, a rotary tool behind
-    for name, parent, child in (("pan", "ground", "base_link"), ("tool", "tcp", "drill")):
+    for name, parent, child in (
+        ("pan", "ground", "base_link"),
+        ("tool", "tcp", "drill"),
+    ):
         ET.SubElement(turned, "link", name="ground" if name == "pan" else "drill")
         joint = ET.SubElement(turned, "joint", name=name, type="continuous")
         ET.SubElement(joint, "parent", link=parent)
@@ -396,7 +460,9 @@ def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, 
     given = ["compare", "--xacro", str(top), "--package", f"my_arm={folder}"]
     assert main(given) == 0
     assert main([*given, "--arg", "kind:=none"]) == 2
-    top.write_text(top.read_text().replace("<xacro:arg name='kind' default='arm'/>", ""))
+    top.write_text(
+        top.read_text().replace("<xacro:arg name='kind' default='arm'/>", "")
+    )
     capsys.readouterr()
     assert main(given) == 2
     err = capsys.readouterr().err
@@ -406,7 +472,9 @@ def test_xacro_is_expanded_on_request_or_the_line_that_would_is_given(tmp_path, 
     assert main([*given, "--arg", "kind=arm"]) == 2
 
 
-@pytest.mark.parametrize(("root", "words"), [("mujoco", "an MJCF model"), ("sdf", "an SDF model")])
+@pytest.mark.parametrize(
+    ("root", "words"), [("mujoco", "an MJCF model"), ("sdf", "an SDF model")]
+)
 def test_other_formats_are_refused_by_name(root, words, tmp_path):
     path = tmp_path / "other.xml"
     path.write_text(f"<?xml version='1.0'?>\n<!-- <robot/> -->\n<{root}>\n</{root}>")
@@ -418,8 +486,12 @@ def test_other_formats_are_refused_by_name(root, words, tmp_path):
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "utf-16-le", "latin-1"])
 @pytest.mark.parametrize("declared", ["", "utf-8", "the right one"])
-def test_files_in_other_encodings_are_read_or_refused_in_a_line(encoding, declared, tmp_path):
-    text = OWN.replace('<?xml version="1.0" ?>', "").replace("alpha5_model", "\u00e4", 1)
+def test_files_in_other_encodings_are_read_or_refused_in_a_line(
+    encoding, declared, tmp_path
+):
+    text = OWN.replace('<?xml version="1.0" ?>', "").replace(
+        "alpha5_model", "\u00e4", 1
+    )
     name = {"the right one": encoding.replace("-sig", "")}.get(declared, declared)
     head = f'<?xml version="1.0" encoding="{name}"?>' if declared else ""
     path = tmp_path / "other.urdf"
@@ -430,7 +502,9 @@ def test_files_in_other_encodings_are_read_or_refused_in_a_line(encoding, declar
     except FileFormatError as error:
         message = str(error)
     marked = encoding in ("utf-16", "utf-8-sig")
-    assert not message or not (marked or (encoding, declared) == ("latin-1", "the right one"))
+    assert not message or not (
+        marked or (encoding, declared) == ("latin-1", "the right one")
+    )
     assert len(message.splitlines()) <= 1
 
 
@@ -452,28 +526,47 @@ def test_public_models_of_this_arm(name):
     if not path.is_file():
         pytest.skip("the public models are not here")
     comparison = compare(path)
-    rounded = name == "hkolano_blue_rov"  # its fit depends on the positions it is made at
+    rounded = (
+        name == "hkolano_blue_rov"
+    )  # its fit depends on the positions it is made at
     bodies, torques = TRUTH[name]
     for body, (mass, com, inertia) in zip(comparison.bodies[2:], bodies, strict=True):
         assert body.mass == pytest.approx(mass, abs=1e-9)
-        assert body.com_error * 1e3 == pytest.approx(com, rel=0.01 if rounded else 0, abs=0.05)
+        assert body.com_error * 1e3 == pytest.approx(
+            com, rel=0.01 if rounded else 0, abs=0.05
+        )
         assert body.inertia_error * 1e6 == pytest.approx(inertia, rel=5e-3)
     np.testing.assert_allclose(comparison.gravity_error[1:3], torques, rtol=0.03)
     alignment = comparison.alignment
     np.testing.assert_array_equal(alignment.sign, 1)
     zeros = np.degrees(alignment.zero[1:3])
-    np.testing.assert_allclose(zeros, -0.18 if rounded else 0, atol=0.03 if rounded else 0.005)
-    assert alignment.residual[0] * 1e3 == pytest.approx(0.16 if rounded else 0, abs=0.005)
-    shoulder = [f.text for f in comparison.findings if "above" in f.text and f.where == "axis_d"]
-    assert [("0.80 mm lower" in text) for text in shoulder] == ([] if rounded else [True])
+    np.testing.assert_allclose(
+        zeros, -0.18 if rounded else 0, atol=0.03 if rounded else 0.005
+    )
+    assert alignment.residual[0] * 1e3 == pytest.approx(
+        0.16 if rounded else 0, abs=0.005
+    )
+    shoulder = [
+        f.text for f in comparison.findings if "above" in f.text and f.where == "axis_d"
+    ]
+    assert [("0.80 mm lower" in text) for text in shoulder] == (
+        [] if rounded else [True]
+    )
     assert comparison.carried.get("vehicle_frame", 0.0) == (25.14 if rounded else 0.0)
-    assert comparison.bodies[0].mass == pytest.approx(0.53 if rounded else 0.341, abs=2e-4)
+    assert comparison.bodies[0].mass == pytest.approx(
+        0.53 if rounded else 0.341, abs=2e-4
+    )
 
 
 def test_what_to_write_instead_mends_the_axes():
     root = ET.fromstring(OWN)
     joints = {axis: root.find(f"joint[@name='{axis}']") for axis in AXES}
-    for axis, angle in (("axis_e", 0.4), ("axis_d", -1.1), ("axis_c", 2.0), ("axis_b", 0.7)):
+    for axis, angle in (
+        ("axis_e", 0.4),
+        ("axis_d", -1.1),
+        ("axis_c", 2.0),
+        ("axis_b", 0.7),
+    ):
         shift_zero(joints[axis], angle)
     reverse(joints["axis_d"])
     reverse(joints["axis_b"])
@@ -491,7 +584,9 @@ def test_what_to_write_instead_mends_the_axes():
 def gravity(text: str, q: np.ndarray) -> np.ndarray:
     model = pin.buildModelFromXML(text)
     data = model.createData()
-    return np.array([pin.computeGeneralizedGravity(model, data, row).copy() for row in q])
+    return np.array(
+        [pin.computeGeneralizedGravity(model, data, row).copy() for row in q]
+    )
 
 
 def test_costs_of_axes_are_gravity_torques_by_pinocchio():

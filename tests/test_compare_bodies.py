@@ -27,7 +27,9 @@ def inertial(root: ET.Element, link: str) -> ET.Element:
     return root.find(f"link[@name='{link}']/inertial")
 
 
-def edited(*edits: tuple[str, str, dict[str, str]], root: ET.Element | None = None) -> ET.Element:
+def edited(
+    *edits: tuple[str, str, dict[str, str]], root: ET.Element | None = None
+) -> ET.Element:
     """Our URDF with attributes of inertials set: (link, "mass" or "origin" or "inertia", attributes)."""
     root = ET.fromstring(OWN) if root is None else root
     for link, tag, attributes in edits:
@@ -64,7 +66,9 @@ def gravity_difference(root: ET.Element) -> float:
 
 
 @pytest.mark.parametrize(
-    ("edit", "words"), [(HEAVY, "mass"), (ASIDE, "COM"), (OTHER_SIDE, "COM")], ids=lambda x: str(x)
+    ("edit", "words"),
+    [(HEAVY, "mass"), (ASIDE, "COM"), (OTHER_SIDE, "COM")],
+    ids=lambda x: str(x),
 )
 def test_a_finding_costs_what_it_alone_changes_in_the_torque(edit, words):
     alone = gravity_difference(edited(edit))
@@ -141,7 +145,14 @@ def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
         ET.SubElement(body, "origin", xyz="0.01 0.02 0.03", rpy="0.3 0.2 0.1")
         ET.SubElement(body, "mass", value=mass)
         ET.SubElement(
-            body, "inertia", ixx="1e-4", iyy="2e-4", izz="2e-4", ixy="0", ixz="0", iyz="0"
+            body,
+            "inertia",
+            ixx="1e-4",
+            iyy="2e-4",
+            izz="2e-4",
+            ixy="0",
+            ixz="0",
+            iyz="0",
         )
         joint = ET.SubElement(root, "joint", name=f"{name}_fixed", type="fixed")
         ET.SubElement(joint, "origin", xyz="0.02 -0.01 0.005", rpy="0.7 -0.4 1.9")
@@ -153,14 +164,18 @@ def test_what_to_write_instead_is_in_the_frame_of_the_other_models_link():
         assert finding.instead.startswith("shell: <")
         assert finding.instead.endswith("/> (nothing in motor)")
         for element in re.findall("<[^>]+>", finding.instead):
-            step = 1e-6 if element.startswith("<origin") else 1e-9  # the digits of Table 2
+            step = (
+                1e-6 if element.startswith("<origin") else 1e-9
+            )  # the digits of Table 2
             for quoted in re.findall('"([^"]+)"', element):
                 steps = np.array(quoted.split(), float) / step
                 np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
         write_instead(root, finding)
     after = compared(root)
     assert [f.text for f in after.findings if f.serious] == []
-    np.testing.assert_allclose(after.bodies[3].com, np.array(reference.COM[3]) / 1e3, atol=1e-6)
+    np.testing.assert_allclose(
+        after.bodies[3].com, np.array(reference.COM[3]) / 1e3, atol=1e-6
+    )
 
 
 def test_a_missing_inertial_is_given_whole():
@@ -190,7 +205,9 @@ def test_a_body_without_mass_has_no_com_and_no_tensor_to_judge():
     assert json.loads(json.dumps(comparison.as_dict(), allow_nan=False))
 
 
-@pytest.mark.parametrize(("z", "wrong"), [("-0.09", False), ("0.001", True), ("0.1", True)])
+@pytest.mark.parametrize(
+    ("z", "wrong"), [("-0.09", False), ("0.001", True), ("0.1", True)]
+)
 def test_the_wrists_com_on_the_wrong_side_is_said_in_these_words(z, wrong):
     comparison = compared(edited(("link_4", "origin", {"xyz": f"0.001 0.002 {z}"})))
     text = found(comparison, "link_4", "COM ").text
@@ -199,24 +216,42 @@ def test_the_wrists_com_on_the_wrong_side_is_said_in_these_words(z, wrong):
 
 
 def test_no_other_body_has_a_wrong_side():
-    comparison = compared(edited(("link_1", "origin", {"xyz": "0.007746 0.000112 0.035"})))
+    comparison = compared(
+        edited(("link_1", "origin", {"xyz": "0.007746 0.000112 0.035"}))
+    )
     assert "side" not in found(comparison, "link_1", "COM ").text
 
 
 def test_the_inertia_has_a_factor_for_each_axis():
     text = found(compared(edited(ROUND)), "link_4", "inertia").text
-    xx, yy, zz = (a / b for a, b in zip((1300, 1300, 360), reference.INERTIA[4][:3], strict=True))
-    assert f"{xx:.3g}, {yy:.3g}, {zz:.3g} times about x, y, z (z is the wrist's roll)" in text
+    xx, yy, zz = (
+        a / b for a, b in zip((1300, 1300, 360), reference.INERTIA[4][:3], strict=True)
+    )
+    assert (
+        f"{xx:.3g}, {yy:.3g}, {zz:.3g} times about x, y, z (z is the wrist's roll)"
+        in text
+    )
     other = compared(edited(("link_1", "inertia", {"izz": "1e-4"})))
     assert "1, 1, 2.27 times about x, y, z" in found(other, "link_1", "inertia").text
     assert "roll" not in found(other, "link_1", "inertia").text
 
 
-def add_link(root: ET.Element, name: str, mass: str, inertia: str, parent: str = "link_4"):
+def add_link(
+    root: ET.Element, name: str, mass: str, inertia: str, parent: str = "link_4"
+):
     part = ET.SubElement(root, "link", name=name)
     body = ET.SubElement(part, "inertial")
     ET.SubElement(body, "mass", value=mass)
-    ET.SubElement(body, "inertia", ixx=inertia, iyy=inertia, izz=inertia, ixy="0", ixz="0", iyz="0")
+    ET.SubElement(
+        body,
+        "inertia",
+        ixx=inertia,
+        iyy=inertia,
+        izz=inertia,
+        ixy="0",
+        ixz="0",
+        iyz="0",
+    )
     joint = ET.SubElement(root, "joint", name=f"{name}_fixed", type="fixed")
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=name)
@@ -242,7 +277,9 @@ def test_dummies_are_named_together():
     for inertia, named in (("3.5e-5", False), ("3.7e-5", True)):
         root = edited()
         add_link(root, "tool", "0.0001", inertia)
-        assert any("dummy link tool" in f.text for f in compared(root).findings) == named
+        assert (
+            any("dummy link tool" in f.text for f in compared(root).findings) == named
+        )
 
 
 def test_jaws_beside_a_whole_wrist_are_counted_twice():
@@ -261,7 +298,9 @@ def test_jaws_beside_a_whole_wrist_are_counted_twice():
 
 
 def test_a_mass_that_nothing_explains_is_given_as_a_factor():
-    text = found(compared(edited(("link_2", "mass", {"value": "0.95"}))), "link_2", "mass ").text
+    text = found(
+        compared(edited(("link_2", "mass", {"value": "0.95"}))), "link_2", "mass "
+    ).text
     assert text == "mass 0.95 kg in place of 0.38 kg (2.5 times)"
 
 
@@ -296,14 +335,18 @@ def test_json_holds_both_sides():
     np.fill_diagonal(theirs, [1.3e-3, 1.3e-3, 3.6e-4])
     for side, tensor in ((body, theirs), (body["ours"], ours)):
         assert side["mass_kg"] == 0.355
-        np.testing.assert_allclose(side["com_m"], np.array(reference.COM[4]) / 1e3, atol=1e-15)
+        np.testing.assert_allclose(
+            side["com_m"], np.array(reference.COM[4]) / 1e3, atol=1e-15
+        )
         np.testing.assert_allclose(side["inertia_kgm2"], tensor, atol=1e-15)
         moments = np.linalg.eigvalsh(tensor)
         np.testing.assert_allclose(side["principal_moments_kgm2"], moments, rtol=1e-9)
     assert body["inertia_error_kgm2"] == pytest.approx(np.abs(theirs - ours).max())
 
 
-def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, monkeypatch):
+def test_the_table_is_readable_in_80_columns_without_colour(
+    tmp_path, capsys, monkeypatch
+):
     monkeypatch.setenv("COLUMNS", "80")
     path = tmp_path / "other.urdf"
     root = edited(HEAVY, OTHER_SIDE, ("link_3", "mass", {"value": "0"}))
@@ -349,7 +392,9 @@ def test_the_table_is_readable_in_80_columns_without_colour(tmp_path, capsys, mo
 
 def test_one_finding_is_singular_and_a_remark_is_none(tmp_path, capsys):
     path = tmp_path / "other.urdf"
-    path.write_text(ET.tostring(edited(HEAVY), encoding="unicode").replace("../meshes", "meshes"))
+    path.write_text(
+        ET.tostring(edited(HEAVY), encoding="unicode").replace("../meshes", "meshes")
+    )
     assert main(["compare", str(path), "--samples", "5"]) == 1
     out = capsys.readouterr().out
     assert "The model differs: 1 finding." in out
@@ -369,10 +414,14 @@ def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     (finding,) = findings._of_body(
         2, empty, [], ("", "", ""), [], lambda body, mass, moment: body - mass
     )
-    assert finding == Finding("link_2", "no link of the other model is this body", True, 2.38, "")
+    assert finding == Finding(
+        "link_2", "no link of the other model is this body", True, 2.38, ""
+    )
 
 
-def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(tmp_path, capsys):
+def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(
+    tmp_path, capsys
+):
     path, root = tmp_path / "other.urdf", edited(OTHER_SIDE)
     root.find("joint[@name='axis_d']/origin").set("xyz", "0.02 0.0 0.047")
     path.write_text(ET.tostring(root, encoding="unicode"))
@@ -380,5 +429,8 @@ def test_the_largest_differences_are_given_in_millimetres_and_newton_metres(tmp_
     said = " ".join(capsys.readouterr().out.split())
     gravity = gravity_difference(edited(OTHER_SIDE))
     tool = "Tool (frame tcp, in base_link) at the same joint positions: up to 0.800 mm (median "
-    assert f"{tool}0.800 mm) and 0.00 deg off; with signs and zeros matched 0.800 mm" in said
+    assert (
+        f"{tool}0.800 mm) and 0.00 deg off; with signs and zeros matched 0.800 mm"
+        in said
+    )
     assert f"gravity torque in air {gravity:.4g} N·m, mass matrix 0.0" in said

@@ -82,10 +82,14 @@ ASTRAY[:3, 3] = (0.02, 0.03, 0.05)
 
 def com_reason(body: int, com, pose=HERE) -> str | None:
     """Why, for a COM (3,) [m] as written in a link that stands at ``pose`` in our link frame."""
-    return explain_com(LINKS[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose))
+    return explain_com(
+        LINKS[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose)
+    )
 
 
-def inertia_reason(body: int, inertia, pose=HERE, mass: float | None = None) -> str | None:
+def inertia_reason(
+    body: int, inertia, pose=HERE, mass: float | None = None
+) -> str | None:
     mass = reference.MASS[body] if mass is None else mass
     return explain_inertia(
         LINKS[body], Inertial("limb", mass, np.zeros(3), np.array(inertia), pose)
@@ -108,7 +112,9 @@ def test_the_earlier_revision_is_stored_as_typed_here():
     np.testing.assert_allclose(old.volume * 1e3, OLD_VOLUME, atol=1e-12)
     for i in range(5):
         np.testing.assert_allclose(old.inertia[i], tensor(OLD_INERTIA[i]), atol=1e-15)
-        np.testing.assert_allclose(old.inertia_link[i], tensor(OLD_INERTIA_LINK[i]), atol=1e-15)
+        np.testing.assert_allclose(
+            old.inertia_link[i], tensor(OLD_INERTIA_LINK[i]), atol=1e-15
+        )
 
 
 def test_its_two_tensors_agree_to_the_last_digit():
@@ -150,13 +156,17 @@ def exchanges():
     for order in itertools.permutations("xyz"):
         for signs in itertools.product((1, -1), repeat=3):
             matrix = np.array(
-                [[s * (a == b) for b in "xyz"] for a, s in zip(order, signs, strict=False)]
+                [
+                    [s * (a == b) for b in "xyz"]
+                    for a, s in zip(order, signs, strict=False)
+                ]
             )
             negative = [a for a, s in zip(order, signs, strict=False) if s < 0]
             positive = [a for a, s in zip(order, signs, strict=False) if s > 0]
             if order != ("x", "y", "z"):
                 axes = ", ".join(
-                    ("-" if s < 0 else "") + a for a, s in zip(order, signs, strict=False)
+                    ("-" if s < 0 else "") + a
+                    for a, s in zip(order, signs, strict=False)
                 )
                 yield f"in the wrong axes ({axes})", matrix
             elif negative:
@@ -172,7 +182,10 @@ def exchanges():
 
 def other_frames(body):
     """transform_body_to_frame at zero, by the reference's own forward kinematics."""
-    links, chain = reference.inertial_frames(np.zeros(4)), reference.dh_frames(np.zeros(4))
+    links, chain = (
+        reference.inertial_frames(np.zeros(4)),
+        reference.dh_frames(np.zeros(4)),
+    )
     for k in range(1, 6):
         yield f"in DH frame {{{k}}}", np.linalg.inv(chain[k]) @ links[body]
     for k in set(range(5)) - {body}:
@@ -192,7 +205,10 @@ def com_mistakes(body):
             yield f"{whose} of link_{k}", np.array(com[k], float)
     yield "the centre of buoyancy of Table 3", np.array(reference.COB[body], float)
     if any(OLD_COB[body]):  # a COM at the origin is rather a missing one
-        yield "the centre of buoyancy of an earlier revision", np.array(OLD_COB[body], float)
+        yield (
+            "the centre of buoyancy of an earlier revision",
+            np.array(OLD_COB[body], float),
+        )
 
 
 @pytest.mark.parametrize("body", range(5))
@@ -239,10 +255,14 @@ def test_a_frame_that_is_ours_but_for_the_geometry_is_no_mistake_of_the_body(
     pose = np.eye(4)
     pose[:3, :3] = turned(axis, angle)
     pose[2, 3] = shift
-    assert Inertial("limb", 0.1, np.zeros(3), np.eye(3), pose).meant_in_our_frame == same
+    assert (
+        Inertial("limb", 0.1, np.zeros(3), np.eye(3), pose).meant_in_our_frame == same
+    )
     if same:
         mirrored = np.array(OLD_COM[3]) / 1e3 * [1, 1, -1]
-        assert com_reason(3, mirrored, pose) == f"{OLD}, the sign of z is wrong (mirrored)"
+        assert (
+            com_reason(3, mirrored, pose) == f"{OLD}, the sign of z is wrong (mirrored)"
+        )
         assert inertia_reason(3, tensor(reference.INERTIA[3]), pose) == NEW
 
 
@@ -260,10 +280,15 @@ def test_two_mistakes_are_named_and_fewer_if_they_suffice():
     c = np.array(reference.COM[3]) / 1e3
     mirrored = c * [1, -1, 1]
     frame = "in a frame that is not inertial frame {3}"
-    assert com_reason(3, mirrored, ASTRAY) == (f"{NEW}, the sign of y is wrong (mirrored), {frame}")
+    assert com_reason(3, mirrored, ASTRAY) == (
+        f"{NEW}, the sign of y is wrong (mirrored), {frame}"
+    )
     there = dict(other_frames(3))["in DH frame {3}"]
     both = there[:3, :3] @ mirrored + there[:3, 3]
-    assert com_reason(3, both) == f"{NEW}, the sign of y is wrong (mirrored), in DH frame {{3}}"
+    assert (
+        com_reason(3, both)
+        == f"{NEW}, the sign of y is wrong (mirrored), in DH frame {{3}}"
+    )
     assert com_reason(3, np.array(OLD_COB[3]) / 1e3, ASTRAY) == (
         f"the centre of buoyancy of an earlier revision, {frame}"
     )
@@ -300,8 +325,12 @@ def test_a_com_of_few_digits_must_fit_to_half_its_last_one():
     assert com_reason(3, (0.011, 0.017, 0.0)) == sign
     assert com_reason(3, (0.0112, 0.0167, 0.0001)) == sign
     assert com_reason(3, (0.01, 0.02, 0.0)) is None  # never more than half a millimetre
-    assert com_reason(2, (0.02, -0.07, 0.0)) is None  # 0.6 mm from DH frame {1}'s, rounded to 10 mm
-    assert com_reason(3, (0.011, 0.0170, 0.0001)) is None  # 0.34 mm off, tenths were written
+    assert (
+        com_reason(2, (0.02, -0.07, 0.0)) is None
+    )  # 0.6 mm from DH frame {1}'s, rounded to 10 mm
+    assert (
+        com_reason(3, (0.011, 0.0170, 0.0001)) is None
+    )  # 0.34 mm off, tenths were written
     # a combination of two gets no such allowance
     assert (
         com_reason(3, (0.011, -0.017, 0.0), ASTRAY)
@@ -315,7 +344,9 @@ def test_no_diagnosis_for_random_coms(body):
     rng = np.random.default_rng(body)
     low, high = LINKS[body].bounds.T
     for pose in (HERE, ASTRAY):
-        assert not any(com_reason(body, c, pose) for c in rng.uniform(low, high, (250, 3)))
+        assert not any(
+            com_reason(body, c, pose) for c in rng.uniform(low, high, (250, 3))
+        )
 
 
 # ------------------------------------------------------------------------------------- tensors
@@ -355,7 +386,10 @@ def test_each_wrong_tensor_is_named(body):
         found = inertia_reason(body, wrong)
         exact += found == words
         assert found in mistakes, words
-        assert np.abs(mistakes[found] - wrong).max() <= 2e-3 * np.abs(wrong).max(), (words, found)
+        assert np.abs(mistakes[found] - wrong).max() <= 2e-3 * np.abs(wrong).max(), (
+            words,
+            found,
+        )
     assert exact >= 50
 
 
@@ -370,7 +404,10 @@ def test_the_printed_i_link_of_either_revision_is_named(body):
     ][body]
     for whose, numbers in ((NEW, document), (OLD, OLD_INERTIA_LINK[body])):
         assert inertia_reason(body, tensor(numbers)) == f"{whose}, {I_LINK}"
-        assert inertia_reason(body, tensor(numbers, +1)) == f"{whose}, {I_LINK}, {SOLIDWORKS}"
+        assert (
+            inertia_reason(body, tensor(numbers, +1))
+            == f"{whose}, {I_LINK}, {SOLIDWORKS}"
+        )
         # pasted as it is printed into a frame that is not the document's
         axes = f"in axes that are not those of inertial frame {{{body}}}"
         assert (
@@ -386,7 +423,10 @@ def test_tensors_in_other_axes_of_other_masses_and_units():
     assert inertia_reason(3, tensor(reference.INERTIA[3], +1), ASTRAY) == (
         f"{NEW}, {SOLIDWORKS}, {axes}"
     )
-    assert inertia_reason(3, right * 1.5, mass=0.142 * 1.5) == f"{NEW}, scaled with the wrong mass"
+    assert (
+        inertia_reason(3, right * 1.5, mass=0.142 * 1.5)
+        == f"{NEW}, scaled with the wrong mass"
+    )
     flipped = tensor(reference.INERTIA[3], +1) * 1.5
     assert inertia_reason(3, flipped, mass=0.142 * 1.5) == (
         f"{NEW}, {SOLIDWORKS}, scaled with the wrong mass"
@@ -408,9 +448,13 @@ def test_a_tensor_must_fit_to_a_thousandth_or_half_its_last_digit():
             assert (inertia_reason(2, wrong) is not None) == named
     rounded = np.round(tensor(reference.INERTIA[1], +1), 6)
     assert inertia_reason(1, rounded) == f"{NEW}, {SOLIDWORKS}"
-    rounded[1, 1] = 123e-6  # 122.362: more than half of the last digit, less than all of it
+    rounded[1, 1] = (
+        123e-6  # 122.362: more than half of the last digit, less than all of it
+    )
     assert inertia_reason(1, rounded) is None
-    assert inertia_reason(1, np.round(tensor(reference.INERTIA[1], +1), 5)) is None  # 4 % off
+    assert (
+        inertia_reason(1, np.round(tensor(reference.INERTIA[1], +1), 5)) is None
+    )  # 4 % off
 
 
 @pytest.mark.parametrize("body", range(5))
@@ -422,8 +466,13 @@ def test_a_tensor_about_another_point_is_named(body):
             away = math.hypot(*point) * 1e3
             expected = f"{whose}, about the wrong point, {away:.1f} mm from the COM"
             assert inertia_reason(body, wrong) == expected
-    assert inertia_reason(body, tensor(reference.INERTIA[body]) - steiner(0.01, point)) is None
-    wrong = tensor(reference.INERTIA[body], +1) + steiner(reference.MASS[body], (0.04, -0.02, 0.01))
+    assert (
+        inertia_reason(body, tensor(reference.INERTIA[body]) - steiner(0.01, point))
+        is None
+    )
+    wrong = tensor(reference.INERTIA[body], +1) + steiner(
+        reference.MASS[body], (0.04, -0.02, 0.01)
+    )
     assert inertia_reason(body, wrong) == (
         f"{NEW}, about the wrong point, 45.8 mm from the COM, {SOLIDWORKS}"
     )
@@ -445,7 +494,9 @@ def test_no_diagnosis_for_random_tensors(body):
 # ---------------------------------------------------------------------------- water and masses
 
 
-def water_on(base: np.ndarray, axis: int, length: float, end: bool) -> tuple[float, np.ndarray]:
+def water_on(
+    base: np.ndarray, axis: int, length: float, end: bool
+) -> tuple[float, np.ndarray]:
     """Added mass and the tensor with the added inertia of a cylinder of 40 mm, strip theory."""
     line = 1000 * math.pi * 0.02**2
     across = np.ones(3)
@@ -453,7 +504,9 @@ def water_on(base: np.ndarray, axis: int, length: float, end: bool) -> tuple[flo
     return line * length, base + line * length**3 / (3 if end else 12) * np.diag(across)
 
 
-@pytest.mark.parametrize(("body", "axis", "length"), [(0, 0, 0.15), (2, 0, 0.16), (4, 2, 0.18)])
+@pytest.mark.parametrize(
+    ("body", "axis", "length"), [(0, 0, 0.15), (2, 0, 0.16), (4, 2, 0.18)]
+)
 def test_water_in_mass_and_tensor_is_named(body, axis, length):
     size = f"a cylinder of water of radius 20 mm and length {length * 1e3:.0f} mm"
     for whose, dry, numbers, i_link in (
@@ -494,7 +547,9 @@ def test_water_is_not_seen_where_the_cylinder_does_not_fit():
     assert not reason(0.02, True)  # drowned in the last digits
     # the same tensor with the dry mass is one about another point
     wet = water_on(tensor(OLD_INERTIA[2]), 0, 0.16, False)[1]
-    assert inertia_reason(2, wet, mass=OLD_MASS[2]).startswith(f"{OLD}, about the wrong point")
+    assert inertia_reason(2, wet, mass=OLD_MASS[2]).startswith(
+        f"{OLD}, about the wrong point"
+    )
 
 
 def test_the_mass_of_the_water_may_be_as_uncertain_as_its_length():
@@ -523,19 +578,32 @@ def test_each_wrong_mass_is_named():
         for words, mass in water.items():
             assert mass_reason(body, mass) == words
     for body in (0, 2, 4):
-        assert mass_reason(body, reference.VOLUME[body]) == "that of the displaced water"
+        assert (
+            mass_reason(body, reference.VOLUME[body]) == "that of the displaced water"
+        )
     for rho in (1000, 1025):
         for body, whose, mass, volume, own in (
             (0, "Tables 2 and 3's", reference.MASS, reference.VOLUME, "its volume"),
             (0, "an earlier revision's", OLD_MASS, OLD_VOLUME, "its volume"),
-            (0, "an earlier revision's", OLD_MASS, reference.VOLUME, "Table 3's volume"),
+            (
+                0,
+                "an earlier revision's",
+                OLD_MASS,
+                reference.VOLUME,
+                "Table 3's volume",
+            ),
         ):
             water = volume[body] * rho / 1e3
             assert mass_reason(body, mass[body] + water) == (
                 f"{whose} mass and the water's added mass of {own}, {water * 1e3:.0f} g"
             )
     # half a gramme if grammes are written, a twentieth of one otherwise
-    for mass, named in ((0.3414, False), (0.34104, True), (0.34106, False), (0.341, True)):
+    for mass, named in (
+        (0.3414, False),
+        (0.34104, True),
+        (0.34106, False),
+        (0.341, True),
+    ):
         assert (mass_reason(0, mass) == "an earlier revision's mass") == named
     assert mass_reason(0, 0.5) is None
 
@@ -544,7 +612,10 @@ def test_hardly_a_random_mass_is_named():
     """A mass is one number: some hypothesis fits by chance, but seldom."""
     rng = np.random.default_rng(0)
     for body in range(5):
-        named = [mass_reason(body, m) for m in rng.uniform(0.5, 2.0, 200) * reference.MASS[body]]
+        named = [
+            mass_reason(body, m)
+            for m in rng.uniform(0.5, 2.0, 200) * reference.MASS[body]
+        ]
         assert sum(reason is not None for reason in named) <= 3
 
 
@@ -587,8 +658,12 @@ def test_solids_of_the_bodys_size_are_named():
     assert solid_of_size(LINKS[2], 0.4, box(0.4, (0.03, 0.04, 0.15))) == (
         "a solid box of 30 x 40 x 150 mm"
     )
-    assert solid_of_size(LINKS[2], 0.4, box(0.4, (0.03, 0.04, 0.25))) is None  # too long
-    assert solid_of_size(LINKS[2], 0.4, box(0.4, (0.0302, 0.0413, 0.1507))) is None  # no guess
+    assert (
+        solid_of_size(LINKS[2], 0.4, box(0.4, (0.03, 0.04, 0.25))) is None
+    )  # too long
+    assert (
+        solid_of_size(LINKS[2], 0.4, box(0.4, (0.0302, 0.0413, 0.1507))) is None
+    )  # no guess
     uneven = cylinder(0.4, 0.02, 0.15, 0) * np.diag([1, 1, 1.01])
     assert solid_of_size(LINKS[2], 0.4, uneven) is None
     tilt = ASTRAY[:3, :3]
@@ -632,12 +707,15 @@ def test_guesses_are_named_link_by_link():
     assert explain_guess(LINKS[4], [tilted, four]) is None
     tilt = turned(1, 5e-5)  # rpy="0 1.57075 0"
     assert (
-        explain_guess(LINKS[4], [link("h", 0.2, tilt @ one.inertia @ tilt.T)]) == f"{guess}: {rod}"
+        explain_guess(LINKS[4], [link("h", 0.2, tilt @ one.inertia @ tilt.T)])
+        == f"{guess}: {rod}"
     )
     odd = four.inertia.copy()
     for product, plain in ((0.9e-4, True), (1.1e-4, False)):
         odd[0, 1] = odd[1, 0] = product * 2.5e-6
-        assert explain_guess(LINKS[4], [link("i", 0.05, odd)]) == (guess if plain else None)
+        assert explain_guess(LINKS[4], [link("i", 0.05, odd)]) == (
+            guess if plain else None
+        )
 
 
 def test_subjects_are_the_whole_without_dummies_then_the_heaviest_link():

@@ -13,7 +13,10 @@ from alpha5_model.proofs.comparison.measure import compare
 from alpha5_model.proofs.comparison.reading import find_chains
 
 MODELS = recordings.RECORDINGS / "models"
-HKOLANO = {f"axis_{axis}": f"r5m_joint{n}" for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)}
+HKOLANO = {
+    f"axis_{axis}": f"r5m_joint{n}"
+    for axis, n in zip("edcb", (5, 4, 3, 2), strict=True)
+}
 I_LINK = (
     "an earlier revision's numbers, I_Link used as I_COM (about the link frame, not the COM: the "
     "parallel-axis term twice), products of inertia have the SolidWorks sign, that of the document, "
@@ -80,7 +83,10 @@ TRUTH = {
         ),
     },
     "diff_uvms": {
-        "link_0": ("kg: an earlier revision's mass", "mm off: an earlier revision's numbers"),
+        "link_0": (
+            "kg: an earlier revision's mass",
+            "mm off: an earlier revision's numbers",
+        ),
         "link_1": (
             "kg: an earlier revision's mass",
             "an earlier revision's numbers, in a frame that is not inertial frame {1}",
@@ -109,7 +115,9 @@ TRUTH = {
 @pytest.mark.skipif(not MODELS.is_dir(), reason="no public models beside the checkout")
 @pytest.mark.parametrize("name", TRUTH)
 def test_what_is_wrong_with_public_models_is_said_by_name(name):
-    comparison = compare(MODELS / f"{name}.urdf", HKOLANO if name.startswith("hk") else None)
+    comparison = compare(
+        MODELS / f"{name}.urdf", HKOLANO if name.startswith("hk") else None
+    )
     for link, texts in TRUTH[name].items():
         said = [f.text for f in comparison.findings if f.where == link]
         for text in texts:

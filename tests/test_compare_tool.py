@@ -146,7 +146,9 @@ def other_frames(root: ET.Element) -> None:
     frame = pin.SE3(rotation((0, 0, 0.8)), np.array([0, 0, 0.011]))
 
     def moved(element: ET.Element, before: pin.SE3, after: pin.SE3) -> None:
-        at = pin.SE3(rotation(vector(element.get("rpy", "0 0 0"))), vector(element.get("xyz")))
+        at = pin.SE3(
+            rotation(vector(element.get("rpy", "0 0 0"))), vector(element.get("xyz"))
+        )
         at = before * at * after
         element.set("xyz", written(at.translation))
         element.set("rpy", written(pin.rpy.matrixToRpy(at.rotation)))
@@ -228,7 +230,9 @@ def damaged(*names: str) -> ET.Element:
 # --- the truth, by Pinocchio
 
 
-def tools(text: str, q: np.ndarray, frame: str, base: str, joints: Iterable[str]) -> list[pin.SE3]:
+def tools(
+    text: str, q: np.ndarray, frame: str, base: str, joints: Iterable[str]
+) -> list[pin.SE3]:
     model = pin.buildModelFromXML(text)
     data = model.createData()
     columns = [model.joints[model.getJointId(name)].idx_q for name in joints]
@@ -237,7 +241,10 @@ def tools(text: str, q: np.ndarray, frame: str, base: str, joints: Iterable[str]
         position = pin.neutral(model)
         position[columns] = row
         pin.framesForwardKinematics(model, data, position)
-        at, tool = (data.oMf[model.getFrameId(name, pin.FrameType.BODY)] for name in (base, frame))
+        at, tool = (
+            data.oMf[model.getFrameId(name, pin.FrameType.BODY)]
+            for name in (base, frame)
+        )
         out.append(at.inverse() * tool)
     return out
 
@@ -246,7 +253,9 @@ def truth(text: str, count: int, frame: str, base: str, joints: Iterable[str] = 
     """Distances [m] and angles [rad] of the tool from ours, at the same joint positions."""
     q = np.random.default_rng(0).uniform(reference.LOWER, reference.UPPER, (count, 4))
     pairs = zip(
-        tools(OWN, q, "tcp", "base_link", AXES), tools(text, q, frame, base, joints), strict=True
+        tools(OWN, q, "tcp", "base_link", AXES),
+        tools(text, q, frame, base, joints),
+        strict=True,
     )
     apart = [ours.inverse() * theirs for ours, theirs in pairs]
     distances = [float(np.linalg.norm(one.translation)) for one in apart]
@@ -308,7 +317,9 @@ def check(*names: str) -> None:
         assert comparison.tool.frame == frame
         assert comparison.tool.base == "base_link"
         np.testing.assert_allclose(comparison.tool.distance, distances, atol=1e-6)
-        np.testing.assert_allclose(np.sin(comparison.tool.angle / 2), np.sin(angles / 2), atol=1e-6)
+        np.testing.assert_allclose(
+            np.sin(comparison.tool.angle / 2), np.sin(angles / 2), atol=1e-6
+        )
 
     after = mend(root, comparison)
     assert after.agrees, [f.text for f in after.findings]
@@ -325,9 +336,13 @@ def test_the_tool_is_measured_and_the_advice_mends_it(name):
 
 
 PAIRS = list(itertools.combinations(DEFECTS, 2))
-SAMPLE = [PAIRS[k] for k in np.random.default_rng(23).choice(len(PAIRS), 60, replace=False)]
+SAMPLE = [
+    PAIRS[k] for k in np.random.default_rng(23).choice(len(PAIRS), 60, replace=False)
+]
 #: Nothing but its name and place shows the base.
-SAMPLE += [("axis_e turned about x", other) for other in ("link_0 elsewhere", "no inertials")]
+SAMPLE += [
+    ("axis_e turned about x", other) for other in ("link_0 elsewhere", "no inertials")
+]
 
 
 @pytest.mark.parametrize("pair", SAMPLE, ids=" and ".join)
@@ -341,9 +356,16 @@ def test_pairs_of_defects(pair):
 PUBLIC = {
     "evan_palmer_alpha": (AXES, "standard_jaws_tool", "base_link", 7.25),
     "diff_uvms": ([f"alpha_{axis}" for axis in AXES], "", "base_link", None),
-    "hkolano_blue_rov": ([f"r5m_joint{k}" for k in (5, 4, 3, 2)], "", "r5m_base_link", None),
+    "hkolano_blue_rov": (
+        [f"r5m_joint{k}" for k in (5, 4, 3, 2)],
+        "",
+        "r5m_base_link",
+        None,
+    ),
 }
-NO_MODELS = pytest.mark.skipif(not MODELS.is_dir(), reason="no public models beside the checkout")
+NO_MODELS = pytest.mark.skipif(
+    not MODELS.is_dir(), reason="no public models beside the checkout"
+)
 
 
 @NO_MODELS
@@ -406,7 +428,9 @@ def test_a_public_model_that_lacks_a_turn_of_the_forearm(turn, median):
     measured = compare_robots(parse_urdf(text), samples=200).tool
     np.testing.assert_allclose(measured.distance, distances, atol=1e-6)
     assert np.median(comparison.tool.distance) * 1e3 == pytest.approx(median, abs=0.5)
-    serious = {f.where for f in comparison.findings if f.serious and f.where.startswith("axis")}
+    serious = {
+        f.where for f in comparison.findings if f.serious and f.where.startswith("axis")
+    }
     # Either joint_3 is turned, or its axis and the wrist are on the other side: the same arm.
     assert serious == ({"axis_c", "axis_b", "axis_d"} if turn == "0" else {"axis_d"})
     (tool,) = [f for f in comparison.findings if f.where == "tool"]
@@ -429,7 +453,9 @@ def test_limits_in_degrees_are_called_that():
         assert finding.instead == line
 
 
-@pytest.mark.parametrize("values", [{"upper": 6.3}, {"lower": -3.49}, {"velocity": 10.0}])
+@pytest.mark.parametrize(
+    "values", [{"upper": 6.3}, {"lower": -3.49}, {"velocity": 10.0}]
+)
 def test_other_limits_are_not(values):
     root = ET.fromstring(OWN)
     limits("axis_e", **values)(root)

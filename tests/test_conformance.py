@@ -49,9 +49,13 @@ def test_the_reference_is_the_typed_table_3(expected, states):
     typed = Reference()
     for i, (q, v) in enumerate(states):
         np.testing.assert_allclose(expected["fk"][i], typed.tcp(q), atol=1e-14)
-        np.testing.assert_allclose(expected["mass"][i], typed.mass_matrix(q), atol=1e-15)
+        np.testing.assert_allclose(
+            expected["mass"][i], typed.mass_matrix(q), atol=1e-15
+        )
         np.testing.assert_allclose(expected["bias"][i], typed.bias(q, v), atol=1e-14)
-        np.testing.assert_allclose(expected["buoyancy"][i], typed.buoyancy(q), atol=1e-14)
+        np.testing.assert_allclose(
+            expected["buoyancy"][i], typed.buoyancy(q), atol=1e-14
+        )
     end, _ = typed.free_motion(*states.start, states.duration, 2 * states.steps)
     np.testing.assert_allclose(expected["trajectory"], end, atol=1e-11)
 
@@ -59,9 +63,13 @@ def test_the_reference_is_the_typed_table_3(expected, states):
 def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, capsys):
     needs(BY_NAME["MuJoCo", "MJCF"])
     readme, figures = tmp_path / "README.md", tmp_path / "out.json"
-    readme.write_text(f"above\n{conformance.BEGIN}\nold\n{conformance.END}\nbelow\n", "utf-8")
+    readme.write_text(
+        f"above\n{conformance.BEGIN}\nold\n{conformance.END}\nbelow\n", "utf-8"
+    )
     arguments = ["--tools", "mujoco,yourdfpy", "--states", str(COUNT)]
-    status = conformance.main([*arguments, "--readme", str(readme), "--json", str(figures)])
+    status = conformance.main(
+        [*arguments, "--readme", str(readme), "--json", str(figures)]
+    )
     assert status == 0
     printed = capsys.readouterr().out
     rows = json.loads(figures.read_text("utf-8"))
@@ -78,7 +86,9 @@ def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, 
     assert printed in text
 
 
-@pytest.mark.parametrize("tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}")
+@pytest.mark.parametrize(
+    "tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}"
+)
 def test_every_installed_tool_agrees(files, states, expected, tool):
     needs(tool)
     row = conformance.measure(tool, files, states, expected)
@@ -88,7 +98,9 @@ def test_every_installed_tool_agrees(files, states, expected, tool):
 
 
 def test_a_missing_tool_is_not_run_never_passed(files, states, expected):
-    ghost = dataclasses.replace(BY_NAME["Drake", "URDF"], module="no_such_module.inside")
+    ghost = dataclasses.replace(
+        BY_NAME["Drake", "URDF"], module="no_such_module.inside"
+    )
     row = conformance.measure(ghost, files, states, expected)
     assert row.status == "not run"
     assert row.version == ""
@@ -109,7 +121,9 @@ def test_a_tool_without_its_reader_is_not_run_and_says_why(monkeypatch, capsys):
 
 
 def flip_products(text: str) -> str:
-    return re.sub(r'(i(?:xy|xz|yz)=")([^"]*)', lambda m: f"{m[1]}{-float(m[2])!r}", text)
+    return re.sub(
+        r'(i(?:xy|xz|yz)=")([^"]*)', lambda m: f"{m[1]}{-float(m[2])!r}", text
+    )
 
 
 def six_digits(text: str) -> str:
@@ -127,7 +141,10 @@ def zero_moments(text: str) -> str:
 
 def without_zero_inertials(text: str) -> str:
     return re.sub(
-        r'<inertial>\s*<origin[^>]*/>\s*<mass value="0"/>.*?</inertial>', "", text, flags=re.S
+        r'<inertial>\s*<origin[^>]*/>\s*<mass value="0"/>.*?</inertial>',
+        "",
+        text,
+        flags=re.S,
     )
 
 
@@ -158,7 +175,9 @@ DAMAGES = [
     DAMAGES,
     ids=[f"{d[0]} {d[1]} {d[3].__name__}" for d in DAMAGES],
 )
-def test_damage_differs(tmp_path, files, states, expected, name, file, path, damage, wrong):
+def test_damage_differs(
+    tmp_path, files, states, expected, name, file, path, damage, wrong
+):
     tool = BY_NAME[name, file]
     needs(tool)
     for source in files.rglob("*.*"):
@@ -171,7 +190,9 @@ def test_damage_differs(tmp_path, files, states, expected, name, file, path, dam
     assert damage(text) != text
     row = conformance.measure(tool, tmp_path, states, expected)
     assert row.status == "differs"
-    assert wrong <= {name for name, error in row.errors.items() if error > tool.bounds[name]}
+    assert wrong <= {
+        name for name, error in row.errors.items() if error > tool.bounds[name]
+    }
 
 
 def nan(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
@@ -192,7 +213,12 @@ def crash(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize(
     ("compute", "status"),
-    [(nan, "differs"), (nothing, "differs"), (wrong_shape, "differs"), (crash, "failed")],
+    [
+        (nan, "differs"),
+        (nothing, "differs"),
+        (wrong_shape, "differs"),
+        (crash, "failed"),
+    ],
 )
 def test_nothing_slips_through_as_agreement(files, states, expected, compute, status):
     tool = conformance.Tool("odd", "URDF", "numpy", "numpy", compute)

@@ -31,12 +31,16 @@ def test_the_demo_says_what_it_made() -> None:
         assert name.split("/")[0] in said
     assert "FAILED" not in said
     for branch in a5.BRANCHES:
-        (line,) = [line for line in said.splitlines() if line.strip().startswith(branch + " ")]
+        (line,) = [
+            line for line in said.splitlines() if line.strip().startswith(branch + " ")
+        ]
         # the angles it prints bring the tcp to the target that it prints
         target = re.search(r"tcp at \((.*?)\) mm", said)[1]
         q = [float(x) for x in line.split()[1:5]]
         reached = a5.load().forward_kinematics(q).translation
-        np.testing.assert_allclose(reached, np.array(target.split(","), float) / 1e3, atol=1e-4)
+        np.testing.assert_allclose(
+            reached, np.array(target.split(","), float) / 1e3, atol=1e-4
+        )
     table = {row[0]: [float(x) for x in row[1:]] for row in map(str.split, said.splitlines())
              if row and row[0] in JOINTS}  # fmt: skip
     weight, lift, water, air = np.array([table[name] for name in JOINTS]).T
@@ -69,7 +73,9 @@ def test_a_wrong_description_fails_the_demo(
 ) -> None:
     right = variants.urdf
     monkeypatch.setattr(
-        variants, "urdf", lambda variant: right(variant).replace('value="0.38"', 'value="0.83"')
+        variants,
+        "urdf",
+        lambda variant: right(variant).replace('value="0.38"', 'value="0.83"'),
     )
     assert main(["demo", "--output", str(tmp_path)]) == 1
     assert "FAILED" in capsys.readouterr().out

@@ -45,7 +45,16 @@ USED_WITHOUT_IMPORT = {
 }
 #: Folder -> extras that stand behind it, beside the dependencies of everyone.
 FOLDERS = {
-    "alpha5_model": ("plot", "mesh", "check", "symbolic", "jax", "bags", "sweep", "video"),
+    "alpha5_model": (
+        "plot",
+        "mesh",
+        "check",
+        "symbolic",
+        "jax",
+        "bags",
+        "sweep",
+        "video",
+    ),
     "tests": ("test", "conformance"),
     "scripts": ("bench", "conformance", "hydrodynamics", "mutation"),
     "examples": ("test",),
@@ -93,7 +102,9 @@ def imported(source: str) -> set[str]:
         elif (
             isinstance(node, ast.Call)
             and ast.unparse(node.func) == "pytest.importorskip"
-            and isinstance(node.args[0], ast.Constant)  # a variable names modules of our own
+            and isinstance(
+                node.args[0], ast.Constant
+            )  # a variable names modules of our own
         ):
             found.add(str(node.args[0].value).partition(".")[0])
     return found - set(sys.stdlib_module_names) - {"alpha5_model"}
@@ -103,7 +114,9 @@ def distributions(folder: str) -> dict[str, str]:
     """Distribution -> one file of the folder that imports it; our own modules left out."""
     files = sorted((ROOT / folder).rglob("*.py"))
     ours = {
-        p.stem for f in ("tests", "scripts", "examples", "docs") for p in (ROOT / f).rglob("*.py")
+        p.stem
+        for f in ("tests", "scripts", "examples", "docs")
+        for p in (ROOT / f).rglob("*.py")
     }
     ours |= {p.name for p in (ROOT / "scripts").iterdir() if p.is_dir()}
     return {
@@ -129,9 +142,16 @@ def test_what_is_imported_is_declared(folder: str) -> None:
 
 
 def test_the_launch_file_imports_ros_only() -> None:
-    launch = {n for f in (ROOT / "launch").glob("*.py") for n in imported(f.read_text("utf-8"))}
+    launch = {
+        n
+        for f in (ROOT / "launch").glob("*.py")
+        for n in imported(f.read_text("utf-8"))
+    }
     assert launch == ROS
-    assert all(f"<exec_depend>{n}</exec_depend>" in (ROOT / "package.xml").read_text() for n in ROS)
+    assert all(
+        f"<exec_depend>{n}</exec_depend>" in (ROOT / "package.xml").read_text()
+        for n in ROS
+    )
 
 
 def test_what_is_declared_is_imported() -> None:
@@ -141,7 +161,9 @@ def test_what_is_declared_is_imported() -> None:
     assert known[""] - package == set()
     extras = set().union(*known.values())
     assert extras - everywhere - set(USED_WITHOUT_IMPORT) == set()
-    assert set(USED_WITHOUT_IMPORT) <= extras - everywhere, "an exception that is none any more"
+    assert set(USED_WITHOUT_IMPORT) <= extras - everywhere, (
+        "an exception that is none any more"
+    )
 
 
 def test_the_names_are_those_of_the_installed_distributions() -> None:

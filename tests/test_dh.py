@@ -40,10 +40,16 @@ TABLES = {"puma": PUMA_560, "stanford": STANFORD, "cobra": COBRA_600}
 def elementary(theta: float, d: float, a: float, alpha: float) -> np.ndarray:
     """T_Rz(theta) T_z(d) T_x(a) T_Rx(alpha), one factor at a time."""
     rz, tz, tx, rx = (np.eye(4) for _ in range(4))
-    rz[:2, :2] = [[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]]
+    rz[:2, :2] = [
+        [math.cos(theta), -math.sin(theta)],
+        [math.sin(theta), math.cos(theta)],
+    ]
     tz[2, 3] = d
     tx[0, 3] = a
-    rx[1:3, 1:3] = [[math.cos(alpha), -math.sin(alpha)], [math.sin(alpha), math.cos(alpha)]]
+    rx[1:3, 1:3] = [
+        [math.cos(alpha), -math.sin(alpha)],
+        [math.sin(alpha), math.cos(alpha)],
+    ]
     return rz @ tz @ tx @ rx
 
 
@@ -63,12 +69,16 @@ def printed(theta: float, d: float, a: float, alpha: float) -> np.ndarray:
 def product(table: list[list[float]], q: np.ndarray) -> np.ndarray:
     out = np.eye(4)
     for (theta, d, a, alpha, sigma), x in zip(table, q, strict=True):
-        out = out @ (elementary(theta, x, a, alpha) if sigma else elementary(x, d, a, alpha))
+        out = out @ (
+            elementary(theta, x, a, alpha) if sigma else elementary(x, d, a, alpha)
+        )
     return out
 
 
 @given(theta=ANGLE, d=LENGTH, a=LENGTH, alpha=ANGLE)
-def test_transform_is_the_product_of_the_four_elementary_ones(theta, d, a, alpha) -> None:
+def test_transform_is_the_product_of_the_four_elementary_ones(
+    theta, d, a, alpha
+) -> None:
     transform = dh_transform(theta, d, a, alpha)
     assert np.abs(transform - elementary(theta, d, a, alpha)).max() < 1e-14
     assert np.abs(transform[:3, :3] @ transform[:3, :3].T - np.eye(3)).max() < 1e-14
@@ -102,10 +112,20 @@ def test_the_variable_is_theta_or_d(theta, d, a, alpha, offset, q, sigma) -> Non
 
 def test_link_of_the_notes() -> None:
     link = DHLink.from_vector([0, 0.1, 0.2, math.pi / 2, 0])
-    assert (link.theta, link.d, link.a, link.alpha, link.sigma) == (0, 0.1, 0.2, math.pi / 2, 0)
-    assert np.abs(link.transform(0.3) - printed(0.3, 0.1, 0.2, math.pi / 2)).max() < 1e-15
+    assert (link.theta, link.d, link.a, link.alpha, link.sigma) == (
+        0,
+        0.1,
+        0.2,
+        math.pi / 2,
+        0,
+    )
+    assert (
+        np.abs(link.transform(0.3) - printed(0.3, 0.1, 0.2, math.pi / 2)).max() < 1e-15
+    )
     assert DHLink.from_vector([0, 0.1, 0.2, 1.0]) == DHLink(0, 0.1, 0.2, 1.0)
-    assert DHLink.from_vector([0, 0.1, 0.2, 1.0, 1, 0.5]) == DHLink(0, 0.1, 0.2, 1.0, 1, 0.5)
+    assert DHLink.from_vector([0, 0.1, 0.2, 1.0, 1, 0.5]) == DHLink(
+        0, 0.1, 0.2, 1.0, 1, 0.5
+    )
 
 
 def test_shapes_broadcast() -> None:
@@ -127,7 +147,9 @@ def test_shapes_broadcast() -> None:
 def test_chains_against_products_typed_from_the_tables(name: str) -> None:
     chain = DHChain.from_table(TABLES[name])
     for q in np.random.default_rng(2).uniform(-3, 3, (50, chain.n)):
-        assert np.abs(chain.forward_kinematics(q) - product(TABLES[name], q)).max() < 1e-14
+        assert (
+            np.abs(chain.forward_kinematics(q) - product(TABLES[name], q)).max() < 1e-14
+        )
 
 
 def test_puma_at_zero_is_where_the_book_prints_it() -> None:
@@ -138,7 +160,8 @@ def test_puma_at_zero_is_where_the_book_prints_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "model"), [("puma", "Puma560"), ("stanford", "Stanford"), ("cobra", "Cobra600")]
+    ("name", "model"),
+    [("puma", "Puma560"), ("stanford", "Stanford"), ("cobra", "Cobra600")],
 )
 def test_against_roboticstoolbox(name: str, model: str) -> None:
     reason = "roboticstoolbox-python is not installed"
@@ -146,7 +169,12 @@ def test_against_roboticstoolbox(name: str, model: str) -> None:
     peer = getattr(toolbox.models.DH, model)()
     links = tuple(
         DHLink(
-            float(x.theta), float(x.d), float(x.a), float(x.alpha), int(x.sigma), float(x.offset)
+            float(x.theta),
+            float(x.d),
+            float(x.a),
+            float(x.alpha),
+            int(x.sigma),
+            float(x.offset),
         )
         for x in peer.links
     )
@@ -155,7 +183,9 @@ def test_against_roboticstoolbox(name: str, model: str) -> None:
         ours = DHLink.from_vector(row)
         # The Puma model of the toolbox stands on a pedestal and has its own shoulder offset.
         assert (ours.a, ours.sigma) == pytest.approx((link.a, link.sigma), abs=1e-4)
-        assert math.remainder(ours.alpha - link.alpha, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+        assert math.remainder(ours.alpha - link.alpha, 2 * math.pi) == pytest.approx(
+            0, abs=1e-9
+        )
     for q in np.random.default_rng(3).uniform(-3, 3, (30, chain.n)):
         assert np.abs(chain.forward_kinematics(q) - peer.fkine(q).A).max() < 1e-12
         assert np.abs(chain.jacobian(q) - peer.jacob0(q)).max() < 1e-12
@@ -172,10 +202,15 @@ def test_jacobian_is_the_derivative(name: str) -> None:
         pose = chain.forward_kinematics(q, frame)
         for j in range(chain.n):
             e = h * np.eye(chain.n)[j]
-            rate = chain.forward_kinematics(q + e, frame) - chain.forward_kinematics(q - e, frame)
+            rate = chain.forward_kinematics(q + e, frame) - chain.forward_kinematics(
+                q - e, frame
+            )
             spin = (rate / (2 * h))[:3, :3] @ pose[:3, :3].T
             assert np.abs(rate[:3, 3] / (2 * h) - jacobian[:3, j]).max() < 1e-9
-            assert np.abs([spin[2, 1], spin[0, 2], spin[1, 0]] - jacobian[3:, j]).max() < 1e-9
+            assert (
+                np.abs([spin[2, 1], spin[0, 2], spin[1, 0]] - jacobian[3:, j]).max()
+                < 1e-9
+            )
 
 
 def test_joint_axes_stay_where_their_joint_moves() -> None:
@@ -198,7 +233,9 @@ def test_joint_axes_stay_where_their_joint_moves() -> None:
             assert np.abs(step[:3, 3] - 0.7 * directions[j]).max() < 1e-14
         else:
             assert np.abs(step[:3, :3] @ directions[j] - directions[j]).max() < 1e-14
-            assert np.abs(step[:3, :3] @ points[j] + step[:3, 3] - points[j]).max() < 1e-14
+            assert (
+                np.abs(step[:3, :3] @ points[j] + step[:3, 3] - points[j]).max() < 1e-14
+            )
 
 
 def test_alpha5_is_table_1() -> None:
@@ -230,7 +267,10 @@ def test_alpha5_is_the_generated_urdf() -> None:
     tcp = model.getFrameId("tcp")
     for q in np.random.default_rng(7).uniform(-3, 3, (50, 4)):
         pin.framesForwardKinematics(model, data, q)
-        assert np.abs(data.oMf[tcp].homogeneous - chain.forward_kinematics(q)).max() < 1e-12
+        assert (
+            np.abs(data.oMf[tcp].homogeneous - chain.forward_kinematics(q)).max()
+            < 1e-12
+        )
         theirs = pin.computeFrameJacobian(model, data, q, tcp, pin.LOCAL_WORLD_ALIGNED)
         assert np.abs(theirs - chain.jacobian(q)).max() < 1e-12
         # URDF joint j turns about z of the DH frame {j-1}, displaced along it.
@@ -259,7 +299,8 @@ def limited(table: list[list[float]], **options: object) -> DHChain:
         pytest.param(DHChain.alpha5(), id="alpha5"),
         pytest.param(DHChain.from_table(PUMA_560, name="puma"), id="puma, continuous"),
         pytest.param(
-            limited(STANFORD, base=rigid(1), tool=rigid(2), name='a & "b"'), id="stanford"
+            limited(STANFORD, base=rigid(1), tool=rigid(2), name='a & "b"'),
+            id="stanford",
         ),
         pytest.param(limited(COBRA_600, base=rigid(3)), id="cobra"),
     ],
@@ -274,7 +315,11 @@ def test_to_urdf_against_pinocchio(chain: DHChain) -> None:
     assert np.array_equal(back.upper, chain.upper)
     for q in np.random.default_rng(8).uniform(-3, 3, (30, chain.n)):
         pairs = zip(list(model.joints)[1:], q, strict=True)
-        full = [v for j, x in pairs for v in ([x] if j.nq == 1 else [math.cos(x), math.sin(x)])]
+        full = [
+            v
+            for j, x in pairs
+            for v in ([x] if j.nq == 1 else [math.cos(x), math.sin(x)])
+        ]
         pin.framesForwardKinematics(model, data, np.array(full))
         frames = chain.frames(q)
         names = [f"frame_{j}" for j in range(chain.n + 1)] + ["tool"]
@@ -312,23 +357,43 @@ def test_urdf_needs_limits_where_the_format_does() -> None:
         (lambda: DHLink(0, 0, 0, 0, lower=1, upper=0), InputError, "lower <= upper"),
         (lambda: DHLink(0, 0, 0, 0, lower=math.nan), NonFiniteError, "lower"),
         (lambda: DHLink(0, 0, 0, 0, lower=math.inf), InputError, "lower <= upper"),
-        (lambda: DHLink.from_vector([0, 0, 0]), InputError, "theta, d, a, alpha, sigma"),
+        (
+            lambda: DHLink.from_vector([0, 0, 0]),
+            InputError,
+            "theta, d, a, alpha, sigma",
+        ),
         (lambda: DHLink.from_vector(3.0), InputError, "vector"),
         (lambda: DHLink.from_vector([[0, 0, 0, 0, 0]]), InputError, "vector"),
         (lambda: DHChain(()), InputError, "at least one"),
         (lambda: DHChain(None), InputError, "at least one"),
         (lambda: DHChain(([0, 0, 0, 0],)), InputError, "DHLink"),
         (lambda: DHChain((DHLink(0, 0, 0, 0),), base=np.eye(3)), ShapeError, "base"),
-        (lambda: DHChain((DHLink(0, 0, 0, 0),), tool=2 * np.eye(4)), InputError, "rigid"),
+        (
+            lambda: DHChain((DHLink(0, 0, 0, 0),), tool=2 * np.eye(4)),
+            InputError,
+            "rigid",
+        ),
         (
             lambda: DHChain((DHLink(0, 0, 0, 0),), tool=np.diag([1, 1, -1, 1.0])),
             InputError,
             "rigid",
         ),
-        (lambda: DHChain((DHLink(0, 0, 0, 0),), joint_names=("a", "b")), InputError, "1 different"),
+        (
+            lambda: DHChain((DHLink(0, 0, 0, 0),), joint_names=("a", "b")),
+            InputError,
+            "1 different",
+        ),
         (lambda: DHChain.alpha5().frames([0, 0, 0]), ShapeError, "q"),
-        (lambda: DHChain.alpha5().frames([0, 0, math.nan, 0]), NonFiniteError, r"q\[2\]"),
-        (lambda: DHChain.alpha5().forward_kinematics([0] * 4, 5), UnknownNameError, "tool"),
+        (
+            lambda: DHChain.alpha5().frames([0, 0, math.nan, 0]),
+            NonFiniteError,
+            r"q\[2\]",
+        ),
+        (
+            lambda: DHChain.alpha5().forward_kinematics([0] * 4, 5),
+            UnknownNameError,
+            "tool",
+        ),
         (lambda: DHChain.alpha5().jacobian([0] * 4, "tcp"), UnknownNameError, "tool"),
         (lambda: DHChain.alpha5().jacobian([0] * 4, -1), UnknownNameError, "tool"),
         (lambda: dh_transform([1, 2], [1, 2, 3], 0, 0), InputError, "broadcast"),

@@ -56,8 +56,13 @@ class Block(NamedTuple):
 
 def blocks(text: str) -> list[Block]:
     """The fenced blocks of a page, in order."""
-    fence = re.compile(r"^```+\{?([\w-]*)\}?[^\n]*\n(.*?)^```+$", re.DOTALL | re.MULTILINE)
-    return [Block(m[1], m[2], text[: m.start()].count("\n") + 1) for m in fence.finditer(text)]
+    fence = re.compile(
+        r"^```+\{?([\w-]*)\}?[^\n]*\n(.*?)^```+$", re.DOTALL | re.MULTILINE
+    )
+    return [
+        Block(m[1], m[2], text[: m.start()].count("\n") + 1)
+        for m in fence.finditer(text)
+    ]
 
 
 def run_shell(text: str) -> None:
@@ -83,7 +88,9 @@ def known(words: list[str]) -> bool:
         return f"\n{words[1]}:" in (REPOSITORY / "Makefile").read_text("utf-8")
     if words[:3] == ["python", "-m", "pip"]:
         extras = re.findall(r"\w+", "".join(re.findall(r"\[(.+?)\]", " ".join(words))))
-        project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+        project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))[
+            "project"
+        ]
         return set(extras) <= set(project["optional-dependencies"])
     if words[0] == "python":
         return (REPOSITORY / words[1]).is_file()
@@ -113,9 +120,14 @@ def run_page(page: Path) -> int:
     return ran
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+@pytest.mark.parametrize(
+    "page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY))
+)
 def test_the_code_of_a_page_runs(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    page: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     run_page(page)
@@ -135,14 +147,19 @@ def test_the_code_of_a_page_runs(
     ],
 )
 def test_a_block_that_does_not_run_is_seen(
-    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     page = tmp_path / "page.md"
     page.write_text(text, "utf-8")
     monkeypatch.chdir(tmp_path)
     if "cc " in text and not shutil.which("cc"):
         pytest.skip("no C compiler")
-    with pytest.raises((AssertionError, ModuleNotFoundError, subprocess.CalledProcessError)):
+    with pytest.raises(
+        (AssertionError, ModuleNotFoundError, subprocess.CalledProcessError)
+    ):
         run_page(page)
 
 
@@ -152,7 +169,13 @@ def files_of_a_reader() -> None:
     q = a5.named_pose("home") + 0.1 * np.sin(time)[:, None]
     head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
     shutil.copy(REPOSITORY / "examples" / "mount_map.toml", "study.toml")
-    np.savetxt("recording.csv", np.column_stack([time, q]), delimiter=",", header=head, comments="")
+    np.savetxt(
+        "recording.csv",
+        np.column_stack([time, q]),
+        delimiter=",",
+        header=head,
+        comments="",
+    )
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("my_arm.urdf").write_text(ours, "utf-8")
     for number, axis in enumerate("edcb", 1):
@@ -165,7 +188,9 @@ def test_the_examples_of_the_help_run(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     files_of_a_reader()
-    examples = [b for b in blocks(generated_text.TEXTS["commands"]()) if b.language == "sh"]
+    examples = [
+        b for b in blocks(generated_text.TEXTS["commands"]()) if b.language == "sh"
+    ]
     assert len(examples) == len(COMMANDS)
     for block in examples:
         run_shell(block.text)
@@ -179,7 +204,10 @@ def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> Non
     copy.write_text(page.read_text("utf-8").replace("0.", "9."), "utf-8")
     assert public_models.main([str(models), "--page", str(copy)]) == 0
     between = re.compile(r"(?s)(?<=models: begin -->).*(?=<!-- public models: end)")
-    assert between.search(copy.read_text("utf-8"))[0] == between.search(page.read_text("utf-8"))[0]
+    assert (
+        between.search(copy.read_text("utf-8"))[0]
+        == between.search(page.read_text("utf-8"))[0]
+    )
 
 
 def test_a_dead_link_is_found(tmp_path: Path) -> None:
@@ -202,10 +230,17 @@ def test_what_is_left_out_here_runs_elsewhere(name: str, call: str) -> None:
 
 def test_every_public_name_has_its_place_in_the_api_pages() -> None:
     text = "\n".join(page.read_text("utf-8") for page in (DOCS / "api").glob("*.md"))
-    named = {name.rpartition(".")[2] for name in re.findall(r"^\.\. auto\w+:: (\S+)", text, re.M)}
+    named = {
+        name.rpartition(".")[2]
+        for name in re.findall(r"^\.\. auto\w+:: (\S+)", text, re.M)
+    }
     modules = set(re.findall(r"^\.\. automodule:: alpha5_model\.(\S+)", text, re.M))
     modules = {name.rpartition(".")[2] for name in modules}
-    modules |= {name for name in vars(a5.paths) if name.isupper()} if "paths" in modules else set()
+    modules |= (
+        {name for name in vars(a5.paths) if name.isupper()}
+        if "paths" in modules
+        else set()
+    )
     modules |= set(vars(a5.errors)) if "errors" in modules else set()
     assert set(a5.__all__) - named - modules == {"__version__"}
 
@@ -223,7 +258,11 @@ def test_every_page_is_in_the_table_of_contents() -> None:
     for page in DOCS.rglob("*.md"):
         for block in blocks(page.read_text("utf-8")):
             if block.language == "toctree":
-                names = [line for line in block.text.split() if not line.startswith(":")]
+                names = [
+                    line for line in block.text.split() if not line.startswith(":")
+                ]
                 listed |= {(page.parent / name) for name in names}
-    pages = {page.with_suffix("") for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))}
+    pages = {
+        page.with_suffix("") for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))
+    }
     assert pages - listed == {DOCS / "index"}

@@ -55,7 +55,11 @@ OF_QVX = (
     "forward_dynamics_batch",
     "base_wrench_batch",
 )
-METHODS = {**dict.fromkeys(OF_Q, 1), **dict.fromkeys(OF_QV, 2), **dict.fromkeys(OF_QVX, 3)}
+METHODS = {
+    **dict.fromkeys(OF_Q, 1),
+    **dict.fromkeys(OF_QV, 2),
+    **dict.fromkeys(OF_QVX, 3),
+}
 KINDS = ("locked", "kernels", "floating", "jaws")
 
 
@@ -95,7 +99,9 @@ def test_nothing_that_is_not_finite_gets_through(kind, method, count):
                     getattr(arm, method)(*[x.tolist() for x in given])
 
 
-@pytest.mark.parametrize("variant", ["locked", "locked, air, tilted", "locked, payload, tilted"])
+@pytest.mark.parametrize(
+    "variant", ["locked", "locked, air, tilted", "locked, payload, tilted"]
+)
 def test_the_fast_path_finds_each_bad_place_in_special_poses_too(variant):
     arm = make(variant)
     for q in (np.zeros(4), np.full(4, np.pi / 2), np.array([0.0, 1.3, 1.3, 0.0])):
@@ -115,15 +121,32 @@ def test_wrong_input_is_one_clear_error(kind, method, count):
     clean = inputs(arm, count)
     for which in range(count):
         n = len(clean[which])
-        wrong_shapes = [np.ones(n + 1), np.ones(n - 1), np.float64(1.0), np.ones((n, 2))]
+        wrong_shapes = [
+            np.ones(n + 1),
+            np.ones(n - 1),
+            np.float64(1.0),
+            np.ones((n, 2)),
+        ]
         if not method.endswith("_batch"):
-            wrong_shapes += [np.ones((n, 1)), np.ones((1, n)), np.ones((n, n)), np.ones((0, n))]
+            wrong_shapes += [
+                np.ones((n, 1)),
+                np.ones((1, n)),
+                np.ones((n, n)),
+                np.ones((0, n)),
+            ]
         for bad in wrong_shapes:
             given = list(clean)
             given[which] = bad
             with pytest.raises(ShapeError):
                 getattr(arm, method)(*given)
-        for bad in ("abcd", None, np.ones(n) * 1j, [[1.0], [1.0, 2.0]], np.array(["a"] * n), {}):
+        for bad in (
+            "abcd",
+            None,
+            np.ones(n) * 1j,
+            [[1.0], [1.0, 2.0]],
+            np.array(["a"] * n),
+            {},
+        ):
             given = list(clean)
             given[which] = bad
             with pytest.raises(InputError):
@@ -139,7 +162,9 @@ def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, cou
     bounds = [np.full(len(x), LARGEST) for x in clean]
     if kind == "jaws":
         for bound in bounds:
-            bound[-1] /= 51.0  # the fingers' angles per metre of the rod are bounded, too
+            bound[-1] /= (
+                51.0  # the fingers' angles per metre of the rod are bounded, too
+            )
     places = [(i, k) for i, x in enumerate(clean) for k in range(len(x))]
     for which, place in places:
         if arm.floating_base and which == 0 and 3 <= place < 7:
@@ -147,7 +172,9 @@ def test_numbers_that_would_overflow_are_refused_and_no_others(kind, method, cou
         for sign in (1.0, -1.0):
             given = [x.copy() for x in clean]
             given[which][place] = sign * bounds[which][place] * (1 - 1e-12)
-            if not method.startswith("forward_dynamics_d"):  # the acceleration is beyond the bound
+            if not method.startswith(
+                "forward_dynamics_d"
+            ):  # the acceleration is beyond the bound
                 assert np.isfinite(numbers(getattr(arm, method)(*given))).all()
             for bad in (LARGEST * (1 + 1e-12), 1e200, 1.7e308):
                 given[which][place] = sign * bad
@@ -166,7 +193,11 @@ def test_masks_and_units_are_not_lost(kind, method, count):
     clean = inputs(arm, count)
     for which, x in enumerate(clean):
         given = list(clean)
-        for bad in (np.ma.masked_array(x), np.ma.masked_less(x, 0.0), x.view(np.matrix)[0]):
+        for bad in (
+            np.ma.masked_array(x),
+            np.ma.masked_less(x, 0.0),
+            x.view(np.matrix)[0],
+        ):
             given[which] = bad
             with pytest.raises(InputError, match=r"without mask or unit|shape"):
                 getattr(arm, method)(*given)
@@ -215,7 +246,9 @@ def test_an_arm_cannot_be_made_of_what_is_none():
     with pytest.raises(InputError, match="volume above 0"):
         a5.Arm(arm.model, []).center_of_buoyancy(np.zeros(4))
     dry = a5.Arm(arm.model, [])
-    assert np.array_equal(dry.hydrostatic_torque(np.ones(4)), arm.gravity_torque(np.ones(4)))
+    assert np.array_equal(
+        dry.hydrostatic_torque(np.ones(4)), arm.gravity_torque(np.ones(4))
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -231,7 +264,9 @@ def test_input_and_output_belong_to_the_caller(kind, method, count):
     kept = numbers(first).copy()
     for x, y in zip(given, before, strict=True):
         assert np.array_equal(x, y)
-    call(*inputs(arm, count, seed=1))  # another computation does not reach into the first result
+    call(
+        *inputs(arm, count, seed=1)
+    )  # another computation does not reach into the first result
     assert np.array_equal(numbers(first), kept)
     if isinstance(first, np.ndarray):
         first += 1.0
@@ -241,10 +276,18 @@ def test_input_and_output_belong_to_the_caller(kind, method, count):
     assert np.array_equal(numbers(call(*[np.repeat(x, 2)[::2] for x in given])), kept)
     if kind == "locked":
         whole = [np.ones(4, dtype=t) for t in (int, np.float32, np.int8)][:count]
-        assert np.array_equal(numbers(call(*whole)), numbers(call(*[np.ones(4)] * count)))
-        for place, other in itertools.product(range(count), (np.longdouble, ">f8", ">i4")):
-            mixed = [np.ones(4, dtype=other if k == place else float) for k in range(count)]
-            assert np.array_equal(numbers(call(*mixed)), numbers(call(*[np.ones(4)] * count)))
+        assert np.array_equal(
+            numbers(call(*whole)), numbers(call(*[np.ones(4)] * count))
+        )
+        for place, other in itertools.product(
+            range(count), (np.longdouble, ">f8", ">i4")
+        ):
+            mixed = [
+                np.ones(4, dtype=other if k == place else float) for k in range(count)
+            ]
+            assert np.array_equal(
+                numbers(call(*mixed)), numbers(call(*[np.ones(4)] * count))
+            )
 
 
 def test_the_arm_does_not_follow_changes_of_the_model_it_hands_out():
@@ -274,7 +317,9 @@ def test_no_method_touches_the_caller_s_data():
 def test_one_arm_in_many_threads(kind):
     arm = make(kind)
     rng = np.random.default_rng(4)
-    work = [(random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)) for _ in range(200)]
+    work = [
+        (random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)) for _ in range(200)
+    ]
 
     def job(states):
         q, v, a = states
@@ -308,7 +353,8 @@ def test_pickle(variant):
     for method, count in METHODS.items():
         given = inputs(arm, count)
         assert np.array_equal(
-            numbers(getattr(twin, method)(*given)), numbers(getattr(arm, method)(*given))
+            numbers(getattr(twin, method)(*given)),
+            numbers(getattr(arm, method)(*given)),
         )
 
 
@@ -330,7 +376,9 @@ def test_quaternion_must_have_unit_norm():
 def test_frames_and_reference_frames():
     arm = a5.load()
     q = np.zeros(4)
-    with pytest.raises(UnknownNameError, match=r"unknown frame 'gripper'; choose from .*tcp"):
+    with pytest.raises(
+        UnknownNameError, match=r"unknown frame 'gripper'; choose from .*tcp"
+    ):
         arm.forward_kinematics(q, frame="gripper")
     for bad in ("gripper", None, 3, ["tcp"]):
         with pytest.raises(UnknownNameError):
@@ -341,18 +389,29 @@ def test_frames_and_reference_frames():
             arm.with_payload(1.0, frame=bad)
     with pytest.raises(InputError, match="reference_frame"):
         arm.jacobian(q, reference_frame="local")
-    assert not np.array_equal(arm.jacobian(q), arm.jacobian(q, reference_frame=pin.LOCAL))
+    assert not np.array_equal(
+        arm.jacobian(q), arm.jacobian(q, reference_frame=pin.LOCAL)
+    )
 
 
 def test_external_forces_are_checked():
     arm = a5.load()
     q, v, a = inputs(arm, 3)
     zero = [pin.Force.Zero()] * arm.model.njoints
-    assert np.array_equal(arm.inverse_dynamics(q, v, a, fext=zero), arm.inverse_dynamics(q, v, a))
+    assert np.array_equal(
+        arm.inverse_dynamics(q, v, a, fext=zero), arm.inverse_dynamics(q, v, a)
+    )
     bad = pin.Force(np.array([0, 0, math.nan, 0, 0, 0]))
     for method in ("inverse_dynamics", "forward_dynamics", "base_wrench"):
         call = getattr(arm, method)
-        for fext in (zero[:-1], [*zero, zero[0]], 3, "fext", [np.zeros(6)] * 5, np.zeros((5, 6))):
+        for fext in (
+            zero[:-1],
+            [*zero, zero[0]],
+            3,
+            "fext",
+            [np.zeros(6)] * 5,
+            np.zeros((5, 6)),
+        ):
             with pytest.raises(InputError, match="fext"):
                 call(q, v, a, fext=fext)
         with pytest.raises(NonFiniteError):
@@ -387,7 +446,11 @@ def test_payload_is_a_body_of_its_own():
     arm = a5.load(gravity=(1.0, 2.0, -9.0))
     loaded = arm.with_payload(**PAYLOAD)
     rng = np.random.default_rng(5)
-    mass, com, tensor = PAYLOAD["mass"], np.array(PAYLOAD["com"]), np.array(PAYLOAD["inertia"])
+    mass, com, tensor = (
+        PAYLOAD["mass"],
+        np.array(PAYLOAD["com"]),
+        np.array(PAYLOAD["inertia"]),
+    )
     cob, volume = np.array(PAYLOAD["cob"]), PAYLOAD["volume"]
     g = arm.model.gravity.linear
     for _ in range(50):
@@ -398,10 +461,14 @@ def test_payload_is_a_body_of_its_own():
         tcp = model.getFrameId("tcp")
         rotation = data.oMf[tcp].rotation
         twist = pin.getFrameVelocity(model, data, tcp, pin.LOCAL_WORLD_ALIGNED)
-        rate = pin.getFrameClassicalAcceleration(model, data, tcp, pin.LOCAL_WORLD_ALIGNED)
+        rate = pin.getFrameClassicalAcceleration(
+            model, data, tcp, pin.LOCAL_WORLD_ALIGNED
+        )
         lever, omega, alpha = rotation @ com, twist.angular, rate.angular
         acceleration = (
-            rate.linear + np.cross(alpha, lever) + np.cross(omega, np.cross(omega, lever))
+            rate.linear
+            + np.cross(alpha, lever)
+            + np.cross(omega, np.cross(omega, lever))
         )
         world = rotation @ tensor @ rotation.T
         at_com = mass * (acceleration - g)
@@ -413,7 +480,9 @@ def test_payload_is_a_body_of_its_own():
             + world @ alpha
             + np.cross(omega, world @ omega)
         )
-        jacobian = pin.computeFrameJacobian(model, data, q, tcp, pin.LOCAL_WORLD_ALIGNED)
+        jacobian = pin.computeFrameJacobian(
+            model, data, q, tcp, pin.LOCAL_WORLD_ALIGNED
+        )
         extra = jacobian.T @ np.concatenate([force, moment])
         gap = loaded.inverse_dynamics(q, v, a) - arm.inverse_dynamics(q, v, a) - extra
         assert np.abs(gap).max() < 1e-12
@@ -428,7 +497,10 @@ def test_payload_leaves_the_arm_as_it_was_and_adds_up():
     twice = once.with_payload(0.2, (0.0, 0.0, 0.01), volume=1e-4)
     whole = arm.with_payload(0.4, (0.0, 0.0, 0.01), volume=2e-4)
     assert np.array_equal(arm.inverse_dynamics(q, v, a), before)
-    assert np.abs(twice.inverse_dynamics(q, v, a) - whole.inverse_dynamics(q, v, a)).max() < 1e-13
+    assert (
+        np.abs(twice.inverse_dynamics(q, v, a) - whole.inverse_dynamics(q, v, a)).max()
+        < 1e-13
+    )
     assert [f.name for f in twice.model.frames][-2:] == ["payload", "payload_2"]
     assert (
         np.abs(
@@ -452,7 +524,8 @@ def test_payload_defaults_are_a_point_at_the_tcp_that_displaces_nothing():
         ({"com": (0.01, 0.02, 0.03)}, spelt | {"com": (0.01, 0.02, 0.03)}),
         (
             {"com": (0.01, 0.02, 0.03), "volume": 1e-4},
-            spelt | {"com": (0.01, 0.02, 0.03), "volume": 1e-4, "cob": (0.01, 0.02, 0.03)},
+            spelt
+            | {"com": (0.01, 0.02, 0.03), "volume": 1e-4, "cob": (0.01, 0.02, 0.03)},
         ),
     ):
         one, two = arm.with_payload(0.3, **given), arm.with_payload(0.3, **same)
@@ -461,8 +534,12 @@ def test_payload_defaults_are_a_point_at_the_tcp_that_displaces_nothing():
             ours, theirs = (numbers(getattr(x, method)(*state)) for x in (one, two))
             assert np.array_equal(ours, theirs)
         tip = arm.center_of_mass(np.zeros(4)) * sum(MASS)
-        tip += 0.3 * arm.forward_kinematics(np.zeros(4)).act(np.array(given.get("com", zero)))
-        assert one.center_of_mass(np.zeros(4)) == pytest.approx(tip / (sum(MASS) + 0.3), abs=1e-14)
+        tip += 0.3 * arm.forward_kinematics(np.zeros(4)).act(
+            np.array(given.get("com", zero))
+        )
+        assert one.center_of_mass(np.zeros(4)) == pytest.approx(
+            tip / (sum(MASS) + 0.3), abs=1e-14
+        )
 
 
 def test_payload_of_any_neutral_body_weighs_nothing():
@@ -470,7 +547,10 @@ def test_payload_of_any_neutral_body_weighs_nothing():
     loaded = arm.with_payload(0.5, (0.01, 0.02, 0.03), volume=0.5e-3)
     for seed in range(20):
         q = inputs(arm, 1, seed)[0]
-        assert np.abs(loaded.hydrostatic_torque(q) - arm.hydrostatic_torque(q)).max() < 1e-14
+        assert (
+            np.abs(loaded.hydrostatic_torque(q) - arm.hydrostatic_torque(q)).max()
+            < 1e-14
+        )
         assert np.abs(loaded.mass_matrix(q) - arm.mass_matrix(q)).max() > 1e-4
 
 
@@ -498,7 +578,9 @@ def test_impossible_payloads():
     ):
         with pytest.raises(InputError):
             arm.with_payload(**bad)
-    with pytest.raises(InputError, match="the smallest principal moment -2"):  # the worst first
+    with pytest.raises(
+        InputError, match="the smallest principal moment -2"
+    ):  # the worst first
         arm.with_payload(1.0, inertia=np.diag([1.0, -2.0, 30.0]))
 
 
@@ -523,7 +605,9 @@ def test_load_refuses_what_it_cannot_use():
 def test_a_missing_urdf_says_how_to_make_it(monkeypatch, tmp_path):
     monkeypatch.setattr(dynamics, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
     dynamics._parsed.cache_clear()
-    with pytest.raises(MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"):
+    with pytest.raises(
+        MissingFileError, match=r"alpha5\.urdf: no such file.*alpha5 generate"
+    ):
         a5.load()
 
 
@@ -551,7 +635,10 @@ def test_public_types_and_constants():
     assert isinstance(arm.fluid_model, pin.Model)
     masses = [inertia.mass for inertia in arm.fluid_model.inertias]
     assert masses == pytest.approx(1025.0 * np.array(VOLUME) / 1000)
-    assert repr(arm) == "Arm(axis_e, axis_d, axis_c, axis_b; fixed base, fluid 1025 kg/m^3)"
+    assert (
+        repr(arm)
+        == "Arm(axis_e, axis_d, axis_c, axis_b; fixed base, fluid 1025 kg/m^3)"
+    )
 
 
 def test_gravity_in_base_is_a_tilted_world():
@@ -563,14 +650,21 @@ def test_gravity_in_base_is_a_tilted_world():
         rotation = pin.Quaternion(pose[3:7]).toRotationMatrix()
         fixed = a5.load(gravity=a5.gravity_in_base(rotation))
         q, still = pose[7:], np.zeros(4)
-        assert np.abs(fixed.hydrostatic_torque(q) - free.hydrostatic_torque(pose)[6:]).max() < 1e-12
+        assert (
+            np.abs(
+                fixed.hydrostatic_torque(q) - free.hydrostatic_torque(pose)[6:]
+            ).max()
+            < 1e-12
+        )
         wrench = fixed.base_wrench(q, still, still).vector
         assert np.abs(wrench + free.hydrostatic_torque(pose)[:6]).max() < 1e-12
     pitched = np.array(
         [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
     )  # +90 deg about y: nose down
     assert a5.gravity_in_base(pitched) == pytest.approx([9.81, 0.0, 0.0])
-    assert a5.gravity_in_base(np.eye(3), gravity=(0, 0, 9.81)) == pytest.approx([0, 0, 9.81])
+    assert a5.gravity_in_base(np.eye(3), gravity=(0, 0, 9.81)) == pytest.approx(
+        [0, 0, 9.81]
+    )
     for bad in (
         np.eye(2),
         2 * np.eye(3),
@@ -591,7 +685,9 @@ def test_robot_wrapper(gripper, corrections):
     assert isinstance(robot, pin.RobotWrapper)
     assert robot.model == arm.model
     q, v, a = inputs(arm, 3)
-    assert np.array_equal(pin.rnea(robot.model, robot.data, q, v, a), arm.inverse_dynamics(q, v, a))
+    assert np.array_equal(
+        pin.rnea(robot.model, robot.data, q, v, a), arm.inverse_dynamics(q, v, a)
+    )
     assert np.array_equal(robot.mass(q), arm.mass_matrix(q))
     floating = a5.robot_wrapper(gripper=gripper, floating_base=True)
     assert floating.nv == robot.nv + 6

@@ -15,7 +15,9 @@ CLOSED = 0.0013
 
 @pytest.fixture(scope="module")
 def arms():
-    return a5.load(gripper="jaws", gravity=(1.0, 2.0, -9.0)), a5.load(gravity=(1.0, 2.0, -9.0))
+    return a5.load(gripper="jaws", gravity=(1.0, 2.0, -9.0)), a5.load(
+        gravity=(1.0, 2.0, -9.0)
+    )
 
 
 def test_five_coordinates(arms):
@@ -26,7 +28,9 @@ def test_five_coordinates(arms):
 
 @pytest.mark.parametrize("floating", [False, True])
 def test_closed_jaws_are_the_locked_arm(floating):
-    jaws, locked = (a5.load(gripper=g, floating_base=floating) for g in ("jaws", "locked"))
+    jaws, locked = (
+        a5.load(gripper=g, floating_base=floating) for g in ("jaws", "locked")
+    )
     rng = np.random.default_rng(1)
     for _ in range(100):
         q, v, a = random_q(locked, rng), random_v(locked, rng), random_v(locked, rng)
@@ -63,7 +67,10 @@ def test_closed_jaws_are_the_locked_arm(floating):
         for ours, theirs in pairs:
             assert np.abs(ours - theirs).max() < 1e-12
         opened = [np.append(q, 0.0133), *closed[1:]]
-        assert np.abs(jaws.mass_matrix(opened[0])[:-1, :-1] - locked.mass_matrix(q)).max() > 1e-6
+        assert (
+            np.abs(jaws.mass_matrix(opened[0])[:-1, :-1] - locked.mass_matrix(q)).max()
+            > 1e-6
+        )
 
 
 def test_open_jaws_are_the_tree_with_its_fingers_driven(arms):

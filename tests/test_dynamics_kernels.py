@@ -38,7 +38,9 @@ from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.numbers.parameters import RigidBody
 
 # The formulas hold for any bodies, however unlikely.
-pytestmark = pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::alpha5_model.errors.ImplausibleWarning"
+)
 
 #: Kernel, named as the method of `Arm` -> how far from it, as a share of the largest entry or of 1.
 ONE = {
@@ -118,13 +120,17 @@ def random_arm(seed: int) -> tuple[a5.Arm, list[RigidBody]]:
 
 
 def flat(result: Any) -> np.ndarray:
-    parts = result if isinstance(result, tuple) else (getattr(result, "vector", result),)
+    parts = (
+        result if isinstance(result, tuple) else (getattr(result, "vector", result),)
+    )
     return np.concatenate([np.ravel(part) for part in parts])
 
 
 def inputs(name: str) -> int:
     """Of q, v and a third one."""
-    return len([given for given in functions()[name].name_in() if given != "parameters"])
+    return len(
+        [given for given in functions()[name].name_in() if given != "parameters"]
+    )
 
 
 @cache
@@ -144,39 +150,59 @@ def shapes(name: str) -> list[tuple[int, ...]]:
     return [slot.shape for slot in program(functions()[name]).outputs]
 
 
-def by_kernel(kernels: Any, name: str, parameters: np.ndarray, *given: np.ndarray) -> np.ndarray:
+def by_kernel(
+    kernels: Any, name: str, parameters: np.ndarray, *given: np.ndarray
+) -> np.ndarray:
     """Its outputs, one after the other, (N, n)."""
     outputs = [
-        np.empty((len(given[0]), *slot.shape)) for slot in program(functions()[name]).outputs
+        np.empty((len(given[0]), *slot.shape))
+        for slot in program(functions()[name]).outputs
     ]
     assert kernels.batch(name, parameters, *map(np.ascontiguousarray, given), *outputs)
     return np.concatenate([out.reshape(len(out), -1) for out in outputs], axis=1)
 
 
 @pytest.mark.parametrize("name", ONE)
-def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(name: str, kernels: Any) -> None:
+def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(
+    name: str, kernels: Any
+) -> None:
     theirs = expected(name)
     for seed, rows in enumerate(
         states()[: inputs(name)].reshape(-1, SETS, STATES, 4).swapaxes(0, 1)
     ):
         arm, links = random_arm(seed)
         parameters = base_parameters(links, arm.fluid_density, arm.model.gravity.linear)
-        ours = by_kernel(kernels, name, parameters if name != "jacobian" else np.empty(0), *rows)
+        ours = by_kernel(
+            kernels, name, parameters if name != "jacobian" else np.empty(0), *rows
+        )
         scale = np.maximum(1.0, np.abs(theirs[seed]).max(axis=1))
         assert (np.abs(ours - theirs[seed]).max(axis=1) / scale).max() < ONE[name]
-        wrong = by_kernel(kernels, name, parameters * 1.001, *rows) if name != "jacobian" else -ours
+        wrong = (
+            by_kernel(kernels, name, parameters * 1.001, *rows)
+            if name != "jacobian"
+            else -ours
+        )
         assert (np.abs(wrong - theirs[seed]).max(axis=1) / scale).max() > 1e-5
 
 
-@pytest.mark.parametrize(("density", "gravity"), [(1025.0, (0.0, 0.0, -9.81)), (0.0, TILTED)])
-def test_kernels_are_our_own_newton_euler(density: float, gravity: Any, kernels: Any) -> None:
+@pytest.mark.parametrize(
+    ("density", "gravity"), [(1025.0, (0.0, 0.0, -9.81)), (0.0, TILTED)]
+)
+def test_kernels_are_our_own_newton_euler(
+    density: float, gravity: Any, kernels: Any
+) -> None:
     q, v, a = states()
-    held = [np.asarray(PAYLOAD[name]) for name in ("mass", "com", "inertia", "volume", "cob")]
+    held = [
+        np.asarray(PAYLOAD[name])
+        for name in ("mass", "com", "inertia", "volume", "cob")
+    ]
     bare = a5.load(density, gravity=gravity)
     for arm, load in ((bare, None), (bare.with_payload(**PAYLOAD), held)):
         expected = newton_euler(q, v, a, density, gravity, held=load)
         parameters = arm._kernel_parameters
-        ours = by_kernel(kernels, "inverse_dynamics_with_base_wrench", parameters, q, v, a)
+        ours = by_kernel(
+            kernels, "inverse_dynamics_with_base_wrench", parameters, q, v, a
+        )
         gap = np.abs(ours - np.concatenate(expected, axis=1))
         assert gap[:, :4].max() < 1e-13
         assert gap.max() < 1e-12
@@ -186,7 +212,10 @@ def test_kernels_are_our_own_newton_euler(density: float, gravity: Any, kernels:
         still = 0.0 * v
         coriolis = newton_euler(q, v, still, 0.0, (0.0, 0.0, 0.0), held=load)[0]
         assert (
-            np.abs(by_kernel(kernels, "coriolis_torque", parameters, q, v) - coriolis).max() < 1e-13
+            np.abs(
+                by_kernel(kernels, "coriolis_torque", parameters, q, v) - coriolis
+            ).max()
+            < 1e-13
         )
 
 
@@ -195,11 +224,15 @@ def test_frames_are_those_of_table_1(kernels: Any) -> None:
     none = np.empty(0)
     tcp = by_kernel(kernels, "forward_kinematics", none, q).reshape(-1, 4, 4)
     assert np.abs(tcp - fk(q)).max() < 1e-15 * 5
-    links = by_kernel(kernels, "link_poses", none, q).reshape(-1, 4, 4, 4).swapaxes(0, 1)
+    links = (
+        by_kernel(kernels, "link_poses", none, q).reshape(-1, 4, 4, 4).swapaxes(0, 1)
+    )
     rotations, origins = link_frames(q)
     assert np.abs(links[..., :3, :3] - rotations[1:]).max() < 1e-15 * 5
     assert np.abs(links[..., :3, 3] - origins[1:]).max() < 1e-15
-    assert np.array_equal(links[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], (4, len(q), 4)))
+    assert np.array_equal(
+        links[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], (4, len(q), 4))
+    )
 
 
 def textbook() -> tuple[casadi.Function, SX]:
@@ -211,7 +244,9 @@ def textbook() -> tuple[casadi.Function, SX]:
 
     def turn_z(angle: Any) -> SX:
         c, s = casadi.cos(angle), casadi.sin(angle)
-        return casadi.vertcat(casadi.horzcat(c, -s, 0), casadi.horzcat(s, c, 0), SX([[0, 0, 1]]))
+        return casadi.vertcat(
+            casadi.horzcat(c, -s, 0), casadi.horzcat(s, c, 0), SX([[0, 0, 1]])
+        )
 
     omega, alpha, acceleration, down = SX.zeros(3), SX.zeros(3), -g, g
     steps, loads, origin, bend = [], [], SX.zeros(3), np.eye(3)
@@ -222,7 +257,9 @@ def textbook() -> tuple[casadi.Function, SX]:
         if i:
             rotation = SX(bend) @ turn_z(q[i - 1] + reference.DH[i - 1][1])
             acceleration += cross(alpha, origin) + cross(omega, cross(omega, origin))
-            acceleration, omega, alpha = (rotation.T @ x for x in (acceleration, omega, alpha))
+            acceleration, omega, alpha = (
+                rotation.T @ x for x in (acceleration, omega, alpha)
+            )
             z = casadi.DM([0, 0, 1])
             alpha = alpha + cross(omega, z * v[i - 1]) + z * a[i - 1]
             omega = omega + z * v[i - 1]
@@ -236,7 +273,10 @@ def textbook() -> tuple[casadi.Function, SX]:
         at_com = acceleration + cross(alpha, com) + cross(omega, cross(omega, com))
         force, lift = mass * at_com, net * down
         moment = (
-            inertia @ alpha + cross(omega, inertia @ omega) + cross(com, force) + cross(cob, lift)
+            inertia @ alpha
+            + cross(omega, inertia @ omega)
+            + cross(com, force)
+            + cross(cob, lift)
         )
         loads.append((force + lift, moment))
     force, moment, torques = SX.zeros(3), SX.zeros(3), []
@@ -266,9 +306,17 @@ def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None
         numbers = []
         for one in links:
             moments = one.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-            numbers.append([one.mass, *one.com, *moments, density * one.volume, *one.cob])
-        expected = flat(tuple(map(np.array, function(q, v, a, np.array(numbers).T, gravity))))
-        got = flat(tuple(map(np.array, ours(q, v, a, base_parameters(links, density, gravity)))))
+            numbers.append(
+                [one.mass, *one.com, *moments, density * one.volume, *one.cob]
+            )
+        expected = flat(
+            tuple(map(np.array, function(q, v, a, np.array(numbers).T, gravity)))
+        )
+        got = flat(
+            tuple(
+                map(np.array, ours(q, v, a, base_parameters(links, density, gravity)))
+            )
+        )
         assert np.abs(got - expected).max() < 1e-13 * max(1.0, np.abs(expected).max())
 
 
@@ -279,12 +327,17 @@ def test_regrouping_saves_operations() -> None:
     for one in p.links:
         moments = one.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         columns.append([one.mass, *one.com, *moments, 1025.0 * one.volume, *one.cob])
-    full = folded(textbook(), bodies=np.array(columns).T, gravity=np.array([0.0, 0.0, -9.81]))
+    full = folded(
+        textbook(), bodies=np.array(columns).T, gravity=np.array([0.0, 0.0, -9.81])
+    )
     ours = folded(
-        functions()["inverse_dynamics_with_base_wrench"], parameters=base_parameters(p.links)
+        functions()["inverse_dynamics_with_base_wrench"],
+        parameters=base_parameters(p.links),
     )
     assert program(ours).flops < 0.9 * program(full).flops
-    torque = folded(functions()["inverse_dynamics"], parameters=base_parameters(p.links))
+    torque = folded(
+        functions()["inverse_dynamics"], parameters=base_parameters(p.links)
+    )
     assert program(torque).flops < 330
 
 
@@ -315,15 +368,19 @@ def test_parameters_of_the_arm_are_those_of_its_tables_and_payload() -> None:
     assert np.abs(arm._kernel_parameters - by_table).max() < 1e-15
     loaded = arm.with_payload(**PAYLOAD)._kernel_parameters
     change = dict(zip(BASE_PARAMETERS, loaded - by_table, strict=True))
-    assert abs(change["link_0.n"] - (PAYLOAD["mass"] - 1000.0 * PAYLOAD["volume"])) < 1e-15
+    assert (
+        abs(change["link_0.n"] - (PAYLOAD["mass"] - 1000.0 * PAYLOAD["volume"])) < 1e-15
+    )
 
 
 @pytest.mark.parametrize(
-    "change", ["placement", "armature", "tcp", "tcp's joint", "joint", "jaws", "floating"]
+    "change",
+    ["placement", "armature", "tcp", "tcp's joint", "joint", "jaws", "floating"],
 )
 def test_arms_that_the_kernels_do_not_know_stay_on_pinocchio(change: str) -> None:
     arm = a5.load(
-        floating_base=change == "floating", gripper="jaws" if change == "jaws" else "locked"
+        floating_base=change == "floating",
+        gripper="jaws" if change == "jaws" else "locked",
     )
     if change not in ("jaws", "floating"):
         model = arm.model
@@ -358,18 +415,21 @@ def test_an_arm_on_kernels_stays_one() -> None:
     vehicle = a5.Vehicle(10.0, (0, 0, 0), np.eye(3), 0.01, (0, 0, 0.1))
     assert type(arm.on_vehicle(vehicle).still) is a5.Arm
     assert type(a5.load(backend="kernels", floating_base=True)) is a5.Arm
-    assert a5.load(backend="kernels", gripper="jaws").inverse_dynamics(*np.zeros((3, 5))).shape == (
-        5,
-    )
+    assert a5.load(backend="kernels", gripper="jaws").inverse_dynamics(
+        *np.zeros((3, 5))
+    ).shape == (5,)
     with pytest.raises(
-        UnknownNameError, match="unknown backend 'numpy'; choose from pinocchio, kernels"
+        UnknownNameError,
+        match="unknown backend 'numpy'; choose from pinocchio, kernels",
     ):
         a5.load(backend="numpy")
 
 
 def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
     ours, theirs = a5.load(backend="kernels"), a5.load()
-    state = dict(zip(("q", "v", "a"), np.random.default_rng(2).normal(size=(3, 4)), strict=True))
+    state = dict(
+        zip(("q", "v", "a"), np.random.default_rng(2).normal(size=(3, 4)), strict=True)
+    )
     for name in ONE:
         one, other = getattr(ours, name), getattr(theirs, name)
         assert inspect.signature(one) == inspect.signature(other)
@@ -387,12 +447,22 @@ def test_methods_of_an_arm_on_kernels_look_like_those_of_any_arm() -> None:
         plain = flat(one(*given.values()))
         assert np.array_equal(flat(one(**given)), plain)
         first, *rest = given
-        assert np.array_equal(flat(one(given[first], **{key: given[key] for key in rest})), plain)
-        assert np.array_equal(flat(pickle.loads(pickle.dumps(one))(*given.values())), plain)
-        for wrong, named in (((), {}), ((), given | {"other": 1}), ((*given.values(),) * 4, {})):
+        assert np.array_equal(
+            flat(one(given[first], **{key: given[key] for key in rest})), plain
+        )
+        assert np.array_equal(
+            flat(pickle.loads(pickle.dumps(one))(*given.values())), plain
+        )
+        for wrong, named in (
+            ((), {}),
+            ((), given | {"other": 1}),
+            ((*given.values(),) * 4, {}),
+        ):
             with pytest.raises(TypeError) as expected:
                 other(*wrong, **named)
-            with pytest.raises(TypeError, match=re.escape(str(expected.value).partition(".")[2])):
+            with pytest.raises(
+                TypeError, match=re.escape(str(expected.value).partition(".")[2])
+            ):
                 one(*wrong, **named)
 
 
@@ -409,11 +479,15 @@ def test_external_forces_and_other_frames_stay_on_pinocchio() -> None:
     q, v, a = np.random.default_rng(1).normal(size=(3, 4))
     outside = theirs.buoyancy_wrenches(q)
     for name in ("inverse_dynamics", "forward_dynamics", "base_wrench"):
-        one, other = (flat(getattr(arm, name)(q, v, a, outside)) for arm in (ours, theirs))
+        one, other = (
+            flat(getattr(arm, name)(q, v, a, outside)) for arm in (ours, theirs)
+        )
         assert np.array_equal(one, other)
         assert np.abs(one - flat(getattr(ours, name)(q, v, a))).max() > 1e-3
     for arguments in (("link_2",), ("tcp", pin.LOCAL), ("tcp", pin.WORLD)):
-        assert np.array_equal(ours.jacobian(q, *arguments), theirs.jacobian(q, *arguments))
+        assert np.array_equal(
+            ours.jacobian(q, *arguments), theirs.jacobian(q, *arguments)
+        )
     with pytest.raises(UnknownNameError, match="frame"):
         ours.jacobian(q, "hand")
 
@@ -425,6 +499,13 @@ def test_sources_are_the_same_in_every_process() -> None:
     )
     environment = {**os.environ, "PYTHONHASHSEED": "12345"}
     there = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", script],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    assert there.stdout.strip() == hashlib.sha256(repr(generated_sources()).encode()).hexdigest()
+    assert (
+        there.stdout.strip()
+        == hashlib.sha256(repr(generated_sources()).encode()).hexdigest()
+    )

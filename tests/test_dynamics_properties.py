@@ -5,12 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import FLOATING, VARIANTS, central_difference, make, moved, random_q, random_v
+from dynamics_cases import (
+    FLOATING,
+    VARIANTS,
+    central_difference,
+    make,
+    moved,
+    random_q,
+    random_v,
+)
 
 import alpha5_model as a5
 
 # Laws hold for any fluid, however unlikely.
-pytestmark = pytest.mark.filterwarnings("ignore::alpha5_model.errors.ImplausibleWarning")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::alpha5_model.errors.ImplausibleWarning"
+)
 
 
 @pytest.fixture(scope="module", params=[*VARIANTS, *FLOATING])
@@ -46,7 +56,9 @@ def test_forward_and_inverse_dynamics_undo_each_other(arm, rng):
         fext = [pin.Force(rng.normal(size=6)) for _ in range(arm.model.njoints)]
         for outside in (None, fext, pin.StdVec_Force(fext)):
             tau = arm.inverse_dynamics(q, v, a, fext=outside)
-            assert np.abs(arm.forward_dynamics(q, v, tau, fext=outside) - a).max() < 1e-10
+            assert (
+                np.abs(arm.forward_dynamics(q, v, tau, fext=outside) - a).max() < 1e-10
+            )
         bare = arm.inverse_dynamics(q, v, a)
         assert np.abs(tau - bare).max() > 1e-2
 
@@ -76,7 +88,9 @@ def test_mass_rate_minus_twice_coriolis_is_skew(arm, rng):
 def test_hydrostatic_torque_is_the_gradient_of_potential_energy(arm, rng):
     for _ in range(20):
         q = random_q(arm, rng)
-        gradient = central_difference(lambda x: np.array(arm.potential_energy(x)), arm, q, 1e-4)
+        gradient = central_difference(
+            lambda x: np.array(arm.potential_energy(x)), arm, q, 1e-4
+        )
         close(gradient, arm.hydrostatic_torque(q), 1e-7)
 
 
@@ -87,10 +101,14 @@ def test_potential_energy_counts_link_0_on_either_base():
     )
     q = np.array([0.3, 1.0, 2.0, 0.5])
     pose = np.concatenate([np.zeros(6), [1.0], q])
-    assert fixed.potential_energy(q) == pytest.approx(free.potential_energy(pose), abs=1e-14)
+    assert fixed.potential_energy(q) == pytest.approx(
+        free.potential_energy(pose), abs=1e-14
+    )
 
 
-@pytest.mark.parametrize("variant", [v for v, c in VARIANTS.items() if not c.get("floating_base")])
+@pytest.mark.parametrize(
+    "variant", [v for v, c in VARIANTS.items() if not c.get("floating_base")]
+)
 def test_energy_is_kept_to_the_order_of_the_integrator(variant, rng):
     """Classical Runge-Kutta of order 4 on a free swing: a quarter of the step leaves 1/4^4 of the drift."""
     arm = make(variant)
@@ -143,7 +161,8 @@ def test_inverse_dynamics_derivatives(arm, rng):
         # tau is quadratic in v and linear in a: central differences of any step are exact
         for i, column in enumerate(eye):
             exact = (
-                arm.inverse_dynamics(q, v + column, a) - arm.inverse_dynamics(q, v - column, a)
+                arm.inverse_dynamics(q, v + column, a)
+                - arm.inverse_dynamics(q, v - column, a)
             ) / 2
             close(dv[:, i], exact, 1e-10)
         assert np.array_equal(da, da.T)
@@ -170,7 +189,9 @@ def test_forward_dynamics_derivatives(arm, rng):
             rate = arm.forward_dynamics(q, v + h * column, tau)
             rate = (rate - arm.forward_dynamics(q, v - h * column, tau)) / (2 * h)
             close(dv[:, i], rate, 1e-6)
-            one = arm.forward_dynamics(q, v, tau + column) - arm.forward_dynamics(q, v, tau)
+            one = arm.forward_dynamics(q, v, tau + column) - arm.forward_dynamics(
+                q, v, tau
+            )
             close(dtau[:, i], one, 1e-9)
 
 
@@ -182,7 +203,9 @@ def test_base_wrench_derivatives(arm, rng):
     for _ in range(3):
         q, v, a = random_q(arm, rng), random_v(arm, rng), random_v(arm, rng)
         dq, dv, da = arm.base_wrench_derivatives(q, v, a)
-        close(dq, central_difference(vector_of_base_wrench, arm, q, 1e-5, v, a, arm), 1e-6)
+        close(
+            dq, central_difference(vector_of_base_wrench, arm, q, 1e-5, v, a, arm), 1e-6
+        )
         for i, column in enumerate(np.eye(arm.model.nv)):
             ahead, behind = (arm.base_wrench(q, v + s * column, a) for s in (1.0, -1.0))
             close(dv[:, i], (ahead - behind).vector / 2, 1e-10)
@@ -214,7 +237,10 @@ def test_jacobian_is_a_derivative_too(arm, rng):
             dq = np.zeros(arm.model.nv)
             dq[i] = h
             twist = (
-                pin.log6(here.actInv(arm.forward_kinematics(moved(arm, q, dq), frame))).vector / h
+                pin.log6(
+                    here.actInv(arm.forward_kinematics(moved(arm, q, dq), frame))
+                ).vector
+                / h
             )
             close(local[:, i], twist, 1e-4)
 
@@ -233,7 +259,9 @@ def test_batches_are_the_single_calls(arm, rng):
             close(tau[i], arm.inverse_dynamics(q[i], v[i], a[i]), 1e-13)
             close(wrench[i], arm.base_wrench(q[i], v[i], a[i]).vector, 1e-12)
         assert np.abs(back - a).max() < 1e-9
-    still = arm.inverse_dynamics_batch(q, np.zeros(arm.model.nv), np.zeros((1, arm.model.nv)))
+    still = arm.inverse_dynamics_batch(
+        q, np.zeros(arm.model.nv), np.zeros((1, arm.model.nv))
+    )
     close(still, np.array([arm.hydrostatic_torque(row) for row in q]), 1e-13)
     empty = arm.inverse_dynamics_batch(q[:0], v[:0], a[:0])
     assert empty.shape == (0, arm.model.nv)

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import PAYLOAD, TILTED, make, payload_of_net_weight, random_q, random_v
+from dynamics_cases import (
+    PAYLOAD,
+    TILTED,
+    make,
+    payload_of_net_weight,
+    random_q,
+    random_v,
+)
 from newton_euler import COB, COM, MASS, VOLUME, newton_euler
 
 import alpha5_model as a5
@@ -60,25 +67,36 @@ def test_own_newton_euler_sees_a_wrong_model(states, variant, monkeypatch):
 def test_what_the_arm_holds_may_float(states, density, ratio):
     q, v, a = (x[:100] for x in states)
     payload = payload_of_net_weight(ratio, density) | {"inertia": PAYLOAD["inertia"]}
-    held = tuple(map(np.array, (payload[k] for k in ("mass", "com", "inertia", "volume", "cob"))))
+    held = tuple(
+        map(np.array, (payload[k] for k in ("mass", "com", "inertia", "volume", "cob")))
+    )
     tau, force, moment = newton_euler(q, v, a, density, TILTED, held=held)
     arm = a5.load(density, gravity=TILTED).with_payload(**payload)
     scale = max(1.0, np.abs(tau).max())
     assert np.abs(arm.inverse_dynamics_batch(q, v, a) - tau).max() < EXACT * scale
-    for i, single in enumerate(arm.base_wrench(*state) for state in zip(q, v, a, strict=True)):
-        assert np.abs(single.vector - np.hstack([force[i], moment[i]])).max() < 1e-11 * scale
+    for i, single in enumerate(
+        arm.base_wrench(*state) for state in zip(q, v, a, strict=True)
+    ):
+        assert (
+            np.abs(single.vector - np.hstack([force[i], moment[i]])).max()
+            < 1e-11 * scale
+        )
         assert np.abs(arm.forward_dynamics(q[i], v[i], tau[i]) - a[i]).max() < 1e-9
     still = 0 * v
     held_still = newton_euler(q, still, still, density, TILTED, held=held)[0]
     step = 1e-5
     for i in range(0, 100, 10):
-        assert np.abs(arm.hydrostatic_torque(q[i]) - held_still[i]).max() < EXACT * scale
+        assert (
+            np.abs(arm.hydrostatic_torque(q[i]) - held_still[i]).max() < EXACT * scale
+        )
         ahead, behind = (
             newton_euler(q[i] + s * step * np.eye(4), 0 * np.eye(4), 0 * np.eye(4), density, TILTED, held=held)[0]
             for s in (1, -1)
         )  # fmt: skip
         slope = (ahead - behind).T / (2 * step)
-        assert np.abs(arm.hydrostatic_torque_derivative(q[i]) - slope).max() < 1e-8 * scale
+        assert (
+            np.abs(arm.hydrostatic_torque_derivative(q[i]) - slope).max() < 1e-8 * scale
+        )
 
 
 def test_corrections_change_what_they_say(states):
@@ -87,13 +105,17 @@ def test_corrections_change_what_they_say(states):
     printed = a5.load(corrections=())
     assert (
         np.abs(
-            printed.inverse_dynamics_batch(q, v, a) - a5.load().inverse_dynamics_batch(q, v, a)
+            printed.inverse_dynamics_batch(q, v, a)
+            - a5.load().inverse_dynamics_batch(q, v, a)
         ).max()
         < 1e-12
     )
     # Without base_frame, link_0 lies on the +x side: its weight in water turns the mount the other way.
     net = (MASS[0] * COM[0, 0] - 1025.0 * VOLUME[0] * COB[0, 0]) * 9.81
-    change = printed.base_wrench_batch(q, v, a)[:, 4] - a5.load().base_wrench_batch(q, v, a)[:, 4]
+    change = (
+        printed.base_wrench_batch(q, v, a)[:, 4]
+        - a5.load().base_wrench_batch(q, v, a)[:, 4]
+    )
     assert np.abs(change + 2 * net).max() < 1e-12
     cob = COB.copy()
     cob[3] = [0.02 - 0.002, 0.029 - 0.0462, -0.004]
@@ -129,7 +151,10 @@ def test_buoyancy_four_ways(states, gravity):
         third = air.inverse_dynamics(q[i], still[i], still[i]) - air.inverse_dynamics(
             q[i], still[i], still[i], fext=arm.buoyancy_wrenches(q[i])
         )
-        worst = max(worst, *(np.abs(first - other).max() for other in (second, third, fourth[i])))
+        worst = max(
+            worst,
+            *(np.abs(first - other).max() for other in (second, third, fourth[i])),
+        )
     assert worst < EXACT
     assert np.abs(fourth).max() > 0.3  # there is something to agree on
 
@@ -157,7 +182,9 @@ def test_wrenches_at_the_base_are_those_of_the_free_flyer():
             assert np.abs(free.base_wrench_batch(q, v, a)[0] + tau[:6]).max() < 1e-12
 
 
-@pytest.mark.parametrize("variant", ["locked, payload, tilted", "jaws, payload", "to the letter"])
+@pytest.mark.parametrize(
+    "variant", ["locked, payload, tilted", "jaws, payload", "to the letter"]
+)
 def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
     arm, rng = make(variant), np.random.default_rng(6)
     g = arm.model.gravity.linear
@@ -165,12 +192,16 @@ def test_at_rest_the_mount_carries_weight_minus_buoyancy(variant):
     volume = sum(body.volume for body in arm.displacements)
     payload = 0.6 if "payload" in variant else 0.0
     assert mass == pytest.approx(MASS.sum() + payload, abs=1e-15)
-    assert volume == pytest.approx(VOLUME.sum() + (2.3e-4 if payload else 0.0), abs=1e-18)
+    assert volume == pytest.approx(
+        VOLUME.sum() + (2.3e-4 if payload else 0.0), abs=1e-18
+    )
     for _ in range(50):
         q, still = random_q(arm, rng), np.zeros(arm.model.nv)
         weight, lift = mass * g, -arm.fluid_density * volume * g
         wrench = arm.base_wrench(q, still, still)
-        moment = np.cross(arm.center_of_mass(q), weight) + np.cross(arm.center_of_buoyancy(q), lift)
+        moment = np.cross(arm.center_of_mass(q), weight) + np.cross(
+            arm.center_of_buoyancy(q), lift
+        )
         assert np.abs(wrench.linear - (weight + lift)).max() < 1e-12
         assert np.abs(wrench.angular - moment).max() < 1e-12
 
@@ -180,8 +211,13 @@ def test_center_of_mass_and_buoyancy_do_not_follow_the_vehicle():
     for _ in range(20):
         q = random_q(free, rng)
         given = q.copy()
-        assert np.abs(free.center_of_mass(q) - fixed.center_of_mass(q[7:])).max() < 1e-15
-        assert np.abs(free.center_of_buoyancy(q) - fixed.center_of_buoyancy(q[7:])).max() < 1e-15
+        assert (
+            np.abs(free.center_of_mass(q) - fixed.center_of_mass(q[7:])).max() < 1e-15
+        )
+        assert (
+            np.abs(free.center_of_buoyancy(q) - fixed.center_of_buoyancy(q[7:])).max()
+            < 1e-15
+        )
         assert np.array_equal(q, given)
 
 
@@ -210,8 +246,12 @@ def test_air_is_plain_pinocchio_bit_for_bit():
     data = model.createData()
     for _ in range(200):
         q, v, a = rng.normal(size=(3, 4))
-        assert np.array_equal(arm.inverse_dynamics(q, v, a), pin.rnea(model, data, q, v, a))
-        assert np.array_equal(arm.forward_dynamics(q, v, a), pin.aba(model, data, q, v, a))
+        assert np.array_equal(
+            arm.inverse_dynamics(q, v, a), pin.rnea(model, data, q, v, a)
+        )
+        assert np.array_equal(
+            arm.forward_dynamics(q, v, a), pin.aba(model, data, q, v, a)
+        )
         assert np.array_equal(arm.mass_matrix(q), pin.crba(model, data, q))
         gravity = pin.computeGeneralizedGravity(model, data, q)
         assert np.array_equal(arm.hydrostatic_torque(q), gravity)
@@ -233,11 +273,15 @@ def test_neutral_buoyancy_of_every_link_leaves_no_torque():
     from dataclasses import replace
 
     plain = a5.load()
-    inertias = dict(zip((f"link_{i}" for i in range(5)), zip(MASS, COM, strict=True), strict=True))
+    inertias = dict(
+        zip((f"link_{i}" for i in range(5)), zip(MASS, COM, strict=True), strict=True)
+    )
     neutral = a5.Arm(
         plain.model,
         [
-            replace(body, volume=inertias[body.body][0] / 1025.0, cob=inertias[body.body][1])
+            replace(
+                body, volume=inertias[body.body][0] / 1025.0, cob=inertias[body.body][1]
+            )
             for body in plain.displacements
         ],
         1025.0,
@@ -246,8 +290,13 @@ def test_neutral_buoyancy_of_every_link_leaves_no_torque():
     for _ in range(100):
         q = rng.uniform(-np.pi, np.pi, 4)
         assert np.abs(neutral.hydrostatic_torque(q)).max() < 1e-15
-        assert np.abs(neutral.gravity_torque(q) - neutral.buoyancy_torque(q)).max() < 1e-15
-        assert np.abs(neutral.base_wrench(q, np.zeros(4), np.zeros(4)).vector).max() < 1e-14
+        assert (
+            np.abs(neutral.gravity_torque(q) - neutral.buoyancy_torque(q)).max() < 1e-15
+        )
+        assert (
+            np.abs(neutral.base_wrench(q, np.zeros(4), np.zeros(4)).vector).max()
+            < 1e-14
+        )
         assert np.abs(plain.hydrostatic_torque(q)).max() > 1e-4
 
 

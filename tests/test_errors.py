@@ -45,13 +45,17 @@ def instances() -> list[errors.Alpha5Error]:
         errors.PortInUseError(7000),
         errors.ViewerError("the viewer is closed"),
         errors.NoDisplayError("give --html FILE"),
-        errors.MissingDependencyError("matplotlib", "plotting", "pip install 'alpha5-model[plot]'"),
+        errors.MissingDependencyError(
+            "matplotlib", "plotting", "pip install 'alpha5-model[plot]'"
+        ),
     ]
 
 
 def test_every_class_of_the_tree_is_tested() -> None:
     defined = {
-        c for _, c in inspect.getmembers(errors, inspect.isclass) if c.__module__ == errors.__name__
+        c
+        for _, c in inspect.getmembers(errors, inspect.isclass)
+        if c.__module__ == errors.__name__
     }
     others = {errors.Alpha5Error, errors.ImplausibleWarning}
     assert {type(e) for e in instances()} == defined - others
@@ -67,7 +71,11 @@ def test_one_tree_and_a_fitting_builtin(error: errors.Alpha5Error) -> None:
 
 def test_attributes_and_messages() -> None:
     unknown = errors.UnknownNameError("frame", "tpc", iter(["tcp", "base_link"]))
-    assert (unknown.kind, unknown.name, unknown.choices) == ("frame", "tpc", ("tcp", "base_link"))
+    assert (unknown.kind, unknown.name, unknown.choices) == (
+        "frame",
+        "tpc",
+        ("tcp", "base_link"),
+    )
     assert str(unknown) == "unknown frame 'tpc'; choose from tcp, base_link"
     limit = errors.JointLimitError("axis_d", -1.0, 0.01745)
     assert str(limit) == "axis_d: -1 rad is below the lower limit 0.01745 rad"
@@ -93,12 +101,17 @@ def test_a_value_that_prints_over_several_lines_leaves_the_message_on_one() -> N
 
 
 def every_kind(root: type[errors.Alpha5Error] = errors.Alpha5Error) -> list[type]:
-    return [root, *(kind for child in root.__subclasses__() for kind in every_kind(child))]
+    return [
+        root,
+        *(kind for child in root.__subclasses__() for kind in every_kind(child)),
+    ]
 
 
 @pytest.mark.parametrize("error", instances(), ids=lambda e: type(e).__name__)
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
-def test_an_error_survives_copying_and_pickling(error: errors.Alpha5Error, copied: Any) -> None:
+def test_an_error_survives_copying_and_pickling(
+    error: errors.Alpha5Error, copied: Any
+) -> None:
     error.add_note("while testing")
     twin = copied(error)
     assert twin is not error
@@ -127,13 +140,18 @@ def test_an_attribute_that_cannot_be_pickled_arrives_printed() -> None:
     assert twin.name == "q"
     assert twin.value.startswith("<generator object")
     unprintable = type("Odd", (), {"__repr__": lambda self: 1 / 0})()
-    assert str(errors.InputError("q", unprintable, "numbers")) == "q: expected numbers, got a Odd"
+    assert (
+        str(errors.InputError("q", unprintable, "numbers"))
+        == "q: expected numbers, got a Odd"
+    )
 
 
 # --- the checks that raise them ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("value", ["abc", None, [1j], [[1], [1, 2]], [None], {}, [True], object()])
+@pytest.mark.parametrize(
+    "value", ["abc", None, [1j], [[1], [1, 2]], [None], {}, [True], object()]
+)
 def test_what_is_not_real_is_refused(value: object) -> None:
     with pytest.raises(errors.InputError, match="q: expected an array of real numbers"):
         checks.float_array("q", value, (1,))
@@ -207,8 +225,13 @@ ENDLESS.append(ENDLESS)
     ids=lambda value: type(value).__name__,
 )
 def test_what_says_more_than_its_numbers_is_refused(value: object) -> None:
-    for read in (lambda x: checks.float_array("q", x, ()), lambda x: checks.shaped("q", x, (2,))):
-        with pytest.raises(errors.InputError, match="q: expected an array of real numbers"):
+    for read in (
+        lambda x: checks.float_array("q", x, ()),
+        lambda x: checks.shaped("q", x, (2,)),
+    ):
+        with pytest.raises(
+            errors.InputError, match="q: expected an array of real numbers"
+        ):
             read(value)
 
 

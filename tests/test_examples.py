@@ -37,9 +37,9 @@ def test_an_example_is_short_and_shown(path: Path) -> None:
     source = path.read_text("utf-8")
     assert 20 <= code_lines(source) <= 40
     assert f"python examples/{path.name}" in source.split('"""')[1]
-    assert f"{{literalinclude}} ../examples/{path.name}" in (DOCS / "examples.md").read_text(
-        "utf-8"
-    )
+    assert f"{{literalinclude}} ../examples/{path.name}" in (
+        DOCS / "examples.md"
+    ).read_text("utf-8")
 
 
 def test_gravity_compensation(capsys: pytest.CaptureFixture[str]) -> None:
@@ -58,8 +58,12 @@ def test_four_branches(capsys: pytest.CaptureFixture[str]) -> None:
     for row in rows:
         q = np.radians([*map(float, row[1:4]), 90.0])
         tcp = dh_frames(q)[-1][:3, 3]
-        np.testing.assert_allclose(tcp, [0.18, 0.05, 0.16], atol=5e-4)  # one decimal of a degree
-    nearest = min((row for row in rows if row[4] == "yes"), key=lambda row: float(row[5]))
+        np.testing.assert_allclose(
+            tcp, [0.18, 0.05, 0.16], atol=5e-4
+        )  # one decimal of a degree
+    nearest = min(
+        (row for row in rows if row[4] == "yes"), key=lambda row: float(row[5])
+    )
     np.testing.assert_allclose(
         numbers(text.splitlines()[5])[:3], [*map(float, nearest[1:4])], atol=0.1
     )
@@ -69,34 +73,48 @@ def test_follow_a_line(capsys: pytest.CaptureFixture[str]) -> None:
     text = said("follow_a_line", capsys)
     assert float(re.search(rf"miss ({NUMBER})", text)[1]) < 1e-12
     # At its middle the line runs square to the arm, 0.15 m from the yaw axis: 1 / 0.15 m.
-    assert float(re.search(rf"axis_e: ({NUMBER})", text)[1]) == pytest.approx(1 / 0.15, abs=0.01)
+    assert float(re.search(rf"axis_e: ({NUMBER})", text)[1]) == pytest.approx(
+        1 / 0.15, abs=0.01
+    )
     assert "DiscontinuousPathError: positions[1]" in text
 
 
 def test_payload(capsys: pytest.CaptureFixture[str]) -> None:
-    lines = {line[:28].strip(): numbers(line[28:]) for line in said("payload", capsys).splitlines()}
+    lines = {
+        line[:28].strip(): numbers(line[28:])
+        for line in said("payload", capsys).splitlines()
+    }
     torque, mount, inertia = (
-        {name: row[i] for name, row in lines.items() if len(row) == 5} for i in (0, 3, 4)
+        {name: row[i] for name, row in lines.items() if len(row) == 5}
+        for i in (0, 3, 4)
     )
     assert torque["sample of sea water, 0.5 L"] == torque["nothing"]
     assert inertia["sample of sea water, 0.5 L"] > 2 * inertia["nothing"]
     steel = 0.5 * (1 - 1025 / 7850) * 9.81
     assert mount["steel, 0.5 kg"] - mount["nothing"] == pytest.approx(steel, abs=0.011)
     floating = (0.05 - 1025 * 0.25e-3) * 9.81
-    assert mount["float, 0.25 L"] - mount["nothing"] == pytest.approx(floating, abs=0.011)
+    assert mount["float, 0.25 L"] - mount["nothing"] == pytest.approx(
+        floating, abs=0.011
+    )
 
 
 def test_compare_a_model(capsys: pytest.CaptureFixture[str]) -> None:
     text = said("compare_a_model", capsys)
     assert text.startswith("The model differs")
-    for words in ("mass 0.255 kg in place of 0.355 kg", "y is wrong (mirrored)", "SolidWorks sign"):
+    for words in (
+        "mass 0.255 kg in place of 0.355 kg",
+        "y is wrong (mirrored)",
+        "SolidWorks sign",
+    ):
         assert words in text
     assert '<mass value="0.355"/>' in text
 
 
 def test_mujoco_in_water(capsys: pytest.CaptureFixture[str]) -> None:
     text = said("mujoco_in_water", capsys)
-    theirs, ours = (numbers(line) for line in re.findall(r"\[(.+)\]$", text, re.MULTILINE)[-2:])
+    theirs, ours = (
+        numbers(line) for line in re.findall(r"\[(.+)\]$", text, re.MULTILINE)[-2:]
+    )
     assert len(ours) == 4
     np.testing.assert_allclose(theirs, ours, rtol=1e-6)
     before, after = numbers(text.splitlines()[-1].partition("from")[2])
@@ -139,7 +157,10 @@ def test_torque_margins(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("name", ["torque_map", "mount_map"])
 def test_maps_of_studies(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     said(name, capsys)

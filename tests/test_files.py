@@ -18,7 +18,12 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model._support.files import atomic_write, atomic_write_all, check_outputs, output_format
+from alpha5_model._support.files import (
+    atomic_write,
+    atomic_write_all,
+    check_outputs,
+    output_format,
+)
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
 from alpha5_model.cli import application, main
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
@@ -56,7 +61,9 @@ def motion_file(tmp_path: Path) -> Path:
     rows = np.column_stack([time, *(1.5 + 0.1 * np.sin(time + k) for k in range(4))])
     path = tmp_path / "motion.csv"
     header = "time,axis_e,axis_d,axis_c,axis_b"
-    path.write_text("\n".join([header, *(",".join(map(repr, row.tolist())) for row in rows)]))
+    path.write_text(
+        "\n".join([header, *(",".join(map(repr, row.tolist())) for row in rows)])
+    )
     return path
 
 
@@ -124,13 +131,17 @@ def test_files_and_folders_are_on_the_disk_before_the_first_rename(
     assert [content[path] for path in renames] == [b"x" * 100_000, b"new"]
     first, last = kinds.index("rename"), len(kinds) - kinds[::-1].index("rename")
     assert kinds[first:last] == ["rename", "rename"]
-    folders = {str(folder) for folder in (tmp_path, tmp_path / "a", tmp_path / "a" / "b")}
+    folders = {
+        str(folder) for folder in (tmp_path, tmp_path / "a", tmp_path / "a" / "b")
+    }
     for part in (calls[:first], calls[last:]):
         assert {path for kind, path in part if kind == "names"} == folders
     assert (tmp_path / "old").read_text() + new.read_text() == "x" * 100_000 + "new"
 
 
-def test_a_disk_that_fails_is_one_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disk_that_fails_is_one_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "old").write_text("before")
 
     def fail(descriptor: int) -> None:
@@ -184,9 +195,13 @@ def test_devices_are_written_into(tmp_path: Path) -> None:
     (tmp_path / "link.html").symlink_to("null")
     for name in ("null", "link.html"):
         atomic_write(tmp_path / name, "gone")
-        assert main(["generate", "--format", "sdf", "--output", str(tmp_path / name)]) == 0
+        assert (
+            main(["generate", "--format", "sdf", "--output", str(tmp_path / name)]) == 0
+        )
     with pytest.raises(OutputError, match="No space left"):
-        atomic_write_all({tmp_path / "plain": "kept out", tmp_path / "full": "x" * 100_000})
+        atomic_write_all(
+            {tmp_path / "plain": "kept out", tmp_path / "full": "x" * 100_000}
+        )
     assert main(["planar", "2", "1", "--plot", str(tmp_path / "full")]) == 2
     assert main(["generate", "--output", str(tmp_path / "null")]) == 0
     for name in ("null", "full"):
@@ -232,7 +247,9 @@ def test_folders_sockets_loops_and_impossible_paths_are_refused(tmp_path: Path) 
         atomic_write(tmp_path / "text", "\udcff")
 
 
-def test_all_or_none_when_a_rename_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_or_none_when_a_rename_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     files = {tmp_path / name: "new" for name in ("old", "absent", "stuck", "last")}
     for name in ("old", "stuck"):
         (tmp_path / name).write_text(f"{name} content")
@@ -283,7 +300,9 @@ def test_what_is_read_only_stays(tmp_path: Path) -> None:
         folder.chmod(mode)
     for parent in tmp_path.parents[: len(tmp_path.parents) - 1]:
         if not parent.stat().st_mode & 0o001:
-            parent.chmod(parent.stat().st_mode | 0o011)  # pytest's folders are its user's alone
+            parent.chmod(
+                parent.stat().st_mode | 0o011
+            )  # pytest's folders are its user's alone
     tmp_path.chmod(0o755)
     paths = [closed / "file", closed / "new", open_ / "file", open_ / "new"]
     done = subprocess.run(
@@ -325,12 +344,17 @@ def test_two_file_systems(tmp_path: Path) -> None:
 def test_standard_output_by_any_name(motion_file: Path) -> None:
     """A table or picture goes to standard output alone, what is said goes to standard error."""
     folder = motion_file.parent
-    assert main(["trajectory", str(motion_file), "--output", str(folder / "table.csv")]) == 0
+    assert (
+        main(["trajectory", str(motion_file), "--output", str(folder / "table.csv")])
+        == 0
+    )
     table = (folder / "table.csv").read_text()
     done = shell("alpha5 trajectory motion.csv -o -", folder)
     assert (done.returncode, done.stdout) == (0, table)
     assert "TCP: path" in done.stderr
-    done = shell("echo first > out; alpha5 trajectory motion.csv -o /dev/stdout >> out", folder)
+    done = shell(
+        "echo first > out; alpha5 trajectory motion.csv -o /dev/stdout >> out", folder
+    )
     assert (folder / "out").read_text() == "first\n" + table
     done = shell("alpha5 trajectory motion.csv -o /dev/fd/5 5> five", folder)
     assert (folder / "five").read_text() == table
@@ -351,8 +375,12 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
         "generate",
         "workspace",
     )
-    for command, reader in zip(commands, ("head -n 1", "true", "head -n 1", "true"), strict=True):
-        done = shell(f"set -o pipefail; alpha5 {command} | {reader}", motion_file.parent)
+    for command, reader in zip(
+        commands, ("head -n 1", "true", "head -n 1", "true"), strict=True
+    ):
+        done = shell(
+            f"set -o pipefail; alpha5 {command} | {reader}", motion_file.parent
+        )
         assert done.returncode == 0
         assert not {"Traceback", "Error", "alpha5:"} & set(done.stderr.split())
 
@@ -362,7 +390,10 @@ def test_a_reader_that_leaves_is_no_error(motion_file: Path) -> None:
 #: Command, its input {}, its outputs: option -> suffix; every path that any command takes is here.
 COMMANDS = {
     "trajectory": (["trajectory", "{}"], {"--output": ".csv", "--plot": ".png"}),
-    "view": (["view", "--motion", "{}"], {"--html": ".html", "--image": ".png", "--video": ".mp4"}),
+    "view": (
+        ["view", "--motion", "{}"],
+        {"--html": ".html", "--image": ".png", "--video": ".mp4"},
+    ),
     "compare": (["compare", "{}"], {"--plot": ".png"}),
     "check": (["check", "--urdf", "{}"], {}),
     "dh": (["dh", "--urdf", "{}"], {}),
@@ -386,7 +417,10 @@ def test_no_command_has_a_path_that_is_not_tested_here() -> None:
         paths = {
             name
             for name, p in parameters.items()
-            if Path in getattr(getattr(p.annotation, "__origin__", p.annotation), "__args__", ())
+            if Path
+            in getattr(
+                getattr(p.annotation, "__origin__", p.annotation), "__args__", ()
+            )
             or getattr(p.annotation, "__origin__", None) is Path
         }
         words, outputs = COMMANDS.get(str(command.name), ([], {}))
@@ -459,12 +493,16 @@ def test_nothing_is_written_into_a_file_of_another_kind(
             assert (target.read_bytes() if target.exists() else None) == before
 
 
-def test_two_outputs_are_two_files(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_outputs_are_two_files(
+    motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     (motion_file.parent / "arm.png").symlink_to("arm.html")
     (motion_file.parent / "arm.html").write_text("mine")
     view = ["view", "--html", str(motion_file.parent / "arm.html"), "--image"]
     for image in (str(motion_file.parent / "arm.png"), "-"):
-        pair = [*view, image] if image != "-" else ["view", "--html", "-", "--image", "-"]
+        pair = (
+            [*view, image] if image != "-" else ["view", "--html", "-", "--image", "-"]
+        )
         assert main(pair) == 2
         assert "another file than --html" in capsys.readouterr().err
     assert (motion_file.parent / "arm.html").read_text() == "mine"
@@ -477,9 +515,13 @@ def test_formats_and_outputs_from_python(tmp_path: Path) -> None:
     assert output_format("x", "-", (".pdf", ".png")) == ".pdf"
     with pytest.raises(UnknownNameError, match=r"unknown x ''; choose from \.pdf"):
         output_format("x", tmp_path / "none", (".pdf",))
-    check_outputs([None, tmp_path / "a"], out=(None, ()), other=(tmp_path / "b.c", (".c",)))
+    check_outputs(
+        [None, tmp_path / "a"], out=(None, ()), other=(tmp_path / "b.c", (".c",))
+    )
     with pytest.raises(InputError, match="other: expected another file than --out"):
-        check_outputs((), out=(tmp_path / "b.c", (".c",)), other=(tmp_path / "b.c", (".c",)))
+        check_outputs(
+            (), out=(tmp_path / "b.c", (".c",)), other=(tmp_path / "b.c", (".c",))
+        )
 
 
 def test_any_path_ends_in_a_file_or_in_one_error(tmp_path: Path) -> None:
@@ -517,13 +559,21 @@ def test_any_path_ends_in_a_file_or_in_one_error(tmp_path: Path) -> None:
     written = 0
     for _ in range(1500):
         drawn = "/".join(rng.choice(parts) for _ in range(rng.randint(1, 4)))
-        path = Path(f"{tmp_path}/w/{drawn}")  # never tmp_path / drawn: "/x" would be at the root
-        if ".." in path.parts and not str(os.path.normpath(path)).startswith(f"{tmp_path}/w"):
-            path = tmp_path / "/".join(path.parts[len(tmp_path.parts) + 1 :]).replace("..", ".")
+        path = Path(
+            f"{tmp_path}/w/{drawn}"
+        )  # never tmp_path / drawn: "/x" would be at the root
+        if ".." in path.parts and not str(os.path.normpath(path)).startswith(
+            f"{tmp_path}/w"
+        ):
+            path = tmp_path / "/".join(path.parts[len(tmp_path.parts) + 1 :]).replace(
+                "..", "."
+            )
         with suppress(OutputError):
             atomic_write(path, "0123456789")
             written += 1
-            real = Path(os.path.realpath(path))  # "file/.." is the folder there, not an error
+            real = Path(
+                os.path.realpath(path)
+            )  # "file/.." is the folder there, not an error
             assert real.is_fifo() or real.read_text() == "0123456789"
         for name, kind in kinds.items():
             assert stat.S_IFMT((tmp_path / name).lstat().st_mode) == kind

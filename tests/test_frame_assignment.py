@@ -60,7 +60,9 @@ def test_round_trip(kind: str, with_tool: bool) -> None:
         if with_tool:
             assert np.abs(chain.forward_kinematics(chain.home) - end).max() < 1e-11
         # and once more, from the axes of the chain
-        again = assign_frames(*chain.joint_axes(chain.home), sigma, end if with_tool else None)
+        again = assign_frames(
+            *chain.joint_axes(chain.home), sigma, end if with_tool else None
+        )
         assert axis_error(again, again.home, points, directions) < 1e-11
 
 
@@ -72,14 +74,20 @@ def test_every_motion_is_the_same_as_turning_about_the_axes() -> None:
         sigma = rng.integers(0, 2, 6)
         end = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3))
         drawn, q = rng.normal(size=6), rng.normal(size=6)
-        chain = assign_frames(points, directions, sigma.tolist(), end.homogeneous, drawn)
+        chain = assign_frames(
+            points, directions, sigma.tolist(), end.homogeneous, drawn
+        )
         assert chain.home == pytest.approx(drawn)
         pose = pin.SE3.Identity()
         for p, z, slides, x in zip(points, directions, sigma, q - drawn, strict=True):
             u = z / np.linalg.norm(z)
-            twist = pin.Motion(u, np.zeros(3)) if slides else pin.Motion(np.cross(p, u), u)
+            twist = (
+                pin.Motion(u, np.zeros(3)) if slides else pin.Motion(np.cross(p, u), u)
+            )
             pose = pose * pin.exp6(x * twist)
-        assert np.abs((pose * end).homogeneous - chain.forward_kinematics(q)).max() < 1e-11
+        assert (
+            np.abs((pose * end).homogeneous - chain.forward_kinematics(q)).max() < 1e-11
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -92,7 +100,9 @@ def test_the_frames_obey_the_rule(kind: str) -> None:
         x, z = frames[1, :3, 0], frames[:2, :3, 2]
         assert np.abs(z @ x).max() < TIGHT  # x_1 is normal to both axes
         gap = frames[1, :3, 3] - frames[0, :3, 3]
-        assert np.abs(np.cross(gap - (gap @ z[0]) * z[0], x)).max() < TIGHT  # and meets both
+        assert (
+            np.abs(np.cross(gap - (gap @ z[0]) * z[0], x)).max() < TIGHT
+        )  # and meets both
         if kind == "skew":
             assert link.a > 0
         if kind == "intersecting":
@@ -160,7 +170,9 @@ def worst_error(tilts, rng: np.random.Generator, **options) -> float:
 
 
 @pytest.mark.parametrize("first", [0.0, *10.0 ** np.arange(-12, -5.5, 0.5)])
-def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(first: float) -> None:
+def test_axes_that_are_nearly_parallel_move_the_tool_as_they_were_drawn(
+    first: float,
+) -> None:
     """Up to six axes, with tilts from 1e-12 to 1e-6 rad in any order."""
     rng = np.random.default_rng(51)
     for _ in range(60):
@@ -234,7 +246,10 @@ def test_real_arms_from_their_urdf(robot: str, frame: str, d, a, alpha) -> None:
         full = np.zeros(model.nq)
         full[: chain.n] = q
         pin.framesForwardKinematics(model, data, full)
-        assert np.abs(data.oMf[tip].homogeneous - chain.forward_kinematics(q)).max() < 1e-12
+        assert (
+            np.abs(data.oMf[tip].homogeneous - chain.forward_kinematics(q)).max()
+            < 1e-12
+        )
 
 
 def test_joints_that_have_no_dh_row_are_refused() -> None:

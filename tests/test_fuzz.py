@@ -38,7 +38,9 @@ EACH = {"api": 2, "forms": 3, "texts": 8, "commands": 2}
 def test_a_slice_of_the_fuzz(fuzz, part, tmp_path):
     failures: list[str] = []
     for name, target in fuzz.PARTS[part].items():
-        if name.startswith("forms jax."):  # compiled for seconds; see test_array_layouts.py
+        if name.startswith(
+            "forms jax."
+        ):  # compiled for seconds; see test_array_layouts.py
             continue
         numbers = range(1 if fuzz.weight(name) < 1 else EACH[part])
         fuzz.fuzz(target, name, 20261121, numbers, tmp_path, failures.append)
@@ -118,7 +120,9 @@ def test_the_fuzz_sees_it(fuzz, call, says, tmp_path):
 
     failures: list[str] = []
     case = cases.Case(call, {})
-    counts = fuzz.fuzz(lambda rng, folder: case, "x", 1, range(1), tmp_path, failures.append)
+    counts = fuzz.fuzz(
+        lambda rng, folder: case, "x", 1, range(1), tmp_path, failures.append
+    )
     assert counts == {"failed": 1}
     assert len(failures) == 1
     assert says in failures[0]
@@ -156,7 +160,9 @@ def test_the_forms_see_it(fuzz, function, says, tmp_path):
     assert says in result
 
 
-@pytest.mark.parametrize("name", ["misaligned", "memory-mapped", "packed field", "odd strides"])
+@pytest.mark.parametrize(
+    "name", ["misaligned", "memory-mapped", "packed field", "odd strides"]
+)
 def test_a_form_is_what_it_says_and_holds_the_same_numbers(fuzz, name, tmp_path):
     from fuzzing import forms
 
@@ -185,8 +191,12 @@ def test_what_a_file_makes_it_do_is_seen(fuzz, act, says):
         with contextlib.suppress(OSError):
             act(watch.CANARY)
 
-    assert fuzz.outcome(cases.Case(call, {})).startswith(f"did what no file may make it do: {says}")
-    assert fuzz.outcome(cases.Case(lambda: len(Path(os.devnull).read_bytes()), {})) == "ok"
+    assert fuzz.outcome(cases.Case(call, {})).startswith(
+        f"did what no file may make it do: {says}"
+    )
+    assert (
+        fuzz.outcome(cases.Case(lambda: len(Path(os.devnull).read_bytes()), {})) == "ok"
+    )
 
 
 def test_a_file_that_takes_long_and_a_silent_answer_are_failures(fuzz, monkeypatch):
@@ -204,7 +214,10 @@ def test_a_column_read_as_what_it_is_not_is_a_failure(fuzz, tmp_path, monkeypatc
     from fuzzing import names
 
     monkeypatch.setattr(names, "OTHERS", ("pos",))
-    found = [fuzz.outcome(names.target(np.random.default_rng([k]), tmp_path)) for k in range(40)]
+    found = [
+        fuzz.outcome(names.target(np.random.default_rng([k]), tmp_path))
+        for k in range(40)
+    ]
     assert any(result.startswith("MisreadError") for result in found)
 
 
@@ -284,7 +297,9 @@ def test_a_printed_number_has_no_thousand_digits():
 
 def test_a_tensor_that_no_body_has_is_compared_all_the_same(tmp_path):
     text = Path(a5.URDF_PATH).read_text(encoding="utf-8")
-    (tmp_path / "arm.urdf").write_text(text.replace('<inertia ixx="', '<inertia ixx="-', 3))
+    (tmp_path / "arm.urdf").write_text(
+        text.replace('<inertia ixx="', '<inertia ixx="-', 3)
+    )
     assert not a5.compare(tmp_path / "arm.urdf", samples=3).agrees
 
 
@@ -363,7 +378,10 @@ def test_drive_limits_are_kept_as_plain_numbers():
     motion = a5.trajectory.motion(np.arange(6) * 0.1, position)
     given = {"supply_voltage": np.longdouble(24), "current_limit": np.float32(1.5)}
     analysis = a5.trajectory.analyse(motion, **given)
-    assert (type(analysis.supply_voltage), type(analysis.current_limit)) == (float, float)
+    assert (type(analysis.supply_voltage), type(analysis.current_limit)) == (
+        float,
+        float,
+    )
 
 
 STUDY = """

@@ -14,16 +14,30 @@ import alpha5_model as a5
 from alpha5_model._support.files import atomic_write, atomic_write_all
 from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
 from alpha5_model.cli import main
-from alpha5_model.description.committed import StaleFile, generated_files, stale_files, update
+from alpha5_model.description.committed import (
+    StaleFile,
+    generated_files,
+    stale_files,
+    update,
+)
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
 from alpha5_model.description.verification import verify_generated
-from alpha5_model.errors import FileFormatError, InputError, OutputError, UnknownNameError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    OutputError,
+    UnknownNameError,
+)
 from alpha5_model.numbers.parameters import parameters
 
 
 def names(text: str, tag: str) -> list[str]:
-    return [element.get("name") for element in ET.fromstring(text).iter(tag) if element.get("name")]
+    return [
+        element.get("name")
+        for element in ET.fromstring(text).iter(tag)
+        if element.get("name")
+    ]
 
 
 def xml(variant: Variant) -> ET.Element:
@@ -31,13 +45,19 @@ def xml(variant: Variant) -> ET.Element:
 
 
 def test_prefix_stands_before_every_link_joint_and_reference():
-    plain, prefixed = urdf(Variant(gripper="jaws")), urdf(Variant(gripper="jaws", prefix="l_"))
+    plain, prefixed = (
+        urdf(Variant(gripper="jaws")),
+        urdf(Variant(gripper="jaws", prefix="l_")),
+    )
     for tag in ("link", "joint", "material"):
         assert names(prefixed, tag) == [f"l_{name}" for name in names(plain, tag)]
     root = ET.fromstring(prefixed)
     links = set(names(prefixed, "link"))
     for joint in root.findall("joint"):
-        assert {joint.find("parent").get("link"), joint.find("child").get("link")} <= links
+        assert {
+            joint.find("parent").get("link"),
+            joint.find("child").get("link"),
+        } <= links
     assert {m.get("joint") for m in root.iter("mimic")} == {"l_axis_a"}
 
 
@@ -71,16 +91,29 @@ def test_collision_none_has_none():
 
 
 def test_dh_frames_are_added():
-    added = set(names(urdf(Variant(dh_frames=True)), "link")) - set(names(urdf(Variant()), "link"))
+    added = set(names(urdf(Variant(dh_frames=True)), "link")) - set(
+        names(urdf(Variant()), "link")
+    )
     assert added == {f"dh_{i}" for i in range(1, 6)}
 
 
 def test_ros2_control_gives_interfaces_and_device_ids():
-    root = xml(Variant(gripper="jaws", ros2_control=True, ros2_control_plugin="pkg/Driver"))
+    root = xml(
+        Variant(gripper="jaws", ros2_control=True, ros2_control_plugin="pkg/Driver")
+    )
     control = root.find("ros2_control")
     assert control.find("hardware/plugin").text == "pkg/Driver"
-    ids = {j.get("name"): j.find("param[@name='device_id']").text for j in control.findall("joint")}
-    assert ids == {"axis_e": "5", "axis_d": "4", "axis_c": "3", "axis_b": "2", "axis_a": "1"}
+    ids = {
+        j.get("name"): j.find("param[@name='device_id']").text
+        for j in control.findall("joint")
+    }
+    assert ids == {
+        "axis_e": "5",
+        "axis_d": "4",
+        "axis_c": "3",
+        "axis_b": "2",
+        "axis_a": "1",
+    }
     for joint in control.findall("joint"):
         assert [c.get("name") for c in joint.findall("command_interface")] == [
             "position",
@@ -103,7 +136,10 @@ def test_corrections_turn_the_base_and_are_named():
 
 def test_the_file_names_document_version_and_package():
     head = urdf().split("<link", 1)[0]
-    for words in ("Kinematic and Dynamic Properties, version 7", f"alpha5_model {a5.__version__}"):
+    for words in (
+        "Kinematic and Dynamic Properties, version 7",
+        f"alpha5_model {a5.__version__}",
+    ):
         assert words in head
     assert str(Path(REPOSITORY_PATH)) not in urdf()
 
@@ -120,13 +156,18 @@ def test_plain_xacro_gives_the_same_elements(gripper, tmp_path):
         check=True,
     )
     ours = urdf(Variant(gripper=gripper, prefix="p_", dh_frames=True))
-    assert ET.canonicalize(result.stdout, strip_text=True) == ET.canonicalize(ours, strip_text=True)
+    assert ET.canonicalize(result.stdout, strip_text=True) == ET.canonicalize(
+        ours, strip_text=True
+    )
 
 
 def test_plain_xacro_refuses_an_unknown_gripper(tmp_path):
     program = Path(sys.executable).with_name("xacro")
     result = subprocess.run(
-        [program, XACRO_PATH, "gripper:=hook"], capture_output=True, text=True, check=False
+        [program, XACRO_PATH, "gripper:=hook"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert result.returncode != 0
     assert "gripper must be 'locked' or 'jaws', not 'hook'" in result.stderr
@@ -145,7 +186,10 @@ def test_a_stale_file_is_found_and_mended(tmp_path):
     (tmp_path / "urdf" / "alpha5_jaws.urdf").unlink()
     stale = {file.path: file.diff for file in stale_files(str(tmp_path))}
     assert set(stale) == {"urdf/alpha5.urdf", "urdf/alpha5_jaws.urdf"}
-    assert '-      <mass value="0.39"/>\n+      <mass value="0.38"/>' in stale["urdf/alpha5.urdf"]
+    assert (
+        '-      <mass value="0.39"/>\n+      <mass value="0.38"/>'
+        in stale["urdf/alpha5.urdf"]
+    )
     assert stale["urdf/alpha5_jaws.urdf"].endswith("missing\n")
     update(str(tmp_path))
     assert stale_files(str(tmp_path)) == []
@@ -163,7 +207,9 @@ def test_a_stale_file_that_is_no_text_is_told_by_its_size(tmp_path):
 def test_check_exits_1_with_a_diff(monkeypatch, capsys):
     import alpha5_model.description.committed as committed
 
-    monkeypatch.setattr(committed, "stale_files", lambda **_: [StaleFile("urdf/x", "-old\n+new\n")])
+    monkeypatch.setattr(
+        committed, "stale_files", lambda **_: [StaleFile("urdf/x", "-old\n+new\n")]
+    )
     assert main(["generate", "--check"]) == 1
     assert capsys.readouterr().out.startswith("-old\n+new\n")
 
@@ -181,13 +227,18 @@ def test_without_manifold3d_the_meshes_are_said_not_to_be_checked(monkeypatch, c
 
 
 def test_without_casadi_the_formulas_are_said_not_to_be_checked(monkeypatch, capsys):
-    everything = {path for path in generated_files() if not path.startswith("alpha5_model/")}
+    everything = {
+        path for path in generated_files() if not path.startswith("alpha5_model/")
+    }
     monkeypatch.setitem(sys.modules, "casadi", None)
     assert set(generated_files()) == everything
     assert main(["generate", "--check"]) == 0
     assert "casadi is not installed" in capsys.readouterr().out
     (fresh,) = (row for row in verify_generated() if row.check == "fresh")
-    assert (fresh.verdict, "casadi is not installed" in fresh.finding) == ("not run", True)
+    assert (fresh.verdict, "casadi is not installed" in fresh.finding) == (
+        "not run",
+        True,
+    )
 
 
 def test_an_installed_package_has_its_formulas_as_they_are(monkeypatch, tmp_path):
@@ -286,15 +337,21 @@ def test_files_that_belong_together_are_written_all_or_none(tmp_path):
     first, second = tmp_path / "first.txt", tmp_path / "second.txt"
     atomic_write(first, "old")
     with pytest.raises(OutputError, match=r"third\.txt: a part of its path is a file"):
-        atomic_write_all({first: "new", second: "new", tmp_path / "blocked" / "third.txt": "new"})
+        atomic_write_all(
+            {first: "new", second: "new", tmp_path / "blocked" / "third.txt": "new"}
+        )
     assert first.read_text() == "old"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["blocked", "first.txt"]
     atomic_write_all({first: "new", second: b"new"})
     assert (first.read_text(), second.read_text()) == ("new", "new")
 
 
-@pytest.mark.parametrize("arguments", [["urdf", "arm.urdf"], ["mjcf", "."], ["sdf", "."]])
-def test_generate_leaves_nothing_where_one_of_its_files_cannot_stand(tmp_path, capsys, arguments):
+@pytest.mark.parametrize(
+    "arguments", [["urdf", "arm.urdf"], ["mjcf", "."], ["sdf", "."]]
+)
+def test_generate_leaves_nothing_where_one_of_its_files_cannot_stand(
+    tmp_path, capsys, arguments
+):
     kind, output = arguments
     taken = {"urdf": "arm.urdf", "mjcf": "README.md", "sdf": "model.config"}[kind]
     (tmp_path / taken).mkdir()
@@ -308,7 +365,10 @@ def test_a_parent_with_the_name_of_a_link_of_the_arm_is_refused():
         urdf(Variant(parent="base_link"))
     with pytest.raises(InputError, match="no link of the arm has"):
         urdf(Variant(parent="l_tcp", prefix="l_"))
-    assert names(urdf(Variant(parent="base_link", prefix="l_")), "link").count("base_link") == 1
+    assert (
+        names(urdf(Variant(parent="base_link", prefix="l_")), "link").count("base_link")
+        == 1
+    )
 
 
 def test_a_plugin_without_ros2_control_is_refused():

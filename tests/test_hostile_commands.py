@@ -60,7 +60,9 @@ def cases(folder: Path) -> dict[str, dict[str, Any]]:
 
     def written(kind: str, name: str, text: str, suffix: str) -> Path:
         names = {"SECRET_NAME": NAME, "CANARY_NAME": canary.name}
-        for word, value in (names | {"SECRET": str(secret), "CANARY": str(canary)}).items():
+        for word, value in (
+            names | {"SECRET": str(secret), "CANARY": str(canary)}
+        ).items():
             text = text.replace(word, value)
         path = work / f"{kind}_{name.replace(' ', '_')}{suffix}"
         path.write_text(text, encoding="utf-8", errors="surrogatepass", newline="")
@@ -71,7 +73,11 @@ def cases(folder: Path) -> dict[str, dict[str, Any]]:
         for words in COMMANDS_OF_URDFS:
             add(f"{words[0]} urdf: {name}", path, *words)
     for name, text in files.XACROS.items():
-        add(f"compare xacro: {name}", written("xacro", name, text, ".urdf.xacro"), "compare")
+        add(
+            f"compare xacro: {name}",
+            written("xacro", name, text, ".urdf.xacro"),
+            "compare",
+        )
     for name, text in files.RECORDINGS.items():
         add(f"trajectory csv: {name}", written("csv", name, text, ".csv"), "trajectory")
     for name, path in files.bags(work, secret, canary).items():
@@ -95,7 +101,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "COLUMNS": "100",
     }
     command = [sys.executable, str(RUNNER), str(words), str(found)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     answers = json.loads(found.read_text("utf-8"))
     assert {*answers} == {*given}
@@ -135,9 +143,15 @@ def test_each_ends_with_an_answer_or_one_line(results):
             return f"status {status}: {err[-300:]}"
         if "Traceback" in out + err:
             return err[-300:]
-        if status == 2 and (len(lines) != 1 or not lines[0].startswith("alpha5: ") or out):
+        if status == 2 and (
+            len(lines) != 1 or not lines[0].startswith("alpha5: ") or out
+        ):
             return f"not one line: {err[:300]}"
-        return "" if status == 2 or (out and not lines) else f"status {status}: {err[:300]}"
+        return (
+            ""
+            if status == 2 or (out and not lines)
+            else f"status {status}: {err[:300]}"
+        )
 
     assert told(results, wrong) == {}
 
@@ -145,7 +159,9 @@ def test_each_ends_with_an_answer_or_one_line(results):
 def test_what_has_no_answer_is_refused(results):
     commands = [name for name in results if not name.startswith(("check", "made"))]
     answered = {name for name in commands if results[name]["status"] != 2}
-    assert {name for name in answered if name.partition(": ")[2] not in files.ANSWERED} == set()
+    assert {
+        name for name in answered if name.partition(": ")[2] not in files.ANSWERED
+    } == set()
 
 
 def test_a_name_is_just_a_name(results):
@@ -179,7 +195,9 @@ def test_nothing_is_printed_that_a_terminal_obeys(results):
 def test_control_characters_are_written_out():
     coloured = typer.style("agrees", fg="green")
     assert printable(f"{coloured} a\tb\n") == f"{coloured} a\tb\n"
-    assert printable("\x1b[8mx\x1b]0;t\x07\x9b\u202e\0") == (r"\x1b[8mx\x1b]0;t\x07\x9b\u202e\x00")
+    assert printable("\x1b[8mx\x1b]0;t\x07\x9b\u202e\0") == (
+        r"\x1b[8mx\x1b]0;t\x07\x9b\u202e\x00"
+    )
 
 
 def test_the_runner_sees_what_is_forbidden(tmp_path):
@@ -191,7 +209,9 @@ def test_the_runner_sees_what_is_forbidden(tmp_path):
     case = {"args": ["compare", "--xacro", "arm.xacro"], "folder": str(tmp_path)}
     (tmp_path / "cases.json").write_text(json.dumps({"xacro": case}))
     words = [str(tmp_path / name) for name in ("cases.json", "results.json")]
-    subprocess.run([sys.executable, str(RUNNER), *words], check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, str(RUNNER), *words], check=True, capture_output=True
+    )
     answer = json.loads((tmp_path / "results.json").read_text())["xacro"]
     assert any(misdeed.startswith("os.system") for misdeed in answer["misdeeds"])
     assert mark.exists()
@@ -205,7 +225,9 @@ def test_the_program_itself_answers_in_one_line(tmp_path):
     (tmp_path / "arm.xacro").write_text(text)
     for name in ("arm.urdf", "arm.xacro"):
         command = [sys.executable, "-m", "alpha5_model", "compare", name]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, check=False
+        )
         assert done.returncode in (1, 2)
         assert len(done.stderr.splitlines()) == (done.returncode == 2)
         assert not mark.exists()

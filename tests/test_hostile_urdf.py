@@ -46,7 +46,9 @@ def secret(tmp_path, monkeypatch) -> Path:
 def with_program(program: str) -> str:
     """Our own arm with a program as an element, in a name and in a number."""
     inside = (
-        program if program.startswith("<") else f"<xacro:property name='x' value=\"{program}\"/>"
+        program
+        if program.startswith("<")
+        else f"<xacro:property name='x' value=\"{program}\"/>"
     )
     text = OWN.replace('name="alpha5"', f'name="alpha5" {NAMESPACE}', 1)
     return text.replace("</robot>", f'{inside}<link name="odd"/></robot>')
@@ -91,7 +93,9 @@ def test_a_name_with_a_dollar_is_just_a_name(tmp_path):
     assert comparison.bodies[2].links == ("${name}_black",)
 
 
-def test_a_xacro_file_is_expanded_on_request_by_the_line_that_is_given(tmp_path, capsys):
+def test_a_xacro_file_is_expanded_on_request_by_the_line_that_is_given(
+    tmp_path, capsys
+):
     package = tmp_path / "my arm"
     (package / "urdf").mkdir(parents=True)
     (package / "package.xml").write_text("<package><name> my_arm </name></package>")
@@ -129,7 +133,9 @@ def test_options_of_xacro_need_a_xacro_file(tmp_path):
 def test_a_urdf_with_xacro_in_it_says_so(tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text(with_program("1").replace('value="0.38"', 'value="${1 + 1}"'))
-    with pytest.raises(FileFormatError, match=r"only a file whose name ends in \.xacro"):
+    with pytest.raises(
+        FileFormatError, match=r"only a file whose name ends in \.xacro"
+    ):
         a5.compare(path)
 
 
@@ -139,7 +145,9 @@ def test_a_urdf_with_xacro_in_it_says_so(tmp_path):
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 
-def joint(name: str, parent: str, child: str, kind: str = "revolute", more: str = "") -> str:
+def joint(
+    name: str, parent: str, child: str, kind: str = "revolute", more: str = ""
+) -> str:
     ends = f'<parent link="{parent}"/><child link="{child}"/>{LIMIT}{more}'
     return f'<link name="{child}"/><joint name="{name}" type="{kind}">{ends}</joint>'
 
@@ -167,7 +175,9 @@ def hanging(length: int, at: str, kind: str) -> str:
     parts = []
     for k in range(length):
         part = joint(f"t{k}", f"t{k - 1}" if k else at, f"t{k}", kind)
-        parts.append(part.replace(f'<link name="t{k}"/>', f'<link name="t{k}">{body}</link>'))
+        parts.append(
+            part.replace(f'<link name="t{k}"/>', f'<link name="t{k}">{body}</link>')
+        )
     return own_with("".join(parts))
 
 
@@ -188,7 +198,9 @@ def arms(count: int) -> str:
         part = inner
         for word in ('name="', 'link="'):
             part = part.replace(word, f"{word}a{k}_")
-        parts.append(part + joint(f"m{k}", "w", f"a{k}_base_link", "fixed").split("/>", 1)[1])
+        parts.append(
+            part + joint(f"m{k}", "w", f"a{k}_base_link", "fixed").split("/>", 1)[1]
+        )
     return f'<robot name="x"><link name="w"/>{"".join(parts)}</robot>'
 
 
@@ -200,8 +212,13 @@ HOSTILE = {
     "questions": "<?" * 50_000,
     "data": "<robot><![CDATA[" + "]" * 100_000,
     "nested": "<robot>" * 15_000,
-    "nested links": "<robot>" + '<link name="a">' * 10_000 + "</link>" * 10_000 + "</robot>",
-    "nested origin": OWN.replace("<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1),
+    "nested links": "<robot>"
+    + '<link name="a">' * 10_000
+    + "</link>" * 10_000
+    + "</robot>",
+    "nested origin": OWN.replace(
+        "<origin ", "<a>" * 20_000 + "</a>" * 20_000 + "<origin ", 1
+    ),
     "entity bomb": f'<!DOCTYPE robot [<!ENTITY e0 "ha">{ENTITIES}]><robot name="&e11;"/>',
     "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]><robot name="a">&x;</robot>',
     "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]><robot/>',
@@ -262,7 +279,9 @@ def test_a_document_type_is_refused_by_its_line(case, tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text("\n" + HOSTILE[case])
     for read in READERS.values():
-        with pytest.raises(FileFormatError, match=r"line 2: <!DOCTYPE robot>: .* are not read"):
+        with pytest.raises(
+            FileFormatError, match=r"line 2: <!DOCTYPE robot>: .* are not read"
+        ):
             read(path)
 
 

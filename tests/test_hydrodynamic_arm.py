@@ -7,7 +7,15 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics_cases import VARIANTS, central_difference, close, make, moved, random_q, random_v
+from dynamics_cases import (
+    VARIANTS,
+    central_difference,
+    close,
+    make,
+    moved,
+    random_q,
+    random_v,
+)
 
 import alpha5_model as a5
 from alpha5_model.dynamics.arm import Arm
@@ -151,7 +159,9 @@ def test_derivatives(wet, rng):
                 close(by_a[:, i], function(q, v, a + e) - function(q, v, a), 1e-9)
             for i, e in enumerate(np.eye(3)):
                 u = np.array(CURRENT)
-                ahead, behind = (function(q, v, a, current=u + s * h * e) for s in (1, -1))
+                ahead, behind = (
+                    function(q, v, a, current=u + s * h * e) for s in (1, -1)
+                )
                 close(by_u[:, i], (ahead - behind) / (2 * h), 1e-6)
         close(da, wet.mass_matrix(q), 1e-12)
 
@@ -164,12 +174,16 @@ def test_forward_dynamics_derivatives(wet, rng):
     close(dq, central_difference(wet.forward_dynamics, wet, q, 1e-6, v, tau), 1e-6)
     h, u = 1e-5, np.array(CURRENT)
     for i, e in enumerate(np.eye(wet.model.nv)):
-        rate = wet.forward_dynamics(q, v + h * e, tau) - wet.forward_dynamics(q, v - h * e, tau)
+        rate = wet.forward_dynamics(q, v + h * e, tau) - wet.forward_dynamics(
+            q, v - h * e, tau
+        )
         close(dv[:, i], rate / (2 * h), 1e-6)
         one = wet.forward_dynamics(q, v, tau + e) - wet.forward_dynamics(q, v, tau)
         close(dtau[:, i], one, 1e-8)
     for i, e in enumerate(np.eye(3)):
-        ahead, behind = (wet.forward_dynamics(q, v, tau, current=u + s * h * e) for s in (1, -1))
+        ahead, behind = (
+            wet.forward_dynamics(q, v, tau, current=u + s * h * e) for s in (1, -1)
+        )
         close(du[:, i], (ahead - behind) / (2 * h), 1e-6)
 
 
@@ -201,11 +215,17 @@ ALIGNED = a5.DragStrip([0.1, 0.01, 0.0], [0.1, 0.05, 0.0], 0.05, 1.1, 0.2)
         ({}, {}, True),
         ({"level": "high", "numbers": "supplementary"}, {}, True),
         ({}, {"added_mass": definite(np.random.default_rng(3), scale=0.02)}, True),
-        ({}, {"frame": "link_2", "strips": [ALIGNED]}, False),  # one more than the kernels know
+        (
+            {},
+            {"frame": "link_2", "strips": [ALIGNED]},
+            False,
+        ),  # one more than the kernels know
         ({}, {"frame": "link_2", "strips": [SKEW]}, False),
     ],
 )
-def test_kernels_compute_what_pinocchios_tree_does(choices, payload, on_kernels, rng, monkeypatch):
+def test_kernels_compute_what_pinocchios_tree_does(
+    choices, payload, on_kernels, rng, monkeypatch
+):
     fast = make("locked").with_hydrodynamics(CURRENT, **choices)
     if payload:
         fast = fast.with_payload(0.2, volume=1e-4, **payload)
@@ -227,7 +247,9 @@ def test_kernels_compute_what_pinocchios_tree_does(choices, payload, on_kernels,
             for given in state:
                 close(fast.inverse_dynamics(*given, current=one), tau[i], 1e-12)
             close(slow.inverse_dynamics(*state[0], current=one), tau[i], 1e-12)
-            close(fast.forward_dynamics(q[i], v[i], tau[i], current=one), back[i], 1e-10)
+            close(
+                fast.forward_dynamics(q[i], v[i], tau[i], current=one), back[i], 1e-10
+            )
     close(
         fast.inverse_dynamics_batch(q[0], v, a[0])[3],
         fast.inverse_dynamics(q[0], v[3], a[0]),
@@ -264,7 +286,9 @@ def test_without_moving_water_it_is_the_arm(arm, rng):
     close(dry.mass_matrix(q), arm.mass_matrix(q), 1e-13)
     close(dry.coriolis_matrix(q, v), arm.coriolis_matrix(q, v), 1e-12)
     close(dry.base_wrench(q, v, a).vector, arm.base_wrench(q, v, a).vector, 1e-12)
-    assert dry.kinetic_energy(q, v) == pytest.approx(arm.kinetic_energy(q, v), rel=1e-12)
+    assert dry.kinetic_energy(q, v) == pytest.approx(
+        arm.kinetic_energy(q, v), rel=1e-12
+    )
     fext = [pin.Force(rng.normal(size=6)) for _ in range(arm.model.njoints)]
     ours, theirs = (x.base_wrench(q, v, a, fext=fext).vector for x in (dry, arm))
     close(ours, theirs, 1e-12)
@@ -274,12 +298,36 @@ def test_without_moving_water_it_is_the_arm(arm, rng):
 
 def test_what_is_asked_of_the_arm_in_still_water():
     """Moving water changes none of these; whatever else an arm can do has to be done anew."""
-    passed_on = {n for n in dir(Arm) if not n.startswith("_")} - set(vars(HydrodynamicArm))
+    passed_on = {n for n in dir(Arm) if not n.startswith("_")} - set(
+        vars(HydrodynamicArm)
+    )
     assert passed_on == {
-        *("approach_directions", "buoyancy_torque", "buoyancy_wrenches", "center_of_buoyancy"),
-        *("center_of_mass", "collision_distance", "data", "forward_kinematics", "gravity_torque"),
-        *("hydrostatic_torque", "hydrostatic_torque_derivative", "in_collision", "jacobian"),
-        *("joint_names", "limits", "potential_energy", "regressor", "with_hydrodynamics"),
+        *(
+            "approach_directions",
+            "buoyancy_torque",
+            "buoyancy_wrenches",
+            "center_of_buoyancy",
+        ),
+        *(
+            "center_of_mass",
+            "collision_distance",
+            "data",
+            "forward_kinematics",
+            "gravity_torque",
+        ),
+        *(
+            "hydrostatic_torque",
+            "hydrostatic_torque_derivative",
+            "in_collision",
+            "jacobian",
+        ),
+        *(
+            "joint_names",
+            "limits",
+            "potential_energy",
+            "regressor",
+            "with_hydrodynamics",
+        ),
     }
     wet = a5.load().with_hydrodynamics()
     assert wet.fluid_density == RHO
@@ -314,13 +362,17 @@ def test_levels_are_in_order():
     loads = [np.linalg.norm(x.current_load(q)[1][:3]) for x in (low, nominal, high)]
     assert loads == sorted(loads)
     other = arm.with_hydrodynamics(CURRENT, numbers="supplementary")
-    assert np.linalg.norm(other.added_mass("link_4") - nominal.added_mass("link_4")) > 0.01
+    assert (
+        np.linalg.norm(other.added_mass("link_4") - nominal.added_mass("link_4")) > 0.01
+    )
 
 
 def test_current_load_is_what_the_current_adds_at_rest(wet, rng):
     q, still = random_q(wet, rng), np.zeros(wet.model.nv)
     torque, wrench = wet.current_load(q)
-    close(torque, wet.inverse_dynamics(q, still, still) - wet.hydrostatic_torque(q), 1e-12)
+    close(
+        torque, wet.inverse_dynamics(q, still, still) - wet.hydrostatic_torque(q), 1e-12
+    )
     at_rest = wet.base_wrench(q, still, still, current=np.zeros(3)).vector
     close(wrench, wet.base_wrench(q, still, still).vector - at_rest, 1e-12)
     assert not wet.current_load(q, np.zeros(3))[0].any()
@@ -368,17 +420,23 @@ def cylinder_water(cd=CD, along=0.0):
     return BodyHydrodynamics(added, (strip,))
 
 
-def cylinder(joint, mass=1.5, cd=CD, gravity=(0.0, -9.81, 0.0), current=(0.0, 0.0, 0.0)):
+def cylinder(
+    joint, mass=1.5, cd=CD, gravity=(0.0, -9.81, 0.0), current=(0.0, 0.0, 0.0)
+):
     model = pin.Model()
     model.gravity.linear = np.array(gravity)
     model.addJoint(0, joint, pin.SE3.Identity(), "hinge")
     body = pin.Inertia(
-        mass, np.array([L / 2, 0, 0]), np.diag([1e-4, mass * L**2 / 12, mass * L**2 / 12])
+        mass,
+        np.array([L / 2, 0, 0]),
+        np.diag([1e-4, mass * L**2 / 12, mass * L**2 / 12]),
     )
     model.appendBodyToJoint(1, body, pin.SE3.Identity())
     model.addFrame(pin.Frame("rod", 1, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     volume = np.pi * R**2 * L
-    arm = Arm(model, [Displacement("rod", "hinge", volume, np.array([L / 2, 0, 0]))], 1000.0)
+    arm = Arm(
+        model, [Displacement("rod", "hinge", volume, np.array([L / 2, 0, 0]))], 1000.0
+    )
     return HydrodynamicArm(arm, [joint_water(arm, "rod", cylinder_water(cd))], current)
 
 
@@ -398,7 +456,9 @@ def test_drag_of_a_turning_cylinder():
         torque = rod.inverse_dynamics([0.3], [speed], [0.0])[0]
         expected = 1000.0 / 8 * CD * 2 * R * L**4 * speed * abs(speed)
         assert torque == pytest.approx(expected, rel=1e-12)
-        assert rod.dissipated_power([0.3], [speed]) == pytest.approx(expected * speed, rel=1e-12)
+        assert rod.dissipated_power([0.3], [speed]) == pytest.approx(
+            expected * speed, rel=1e-12
+        )
 
 
 def test_cross_flow_at_an_angle():
@@ -441,7 +501,9 @@ def test_mujoco_turns_an_ellipsoid_by_the_same_moment():
     free = pin.Model()
     free.gravity.linear = np.zeros(3)
     free.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root_joint")
-    free.appendBodyToJoint(1, pin.Inertia(1.0, np.zeros(3), 1e-3 * np.eye(3)), pin.SE3.Identity())
+    free.appendBodyToJoint(
+        1, pin.Inertia(1.0, np.zeros(3), 1e-3 * np.eye(3)), pin.SE3.Identity()
+    )
     free.addFrame(pin.Frame("ball", 1, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     arm = Arm(free, [], 1000.0)
     wet = HydrodynamicArm(arm, [joint_water(arm, "ball", BodyHydrodynamics(added))])
@@ -454,7 +516,9 @@ def test_mujoco_turns_an_ellipsoid_by_the_same_moment():
         data.qvel[:] = [*(rotation @ nu[:3]), *nu[3:]]
         mujoco.mj_forward(model, data)
         # linear part in the world there, here all in the body's axes
-        theirs = np.concatenate([rotation.T @ data.qfrc_passive[:3], data.qfrc_passive[3:]])
+        theirs = np.concatenate(
+            [rotation.T @ data.qfrc_passive[:3], data.qfrc_passive[3:]]
+        )
         still = arm.inverse_dynamics(q, nu, np.zeros(6))
         close(still - wet.inverse_dynamics(q, nu, np.zeros(6)), theirs, 1e-7)
 
@@ -479,7 +543,9 @@ def test_a_payload_brings_its_own_water(rng):
 def test_it_can_be_pickled_and_printed(wet, rng):
     again = pickle.loads(pickle.dumps(wet))
     q, v, a = random_q(wet, rng), random_v(wet, rng), random_v(wet, rng)
-    assert np.array_equal(again.inverse_dynamics(q, v, a), wet.inverse_dynamics(q, v, a))
+    assert np.array_equal(
+        again.inverse_dynamics(q, v, a), wet.inverse_dynamics(q, v, a)
+    )
     assert "current [0.4, -0.6, 0.8] m/s" in repr(wet)
     assert {"jacobian", "inverse_dynamics"} <= set(dir(wet))
 
@@ -498,7 +564,9 @@ SKEWED = np.eye(6) + np.eye(6, k=1) * 1e-3
         lambda arm: arm.with_hydrodynamics(current="fast"),
         lambda arm: arm.with_hydrodynamics(current=(1e200, 0, 0)),
         lambda arm: arm.with_hydrodynamics().added_mass("link_9"),
-        lambda arm: arm.with_hydrodynamics().inverse_dynamics([0] * 4, [0] * 4, [0] * 3),
+        lambda arm: arm.with_hydrodynamics().inverse_dynamics(
+            [0] * 4, [0] * 4, [0] * 3
+        ),
         lambda arm: arm.with_hydrodynamics().inverse_dynamics(
             [0] * 4, [0] * 4, [0] * 4, current=[1]
         ),

@@ -90,7 +90,9 @@ def test_finger_2_has_smaller_holes_than_finger_1():
     turn = np.kron(np.eye(2), np.diag([-1.0, -1.0, 1.0]))
     one, two = (hydrodynamics("jaws")[f"finger_{i}"].added_mass for i in (1, 2))
     one = turn @ one @ turn
-    whole = 1000 * np.pi / 4 * 0.032**2 * 0.085  # a strip of the plate's width and length
+    whole = (
+        1000 * np.pi / 4 * 0.032**2 * 0.085
+    )  # a strip of the plate's width and length
     assert 0.15 * whole < one[0, 0] < two[0, 0] < whole
     assert two[2, 2] == pytest.approx(one[2, 2], rel=0.1)  # edgewise
     strong = np.abs(one) > 0.2 * np.sqrt(np.outer(np.diag(one), np.diag(one)))
@@ -133,7 +135,9 @@ def test_the_points_on_the_strips_are_enough(speed):
     current = rng.normal(size=(n, 3))
     current *= speed / np.linalg.norm(current, axis=1, keepdims=True)
     still = np.zeros((n, 4))
-    tau = HydrodynamicArm(arm, dragged).inverse_dynamics_batch(q, v, still, current=current)
+    tau = HydrodynamicArm(arm, dragged).inverse_dynamics_batch(
+        q, v, still, current=current
+    )
     tau -= arm.inverse_dynamics_batch(q, v, still)
 
     def change(move, i, points):
@@ -153,12 +157,23 @@ def test_the_points_on_the_strips_are_enough(speed):
             slip = change(v, i, points) - current[:, None]
             axis = link_frames(q)[0][i] @ (line / np.linalg.norm(line))
             along = (slip @ axis[:, :, None]) * axis[:, None]
-            face = 1025.0 / 2 * strip.diameter * np.linalg.norm(line) * weights[:, None] / 2
+            face = (
+                1025.0
+                / 2
+                * strip.diameter
+                * np.linalg.norm(line)
+                * weights[:, None]
+                / 2
+            )
             force = np.zeros_like(slip)
             for part, factor in ((along, strip.along), (slip - along, strip.across)):
-                force += factor * face * np.linalg.norm(part, axis=2, keepdims=True) * part
+                force += (
+                    factor * face * np.linalg.norm(part, axis=2, keepdims=True) * part
+                )
             for joint, direction in enumerate(np.eye(4)):
-                expected[:, joint] += (force * change(direction, i, points)).sum(axis=(1, 2))
+                expected[:, joint] += (force * change(direction, i, points)).sum(
+                    axis=(1, 2)
+                )
     size = np.median(np.linalg.norm(expected, axis=1))
     off = np.abs(tau - expected)
     assert np.linalg.norm(off, axis=1).max() < 7e-4 * size
@@ -169,8 +184,14 @@ def test_the_points_on_the_strips_are_enough(speed):
     ("old", "new"),
     [
         ('["-0.00447", "0.18704"', '["-0.00448", "0.18704"'),
-        ('added_mass_factor = ["0.75", "1", "1.25"]', 'added_mass_factor = ["0.75", "1", "0.9"]'),
-        ('added_mass_factor = ["0.75", "1", "1.25"]', 'added_mass_factor = ["-1", "1", "1.25"]'),
+        (
+            'added_mass_factor = ["0.75", "1", "1.25"]',
+            'added_mass_factor = ["0.75", "1", "0.9"]',
+        ),
+        (
+            'added_mass_factor = ["0.75", "1", "1.25"]',
+            'added_mass_factor = ["-1", "1", "1.25"]',
+        ),
         ('status = "estimated"', 'status = "published"'),
         ("[bodies.link_0]", "[bodies.link_7]"),
         ('diameter = "mm"', 'diameter = "m"'),
@@ -194,11 +215,14 @@ def test_malformed_numbers_are_refused(old, new):
 def test_bodies_must_be_a_table():
     with pytest.raises(a5.Alpha5Error, match=r"some\.toml: bodies"):
         parse_hydrodynamics(
-            "some.toml", "bodies = 3\n" + TEXT[TEXT.index("[units]") : TEXT.index("[bodies")]
+            "some.toml",
+            "bodies = 3\n" + TEXT[TEXT.index("[units]") : TEXT.index("[bodies")],
         )
 
 
-@pytest.mark.parametrize("wrong", [{"gripper": "open"}, {"level": 1}, {"numbers": "printed"}])
+@pytest.mark.parametrize(
+    "wrong", [{"gripper": "open"}, {"level": 1}, {"numbers": "printed"}]
+)
 def test_unknown_names_are_told(wrong):
     with pytest.raises(a5.Alpha5Error, match="choose from"):
         hydrodynamics(**wrong)

@@ -35,7 +35,9 @@ def script() -> ModuleType:
     return module
 
 
-def found(script: ModuleType, capsys: pytest.CaptureFixture[str], *folders: Path) -> Any:
+def found(
+    script: ModuleType, capsys: pytest.CaptureFixture[str], *folders: Path
+) -> Any:
     assert script.main([*map(str, folders), "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
@@ -69,7 +71,8 @@ def test_the_centre_of_buoyancy_that_the_recordings_were_made_with_is_found(
     assert cob["standard_error"] < 0.5
     assert result["lag_s"] == pytest.approx(0.3)
     better, worse = (
-        cob[f"held_out_r2_{name}"] for name in ("corrected", "printed")[:: 1 if corrected else -1]
+        cob[f"held_out_r2_{name}"]
+        for name in ("corrected", "printed")[:: 1 if corrected else -1]
     )
     assert sum(better) > sum(worse)
     assert min(better) > 0.9999
@@ -96,9 +99,13 @@ def test_the_pool(script: ModuleType, capsys: pytest.CaptureFixture[str]) -> Non
     assert max(first["of"], key=lambda name: abs(first["of"][name])) == "link_2.ny"
     assert 0.05 < second["deviation"] < 0.12
     assert last["deviation"] > script.UNSEEN, "a common factor cannot be seen"
-    assert all(one["deviation"] > 15 * one["by_digits"] for one in result["combinations"])
+    assert all(
+        one["deviation"] > 15 * one["by_digits"] for one in result["combinations"]
+    )
     cob = result["link3_cob"]
     for point in (0.0, 1.0):
-        assert abs(cob["fits_best_at"] - point) < 2 * cob["standard_error"], "it can be told"
+        assert abs(cob["fits_best_at"] - point) < 2 * cob["standard_error"], (
+            "it can be told"
+        )
     assert script.main([*map(str, folders)]) == 0
     assert "unseen" in capsys.readouterr().out

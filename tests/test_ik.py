@@ -98,7 +98,9 @@ def test_published_branches() -> None:
         # Printed with arccos, which loses digits at the edge of reach: compare away from it.
         clear = np.abs(s.q[exists, pair, 2] - STRETCHED) > 0.01
         assert np.abs(off[clear]).max() < 1e-12
-        q = np.concatenate([printed[exists, pair], np.zeros((exists.sum(), 1))], axis=-1)
+        q = np.concatenate(
+            [printed[exists, pair], np.zeros((exists.sum(), 1))], axis=-1
+        )
         assert np.linalg.norm(tip(q) - position[exists], axis=-1)[clear].max() < 1e-12
 
 
@@ -174,7 +176,10 @@ def test_integers_and_float32_are_numbers() -> None:
     assert a5.inverse_kinematics([0, 0, 1]).exists.sum() == 0
     s = a5.inverse_kinematics(np.array([[0.25, 0.0, 0.125]], np.float32), 0)
     assert s.q.dtype == np.float64
-    assert s.exists.all(axis=None) == a5.inverse_kinematics([0.25, 0.0, 0.125]).exists.all()
+    assert (
+        s.exists.all(axis=None)
+        == a5.inverse_kinematics([0.25, 0.0, 0.125]).exists.all()
+    )
 
 
 def test_the_callers_array_stays_writable() -> None:
@@ -205,7 +210,9 @@ def test_memory_is_the_output_and_a_fixed_scratch() -> None:
         s = a5.inverse_kinematics(target)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-        output = s.q.nbytes + s.exists.nbytes + s.within_limits.nbytes + s.singular.nbytes
+        output = (
+            s.q.nbytes + s.exists.nbytes + s.within_limits.nbytes + s.singular.nbytes
+        )
         assert output == count * 137
         scratch.append(peak - output)
     assert max(scratch) < 5e6
@@ -230,7 +237,9 @@ def test_best_out_of_reach_says_how_far() -> None:
     with pytest.raises(a5.UnreachableError, match=r"row 1") as caught:
         s.best(np.zeros(4))
     error = caught.value
-    assert error.distance == pytest.approx(float(a5.distance_to_reach([0.5, 0.1, 0.1])), abs=1e-15)
+    assert error.distance == pytest.approx(
+        float(a5.distance_to_reach([0.5, 0.1, 0.1])), abs=1e-15
+    )
     assert a5.reachable(error.nearest)
     assert np.linalg.norm(np.subtract(error.nearest, error.position)) == pytest.approx(
         error.distance
@@ -305,7 +314,10 @@ def test_pinocchio_agrees_with_the_dh_chain() -> None:
     arm, chain = a5.load(), a5.dh.DHChain.alpha5()
     for q in sample(50, seed=15):
         np.testing.assert_allclose(
-            chain.forward_kinematics(q), arm.forward_kinematics(q).homogeneous, rtol=0, atol=1e-12
+            chain.forward_kinematics(q),
+            arm.forward_kinematics(q).homogeneous,
+            rtol=0,
+            atol=1e-12,
         )
         jacobian = chain.jacobian(q)
         aligned = arm.jacobian(q, reference_frame=pin.LOCAL_WORLD_ALIGNED)
@@ -317,7 +329,9 @@ def test_pinocchio_agrees_with_the_dh_chain() -> None:
             linear = (ahead[:3, 3] - behind[:3, 3]) / (2 * step)
             spin = (ahead[:3, :3] - behind[:3, :3]) @ fk(q)[:3, :3].T / (2 * step)
             angular = [spin[2, 1], spin[0, 2], spin[1, 0]]
-            np.testing.assert_allclose(jacobian[:, j], [*linear, *angular], rtol=0, atol=1e-8)
+            np.testing.assert_allclose(
+                jacobian[:, j], [*linear, *angular], rtol=0, atol=1e-8
+            )
 
 
 def test_the_folded_arm_exists_beyond_the_limits() -> None:

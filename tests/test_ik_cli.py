@@ -29,10 +29,14 @@ def test_ik_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["ik", "-0.25", "-0.1", "0.05", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert [b["name"] for b in answer["branches"]] == list(a5.BRANCHES)
-    np.testing.assert_allclose(tip(np.array(answer["best"])), [-0.25, -0.1, 0.05], atol=1e-12)
+    np.testing.assert_allclose(
+        tip(np.array(answer["best"])), [-0.25, -0.1, 0.05], atol=1e-12
+    )
     for branch in answer["branches"]:
         if branch["exists"]:
-            np.testing.assert_allclose(tip(np.array(branch["q"])), [-0.25, -0.1, 0.05], atol=1e-12)
+            np.testing.assert_allclose(
+                tip(np.array(branch["q"])), [-0.25, -0.1, 0.05], atol=1e-12
+            )
         else:
             assert branch["q"] is None
 
@@ -59,7 +63,9 @@ def test_errors_are_one_line(
     assert message in captured.err
 
 
-def test_workspace_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_workspace_prints_and_draws(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     for name, magic in (("w.png", b"\x89PNG"), ("w.svg", b"<?xml"), ("w.pdf", b"%PDF")):
         assert main(["workspace", "--plot", str(tmp_path / name)]) == 0
         assert (tmp_path / name).read_bytes().startswith(magic)
@@ -94,6 +100,10 @@ def test_importing_the_kinematics_loads_numpy_only() -> None:
         "print({'scipy', 'pinocchio', 'matplotlib', 'typer', 'rich'} & set(sys.modules))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
     )
     assert done.stdout.strip() == "set()"

@@ -28,9 +28,13 @@ def check(q: np.ndarray) -> None:
     target = np.broadcast_to(position[:, None], (*s.exists.shape, 3))[s.exists]
     assert np.linalg.norm(reached - target, axis=-1).max() < 1e-12
     inside = s.q[s.within_limits]
-    assert ((inside >= LOWER) & (inside <= UPPER)).all(), "in limits means in limits, to the bit"
+    assert ((inside >= LOWER) & (inside <= UPPER)).all(), (
+        "in limits means in limits, to the bit"
+    )
     # The originating configuration itself, up to the slide that rounding cannot tell.
-    off = np.where(s.within_limits, np.abs(s.q - q[:, None])[..., 1:].max(axis=-1), np.inf)
+    off = np.where(
+        s.within_limits, np.abs(s.q - q[:, None])[..., 1:].max(axis=-1), np.inf
+    )
     assert off.min(axis=-1).max() < 3e-7
     for i in range(0, len(q), max(1, len(q) // 50)):
         one = a5.inverse_kinematics(position[i], float(q[i, 3]))
@@ -136,7 +140,8 @@ def test_on_and_close_to_the_yaw_axis(radius: float) -> None:
     azimuth = np.linspace(-math.pi, math.pi, 73)
     for z in (0.3, 0.2, -0.27):
         position = np.stack(
-            [radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(73, z)], axis=-1
+            [radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(73, z)],
+            axis=-1,
         )
         s = a5.inverse_kinematics(position)
         assert s.exists.all()
@@ -157,7 +162,9 @@ def test_on_the_yaw_axis_theta_0_is_the_middle_and_best_keeps_the_reference() ->
     assert s.best([-9.0, 1.0, 1.0, 0.0])[0] == LOWER[0]
 
 
-@pytest.mark.parametrize("azimuth", [0.0, -0.0, math.pi, -math.pi, math.pi / 2, -math.pi / 2])
+@pytest.mark.parametrize(
+    "azimuth", [0.0, -0.0, math.pi, -math.pi, math.pi / 2, -math.pi / 2]
+)
 @pytest.mark.parametrize("off", [0.0, 1e-16, -1e-16, 1e-9, -1e-9])
 def test_at_the_cut_of_the_azimuth(azimuth: float, off: float) -> None:
     position = [0.25 * math.cos(azimuth), 0.25 * math.sin(azimuth) + off, 0.1]
@@ -171,7 +178,9 @@ def test_the_closed_wedges() -> None:
     """theta_0 turns from 1 to 352 degrees: at azimuth 0 only the underarm pose can turn there."""
     z = 0.3
     for azimuth, open_pair, shut_pair in ((0.0, 0, 1), (math.pi, 1, 0)):
-        s = a5.inverse_kinematics([0.05 * math.cos(azimuth), 0.05 * math.sin(azimuth), z])
+        s = a5.inverse_kinematics(
+            [0.05 * math.cos(azimuth), 0.05 * math.sin(azimuth), z]
+        )
         assert s.exists.all()
         assert s.within_limits[[open_pair, open_pair + 2]].any()
         assert not s.within_limits[[shut_pair, shut_pair + 2]].any()
@@ -202,10 +211,15 @@ def test_property_of_any_configuration(q: tuple[float, ...]) -> None:
 
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(
-    st.tuples(*[st.one_of(st.floats(-0.5, 0.5), st.sampled_from([0.0, -0.0, 1e-300, 0.0462]))] * 3),
+    st.tuples(
+        *[st.one_of(st.floats(-0.5, 0.5), st.sampled_from([0.0, -0.0, 1e-300, 0.0462]))]
+        * 3
+    ),
     st.floats(-20, 20),
 )
-def test_property_of_any_point(position: tuple[float, float, float], wrist: float) -> None:
+def test_property_of_any_point(
+    position: tuple[float, float, float], wrist: float
+) -> None:
     s = a5.inverse_kinematics(list(position), wrist)
     batch = a5.inverse_kinematics([position], [wrist])
     for one, many in zip(s, batch, strict=True):
@@ -216,4 +230,6 @@ def test_property_of_any_point(position: tuple[float, float, float], wrist: floa
     if s.exists.any():
         target = np.broadcast_to(position, (4, 3))[s.exists]
         assert np.linalg.norm(tip(s.q[s.exists]) - target, axis=-1).max() < 1e-9 + 1e-15
-    assert bool(a5.reachable(position)) == (float(a5.distance_to_reach(position)) == 0.0)
+    assert bool(a5.reachable(position)) == (
+        float(a5.distance_to_reach(position)) == 0.0
+    )

@@ -23,9 +23,13 @@ COUNT, EACH = 130_000, 10_000
 
 
 @pytest.fixture(params=["_compiled", "numpy_kernels"])
-def kernels(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+def kernels(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> ModuleType:
     if request.param == "_compiled" and os.environ.get("ALPHA5_REQUIRE_KERNELS") != "1":
-        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip(
+            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+        )
     chosen = import_module(f"alpha5_model.codegen.kernels.{request.param}")
     for user in (ik, kernels_package):
         monkeypatch.setattr(user, "module", lambda: chosen)
@@ -56,7 +60,9 @@ def test_the_quick_forward_kinematics_is_the_one_of_table_1() -> None:
 
 
 def test_200_000_targets(
-    kernels: ModuleType, targets: tuple[np.ndarray, np.ndarray], careful: tuple[np.ndarray, ...]
+    kernels: ModuleType,
+    targets: tuple[np.ndarray, np.ndarray],
+    careful: tuple[np.ndarray, ...],
 ) -> None:
     position, wrist = targets
     assert len(position) == 200_000
@@ -72,7 +78,9 @@ def test_200_000_targets(
         numpy_kernels.inverse_kinematics(tuple, *one)
         for one in zip(position.tolist(), wrist.tolist(), strict=True)
     ]
-    assert np.abs(s.q - np.array([answer[0] for answer in plain]))[s.exists].max() < 1e-10
+    assert (
+        np.abs(s.q - np.array([answer[0] for answer in plain]))[s.exists].max() < 1e-10
+    )
     for got, column in zip(s[1:4], (1, 2, 3), strict=True):
         assert np.array_equal(got, [answer[column] for answer in plain])
     off = np.linalg.norm(elbow_and_tip(s.q)[1] - position[:, None], axis=-1)
@@ -94,7 +102,9 @@ def test_one_target_is_a_row_of_the_batch(
 
 
 def test_reach_is_the_same_without_angles(
-    kernels: ModuleType, targets: tuple[np.ndarray, np.ndarray], careful: tuple[np.ndarray, ...]
+    kernels: ModuleType,
+    targets: tuple[np.ndarray, np.ndarray],
+    careful: tuple[np.ndarray, ...],
 ) -> None:
     position = targets[0]
     assert np.array_equal(a5.reachable(position, limits=False), careful[1].any(axis=-1))
@@ -109,13 +119,17 @@ def test_threads_do_not_disturb_one_another(
     position, wrist = targets
     parts = [slice(k, k + 5000) for k in range(0, 40_000, 5000)]
     with ThreadPoolExecutor(4) as pool:
-        answers = list(pool.map(lambda p: a5.inverse_kinematics(position[p], wrist[p]).q, parts))
+        answers = list(
+            pool.map(lambda p: a5.inverse_kinematics(position[p], wrist[p]).q, parts)
+        )
     for part, answer in zip(parts, answers, strict=True):
         again = a5.inverse_kinematics(position[part], wrist[part]).q
         assert np.array_equal(answer, again, equal_nan=True)
 
 
-def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(kernels: ModuleType) -> None:
+def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(
+    kernels: ModuleType,
+) -> None:
     position, wrist = ordinary(100, seed=5)
     wanted = a5.inverse_kinematics(position, wrist)
     position[7], position[40, 1], wrist[70] = 1e308, -1e200, 1e300
@@ -128,7 +142,9 @@ def test_numbers_too_large_for_the_kernel_leave_their_neighbours_alone(kernels: 
 
 
 def test_the_compiled_functions_refuse_what_they_cannot_hold() -> None:
-    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip(
+        "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+    )
     for given in ((), (list, [0.1] * 3, 0.0), (5, [0.1] * 3, 0.0), (tuple, [0.1] * 3)):
         with pytest.raises(TypeError, match="kind of tuple, position and wrist"):
             compiled.inverse_kinematics(*given)

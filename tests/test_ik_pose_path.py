@@ -43,11 +43,17 @@ def test_rotation_error_is_the_least_that_the_wrist_can_do() -> None:
         for branch in np.flatnonzero(s.exists[i]):
             q = np.repeat(s.q[i, branch][None], len(wrist), axis=0)
             reached = fk(q[:1])[0]
-            np.testing.assert_allclose(reached[:3, 3], pose[i, :3, 3], rtol=0, atol=1e-12)
+            np.testing.assert_allclose(
+                reached[:3, 3], pose[i, :3, 3], rtol=0, atol=1e-12
+            )
             error = s.rotation_error[i, branch]
-            assert angle_between(reached[:3, :3], pose[i, :3, :3]) == pytest.approx(error, abs=1e-9)
+            assert angle_between(reached[:3, :3], pose[i, :3, :3]) == pytest.approx(
+                error, abs=1e-9
+            )
             q[:, 3] = wrist
-            scan = angle_between(fk(q)[:, :3, :3], np.broadcast_to(pose[i, :3, :3], (4001, 3, 3)))
+            scan = angle_between(
+                fk(q)[:, :3, :3], np.broadcast_to(pose[i, :3, :3], (4001, 3, 3))
+            )
             assert error <= scan.min() + 1e-12
             assert error == pytest.approx(scan.min(), abs=1e-5)
     assert not s.exact.any()
@@ -61,7 +67,9 @@ def test_small_rotation_errors_keep_their_digits() -> None:
         across = np.cross(wrist_axis(q), [0.3, -0.5, 0.8])
         across /= np.linalg.norm(across, axis=-1, keepdims=True)
         turned = pose.copy()
-        turned[:, :3, :3] = Rotation.from_rotvec(size * across).as_matrix() @ pose[:, :3, :3]
+        turned[:, :3, :3] = (
+            Rotation.from_rotvec(size * across).as_matrix() @ pose[:, :3, :3]
+        )
         s = a5.inverse_kinematics_pose(turned)
         error = np.where(s.within_limits, s.rotation_error, np.inf).min(axis=-1)
         np.testing.assert_allclose(error, size, rtol=1e-3, atol=1e-12)
@@ -207,13 +215,17 @@ def test_path_through_the_yaw_axis_does_not_turn_theta_0() -> None:
 
 def circle(radius: float, z: float) -> tuple[np.ndarray, np.ndarray]:
     turn = np.linspace(0.0, 2 * math.pi, 401)
-    return turn, np.stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=-1)
+    return turn, np.stack(
+        [radius * np.cos(turn), radius * np.sin(turn), 0 * turn + z], axis=-1
+    )
 
 
 def test_a_full_circle_stops_at_the_wedge() -> None:
     """The underarm pose ends where theta_0 = azimuth + pi reaches its upper limit."""
     turn, target = circle(0.2, 0.2)
-    assert a5.reachable(target).all(), "every point is in reach, one after the other is not"
+    assert a5.reachable(target).all(), (
+        "every point is in reach, one after the other is not"
+    )
     with pytest.raises(DiscontinuousPathError) as caught:
         a5.inverse_kinematics_path(target)
     k = caught.value.index
@@ -265,7 +277,9 @@ def travel_of(path: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=-1).sum())
 
 
-def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None = None) -> float:
+def least_travel(
+    target: np.ndarray, max_step: float, start: np.ndarray | None = None
+) -> float:
     """By brute force: every choice of branches, theta_0 on the axis by constrained minimisation."""
     from scipy.optimize import LinearConstraint, minimize
 
@@ -284,7 +298,9 @@ def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None =
         if np.abs(others).max() > max_step or math.sqrt((others**2).sum()) > best:
             continue
 
-        def cost(yaw: np.ndarray, q: np.ndarray = q, loose: np.ndarray = loose) -> float:
+        def cost(
+            yaw: np.ndarray, q: np.ndarray = q, loose: np.ndarray = loose
+        ) -> float:
             q = q.copy()
             q[loose, 0] = yaw
             return travel_of(q)
@@ -292,7 +308,9 @@ def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None =
         # Differences of theta_0 within max_step: linear in the free values.
         difference = np.diff(np.eye(len(q)), axis=0)
         fixed = difference[:, ~loose] @ q[~loose, 0]
-        limit = LinearConstraint(difference[:, loose], -max_step - fixed, max_step - fixed)
+        limit = LinearConstraint(
+            difference[:, loose], -max_step - fixed, max_step - fixed
+        )
         index = np.arange(len(q))
         guess = np.interp(index[loose], index[~loose], q[~loose, 0])
         # Where the other joints stand still the cost has a kink, on which one start may stay.
@@ -311,7 +329,9 @@ def least_travel(target: np.ndarray, max_step: float, start: np.ndarray | None =
     return best
 
 
-def along_axis(first: float, last: float, heights: list[float], radius: float = 0.02) -> np.ndarray:
+def along_axis(
+    first: float, last: float, heights: list[float], radius: float = 0.02
+) -> np.ndarray:
     """In from one azimuth, along the axis, out to another."""
     inwards = [radius * math.cos(first), radius * math.sin(first), heights[0]]
     outwards = [radius * math.cos(last), radius * math.sin(last), heights[-1]]
@@ -330,7 +350,9 @@ def along_axis(first: float, last: float, heights: list[float], radius: float = 
         (0.3, [0.27]),
     ],
 )
-def test_theta_0_on_the_axis_has_the_least_travel(turn: float, heights: list[float]) -> None:
+def test_theta_0_on_the_axis_has_the_least_travel(
+    turn: float, heights: list[float]
+) -> None:
     for first in (0.6, 2.0, -1.2):
         target = along_axis(first, first + turn, heights)
         path = a5.inverse_kinematics_path(target)
@@ -347,7 +369,9 @@ def test_random_paths_across_the_axis_have_the_least_travel() -> None:
     compared = refused = 0
     for _ in range(40):
         heights = rng.uniform(0.2, 0.36) + rng.uniform(-0.02, 0.02, rng.integers(1, 4))
-        target = along_axis(*rng.uniform(-3, 3, 2), heights.tolist(), rng.uniform(0.01, 0.03))
+        target = along_axis(
+            *rng.uniform(-3, 3, 2), heights.tolist(), rng.uniform(0.01, 0.03)
+        )
         least = least_travel(target, 0.5)
         if least < math.inf:
             path = a5.inverse_kinematics_path(target)
@@ -400,8 +424,12 @@ def test_a_start_beyond_the_limit_of_theta_0_comes_back_first() -> None:
     target = along_axis(0.5, 1.1, [0.30, 0.31, 0.32])[1:-1]
     start = a5.inverse_kinematics(target[0]).best([0.1, 1, 1, 0])
     start[0] = LOWER[0] - 0.2
-    np.testing.assert_array_equal(a5.inverse_kinematics_path(target, start)[:, 0], LOWER[0])
-    with pytest.raises(DiscontinuousPathError, match=r"positions\[0\].*0\.2 rad.*0\.1 rad"):
+    np.testing.assert_array_equal(
+        a5.inverse_kinematics_path(target, start)[:, 0], LOWER[0]
+    )
+    with pytest.raises(
+        DiscontinuousPathError, match=r"positions\[0\].*0\.2 rad.*0\.1 rad"
+    ):
         a5.inverse_kinematics_path(target, start, max_step=0.1)
 
 
@@ -474,7 +502,9 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
             reached = fk(q)
             np.testing.assert_allclose(reached[:3, 3], pose[:3, 3], rtol=0, atol=1e-12)
             error = s.rotation_error[branch]
-            assert angle_between(reached[:3, :3], pose[:3, :3]) == pytest.approx(error, abs=1e-7)
+            assert angle_between(reached[:3, :3], pose[:3, :3]) == pytest.approx(
+                error, abs=1e-7
+            )
             assert LOWER[0] <= q[0] <= UPPER[0]
             assert LOWER[3] <= q[3] <= UPPER[3]
             grid = np.tile(q, (121, 121, 1))
@@ -499,7 +529,12 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
     [
         ([1.0, 3.0], 0.4, 0.0, [0.1, 0.3]),
         ([1.0, 3.0], 0.7, 0.0, [0.2, 0.5]),  # the larger one at its most
-        ([3.0, 1.0, 0.0], 1.2, 0.0, [0.5, 0.5, 0.2]),  # and what is left to the one that stands
+        (
+            [3.0, 1.0, 0.0],
+            1.2,
+            0.0,
+            [0.5, 0.5, 0.2],
+        ),  # and what is left to the one that stands
         ([0.0, 0.0], 0.6, 0.0, [0.3, 0.3]),
         ([1.0, 3.0], 0.4, 0.3, [0.3, 0.1]),  # the first one has to
         ([1.0, 1.0], 1.0, 0.0, [0.5, 0.5]),

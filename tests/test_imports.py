@@ -115,7 +115,9 @@ def imports(source: str, module: str) -> set[str]:
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            base = ".".join(package[: len(package) - node.level + 1]) if node.level else ""
+            base = (
+                ".".join(package[: len(package) - node.level + 1]) if node.level else ""
+            )
             start = ".".join(part for part in (base, node.module or "") if part)
             names = [f"{start}.{alias.name}" for alias in node.names]
         for name in names:
@@ -154,13 +156,17 @@ def violations(source: str, module: str) -> list[str]:
                 f"{module}: imports {name or 'the package itself'!r}, which is in no layer"
             )
         elif level >= LEVEL[own]:
-            wrong.append(f"{module}: imports {name!r}, against the direction of the layers")
+            wrong.append(
+                f"{module}: imports {name!r}, against the direction of the layers"
+            )
     return wrong
 
 
 def modules() -> dict[str, Path]:
     return {
-        ".".join(("alpha5_model", *path.relative_to(PACKAGE).with_suffix("").parts)): path
+        ".".join(
+            ("alpha5_model", *path.relative_to(PACKAGE).with_suffix("").parts)
+        ): path
         for path in sorted(PACKAGE.rglob("*.py"))
         if path.parent != PACKAGE or path.stem not in ("__init__", "__main__")
     }
@@ -181,7 +187,9 @@ def named_modules(source: str, among: set[str]) -> set[str]:
 
 def cycle(sources: dict[str, str]) -> list[str]:
     """Modules that import one another in a circle; empty if there is none."""
-    graph = {name: named_modules(text, {*sources} - {name}) for name, text in sources.items()}
+    graph = {
+        name: named_modules(text, {*sources} - {name}) for name, text in sources.items()
+    }
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -190,13 +198,18 @@ def cycle(sources: dict[str, str]) -> list[str]:
 
 
 def test_no_module_imports_what_imports_it() -> None:
-    sources = {m.removesuffix(".__init__"): p.read_text("utf-8") for m, p in modules().items()}
+    sources = {
+        m.removesuffix(".__init__"): p.read_text("utf-8") for m, p in modules().items()
+    }
     assert cycle(sources) == []
 
 
 def test_the_guard_sees_a_cycle() -> None:
     late = "def f() -> None:\n    from alpha5_model.a.x import g"
-    sources = {"alpha5_model.a.x": "from alpha5_model.a import y", "alpha5_model.a.y": late}
+    sources = {
+        "alpha5_model.a.x": "from alpha5_model.a import y",
+        "alpha5_model.a.y": late,
+    }
     assert set(cycle(sources)) == {*sources}
     for_types = "if TYPE_CHECKING:\n    import alpha5_model.a.x"
     assert cycle({**sources, "alpha5_model.a.y": for_types})
@@ -205,7 +218,9 @@ def test_the_guard_sees_a_cycle() -> None:
 
 def test_imports_run_in_one_direction() -> None:
     assert len(modules()) > 15
-    wrong = [v for m, p in modules().items() for v in violations(p.read_text("utf-8"), m)]
+    wrong = [
+        v for m, p in modules().items() for v in violations(p.read_text("utf-8"), m)
+    ]
     assert wrong == []
 
 
@@ -217,11 +232,20 @@ def test_imports_run_in_one_direction() -> None:
         ("alpha5_model.errors", "def f():\n    import alpha5_model.cli.main"),
         ("alpha5_model.dynamics.arm", "import alpha5_model as a5"),
         ("alpha5_model.dynamics.arm", "from alpha5_model.water import arm"),
-        ("alpha5_model.dynamics.batch", "def f():\n    from alpha5_model.water import arm"),
+        (
+            "alpha5_model.dynamics.batch",
+            "def f():\n    from alpha5_model.water import arm",
+        ),
         ("alpha5_model.kinematics.x", "from alpha5_model.description import bodies"),
-        ("alpha5_model.theory.dh.chain", "from alpha5_model.description import reading"),
+        (
+            "alpha5_model.theory.dh.chain",
+            "from alpha5_model.description import reading",
+        ),
         ("alpha5_model.theory.planar.arm", "from alpha5_model.theory import dh"),
-        ("alpha5_model.codegen.kernels.choice", "from alpha5_model.codegen import program"),
+        (
+            "alpha5_model.codegen.kernels.choice",
+            "from alpha5_model.codegen import program",
+        ),
         ("alpha5_model.proofs.audit.row", "from alpha5_model import viewer"),
         ("alpha5_model.novelty", "pass"),
     ],
@@ -233,13 +257,15 @@ def test_the_guard_catches(module: str, source: str) -> None:
 def test_the_guard_lets_pass() -> None:
     assert (
         violations(
-            "from .row import Row\nfrom alpha5_model import __version__", "alpha5_model.cli.x"
+            "from .row import Row\nfrom alpha5_model import __version__",
+            "alpha5_model.cli.x",
         )
         == []
     )
     assert (
         violations(
-            "from alpha5_model.numbers.inertia import combine", "alpha5_model.proofs.audit.run.x"
+            "from alpha5_model.numbers.inertia import combine",
+            "alpha5_model.proofs.audit.run.x",
         )
         == []
     )

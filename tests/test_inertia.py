@@ -25,7 +25,9 @@ class Cloud:
     def __init__(self, seed: int, count: int = 12) -> None:
         rng = np.random.default_rng(seed)
         self.m = rng.uniform(0.01, 1.0, count)
-        self.p = rng.normal(size=(count, 3)) * rng.uniform(0.01, 0.3, 3) + rng.normal(size=3)
+        self.p = rng.normal(size=(count, 3)) * rng.uniform(0.01, 0.3, 3) + rng.normal(
+            size=3
+        )
 
     mass = property(lambda self: float(self.m.sum()))
     com = property(lambda self: (self.m @ self.p) / self.m.sum())
@@ -60,9 +62,15 @@ def test_flip_products_against_solidworks_definition(seed: int) -> None:
     solidworks = np.diag(np.diag(cloud.tensor()))
     for i, j, product in ((0, 1, x * y), (0, 2, x * z), (1, 2, y * z)):
         solidworks[i, j] = solidworks[j, i] = cloud.m @ product
-    np.testing.assert_allclose(mod.flip_products(solidworks), cloud.tensor(), rtol=1e-12)
-    np.testing.assert_array_equal(mod.flip_products(mod.flip_products(solidworks)), solidworks)
-    assert np.abs(solidworks - cloud.tensor()).max() > 1e-6  # the control: the sign matters
+    np.testing.assert_allclose(
+        mod.flip_products(solidworks), cloud.tensor(), rtol=1e-12
+    )
+    np.testing.assert_array_equal(
+        mod.flip_products(mod.flip_products(solidworks)), solidworks
+    )
+    assert (
+        np.abs(solidworks - cloud.tensor()).max() > 1e-6
+    )  # the control: the sign matters
 
 
 @given(seeds)
@@ -99,7 +107,10 @@ def test_second_moments_and_pseudo_inertia(seed: int) -> None:
     pseudo = mod.pseudo_inertia(cloud.mass, cloud.com, cloud.tensor(cloud.com))
     np.testing.assert_allclose(pseudo, by_definition, rtol=0, atol=1e-12 * pseudo.max())
     np.testing.assert_allclose(
-        mod.second_moments(cloud.tensor()), by_definition[:3, :3], rtol=0, atol=1e-12 * pseudo.max()
+        mod.second_moments(cloud.tensor()),
+        by_definition[:3, :3],
+        rtol=0,
+        atol=1e-12 * pseudo.max(),
     )
     gyration = mod.radii_of_gyration(cloud.mass, cloud.tensor())
     np.testing.assert_allclose(
@@ -133,7 +144,9 @@ def test_combine_joins_and_takes_out(seed: int) -> None:
     assert mass == pytest.approx(whole.mass, rel=1e-14)
     np.testing.assert_allclose(com, whole.com, atol=1e-13)
     np.testing.assert_allclose(tensor, whole.tensor(whole.com), atol=1e-11)
-    mass, com, rest = mod.combine([mass, -b.mass], [com, b.com], [tensor, -b.tensor(b.com)])
+    mass, com, rest = mod.combine(
+        [mass, -b.mass], [com, b.com], [tensor, -b.tensor(b.com)]
+    )
     np.testing.assert_allclose(com, a.com, atol=1e-11)
     np.testing.assert_allclose(rest, a.tensor(a.com), atol=1e-10)
 
@@ -147,7 +160,9 @@ def test_batches_equal_single_calls() -> None:
         function = getattr(mod, name)
         batch = function(m, c, t)
         for index in np.ndindex(2, 3):
-            np.testing.assert_array_equal(batch[index], function(m[index], c[index], t[index]))
+            np.testing.assert_array_equal(
+                batch[index], function(m[index], c[index], t[index])
+            )
     assert mod.principal_moments(t).shape == (2, 3, 3)
     assert mod.radii_of_gyration(m, t).shape == (2, 3, 3)
 
@@ -204,7 +219,9 @@ def test_wrong_shapes_and_numbers_are_errors_of_the_package(name: str) -> None:
                     function(**call)
                     assert isinstance(bad, np.ndarray) or argument == "bounds"
                     assert bad is None or np.isfinite(bad).all()
-        if argument != "tolerance" and name != "flip_products":  # which multiply nothing
+        if (
+            argument != "tolerance" and name != "flip_products"
+        ):  # which multiply nothing
             with pytest.raises(InputError):
                 function(**(given | {argument: np.full(shape, 1e200)}))
 
@@ -253,7 +270,12 @@ def test_a_body_without_mass_has_no_radius_of_gyration() -> None:
 def test_a_real_body_is_consistent(seed: int) -> None:
     cloud = Cloud(seed)
     bounds = np.column_stack([cloud.p.min(axis=0), cloud.p.max(axis=0)])
-    assert mod.inconsistencies(cloud.mass, cloud.com, cloud.tensor(cloud.com), bounds, 1e-9) == ()
+    assert (
+        mod.inconsistencies(
+            cloud.mass, cloud.com, cloud.tensor(cloud.com), bounds, 1e-9
+        )
+        == ()
+    )
 
 
 @given(seeds, st.floats(1.02, 10.0))
@@ -272,7 +294,12 @@ CUBE = np.eye(3) / 6 * 0.1**2
 BOX = np.array([[-0.05, 0.05]] * 3)
 IMPOSSIBLE = {
     "is not positive": (-1.0, np.zeros(3), CUBE, None),
-    "is not symmetric": (1.0, np.zeros(3), CUBE + np.triu(np.full((3, 3), 1e-4), 1), None),
+    "is not symmetric": (
+        1.0,
+        np.zeros(3),
+        CUBE + np.triu(np.full((3, 3), 1e-4), 1),
+        None,
+    ),
     "smallest principal moment": (1.0, np.zeros(3), CUBE * [1, 1, -1], None),
     "COM's y = 60.0 mm is outside": (1.0, np.array([0, 0.06, 0]), CUBE, BOX),
     "spreads 50.9 mm along x, more than a body of this size can, 50.0 mm": (
@@ -293,7 +320,9 @@ def test_impossible_bodies_are_named(words: str) -> None:
 
 
 def test_a_flat_disc_is_the_limit_of_the_triangle_inequality() -> None:
-    found = mod.inconsistencies(1.0, np.zeros(3), np.diag([1.0, 1.0, 2.0]), tolerance=0.0)
+    found = mod.inconsistencies(
+        1.0, np.zeros(3), np.diag([1.0, 1.0, 2.0]), tolerance=0.0
+    )
     assert found == ("the pseudo-inertia is not positive definite",)
 
 
@@ -319,12 +348,14 @@ def test_size_finds_what_the_triangle_inequality_cannot() -> None:
     at_origin = mod.tensor_at_origin(link.mass, link.com, link.inertia)
     assert mod.inconsistencies(link.mass, link.com, at_origin) == ()
     assert any(
-        "spreads" in s for s in mod.inconsistencies(link.mass, link.com, at_origin, link.bounds)
+        "spreads" in s
+        for s in mod.inconsistencies(link.mass, link.com, at_origin, link.bounds)
     )
     wrong = link.com + np.array([0, 0, 0.0982])
     assert mod.inconsistencies(link.mass, wrong, link.inertia) == ()
     assert any(
-        "outside" in s for s in mod.inconsistencies(link.mass, wrong, link.inertia, link.bounds)
+        "outside" in s
+        for s in mod.inconsistencies(link.mass, wrong, link.inertia, link.bounds)
     )
 
 
@@ -347,13 +378,19 @@ def test_public_robots() -> None:
     for name in ("panda", "ur5", "anymal_c", "hyq"):
         bodies = check.bodies(name)
         assert len(bodies) >= 6, name
-        for body in bodies:  # our verdict against Pinocchio-free arithmetic on the eigenvalues
-            a, b, c = np.sort(np.linalg.eigvals((body.inertia + body.inertia.T) / 2).real)
+        for (
+            body
+        ) in bodies:  # our verdict against Pinocchio-free arithmetic on the eigenvalues
+            a, b, c = np.sort(
+                np.linalg.eigvals((body.inertia + body.inertia.T) / 2).real
+            )
             possible = body.mass > 0 and a > 1e-12 * c and c <= (a + b) * (1 + 1e-9)
             assert (body.problems == ()) == bool(possible), (name, body)
 
 
-def test_the_robots_with_impossible_links_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_robots_with_impossible_links_are_listed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     pytest.importorskip("example_robot_data")
     check = script()
     assert check.main(["hyq", "ur5"]) == 0
@@ -362,4 +399,7 @@ def test_the_robots_with_impossible_links_are_listed(capsys: pytest.CaptureFixtu
     wrong = [b for b in check.bodies("hyq") if b.problems]
     assert wrong
     assert all(b.link in printed for b in wrong)
-    assert f"2 robots, {links} links with inertia: {len(wrong)} links of 1 robots" in printed
+    assert (
+        f"2 robots, {links} links with inertia: {len(wrong)} links of 1 robots"
+        in printed
+    )

@@ -43,7 +43,14 @@ except KeyboardInterrupt:
 
 #: What computes: gripper, base, method, states (seconds of work), water, kernels.
 CASES = {
-    "compiled": ("locked", "fixed", "forward_dynamics_batch", "60000000", "still", "compiled"),
+    "compiled": (
+        "locked",
+        "fixed",
+        "forward_dynamics_batch",
+        "60000000",
+        "still",
+        "compiled",
+    ),
     "compiled, current": (
         "locked",
         "fixed",
@@ -52,11 +59,46 @@ CASES = {
         "moving",
         "compiled",
     ),
-    "NumPy": ("locked", "fixed", "forward_dynamics_batch", "20000000", "still", "numpy"),
-    "Pinocchio": ("locked", "floating", "inverse_dynamics_batch", "1000000", "still", "numpy"),
-    "Pinocchio, ABA": ("locked", "floating", "forward_dynamics_batch", "1000000", "still", "numpy"),
-    "Pinocchio, mount": ("locked", "floating", "base_wrench_batch", "1000000", "still", "numpy"),
-    "Pinocchio, solved": ("jaws", "fixed", "forward_dynamics_batch", "1000000", "still", "numpy"),
+    "NumPy": (
+        "locked",
+        "fixed",
+        "forward_dynamics_batch",
+        "20000000",
+        "still",
+        "numpy",
+    ),
+    "Pinocchio": (
+        "locked",
+        "floating",
+        "inverse_dynamics_batch",
+        "1000000",
+        "still",
+        "numpy",
+    ),
+    "Pinocchio, ABA": (
+        "locked",
+        "floating",
+        "forward_dynamics_batch",
+        "1000000",
+        "still",
+        "numpy",
+    ),
+    "Pinocchio, mount": (
+        "locked",
+        "floating",
+        "base_wrench_batch",
+        "1000000",
+        "still",
+        "numpy",
+    ),
+    "Pinocchio, solved": (
+        "jaws",
+        "fixed",
+        "forward_dynamics_batch",
+        "1000000",
+        "still",
+        "numpy",
+    ),
 }
 
 
@@ -64,7 +106,9 @@ def delay(*arguments: str, kernels: str) -> float:
     """Seconds from the signal to its answer; infinite after a batch that was computed to its end."""
     environment = {**os.environ, "ALPHA5_KERNELS": kernels}
     command = [sys.executable, "-c", CHILD, *arguments]
-    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, text=True
+    ) as child:
         assert child.stdout is not None
         assert child.stdout.readline() == "ready\n"
         time.sleep(0.7)
@@ -79,7 +123,9 @@ def delay(*arguments: str, kernels: str) -> float:
 def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     *arguments, kernels = CASES[case]
     if kernels == "compiled":
-        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip(
+            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+        )
     quickest = float("inf")
     for _ in range(ATTEMPTS):
         quickest = min(quickest, delay(*arguments, kernels=kernels))
@@ -88,12 +134,18 @@ def test_a_batch_ends_upon_ctrl_c(case: str) -> None:
     assert quickest < LIMIT
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no such timer on this system")
+@pytest.mark.skipif(
+    not hasattr(signal, "setitimer"), reason="no such timer on this system"
+)
 def test_signals_are_answered_within_a_batch_and_change_nothing() -> None:
-    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip(
+        "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+    )
     rng = np.random.default_rng(5)
     parameters = a5.load()._kernel_parameters
-    q, v, tau = rng.normal(scale=1e6, size=(3, 150_000, 4))  # slow: sines of large angles
+    q, v, tau = rng.normal(
+        scale=1e6, size=(3, 150_000, 4)
+    )  # slow: sines of large angles
     wanted, out = np.empty((2, *q.shape))
     for start in range(0, len(q), 1000):
         part = slice(start, start + 1000)

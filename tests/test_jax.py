@@ -93,7 +93,9 @@ def test_an_arm_goes_through_transformations() -> None:
         ours = load(fluid_density=density)
         assert largest(holding(ours, q), a5.load(density).hydrostatic_torque(q)) < 1e-12
     assert holding._cache_size() == 1
-    stacked = jax.tree.map(lambda *x: jnp.stack(x), *(load(fluid_density=d) for d in (0.0, 1e3)))
+    stacked = jax.tree.map(
+        lambda *x: jnp.stack(x), *(load(fluid_density=d) for d in (0.0, 1e3))
+    )
     both = jax.vmap(JaxArm.hydrostatic_torque, (0, None))(stacked, q)
     assert largest(both[1], a5.load(1e3).hydrostatic_torque(q)) < 1e-12
 
@@ -122,8 +124,13 @@ def test_single_precision_is_jaxs_default() -> None:
 
 
 def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
-    gap = np.random.default_rng(1).choice([0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 40)
-    targets = [ordinary(400, 1), *(at_edge(edge, 40, i, gap) for i, edge in enumerate(EDGES))]
+    gap = np.random.default_rng(1).choice(
+        [0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 40
+    )
+    targets = [
+        ordinary(400, 1),
+        *(at_edge(edge, 40, i, gap) for i, edge in enumerate(EDGES)),
+    ]
     position, wrist = (np.concatenate(parts) for parts in zip(*targets, strict=True))
 
     def shoulder(p: jax.Array, w: jax.Array) -> tuple[jax.Array, Solutions]:
@@ -144,7 +151,9 @@ def test_inverse_kinematics_with_its_flags_and_gradient() -> None:
     assert not expected.exists[:400][reached, 1].all()
     for i in np.flatnonzero(reached)[:100]:
         linear = arm.jacobian(expected.q[i, 0])[:3, :3]
-        np.testing.assert_allclose(slope[i], np.linalg.inv(linear)[1], rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(
+            slope[i], np.linalg.inv(linear)[1], rtol=1e-6, atol=1e-6
+        )
 
 
 @pytest.mark.parametrize("single", [False, True])

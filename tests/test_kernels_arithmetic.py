@@ -34,9 +34,30 @@ def pairs() -> np.ndarray:
     wide = signs((20_000, 2)) * 10.0 ** rng.uniform(-12.0, 5.0, (20_000, 2))
     turns = np.rint(rng.uniform(-60_000, 60_000, (10_000, 2))) * (math.pi / 2)
     turns = np.nextafter(turns, rng.choice([-np.inf, np.inf], turns.shape))
-    all_magnitudes = signs((40_000, 2)) * 10.0 ** rng.uniform(-300.0, 300.0, (40_000, 2))
-    numbers = [0.0, 5e-324, 2.2e-308, 1e-300, 0.41421356237309503, 0.5, math.pi / 4, 1.0, math.pi]
-    numbers += [1.5, 1e5, math.nextafter(1e5, 1e6), 2.0**52, 1e300, 1.7e308, math.inf, math.nan]
+    all_magnitudes = signs((40_000, 2)) * 10.0 ** rng.uniform(
+        -300.0, 300.0, (40_000, 2)
+    )
+    numbers = [
+        0.0,
+        5e-324,
+        2.2e-308,
+        1e-300,
+        0.41421356237309503,
+        0.5,
+        math.pi / 4,
+        1.0,
+        math.pi,
+    ]
+    numbers += [
+        1.5,
+        1e5,
+        math.nextafter(1e5, 1e6),
+        2.0**52,
+        1e300,
+        1.7e308,
+        math.inf,
+        math.nan,
+    ]
     special = np.array([sign * x for x in numbers for sign in (1.0, -1.0)])
     beside = np.stack(np.meshgrid(special, special), axis=-1).reshape(-1, 2)
     both = np.concatenate([ordinary, wide, turns, all_magnitudes, beside])
@@ -54,9 +75,18 @@ def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
     x, y = pair[0], pair[1]
     given = {"atan2": (y, x), "fmin": (x, y), "fmax": (x, y), "sqrt": (casadi.fabs(x),)}
     outputs = [getattr(casadi, name)(*given.get(name, (x,))) for name in NAMES]
-    function = casadi.Function("elementary", [pair], [casadi.vertcat(*outputs)], ["x"], ["y"])
+    function = casadi.Function(
+        "elementary", [pair], [casadi.vertcat(*outputs)], ["x"], ["y"]
+    )
     (folder / "elementary.h").write_text(kernels([program(function)])["bodies.h"])
-    flags = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Werror"]
+    flags = [
+        "-O3",
+        "-ffp-contract=off",
+        "-fno-math-errno",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+    ]
     sizes = {"INPUTS": 2, "OUTPUTS": len(NAMES), "COUNT": len(PAIRS)}
     subprocess.run(
         [
@@ -65,7 +95,12 @@ def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
             *("-fsanitize=undefined", "-fno-sanitize-recover"),
             *(f"-D{name}={size}" for name, size in sizes.items()),
             *(f"-I{folder}", f"-I{ROOT / 'alpha5_model' / 'codegen' / 'kernels'}"),
-            *(str(ROOT / "tests" / "elementary.c"), "-lm", "-o", str(folder / "elementary")),
+            *(
+                str(ROOT / "tests" / "elementary.c"),
+                "-lm",
+                "-o",
+                str(folder / "elementary"),
+            ),
         ],
         check=True,
     )

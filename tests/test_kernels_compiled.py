@@ -30,7 +30,9 @@ from alpha5_model.codegen.sources import PARAMETERS, UPRIGHT
 if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
     compiled = importlib.import_module("alpha5_model.codegen.kernels._compiled")
 else:
-    compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+    compiled = pytest.importorskip(
+        "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+    )
 PROGRAMS = {name: program(function) for name, function in functions().items()}
 ROOT = Path(__file__).resolve().parent.parent
 ROWS = 103  # three panels and a rest
@@ -50,7 +52,11 @@ def case(of: Program, rows: int = ROWS, scale: float = 3.0) -> tuple:
     sizes = {slot.name: slot.size for slot in of.inputs}
     parameters = rng.uniform(0.1, 1.0, sizes.pop(PARAMETERS, 0))
     inputs = [rng.uniform(-scale, scale, (rows, size)) for size in sizes.values()]
-    return parameters, inputs, [np.full((rows, *slot.shape), np.nan) for slot in of.outputs]
+    return (
+        parameters,
+        inputs,
+        [np.full((rows, *slot.shape), np.nan) for slot in of.outputs],
+    )
 
 
 def by_batch(name: str, parameters: np.ndarray, inputs: list, outputs: list) -> list:
@@ -74,9 +80,15 @@ def test_every_width_gives_the_same_bits_as_single_calls(name, scale, any_width)
     for width in WIDTHS:
         any_width(width)
         for got, want in zip(by_bind(name, parameters, inputs), single, strict=True):
-            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
-        for got, want in zip(by_batch(name, parameters, inputs, outputs), single, strict=True):
-            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), (
+                compiled.width(0)
+            )
+        for got, want in zip(
+            by_batch(name, parameters, inputs, outputs), single, strict=True
+        ):
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), (
+                compiled.width(0)
+            )
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -90,7 +102,9 @@ def test_a_few_rare_rows_do_not_change_the_others(name, any_width):
     for got, want in zip(once, plain, strict=True):
         assert np.array_equal(got[others], want[others], equal_nan=True)
     any_width(1)
-    for got, want in zip(by_batch(name, parameters, inputs, outputs), once, strict=True):
+    for got, want in zip(
+        by_batch(name, parameters, inputs, outputs), once, strict=True
+    ):
         assert np.array_equal(got[rare], want[rare], equal_nan=True)
 
 
@@ -107,8 +121,12 @@ def test_an_arm_that_stands_upright_has_bodies_of_its_own(name, gravity, any_wid
         assert (np.abs(got - want) <= 1e-9 * scale).all()
     for width in WIDTHS:
         any_width(width)
-        for got, want in zip(by_batch(name, parameters, inputs, outputs), single, strict=True):
-            assert np.array_equal(got.view(np.int64), want.view(np.int64)), compiled.width(0)
+        for got, want in zip(
+            by_batch(name, parameters, inputs, outputs), single, strict=True
+        ):
+            assert np.array_equal(got.view(np.int64), want.view(np.int64)), (
+                compiled.width(0)
+            )
 
 
 def test_a_width_that_was_chosen_is_in_use(any_width):
@@ -120,10 +138,13 @@ CPUINFO = Path("/proc/cpuinfo")
 
 
 @pytest.mark.skipif(
-    not CPUINFO.exists() or platform.machine() != "x86_64", reason="asks Linux on x86-64"
+    not CPUINFO.exists() or platform.machine() != "x86_64",
+    reason="asks Linux on x86-64",
 )
 def test_the_widest_that_this_processor_has_is_chosen(any_width):
-    flags = set(re.search(r"^flags\s*: (.*)$", CPUINFO.read_text(), re.MULTILINE)[1].split())
+    flags = set(
+        re.search(r"^flags\s*: (.*)$", CPUINFO.read_text(), re.MULTILINE)[1].split()
+    )
     has = [1, 2]
     if "avx2" in flags:
         has.append(4)
@@ -256,7 +277,12 @@ def test_a_batch_of_unfit_arrays_is_refused():
     assert not taken(q, v, a, tau, tau)
     with pytest.raises(ValueError, match="parameters"):
         compiled.bind("inverse_dynamics")
-    for parameter in (parameters[:-1], parameters.tolist(), parameters.astype(np.float32), None):
+    for parameter in (
+        parameters[:-1],
+        parameters.tolist(),
+        parameters.astype(np.float32),
+        None,
+    ):
         with pytest.raises(ValueError, match="parameters"):
             compiled.bind("inverse_dynamics", parameter)
         with pytest.raises(ValueError, match="parameters"):
@@ -271,7 +297,9 @@ def test_a_batch_of_unfit_arrays_is_refused():
             compiled.bind(*arguments)
 
 
-@pytest.mark.parametrize("name", [name for name, of in PROGRAMS.items() if len(of.inputs) > 2])
+@pytest.mark.parametrize(
+    "name", [name for name, of in PROGRAMS.items() if len(of.inputs) > 2]
+)
 def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
     parameters, inputs, outputs = case(PROGRAMS[name])
     for place in range(len(inputs)):
@@ -290,7 +318,9 @@ def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
         assert numpy_kernels.batch(name, parameters, *repeated, *by_numpy)
         assert all(
             np.allclose(x, y, 1e-9, 1e-9)
-            for x, y in zip(by_numpy, by_batch(name, parameters, given, outputs), strict=True)
+            for x, y in zip(
+                by_numpy, by_batch(name, parameters, given, outputs), strict=True
+            )
         )
         for wrong in (np.nan, 2 * LARGEST):
             row = inputs[place][3].copy()
@@ -301,7 +331,9 @@ def test_one_row_for_all_is_that_row_again_and_again(name, any_width):
 
 
 #: Both modules refuse the same batches.
-BOTH = pytest.mark.parametrize("kernels", [compiled, numpy_kernels], ids=["compiled", "numpy"])
+BOTH = pytest.mark.parametrize(
+    "kernels", [compiled, numpy_kernels], ids=["compiled", "numpy"]
+)
 
 
 @BOTH
@@ -432,7 +464,10 @@ def test_threads_compute_the_same():
             (got,) = by_batch("inverse_dynamics", parameters, inputs, outputs)
             rows = zip(*(x[number::100] for x in inputs), strict=True)
             single = np.array([function(*row) for row in rows])
-            if not (np.array_equal(got, expected) and np.array_equal(single, got[number::100])):
+            if not (
+                np.array_equal(got, expected)
+                and np.array_equal(single, got[number::100])
+            ):
                 wrong.append(number)
 
     threads = [threading.Thread(target=compute, args=(i,)) for i in range(4)]
@@ -458,7 +493,9 @@ def test_processes_compute_the_same(method):
 
 
 def test_the_module_was_compiled_of_these_sources():
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    spec = importlib.util.spec_from_file_location(
+        "hatch_build", ROOT / "hatch_build.py"
+    )
     build = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(build)
     assert build.digest() == compiled.SOURCES, "compile again: python hatch_build.py"
@@ -536,7 +573,16 @@ def test_references_are_given_back():
 
     every()
     gc.collect()
-    counted = (q, parameters, weigh, given, named, function, type(function), weigh.__self__)
+    counted = (
+        q,
+        parameters,
+        weigh,
+        given,
+        named,
+        function,
+        type(function),
+        weigh.__self__,
+    )
     before = [*map(sys.getrefcount, counted)]
     for _ in range(100):
         every()

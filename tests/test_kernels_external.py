@@ -12,7 +12,9 @@ from alpha5_model.codegen.functions import functions
 from alpha5_model.codegen.program import Program, program
 from alpha5_model.codegen.sources import PARAMETERS
 
-compiled = pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+compiled = pytest.importorskip(
+    "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+)
 PROGRAMS = {name: program(function) for name, function in functions().items()}
 each_function = pytest.mark.parametrize("name", PROGRAMS)
 
@@ -34,7 +36,8 @@ def called(library: ctypes.CDLL, name: str, given: list, wanted: list[bool]) -> 
     pointer = ctypes.POINTER(ctypes.c_double)
     results = [np.full(slot.size, -7.0) for slot in of.outputs]
     into = [
-        x.ctypes.data_as(pointer) if want else None for x, want in zip(results, wanted, strict=True)
+        x.ctypes.data_as(pointer) if want else None
+        for x, want in zip(results, wanted, strict=True)
     ]
     come = [None if x is None else x.ctypes.data_as(pointer) for x in given]
     function = getattr(library, f"alpha5_{name}")

@@ -74,14 +74,18 @@ UNFIT_WRISTS = {
 
 
 @pytest.mark.parametrize("unfit", UNFIT_POSITIONS)
-def test_what_is_not_plainly_a_position_gets_none(kernels: ModuleType, unfit: str) -> None:
+def test_what_is_not_plainly_a_position_gets_none(
+    kernels: ModuleType, unfit: str
+) -> None:
     if "numpy" in kernels.__name__ and unfit in ANY_ARRAY:
         pytest.skip("NumPy reads the numbers of any array")
     assert kernels.inverse_kinematics(ik.Solutions, UNFIT_POSITIONS[unfit], 0.5) is None
 
 
 @pytest.mark.parametrize("unfit", UNFIT_WRISTS)
-def test_what_is_not_plainly_an_angle_gets_none(kernels: ModuleType, unfit: str) -> None:
+def test_what_is_not_plainly_an_angle_gets_none(
+    kernels: ModuleType, unfit: str
+) -> None:
     assert kernels.inverse_kinematics(ik.Solutions, TARGET, UNFIT_WRISTS[unfit]) is None
 
 

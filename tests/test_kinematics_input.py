@@ -26,7 +26,12 @@ PLANE = {"radius": np.array([0.2]), "z": np.array([0.1])}
 SIDE: dict[str, Any] = {"side": "both"}
 REACH: dict[str, Any] = {"positions": P, "limits": True}
 AXES = {"points": [[0.0, 0, 0], [1, 0, 0]], "directions": [[0.0, 0, 1], [0, 0, 1]]}
-LINES = {"point_1": P, "direction_1": [0.0, 0, 1], "point_2": 2 * P, "direction_2": [1.0, 0, 0]}
+LINES = {
+    "point_1": P,
+    "direction_1": [0.0, 0, 1],
+    "point_2": 2 * P,
+    "direction_2": [1.0, 0, 0],
+}
 FOUR_BAR = {"l_1": 5.0, "l_2": 4.0, "l_3": 1.0, "l_4": 3.0}
 
 #: Function, and arguments that it takes; each in turn is replaced.
@@ -73,7 +78,15 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (dh_transform, {"theta": 0.0, "d": 0.0, "a": 0.0, "alpha": 0.0}),
     (
         a5.dh.DHLink,
-        {"theta": 0.0, "d": 0.0, "a": 1.0, "alpha": 0.0, "sigma": 0, "lower": -1.0, "upper": 1.0},
+        {
+            "theta": 0.0,
+            "d": 0.0,
+            "a": 1.0,
+            "alpha": 0.0,
+            "sigma": 0,
+            "lower": -1.0,
+            "upper": 1.0,
+        },
     ),
     (a5.dh.DHLink.from_vector, {"vector": [0, 0, 1, 0, 0]}),
     (LINK.transform, {"q": 0.3}),
@@ -81,10 +94,16 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         a5.dh.DHChain.from_axes,
         {**AXES, "sigma": None, "end_effector": None, "q": None, "limits": None},
     ),
-    (a5.dh.DHChain.from_axes, {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()}),
+    (
+        a5.dh.DHChain.from_axes,
+        {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()},
+    ),
     (link.common_normal, LINES),
     (arm_types.classify, {"chain": CHAIN, "vertical": (0.0, 0, 1)}),
-    (arm_types.task_capability, {"chain": CHAIN, "tool_axis": None, "samples": 2, "seed": 0}),
+    (
+        arm_types.task_capability,
+        {"chain": CHAIN, "tool_axis": None, "samples": 2, "seed": 0},
+    ),
     (
         arm_types.sample_configurations,
         {"chain": CHAIN, "count": 2, "rng": np.random.default_rng(0)},
@@ -94,10 +113,20 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (arm_types.orientation_freedom, {"chain": CHAIN, "q": Q}),
     (
         arm_types.spatial_dexterity,
-        {"chain": CHAIN, "positions": P, "orientations": 2, "starts": 1, "steps": 2, "seed": 0},
+        {
+            "chain": CHAIN,
+            "positions": P,
+            "orientations": 2,
+            "starts": 1,
+            "steps": 2,
+            "seed": 0,
+        },
     ),
     (arm_types.even_rotations, {"number": 3}),
-    (planar.PlanarArm, {"lengths": (5.0, 4.0), "limits": None, "joints": "RR", "angles": None}),
+    (
+        planar.PlanarArm,
+        {"lengths": (5.0, 4.0), "limits": None, "joints": "RR", "angles": None},
+    ),
     (ARM.part, {"start": 0, "stop": 1}),
     (ARM.poses, {"q": [0.0, 0, 0]}),
     (ARM.forward_kinematics, {"q": [0.0, 0, 0]}),
@@ -105,8 +134,14 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (planar.workspace, {"arm": ARM}),
     (planar.annulus, {"length_ranges": [(1.0, 2.0)]}),
     (ARM.workspace().contains, {"points": [0.0, 1.0]}),
-    (planar.dexterity, {"arm": ARM, "points": [0.0, 1.0], "orientations": 4, "samples": 3}),
-    (planar.dexterity_map, {"arm": ARM, "resolution": 3, "orientations": 4, "samples": 3}),
+    (
+        planar.dexterity,
+        {"arm": ARM, "points": [0.0, 1.0], "orientations": 4, "samples": 3},
+    ),
+    (
+        planar.dexterity_map,
+        {"arm": ARM, "resolution": 3, "orientations": 4, "samples": 3},
+    ),
     (planar.dexterous_area, {"arm": ARM}),
     (planar.dexterous_radii, {"arm": ARM}),
     (planar.necessary_conditions, {"arm": ARM}),
@@ -116,10 +151,49 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (planar.theorem_radii, {"l_1": 5.0, "l_2": 4.0, "l_3": 1.0}),
 ]
 BAD: list[Any] = [
-    *(None, True, np.True_, 1, 0, -1, 1.0, -5.5, 10**400, 1e308, np.inf, np.nan, 1j, object()),
-    *("abc", "", b"x", [], [1], (1, 2), {1: 2}, set(), [[1, 2], [3]], range(3), [True] * 4),
-    *(np.array(3.0), np.array([1.0, 2.0]), np.eye(4), np.zeros((0, 3)), np.zeros((2, 2, 2))),
-    *(np.array(["a"]), np.array([None]), [[1e300] * 3], [1e308] * 4, np.full(3, np.nan)),
+    *(
+        None,
+        True,
+        np.True_,
+        1,
+        0,
+        -1,
+        1.0,
+        -5.5,
+        10**400,
+        1e308,
+        np.inf,
+        np.nan,
+        1j,
+        object(),
+    ),
+    *(
+        "abc",
+        "",
+        b"x",
+        [],
+        [1],
+        (1, 2),
+        {1: 2},
+        set(),
+        [[1, 2], [3]],
+        range(3),
+        [True] * 4,
+    ),
+    *(
+        np.array(3.0),
+        np.array([1.0, 2.0]),
+        np.eye(4),
+        np.zeros((0, 3)),
+        np.zeros((2, 2, 2)),
+    ),
+    *(
+        np.array(["a"]),
+        np.array([None]),
+        [[1e300] * 3],
+        [1e308] * 4,
+        np.full(3, np.nan),
+    ),
 ]
 
 
@@ -135,11 +209,15 @@ def test_an_answer_or_an_error_of_the_package(
                 function(**{**arguments, name: bad})
             except Alpha5Error as error:
                 refused.append(error)
-        assert all("\n" not in str(e) and isinstance(e, ValueError | OSError) for e in refused)
+        assert all(
+            "\n" not in str(e) and isinstance(e, ValueError | OSError) for e in refused
+        )
         assert len(refused) > len(BAD) // 3, f"{name} takes anything"
 
 
-@pytest.mark.parametrize("bad", [1, 0, "no", None, [True], np.array([True, False]), np.eye(3)])
+@pytest.mark.parametrize(
+    "bad", [1, 0, "no", None, [True], np.array([True, False]), np.eye(3)]
+)
 def test_limits_are_true_or_false(bad: Any) -> None:
     for function, first in (
         (a5.reachable, [P]),
@@ -155,7 +233,9 @@ def test_limits_are_true_or_false(bad: Any) -> None:
         assert repr(function(*first, np.False_)) == repr(function(*first, False))
 
 
-@pytest.mark.parametrize("frame", [-1, 5, True, 1.0, None, "tcp", np.array([1, 2]), [0]])
+@pytest.mark.parametrize(
+    "frame", [-1, 5, True, 1.0, None, "tcp", np.array([1, 2]), [0]]
+)
 def test_frames_of_a_chain(frame: Any) -> None:
     with pytest.raises(UnknownNameError, match="choose from 0, 1, 2, 3, 4, tool"):
         CHAIN.forward_kinematics(Q, frame)
@@ -163,7 +243,9 @@ def test_frames_of_a_chain(frame: Any) -> None:
 
 @pytest.mark.parametrize("frame", [0, 4, np.int64(2)])
 def test_frames_that_exist(frame: Any) -> None:
-    assert np.array_equal(CHAIN.forward_kinematics(Q, frame), CHAIN.frames(Q)[int(frame)])
+    assert np.array_equal(
+        CHAIN.forward_kinematics(Q, frame), CHAIN.frames(Q)[int(frame)]
+    )
 
 
 def test_sides_are_checked_before_they_are_looked_up() -> None:
@@ -181,7 +263,9 @@ def test_half_planes_take_shapes_that_broadcast() -> None:
         assert table.shape == (4, 5)
         for i, j in np.ndindex(4, 5):
             assert table[i, j] == function(radius[j], z[i, 0])
-        with pytest.raises(InputError, match=r"radius, z: expected .*shapes that broadcast"):
+        with pytest.raises(
+            InputError, match=r"radius, z: expected .*shapes that broadcast"
+        ):
             function(radius, z[:, 0])
 
 

@@ -15,7 +15,11 @@ from alpha5_model.description.urdf import expand_xacro
 from alpha5_model.errors import FileFormatError
 
 XACRO = Path(XACRO_PATH).parent
-PLAIN = [sys.executable, "-c", "import sys; sys.path.pop(0); import xacro; xacro.main()"]
+PLAIN = [
+    sys.executable,
+    "-c",
+    "import sys; sys.path.pop(0); import xacro; xacro.main()",
+]
 ROBOT = """\
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="vehicle">
   <xacro:include filename="{folder}/alpha5_macro.xacro"/>
@@ -42,7 +46,11 @@ def test_the_example_changes_what_it_names_and_nothing_else() -> None:
     arguments = ["alpha5.urdf.xacro", "gripper:=jaws", "ros2_control:=true"]
     plain, own = (
         subprocess.run(
-            [*PLAIN, *arguments, *more], check=True, capture_output=True, text=True, cwd=XACRO
+            [*PLAIN, *arguments, *more],
+            check=True,
+            capture_output=True,
+            text=True,
+            cwd=XACRO,
         ).stdout
         for more in ([], ["limits_file:=limits_example.yaml"])
     )
@@ -66,13 +74,22 @@ def test_the_example_changes_what_it_names_and_nothing_else() -> None:
     }
     for name, (low, high, slow, fast) in ranges.items():
         j = expected[name]
-        assert (low, high, slow, fast) == (j["lower"], j["upper"], -j["velocity"], j["velocity"])
+        assert (low, high, slow, fast) == (
+            j["lower"],
+            j["upper"],
+            -j["velocity"],
+            j["velocity"],
+        )
     assert len(ranges) == 5
     # What is no limit is untouched.
     for text in (plain, own):
         assert len(text.splitlines()) == len(plain.splitlines())
-    different = sum(a != b for a, b in zip(plain.splitlines(), own.splitlines(), strict=True))
-    assert different == 5 + 5  # five limits; ends of two interfaces' ranges and of one's speeds
+    different = sum(
+        a != b for a, b in zip(plain.splitlines(), own.splitlines(), strict=True)
+    )
+    assert (
+        different == 5 + 5
+    )  # five limits; ends of two interfaces' ranges and of one's speeds
 
 
 def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> None:
@@ -82,17 +99,26 @@ def test_a_robots_own_xacro_and_a_start_within_the_limits(tmp_path: Path) -> Non
     )
     (tmp_path / "robot.xacro").write_text(ROBOT.format(folder=XACRO))
     done = subprocess.run(
-        [*PLAIN, str(tmp_path / "robot.xacro")], check=True, capture_output=True, text=True
+        [*PLAIN, str(tmp_path / "robot.xacro")],
+        check=True,
+        capture_output=True,
+        text=True,
     )
     limits = joints(done.stdout, "left_")
     assert limits["axis_c"]["upper"] == 2.0
     assert limits["axis_c"]["effort"] == 3.0
     assert limits["finger_1_joint"]["lower"] == pytest.approx(51 * (0.002 - 0.0013))
     assert limits["finger_2_joint"]["velocity"] == pytest.approx(0.051)
-    options = {"limits_file": str(tmp_path / "own.yaml"), "ros2_control": "true", "gripper": "jaws"}
+    options = {
+        "limits_file": str(tmp_path / "own.yaml"),
+        "ros2_control": "true",
+        "gripper": "jaws",
+    }
     control = ET.fromstring(expand_xacro(XACRO_PATH, options)).find("ros2_control")
     starts = {
-        joint.get("name"): float(joint.find("state_interface[@name='position']/param").text)
+        joint.get("name"): float(
+            joint.find("state_interface[@name='position']/param").text
+        )
         for joint in control.findall("joint")
     }
     assert starts["axis_c"] == 2.0  # home is at 2.356

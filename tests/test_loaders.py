@@ -24,7 +24,9 @@ from alpha5_model.errors import MissingDependencyError
 from alpha5_model.loaders import alpha5_description, alpha5_mj_description
 from alpha5_model.loaders.files import loader_class, robot_files
 
-SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "add_to_example_robot_data.py"
+SCRIPT = (
+    Path(__file__).resolve().parents[1] / "scripts" / "add_to_example_robot_data.py"
+)
 #: What that collection's tests of loading look like.
 LOADING = """\
 import unittest
@@ -68,7 +70,10 @@ def test_paths_lead_somewhere():
         path = Path(getattr(alpha5_description, name))
         assert path.is_file()
         assert Path(alpha5_description.REPOSITORY_PATH) in path.parents
-    assert Path(alpha5_description.PACKAGE_PATH) == Path(alpha5_description.URDF_PATH).parent
+    assert (
+        Path(alpha5_description.PACKAGE_PATH)
+        == Path(alpha5_description.URDF_PATH).parent
+    )
     assert alpha5_description.URDF_PATH == a5.URDF_PATH
 
 
@@ -91,13 +96,18 @@ def test_metadata_is_true():
     assert metadata["dof"] == pin.buildModelFromUrdf(a5.URDF_PATH).nv
 
 
-MODULES = {"alpha5_description": alpha5_description, "alpha5_mj_description": alpha5_mj_description}
+MODULES = {
+    "alpha5_description": alpha5_description,
+    "alpha5_mj_description": alpha5_mj_description,
+}
 
 
 @pytest.fixture
 def loader(monkeypatch):
     """robot_descriptions' loader of a tool, with our modules among its own."""
-    pytest.importorskip("robot_descriptions", reason="robot_descriptions is not installed")
+    pytest.importorskip(
+        "robot_descriptions", reason="robot_descriptions is not installed"
+    )
     for name, module in MODULES.items():
         monkeypatch.setitem(sys.modules, f"robot_descriptions.{name}", module)
 
@@ -120,7 +130,9 @@ def test_robot_descriptions_loads_the_module(loader):
         metadata = dict(module.DESCRIPTION)
         # Version 2 has no name for SRDF.
         formats = {
-            known[name] for name in metadata.pop("formats") if name != "SRDF" or name in known
+            known[name]
+            for name in metadata.pop("formats")
+            if name != "SRDF" or name in known
         }
         entry = index.Description(formats=formats, **metadata)
         assert [entry.has_urdf, entry.has_mjcf] == [has == "urdf", has == "mjcf"]
@@ -146,7 +158,12 @@ def test_its_loaders_of_the_urdf_read_the_same_arm(loader):
 
 def test_mujocos_loader_takes_each_variant(loader):
     load = loader("mujoco")
-    for variant, joints in ((None, 4), ("alpha5_jaws", 7), ("scene", 4), ("scene_jaws", 7)):
+    for variant, joints in (
+        (None, 4),
+        ("alpha5_jaws", 7),
+        ("scene", 4),
+        ("scene_jaws", 7),
+    ):
         model = load("alpha5_mj_description", variant=variant)
         assert model.njnt == joints
         assert model.nkey >= 3
@@ -155,7 +172,9 @@ def test_mujocos_loader_takes_each_variant(loader):
 
 
 def test_example_robot_data_loads_the_folder(tmp_path):
-    pytest.importorskip("example_robot_data.utils", reason="its loaders are not installed")
+    pytest.importorskip(
+        "example_robot_data.utils", reason="its loaders are not installed"
+    )
     robots = tmp_path / "example-robot-data" / "robots"
     for path, content in robot_files().items():
         atomic_write(robots / path, content)
@@ -166,16 +185,25 @@ def test_example_robot_data_loads_the_folder(tmp_path):
         patch.setattr("example_robot_data.utils.getModelPath", lambda *_: str(robots))
         robot = loader().robot
     same_arm(robot.model)
-    np.testing.assert_array_equal(robot.q0, alpha5_description.REFERENCE_POSTURES["home"])
+    np.testing.assert_array_equal(
+        robot.q0, alpha5_description.REFERENCE_POSTURES["home"]
+    )
     assert robot.visual_model.ngeoms == 7
     assert not pin.computeCollisions(
-        robot.model, robot.data, robot.collision_model, robot.collision_data, robot.q0, False
+        robot.model,
+        robot.data,
+        robot.collision_model,
+        robot.collision_data,
+        robot.q0,
+        False,
     )
 
 
 def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
     """A checkout of its shape, its own Python files in it; its tests' way of loading, in another process."""
-    utils = pytest.importorskip("example_robot_data.utils", reason="its loaders are not installed")
+    utils = pytest.importorskip(
+        "example_robot_data.utils", reason="its loaders are not installed"
+    )
     checkout = tmp_path / "example-robot-data"
     package = checkout / "python" / "example_robot_data"
     shutil.copytree(
@@ -195,7 +223,9 @@ def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
     assert (package / "robots_loader.py").read_text().count('"alpha5": ') == 1
     environment = {**os.environ, "PYTHONPATH": str(package.parent)}
     command = [sys.executable, str(tests), "-v"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=environment
+    )
     assert done.returncode == 0, done.stderr
     assert "Ran 3 tests" in done.stderr
     assert "skipped=1" in done.stderr
@@ -204,13 +234,17 @@ def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
         with pytest.raises(SystemExit, match=rf"{broken.name}: no '"):
             script["patch"](checkout)
         broken.unlink()
-        with pytest.raises(SystemExit, match="expected a checkout of example-robot-data"):
+        with pytest.raises(
+            SystemExit, match="expected a checkout of example-robot-data"
+        ):
             script["patch"](checkout)
         broken.write_text('from .human import Human\nROBOTS = {\n    "b1": None,\n}\n')
 
 
 def test_a_missing_collection_is_one_clear_line(monkeypatch):
-    monkeypatch.delitem(sys.modules, "alpha5_model.loaders.alpha5_loader", raising=False)
+    monkeypatch.delitem(
+        sys.modules, "alpha5_model.loaders.alpha5_loader", raising=False
+    )
     monkeypatch.setitem(sys.modules, "example_robot_data.utils", None)
     with pytest.raises(MissingDependencyError) as caught:
         loader_class()

@@ -80,7 +80,10 @@ def pieces(faces: np.ndarray, n: int) -> int:
     from scipy.sparse.csgraph import connected_components
 
     ones = np.ones(len(faces))
-    links = [coo_array((ones, (faces[:, i], faces[:, i - 1])), shape=(n, n)) for i in range(3)]
+    links = [
+        coo_array((ones, (faces[:, i], faces[:, i - 1])), shape=(n, n))
+        for i in range(3)
+    ]
     return connected_components(sum(links), directed=False)[0]
 
 
@@ -113,7 +116,9 @@ def test_closed_outward_and_not_degenerate(meshes, name):
     c = mesh.corners
     sides = np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2)
     doubled = np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1)
-    assert (doubled / sides.max(1)).min() > 1e-6, "a triangle less than 1 micrometre high"
+    assert (doubled / sides.max(1)).min() > 1e-6, (
+        "a triangle less than 1 micrometre high"
+    )
     assert len(mesh.f) <= 6000
 
 
@@ -161,7 +166,9 @@ def total_link_4(meshes) -> tuple[float, np.ndarray]:
 
 
 def measured(meshes, name: str) -> tuple[float, np.ndarray]:
-    return total_link_4(meshes) if name == "link_4" else meshes[name].volume_and_centroid()
+    return (
+        total_link_4(meshes) if name == "link_4" else meshes[name].volume_and_centroid()
+    )
 
 
 @pytest.mark.parametrize("name", LINKS)
@@ -172,11 +179,15 @@ def test_volume_is_the_printed_one(meshes, name):
 
 @pytest.mark.parametrize("name", ["finger_1", "finger_2"])
 def test_finger_volume_is_the_measured_one(meshes, name):
-    assert meshes[name].volume_and_centroid()[0] == pytest.approx(FINGER_VOLUME[name], rel=1e-4)
+    assert meshes[name].volume_and_centroid()[0] == pytest.approx(
+        FINGER_VOLUME[name], rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("name", ["link_0", "link_1", "link_2", "link_4"])
-def test_centroid_is_within_a_millimetre_of_the_printed_centre_of_buoyancy(meshes, name):
+def test_centroid_is_within_a_millimetre_of_the_printed_centre_of_buoyancy(
+    meshes, name
+):
     _, centroid = measured(meshes, name)
     assert np.linalg.norm(centroid - TABLE_3[name][1]) < 1.0
 
@@ -227,7 +238,9 @@ def test_link_2_tube_is_slanted_as_its_product_of_inertia_says(meshes):
     x, y = c[..., 0], c[..., 1]
     integral = (det * (x.sum(1) * y.sum(1) + (x * y).sum(1))).sum() / 120
     product = 0.38 * integral / (volume * 1e6)
-    assert -100 < product < -40, "a straight tube would give 0, one slanted the other way +"
+    assert -100 < product < -40, (
+        "a straight tube would give 0, one slanted the other way +"
+    )
 
 
 def test_all_files_together_are_small():
@@ -260,7 +273,9 @@ JOINT_POSES = [
     *NAMED_POSES.values(),
     *(
         (a, b, b, a)
-        for a, b in zip(np.linspace(0.02, 6.1, 9), np.linspace(0.02, 3.4, 9), strict=True)
+        for a, b in zip(
+            np.linspace(0.02, 6.1, 9), np.linspace(0.02, 3.4, 9), strict=True
+        )
     ),
 ]
 
@@ -286,7 +301,8 @@ def test_fingers_open_without_touching_collar_or_each_other(solids, meshes):
     tip = meshes["finger_1"].v[meshes["finger_1"].v[:, 1].argmax()]
     for angle in np.linspace(0.0, 51 * 0.012, 5):
         one, two = (
-            placed(solids[name], finger_pose(name, angle)) for name in ("finger_1", "finger_2")
+            placed(solids[name], finger_pose(name, angle))
+            for name in ("finger_1", "finger_2")
         )
         assert (one ^ two).volume() == 0.0
         assert (one.min_gap(two, 5.0) < 0.5) == (angle == 0.0), (
@@ -323,19 +339,27 @@ def test_committed_files_are_a_fresh_generation_and_the_same_every_time():
                 check=True,
                 capture_output=True,
                 text=True,
-                env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+                env={
+                    **os.environ,
+                    "PYTHONHASHSEED": seed,
+                    "PYTHONPATH": os.pathsep.join(sys.path),
+                },
             ).stdout
         )
         for seed in ("1", "2")
     ]
     assert runs[0] == runs[1]
-    committed = {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in MESHES.iterdir()}
+    committed = {
+        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in MESHES.iterdir()
+    }
     assert runs[0] == committed
 
 
 def test_materials(meshes):
     mtl = (MESHES / "alpha5.mtl").read_text("ascii")
-    assert {line.split()[1] for line in mtl.splitlines() if line.startswith("newmtl")} == {
+    assert {
+        line.split()[1] for line in mtl.splitlines() if line.startswith("newmtl")
+    } == {
         "anodised",
         "bare_metal",
     }
@@ -361,7 +385,9 @@ def test_glb_shows_the_home_pose_with_y_up(meshes):
     poses = link_poses(np.array(NAMED_POSES["home"]))
     for name in ("finger_1", "finger_2"):
         poses[name] = poses["link_4"] @ finger_pose(name)
-    parent = {c: i for i, node in enumerate(scene["nodes"]) for c in node.get("children", [])}
+    parent = {
+        c: i for i, node in enumerate(scene["nodes"]) for c in node.get("children", [])
+    }
     seen = set()
     for i, node in enumerate(scene["nodes"]):
         if "mesh" not in node:
@@ -397,7 +423,9 @@ def test_many_vertices_take_long_indices(count, kind):
 
     vertices = np.random.default_rng(1).normal(size=(count, 3))
     faces = np.resize(np.arange(count), (count // 3 + 1, 3))
-    data = glb([Node("part", surface=Surface(vertices, faces, np.eye(3)[:1], 0 * faces))])
+    data = glb(
+        [Node("part", surface=Surface(vertices, faces, np.eye(3)[:1], 0 * faces))]
+    )
     size = struct.unpack_from("<I", data, 12)[0]
     scene = json.loads(data[20 : 20 + size])
     assert set(scene["nodes"][0]) == {"name", "mesh"}  # neither moved nor turned
@@ -469,7 +497,9 @@ def test_yourdfpy_shows_the_home_pose(meshes):
 
     robot = yourdfpy.URDF.load(str(Path(REPOSITORY_PATH) / "urdf" / "alpha5.urdf"))
     q = np.array(NAMED_POSES["home"])
-    robot.update_cfg(dict(zip(("axis_e", "axis_d", "axis_c", "axis_b"), q, strict=True)))
+    robot.update_cfg(
+        dict(zip(("axis_e", "axis_d", "axis_c", "axis_b"), q, strict=True))
+    )
     poses = link_poses(q)
     for name in ("finger_1", "finger_2"):
         poses[name] = poses["link_4"] @ finger_pose(name)
@@ -482,7 +512,9 @@ def test_yourdfpy_shows_the_home_pose(meshes):
 
 def test_mujoco_loads_the_meshes_and_measures_the_same_volume(meshes):
     mujoco = pytest.importorskip("mujoco")
-    assets = "".join(f'<mesh name="{n}" file="{MESHES / n}.obj" inertia="exact"/>' for n in BODIES)
+    assets = "".join(
+        f'<mesh name="{n}" file="{MESHES / n}.obj" inertia="exact"/>' for n in BODIES
+    )
     geoms = "".join(f'<geom type="mesh" mesh="{n}" density="1000"/>' for n in BODIES)
     model = mujoco.MjModel.from_xml_string(
         f"<mujoco><asset>{assets}</asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>"
@@ -509,7 +541,9 @@ def test_a_volume_out_of_reach_is_refused():
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
     # A regular 56-gon inscribed in the circle.
-    assert height == pytest.approx(5000.0 / (28 * 100.0 * math.sin(2 * math.pi / 56)), rel=1e-9)
+    assert height == pytest.approx(
+        5000.0 / (28 * 100.0 * math.sin(2 * math.pi / 56)), rel=1e-9
+    )
     assert found.volume() == pytest.approx(5000.0, rel=1e-9)
     with pytest.raises(InputError, match="volume"):
         solve_volume(lambda h: cylinder(10.0, 0.0, h), 5e9, 1.0, 100.0)

@@ -140,7 +140,10 @@ def test_damage_is_seen(text, damage, field, at_least):
 
 @pytest.mark.parametrize("density", [0.0, 1000.0, 1025.0])
 def test_density_is_an_option_of_the_generator(density):
-    assert errors(mjcf(MjcfOptions(fluid_density=density)), 100, density)["acceleration"] < 1e-12
+    assert (
+        errors(mjcf(MjcfOptions(fluid_density=density)), 100, density)["acceleration"]
+        < 1e-12
+    )
 
 
 def recipe() -> str:
@@ -188,7 +191,9 @@ def test_readme_one_liner_changes_the_fluid(text):
     np.testing.assert_allclose(
         data.qacc, fresh.acceleration(q, np.zeros(4), np.zeros(4)), atol=1e-10
     )
-    assert np.abs(data.qacc - sea.acceleration(q, np.zeros(4), np.zeros(4))).max() > 1e-2
+    assert (
+        np.abs(data.qacc - sea.acceleration(q, np.zeros(4), np.zeros(4))).max() > 1e-2
+    )
 
 
 def test_two_seconds_of_free_motion_in_water(text):
@@ -226,7 +231,9 @@ def test_jaws_equal_pinocchio_with_the_fingers_anywhere():
         force = np.zeros(7)
         for name, (volume, cob) in bodies.items():
             frame = pin_model.getFrameId(name)
-            jacobian = pin.getFrameJacobian(pin_model, pin_data, frame, pin.LOCAL_WORLD_ALIGNED)
+            jacobian = pin.getFrameJacobian(
+                pin_model, pin_data, frame, pin.LOCAL_WORLD_ALIGNED
+            )
             arm = pin_data.oMf[frame].rotation @ cob
             lift = np.array([0, 0, 1025.0 * volume * 9.81])
             force += jacobian.T @ np.concatenate([lift, np.cross(arm, lift)])
@@ -245,7 +252,9 @@ def test_jaws_closed_are_the_locked_arm_in_water():
         mujoco.mj_forward(jaws, jaws_data)
         mass = mass_matrix(jaws, jaws_data)[:4, :4]
         np.testing.assert_allclose(mass, mass_matrix(locked, locked_data), atol=1e-13)
-        statics = [d.qfrc_bias[:4] - d.qfrc_passive[:4] for d in (locked_data, jaws_data)]
+        statics = [
+            d.qfrc_bias[:4] - d.qfrc_passive[:4] for d in (locked_data, jaws_data)
+        ]
         np.testing.assert_allclose(*statics, atol=1e-12)
 
 
@@ -272,11 +281,17 @@ def test_the_fingers_angle_is_a_line_in_the_rods_position():
 
 @pytest.mark.parametrize("corrections", [DEFAULT_CORRECTIONS, ()])
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
-def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(gripper, corrections, tmp_path):
+def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(
+    gripper, corrections, tmp_path
+):
     """Without water, and with fingers that follow nothing: it knows neither."""
-    ours = pin.buildModelFromXML(urdf(Variant(gripper=gripper, corrections=corrections)))
+    ours = pin.buildModelFromXML(
+        urdf(Variant(gripper=gripper, corrections=corrections))
+    )
     file = tmp_path / "alpha5.xml"
-    file.write_text(mjcf(MjcfOptions(gripper=gripper, corrections=corrections)), "utf-8")
+    file.write_text(
+        mjcf(MjcfOptions(gripper=gripper, corrections=corrections)), "utf-8"
+    )
     theirs = pin.buildModelFromMJCF(str(file))
     assert list(theirs.names) == list(ours.names)
     data, own = theirs.createData(), ours.createData()
@@ -292,12 +307,16 @@ def test_pinocchios_own_reader_makes_the_arm_of_the_urdf(gripper, corrections, t
             wanted = own.oMf[ours.getFrameId(name)].homogeneous
             assert np.abs(found - wanted).max() < 1e-14
         assert np.abs(pin.crba(theirs, data, q) - pin.crba(ours, own, q)).max() < 1e-12
-        torques = (pin.nonLinearEffects(m, d, q, v) for m, d in ((theirs, data), (ours, own)))
+        torques = (
+            pin.nonLinearEffects(m, d, q, v) for m, d in ((theirs, data), (ours, own))
+        )
         assert np.abs(np.subtract(*torques)).max() < 5e-12
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
-def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(gripper, monkeypatch):
+def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(
+    gripper, monkeypatch
+):
     """Every array of the compiled model has the same bits."""
     options = MjcfOptions(gripper=gripper, hydrodynamics=True)
     by_quaternions = mjcf(options)
@@ -317,8 +336,12 @@ def test_quaternions_are_to_mujoco_what_angles_about_fixed_axes_are(gripper, mon
 
 def arrays(model) -> dict[str, bytes]:
     """Every array of a compiled model."""
-    values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
-    return {name: x.tobytes() for name, x in values.items() if isinstance(x, np.ndarray)}
+    values = {
+        name: getattr(model, name) for name in dir(model) if not name.startswith("_")
+    }
+    return {
+        name: x.tobytes() for name, x in values.items() if isinstance(x, np.ndarray)
+    }
 
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
@@ -331,8 +354,13 @@ def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
         for geom in body.findall("geom[@mesh]")
     }
     wanted = {
-        (link.get("name"), Path(visual.find("geometry/mesh").get("filename")).stem): visual
-        for link in ET.parse(URDF_PATH if gripper == "locked" else JAWS_URDF_PATH).iter("link")
+        (
+            link.get("name"),
+            Path(visual.find("geometry/mesh").get("filename")).stem,
+        ): visual
+        for link in ET.parse(URDF_PATH if gripper == "locked" else JAWS_URDF_PATH).iter(
+            "link"
+        )
         for visual in link.findall("visual")
     }
     assert len(wanted) == 7
@@ -344,7 +372,9 @@ def test_meshes_are_shown_where_the_urdf_shows_them(gripper):
         other = Rotation.from_euler("xyz", [float(x) for x in xyz_rpy["rpy"].split()])
         assert (one.inv() * other).magnitude() < 1e-9
         at = [float(x) for x in pos.split()]
-        assert at == pytest.approx([float(x) for x in xyz_rpy["xyz"].split()], abs=1e-12)
+        assert at == pytest.approx(
+            [float(x) for x in xyz_rpy["xyz"].split()], abs=1e-12
+        )
 
 
 def test_collision_shapes_are_as_large_as_the_urdfs():
@@ -374,7 +404,9 @@ def test_collision_shapes_are_as_large_as_the_urdfs():
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 @pytest.mark.parametrize("posture", ["stow", "home", "reach"])
-def test_servos_hold_the_postures_under_water_without_contact(tmp_path, gripper, posture):
+def test_servos_hold_the_postures_under_water_without_contact(
+    tmp_path, gripper, posture
+):
     files = mjcf_files(MjcfOptions(gripper=gripper))
     model, data = compiled_folder(files, tmp_path)
     mujoco.mj_resetDataKeyframe(model, data, model.key(posture).id)
@@ -407,7 +439,9 @@ def test_velocity_servos_move_at_the_speed_asked_for():
 
 
 @pytest.mark.parametrize("actuators", ["position", "velocity", "motor"])
-def test_ten_seconds_of_random_control_without_a_warning(tmp_path, monkeypatch, actuators):
+def test_ten_seconds_of_random_control_without_a_warning(
+    tmp_path, monkeypatch, actuators
+):
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "alpha5"
     arguments = ["--format", "mjcf", "--gripper", "jaws", "--actuators", actuators]
@@ -418,7 +452,9 @@ def test_ten_seconds_of_random_control_without_a_warning(tmp_path, monkeypatch, 
     low, high = model.actuator_ctrlrange.T
     rng = np.random.default_rng(8)
     while data.time < 10.0:
-        if actuators == "motor":  # a tenth of the placeholder efforts, which no arm here has
+        if (
+            actuators == "motor"
+        ):  # a tenth of the placeholder efforts, which no arm here has
             data.ctrl = 0.1 * rng.uniform(low, high)
         else:
             data.ctrl = rng.uniform(low, high)
@@ -462,7 +498,9 @@ def test_numbers_are_written_with_all_their_digits(text):
         inertial = root.find(f".//body[@name='{link.name}']/inertial")
         child = root.find(f".//body[@name='{link.name}_buoyancy']/inertial")
         x, y, z = map(float, child.get("diaginertia").split())
-        together = tensor(inertial) + np.diag([x, y, z])  # one value: it turns with the axes
+        together = tensor(inertial) + np.diag(
+            [x, y, z]
+        )  # one value: it turns with the axes
         assert x == y == z
         np.testing.assert_allclose(together, link.inertia, rtol=0, atol=1e-18)
         assert [float(x) for x in inertial.get("pos").split()] == list(link.com)
@@ -477,12 +515,18 @@ def test_numbers_are_written_with_all_their_digits(text):
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_without_buoyancy_it_is_the_arm_in_air(gripper):
     """The base's mass is then a geom's: brax melts the base into the world."""
-    options = MjcfOptions(gripper, fluid_density=0.0, actuators="motor", collision="none")
+    options = MjcfOptions(
+        gripper, fluid_density=0.0, actuators="motor", collision="none"
+    )
     dry, dry_data = free(mjcf(options))
     bare_text = mjcf(dataclasses.replace(options, buoyancy="none"))
     bare, bare_data = free(bare_text)
     assert "gravcomp" not in bare_text
-    assert [bare.body(name).id for name in ("base_link", "link_0", "link_1")] == [1, 2, 3]
+    assert [bare.body(name).id for name in ("base_link", "link_0", "link_1")] == [
+        1,
+        2,
+        3,
+    ]
     assert bare.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
     moments = np.linalg.eigvalsh(parameters().links[0].inertia)
     assert sorted(bare.body("link_0").inertia) == pytest.approx(moments, rel=1e-14)
@@ -515,11 +559,21 @@ def test_a_picture_fits_the_off_screen_buffer(text):
 def test_the_committed_folder_is_a_menagerie_model(scene):
     """LICENSE, README, change log, picture and a scene that runs from a key frame."""
     folder = Path(MJCF_PATH).parent
-    names = {"LICENSE", "README.md", "CHANGELOG.md", "alpha5.png", "alpha5.xml", scene, "assets"}
+    names = {
+        "LICENSE",
+        "README.md",
+        "CHANGELOG.md",
+        "alpha5.png",
+        "alpha5.xml",
+        scene,
+        "assets",
+    }
     assert names <= {path.name for path in folder.iterdir()}
     readme = (folder / "README.md").read_text("utf-8")
     assert "## MJCF derivation steps" in readme
-    assert all((folder / link).is_file() for link in re.findall(r"\]\(([^)]+)\)", readme))
+    assert all(
+        (folder / link).is_file() for link in re.findall(r"\]\(([^)]+)\)", readme)
+    )
     model = mujoco.MjModel.from_xml_path(str(folder / scene))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)

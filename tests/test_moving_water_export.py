@@ -26,14 +26,18 @@ JAWS = {**LINKS, "link_4": "wrist", "finger_1": "finger_1", "finger_2": "finger_
 NAMES = {"locked": LINKS, "jaws": JAWS}
 
 
-def wrench(row: dict, nu: np.ndarray, density: float = 1025.0, level: int = 1) -> np.ndarray:
+def wrench(
+    row: dict, nu: np.ndarray, density: float = 1025.0, level: int = 1
+) -> np.ndarray:
     """Drag on a link that moves with the twist nu (6,) in still water, about its origin, (6,)."""
     total = np.zeros(6)
     for strip in row["strips"]:
         points, force = current_load.strip_drag(
             strip, level, lambda p: -(nu[:3] + np.cross(nu[3:], p)), density
         )
-        total += np.concatenate([force.sum(axis=0), np.cross(points, force).sum(axis=0)])
+        total += np.concatenate(
+            [force.sum(axis=0), np.cross(points, force).sum(axis=0)]
+        )
     return total
 
 
@@ -73,12 +77,16 @@ def test_added_mass_in_sdf_is_the_files_about_the_links_origin(gripper, density)
         matrix = link.find("inertial/fluid_added_mass")
         if matrix is None:
             continue
-        expected = np.array(rows[NAMES[gripper][link.get("name")]]["added_mass"], dtype=float)
+        expected = np.array(
+            rows[NAMES[gripper][link.get("name")]]["added_mass"], dtype=float
+        )
         for i, row in enumerate("xyzpqr"):
             for j, column in enumerate("xyzpqr"):
                 if i <= j:
                     value = float(matrix.find(row + column).text)
-                    assert value == pytest.approx(expected[i, j] * density / 1000, rel=1e-15)
+                    assert value == pytest.approx(
+                        expected[i, j] * density / 1000, rel=1e-15
+                    )
         assert len(matrix) == 21
         # No rotation in the inertial's pose: its axes are the link's, whichever are meant.
         assert link.find("inertial/pose").text.endswith(" 0.0 0.0 0.0")
@@ -90,7 +98,9 @@ def test_added_mass_in_sdf_is_the_files_about_the_links_origin(gripper, density)
 @pytest.mark.parametrize("gripper", GRIPPERS)
 def test_neither_mass_nor_inertia_nor_volume_changes(gripper):
     roots = [
-        ET.fromstring(sdf(SdfOptions(gripper=gripper, hydrodynamics=x, sdf_version="1.11")))
+        ET.fromstring(
+            sdf(SdfOptions(gripper=gripper, hydrodynamics=x, sdf_version="1.11"))
+        )
         for x in (True, False)
     ]
     model = roots[0].find("model")
@@ -99,14 +109,18 @@ def test_neither_mass_nor_inertia_nor_volume_changes(gripper):
     for inertial in model.iter("inertial"):
         for matrix in inertial.findall("fluid_added_mass"):
             inertial.remove(matrix)
-    ours, plain = ([(e.tag, e.attrib, (e.text or "").strip()) for e in r.iter()] for r in roots)
+    ours, plain = (
+        [(e.tag, e.attrib, (e.text or "").strip()) for e in r.iter()] for r in roots
+    )
     assert ours == plain
 
 
 @pytest.mark.parametrize("gripper", GRIPPERS)
 def test_drag_in_sdf_is_the_strips_for_each_component_alone(gripper):
     rows = current_load.bodies()
-    model = ET.fromstring(sdf(SdfOptions(gripper=gripper, hydrodynamics=True))).find("model")
+    model = ET.fromstring(sdf(SdfOptions(gripper=gripper, hydrodynamics=True))).find(
+        "model"
+    )
     for name, coefficient in coefficients(model).items():
         for k in range(6):
             for speed in (0.7, -0.3):
@@ -114,7 +128,10 @@ def test_drag_in_sdf_is_the_strips_for_each_component_alone(gripper):
                 expected = wrench(rows[NAMES[gripper][name]], nu)
                 scale = np.abs(expected).max()
                 # 8 points of Gauss where a strip passes the origin; strips may hardly turn about themselves
-                assert np.abs(gazebo_drag(coefficient, nu) - expected).max() <= 5e-3 * scale + 1e-9
+                assert (
+                    np.abs(gazebo_drag(coefficient, nu) - expected).max()
+                    <= 5e-3 * scale + 1e-9
+                )
 
 
 def test_drag_in_sdf_stays_near_the_strips_and_takes_energy():
@@ -154,7 +171,9 @@ def test_libsdformat_takes_it(tmp_path):
 def moving(gripper: str = "locked", **options):
     """MuJoCo's model without weight or contact, and its data."""
     mujoco = pytest.importorskip("mujoco")
-    text = mjcf(MjcfOptions(gripper=gripper, hydrodynamics=True, collision="none", **options))
+    text = mjcf(
+        MjcfOptions(gripper=gripper, hydrodynamics=True, collision="none", **options)
+    )
     model = mujoco.MjModel.from_xml_string(text)
     return mujoco, model, mujoco.MjData(model)
 
@@ -166,7 +185,10 @@ def own_torque(q, v, current) -> np.ndarray:
     for i, frame in enumerate(frames):
         turn, at = frame[:3, :3], frame[:3, 3]
         spin = sum((v[k] * axes[k][1] for k in range(i)), np.zeros(3))
-        speed = sum((v[k] * np.cross(axes[k][1], at - axes[k][0]) for k in range(i)), np.zeros(3))
+        speed = sum(
+            (v[k] * np.cross(axes[k][1], at - axes[k][0]) for k in range(i)),
+            np.zeros(3),
+        )
         nu = np.concatenate([turn.T @ (speed - current), turn.T @ spin])
         drag = wrench(rows[f"link_{i}"], nu)
         force, moment = turn @ drag[:3], turn @ drag[3:]
@@ -183,7 +205,10 @@ def test_mujocos_drag_on_a_moving_joint_is_the_strips():
     for k in range(3):
         error, size = [], []
         for _ in range(8):
-            q, v = rng.uniform(reference.LOWER, reference.UPPER), rng.choice([-1, 1]) * np.eye(4)[k]
+            q, v = (
+                rng.uniform(reference.LOWER, reference.UPPER),
+                rng.choice([-1, 1]) * np.eye(4)[k],
+            )
             data.qpos, data.qvel = q, v
             mujoco.mj_forward(model, data)
             expected = own_torque(q, v, np.zeros(3))[k]
@@ -227,7 +252,9 @@ def test_the_needles_lift_is_nearest_to_the_strips():
         / 2
         for piece in needles
     )
-    assert sections == pytest.approx(share * (across - along) * 0.03 * length / 2, rel=1e-6)
+    assert sections == pytest.approx(
+        share * (across - along) * 0.03 * length / 2, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("gripper", GRIPPERS)
@@ -244,7 +271,9 @@ def test_mass_matrix_and_still_torques_stay(gripper):
     np.testing.assert_allclose(data.qfrc_bias, other.qfrc_bias, rtol=0, atol=1e-15)
     assert not data.qfrc_fluid.any()
     np.testing.assert_array_equal(model.body_mass, plain.body_mass)
-    without = {model.body(i).name for i in range(model.nbody) if model.body_geomnum[i] == 0}
+    without = {
+        model.body(i).name for i in range(model.nbody) if model.body_geomnum[i] == 0
+    }
     assert without <= {"world", "base_link"}
     assert model.opt.viscosity == 0.0
     assert model.opt.density == 1025.0
@@ -269,12 +298,20 @@ def test_drag_and_hydrodynamics_exclude_each_other():
 # --- command line -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("kind", "file"), [("sdf", "model.sdf"), ("mjcf", "alpha5.xml")])
+@pytest.mark.parametrize(
+    ("kind", "file"), [("sdf", "model.sdf"), ("mjcf", "alpha5.xml")]
+)
 def test_the_option_is_the_librarys(tmp_path, capsys, kind, file):
     out = tmp_path / "out"
-    assert main(["generate", "--format", kind, "--hydrodynamics", "--output", str(out)]) == 0
+    assert (
+        main(["generate", "--format", kind, "--hydrodynamics", "--output", str(out)])
+        == 0
+    )
     text = (out / file).read_text("utf-8")
-    assert ("fluid_added_mass" in text, "fluidcoef" in text) == (kind == "sdf", kind == "mjcf")
+    assert ("fluid_added_mass" in text, "fluidcoef" in text) == (
+        kind == "sdf",
+        kind == "mjcf",
+    )
     assert json.dumps(capsys.readouterr().err) == '""'
 
 

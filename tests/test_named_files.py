@@ -26,7 +26,9 @@ TEXT = Path(a5.URDF_PATH).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("reader", READERS)
-@pytest.mark.parametrize("path", [None, 5, 2.5, b"arm.urdf", "a\0b", ["arm.urdf"]], ids=repr)
+@pytest.mark.parametrize(
+    "path", [None, 5, 2.5, b"arm.urdf", "a\0b", ["arm.urdf"]], ids=repr
+)
 def test_what_is_no_path_is_refused_as_such(reader, path):
     with pytest.raises(InputError, match="path: expected the path of") as caught:
         READERS[reader](path)
@@ -83,7 +85,9 @@ def test_a_broken_urdf_names_its_line(tmp_path, read):
 
 @pytest.mark.parametrize("digits", ["٣", "1_0"])
 def test_numbers_of_a_urdf_are_what_its_readers_take_for_numbers(tmp_path, digits):
-    (tmp_path / "arm.urdf").write_text(TEXT.replace('mass value="', f'mass value="{digits}', 1))
+    (tmp_path / "arm.urdf").write_text(
+        TEXT.replace('mass value="', f'mass value="{digits}', 1)
+    )
     with pytest.raises(FileFormatError, match="finite number"):
         read_urdf(tmp_path / "arm.urdf")
 

@@ -22,7 +22,9 @@ def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
     water = inputs[-1][0] - len(PARAMETERS)
     own = np.append(PARAMETERS, np.full(water, 0.01)) if water >= 0 else np.empty(0)
     rng = np.random.default_rng(5)
-    given = [rng.uniform(-0.3, 0.3, (n, *s)) for s in inputs[: len(inputs) - bool(len(own))]]
+    given = [
+        rng.uniform(-0.3, 0.3, (n, *s)) for s in inputs[: len(inputs) - bool(len(own))]
+    ]
     return given, [np.full((n, *s), np.nan) for s in outputs], own
 
 
@@ -46,16 +48,31 @@ def test_what_is_no_plain_state_is_refused() -> None:
     one = numpy_kernels.bind("inverse_dynamics", PARAMETERS)
     (q, v, a), (out,), _ = arrays("inverse_dynamics", 3)
     assert one(q[0], v[0], a[0]) is not None
-    wrong = [[0.0] * 4, np.zeros(4, np.float32), np.zeros(5), np.zeros(8)[::2], np.zeros((1, 4))]
+    wrong = [
+        [0.0] * 4,
+        np.zeros(4, np.float32),
+        np.zeros(5),
+        np.zeros(8)[::2],
+        np.zeros((1, 4)),
+    ]
     wrong += [np.array([0.0, x, 0.0, 0.0]) for x in (math.nan, math.inf, -2 * LARGEST)]
     for bad in (*wrong, None, "q", np.ma.array(np.zeros(4))):
         assert one(q[0], bad, a[0]) is None
     assert one(q[0], v[0]) is None
-    for bad in (v.tolist(), v[:2], v.astype(np.float32), v[:, ::-1], v + math.nan, v + 2 * LARGEST):
+    for bad in (
+        v.tolist(),
+        v[:2],
+        v.astype(np.float32),
+        v[:, ::-1],
+        v + math.nan,
+        v + 2 * LARGEST,
+    ):
         assert not numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, bad, a, out)
     assert not numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, v, out)
     assert numpy_kernels.batch("inverse_dynamics", PARAMETERS, q, v, a, out)
-    assert numpy_kernels.batch("inverse_dynamics", PARAMETERS, q[:0], v[:0], a[:0], out[:0])
+    assert numpy_kernels.batch(
+        "inverse_dynamics", PARAMETERS, q[:0], v[:0], a[:0], out[:0]
+    )
 
 
 def test_parameters_are_copied() -> None:

@@ -81,11 +81,15 @@ def test_its_positions_energy_and_torques_are_its_own() -> None:
     for q in rng.uniform(0.1, 3.0, (20, 4)):
         tcp = chain().forward_kinematics(q)
         assert np.abs(own.forward_kinematics(q).homogeneous - tcp).max() < 1e-14
-        assert np.linalg.norm(tcp[:3, 3] - a5.load().forward_kinematics(q).translation) > 0.04
+        assert (
+            np.linalg.norm(tcp[:3, 3] - a5.load().forward_kinematics(q).translation)
+            > 0.04
+        )
         assert own.potential_energy(q) == pytest.approx(potential_energy(q), abs=1e-13)
         h = 1e-6
         slope = [
-            (potential_energy(q + h * e) - potential_energy(q - h * e)) / (2 * h) for e in np.eye(4)
+            (potential_energy(q + h * e) - potential_energy(q - h * e)) / (2 * h)
+            for e in np.eye(4)
         ]
         assert own.hydrostatic_torque(q) == pytest.approx(slope, abs=1e-8)
         place = frame_positions(own, q[None])[0]
@@ -95,14 +99,18 @@ def test_its_positions_energy_and_torques_are_its_own() -> None:
 def test_its_batches_are_its_single_calls() -> None:
     own = arm()
     q, v, a = ROWS
-    single = np.array([own.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)])
+    single = np.array(
+        [own.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)]
+    )
     assert own.inverse_dynamics_batch(q, v, a) == pytest.approx(single, abs=1e-13)
     terms = torque_terms(own, q, v, a)
     total = terms.inertia + terms.coriolis + terms.weight + terms.buoyancy
     assert total == pytest.approx(single, abs=1e-13)
     back = own.forward_dynamics_batch(q, v, single)
     assert back == pytest.approx(a, abs=1e-9)
-    loads = np.array([own.base_wrench(*state).vector for state in zip(q, v, a, strict=True)])
+    loads = np.array(
+        [own.base_wrench(*state).vector for state in zip(q, v, a, strict=True)]
+    )
     assert own.base_wrench_batch(q, v, a) == pytest.approx(loads, abs=1e-12)
     assert np.abs(a5.load().inverse_dynamics_batch(q, v, a) - single).max() > 0.1
 
@@ -133,8 +141,12 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "scene": lambda: build_scene(arm()),
     "CasADi": casadi_formulas,
     "JAX": jax_formulas,
-    "approach_directions, floating": lambda: afloat().approach_directions([0.3, 0.0, 0.1]),
-    "in_collision, floating": lambda: afloat().in_collision(pin.neutral(afloat().model)),
+    "approach_directions, floating": lambda: afloat().approach_directions(
+        [0.3, 0.0, 0.1]
+    ),
+    "in_collision, floating": lambda: afloat().in_collision(
+        pin.neutral(afloat().model)
+    ),
     "scene, floating": lambda: build_scene(afloat()),
 }
 
@@ -142,7 +154,8 @@ REFUSED: dict[str, Callable[[], Any]] = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_was_made_for_the_catalogues_dimensions_refuses(name: str) -> None:
     with pytest.raises(
-        InputError, match=r"expected the dimensions of Table 1, .* got .*axis_c 50 mm off"
+        InputError,
+        match=r"expected the dimensions of Table 1, .* got .*axis_c 50 mm off",
     ):
         REFUSED[name]()
 
@@ -159,7 +172,11 @@ ANSWERED = {
 
 
 def test_every_method_of_an_arm_is_listed_here() -> None:
-    methods = {name for name, x in vars(a5.Arm).items() if callable(x) and not name.startswith("_")}
+    methods = {
+        name
+        for name, x in vars(a5.Arm).items()
+        if callable(x) and not name.startswith("_")
+    }
     assert methods == ANSWERED | (methods & REFUSED.keys())
 
 
@@ -171,7 +188,9 @@ def test_a_method_that_answers_does_not_take_the_catalogues_arm(name: str) -> No
     if name.endswith("_batch"):
         inputs = {"q": ROWS[0], "v": ROWS[1], "a": ROWS[2], "tau": ROWS[2]}
     ours, theirs = (
-        getattr(one, name)(**{k: x for k, x in inputs.items() if k in arguments(one, name)})
+        getattr(one, name)(
+            **{k: x for k, x in inputs.items() if k in arguments(one, name)}
+        )
         for one in (arm(), a5.load())
     )
     assert np.abs(flat(ours) - flat(theirs)).max() > 1e-4
@@ -195,21 +214,30 @@ def flat(result: Any) -> np.ndarray:
 def test_limits_of_a_parameter_set_are_the_arms_and_the_reports() -> None:
     p = a5.parameters()
     joints = list(p.joints)
-    joints[1] = dataclasses.replace(joints[1], lower=0.5, upper=2.0, velocity=0.1, effort=3.0)
+    joints[1] = dataclasses.replace(
+        joints[1], lower=0.5, upper=2.0, velocity=0.1, effort=3.0
+    )
     own = arm_of(dataclasses.replace(p, joints=tuple(joints)))
     found = [end[1] for end in own.limits]
     assert found == [0.5, 2.0, 0.1, 3.0]
-    with pytest.raises(InputError, match=r"the catalogue's limits, .* 'axis_d from 0.5 to 2 rad'"):
+    with pytest.raises(
+        InputError, match=r"the catalogue's limits, .* 'axis_d from 0.5 to 2 rad'"
+    ):
         own.approach_directions([0.3, 0.0, 0.1])
     time = np.linspace(0, 4, 81)
     q = np.stack(
-        [np.full(81, 1.0), 1.0 + 0.2 * np.sin(time), np.full(81, 1.5), np.ones(81)], axis=1
+        [np.full(81, 1.0), 1.0 + 0.2 * np.sin(time), np.full(81, 1.5), np.ones(81)],
+        axis=1,
     )
-    analysis = a5.trajectory.analyse(a5.trajectory.motion(time, q), own, method="interpolate")
+    analysis = a5.trajectory.analyse(
+        a5.trajectory.motion(time, q), own, method="interpolate"
+    )
     joint = a5.trajectory.summary(analysis)["joints"]["axis_d"]
     assert joint["position_margin"] == pytest.approx(q[:, 1].min() - 0.5)
     assert joint["beyond_rated_velocity"] > 10
-    assert joint["torque_margin"] == pytest.approx(3.0 - np.abs(analysis.torque[:, 1]).max())
+    assert joint["torque_margin"] == pytest.approx(
+        3.0 - np.abs(analysis.torque[:, 1]).max()
+    )
 
 
 def test_its_motion_is_analysed_and_drawn_without_the_margin_of_other_digits() -> None:
@@ -243,7 +271,13 @@ def test_sets_within_the_printed_digits_have_the_drawn_bodies() -> None:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"gripper": "jaws"}, {"floating_base": True}, {"corrections": ()}, {"backend": "kernels"}],
+    [
+        {},
+        {"gripper": "jaws"},
+        {"floating_base": True},
+        {"corrections": ()},
+        {"backend": "kernels"},
+    ],
 )
 def test_every_arm_of_the_catalogue_is_one(options: dict[str, Any]) -> None:
     own = a5.load(**options)

@@ -46,7 +46,9 @@ def test_links_to_the_last_bit(i: int) -> None:
     assert (link.name, link.mass, link.volume) == (f"link_{i}", MASSES[i], VOLUMES[i])
     np.testing.assert_array_equal(link.com, COMS[i])
     np.testing.assert_array_equal(link.cob, COBS[i])
-    np.testing.assert_array_equal(link.inertia, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    np.testing.assert_array_equal(
+        link.inertia, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    )
 
 
 def test_dh_table() -> None:
@@ -61,13 +63,24 @@ def test_dh_table() -> None:
     ]
     assert p.theta_c == pytest.approx(theta_c, abs=1e-16)
     for row, (d, theta, a, alpha, variable) in zip(p.dh, expected, strict=True):
-        assert (row.d, row.theta_offset, row.alpha, row.variable) == (d, theta, alpha, variable)
+        assert (row.d, row.theta_offset, row.alpha, row.variable) == (
+            d,
+            theta,
+            alpha,
+            variable,
+        )
         assert row.a == pytest.approx(a, abs=1e-17)
 
 
 def test_joints() -> None:
     joints = a5.parameters().joints
-    assert [j.name for j in joints] == ["axis_e", "axis_d", "axis_c", "axis_b", "axis_a"]
+    assert [j.name for j in joints] == [
+        "axis_e",
+        "axis_d",
+        "axis_c",
+        "axis_b",
+        "axis_a",
+    ]
     assert [j.dh_variable for j in joints[:4]] == [f"theta_{i}" for i in range(4)]
     assert [j.device_id for j in joints] == [5, 4, 3, 2, 1]
     assert [(j.lower, j.upper) for j in joints] == [
@@ -117,7 +130,9 @@ def test_link3_cob_is_link_1s_frame_carried_to_link_3() -> None:
     # In {3}: that other axis is z through the origin, own axis lies along y through x = a_2 = 20.
     along_own, along_other, across = printed[2] - 46.2, printed[1], 20 - printed[0]
     corrected = a5.parameters(("link3_cob",)).links[3].cob
-    np.testing.assert_allclose(corrected * 1e3, [across, along_own, along_other], atol=1e-12)
+    np.testing.assert_allclose(
+        corrected * 1e3, [across, along_own, along_other], atol=1e-12
+    )
     bounds = a5.parameters().links[3].bounds
     assert (bounds[:, 0] <= corrected).all()
     assert (corrected <= bounds[:, 1]).all()
@@ -134,7 +149,8 @@ def test_corrections_are_recorded_with_evidence_and_effect() -> None:
     for name, correction in CORRECTIONS.items():
         assert correction.name == name
         assert all(
-            len(t) > 20 for t in (correction.statement, correction.evidence, correction.effect)
+            len(t) > 20
+            for t in (correction.statement, correction.evidence, correction.effect)
         )
 
 
@@ -145,7 +161,9 @@ def test_order_and_repetition_do_not_matter() -> None:
 
 
 def test_wrong_corrections_are_refused() -> None:
-    with pytest.raises(UnknownNameError, match="'base'; choose from base_frame, link3_cob"):
+    with pytest.raises(
+        UnknownNameError, match="'base'; choose from base_frame, link3_cob"
+    ):
         a5.parameters(("base",))
     for wrong in ("base_frame", None, 3):
         with pytest.raises(InputError, match="corrections: expected a tuple of names"):

@@ -36,7 +36,9 @@ NOTES = [
 ]
 
 
-def brute_force(lengths: np.ndarray, radius: np.ndarray, turns: int = 720) -> np.ndarray:
+def brute_force(
+    lengths: np.ndarray, radius: np.ndarray, turns: int = 720
+) -> np.ndarray:
     """Turn the last link of 3R arms through a full turn and solve the remaining 2R arm each time.
 
     Args:
@@ -46,7 +48,9 @@ def brute_force(lengths: np.ndarray, radius: np.ndarray, turns: int = 720) -> np
     Returns:
         Whether the law of cosines has a solution at every step, (M,).
     """
-    phi = np.arange(turns) * (2 * math.pi / turns)  # both critical directions, 0 and pi, included
+    phi = np.arange(turns) * (
+        2 * math.pi / turns
+    )  # both critical directions, 0 and pi, included
     l_1, l_2, l_3 = lengths.T[..., None]
     wrist_x = radius[:, None] - l_3 * np.cos(phi)
     wrist_y = -l_3 * np.sin(phi)
@@ -57,13 +61,17 @@ def brute_force(lengths: np.ndarray, radius: np.ndarray, turns: int = 720) -> np
 def literal_theorem(l_1: float, l_2: float, l_3: float, l_4: float) -> bool:
     half = (l_1 + l_2 + l_3 + l_4) / 2
     lengths = {1: l_1, 2: l_2, 4: l_4}
-    return all(lengths[i] + lengths[j] >= half for i in lengths for j in lengths if i != j)
+    return all(
+        lengths[i] + lengths[j] >= half for i in lengths for j in lengths if i != j
+    )
 
 
 def test_the_table_of_the_notes() -> None:
     for l_4, pair, half in NOTES:
         row = theorem_row(5, 4, 1, l_4)
-        assert (row.l_4, row.pair, row.half) == pytest.approx((l_4, pair, half), abs=1e-12)
+        assert (row.l_4, row.pair, row.half) == pytest.approx(
+            (l_4, pair, half), abs=1e-12
+        )
         assert row.theorem == (pair >= half) == (2 <= l_4 <= 8)
         assert row.exact == row.theorem
     assert theorem_radii(5, 4, 1) == (2, 8)
@@ -91,13 +99,22 @@ def test_theorem_and_exact_condition_against_brute_force(integers: bool) -> None
     rng = np.random.default_rng(int(integers))
     count = 3000
     if integers:
-        lengths, radius = rng.integers(1, 7, (count, 3)) * 1.0, rng.integers(0, 12, count) * 1.0
+        lengths, radius = (
+            rng.integers(1, 7, (count, 3)) * 1.0,
+            rng.integers(0, 12, count) * 1.0,
+        )
     else:
         lengths, radius = rng.uniform(0.1, 3, (count, 3)), rng.uniform(0, 6, count)
     truth = brute_force(lengths, radius)
-    exact = np.array([turns_fully(PlanarArm(ls), r) for ls, r in zip(lengths, radius, strict=True)])
-    theorem = np.array([lecture_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)])
-    literal = np.array([literal_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)])
+    exact = np.array(
+        [turns_fully(PlanarArm(ls), r) for ls, r in zip(lengths, radius, strict=True)]
+    )
+    theorem = np.array(
+        [lecture_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)]
+    )
+    literal = np.array(
+        [literal_theorem(*ls, r) for ls, r in zip(lengths, radius, strict=True)]
+    )
     assert np.array_equal(exact, truth)
     assert np.array_equal(theorem, literal)
     assert not (theorem & ~truth).any()  # sufficient
@@ -141,7 +158,9 @@ def test_rotating_the_arm_through_the_full_turn_closes() -> None:
     phi = np.linspace(0, 2 * math.pi, 2001)
     x, y = r - l_3 * np.cos(phi), -l_3 * np.sin(phi)
     elbow = np.arccos((x**2 + y**2 - l_1**2 - l_2**2) / (2 * l_1 * l_2))
-    first = np.arctan2(y, x) - np.arctan2(l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow))
+    first = np.arctan2(y, x) - np.arctan2(
+        l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow)
+    )
     q = np.stack([first, elbow, phi - first - elbow], axis=-1)
     tip = arm.forward_kinematics(q)
     assert np.abs(tip[:, :2] - [r, 0]).max() < 1e-12
@@ -187,7 +206,9 @@ def test_lengths_that_vary_by_enumeration() -> None:
             circle = np.hypot(
                 r - link[:, None] * np.cos(phi), link[:, None] * np.sin(phi)
             )  # length, orientation
-            hit = ((circle[..., None] >= low) & (circle[..., None] <= high)).any(axis=-1)
+            hit = ((circle[..., None] >= low) & (circle[..., None] <= high)).any(
+                axis=-1
+            )
             found = bool(hit.any(axis=0).all())
             if found:
                 assert turns_fully(arm, r)
@@ -216,7 +237,9 @@ def limited_brute_force(arm: PlanarArm, point: np.ndarray, turns: int) -> float:
             q = (first, elbow, phi - first - elbow)
             if all(
                 limit is None
-                or any(limit[0] <= v + 2 * math.pi * m <= limit[1] for m in range(-3, 4))
+                or any(
+                    limit[0] <= v + 2 * math.pi * m <= limit[1] for m in range(-3, 4)
+                )
                 for v, limit in zip(q, arm.limits, strict=True)
             ):
                 count += 1
@@ -228,7 +251,8 @@ def test_joint_limits_against_brute_force() -> None:
     rng = np.random.default_rng(5)
     for _ in range(25):
         limits = [
-            None if rng.random() < 0.4 else tuple(np.sort(rng.uniform(-4, 4, 2))) for _ in range(3)
+            None if rng.random() < 0.4 else tuple(np.sort(rng.uniform(-4, 4, 2)))
+            for _ in range(3)
         ]
         arm = PlanarArm(rng.uniform(0.5, 3, 3), limits)
         points = rng.uniform(-1, 1, (6, 2)) * arm.reach
@@ -241,7 +265,9 @@ def test_without_limits_the_map_is_the_exact_region() -> None:
     for lengths in [(5, 4, 1), (5, 5, 3), (2, 3, 4)]:
         arm = PlanarArm(lengths)
         radius = np.linspace(0.013, sum(lengths), 80)
-        share = dexterity(arm, np.stack([radius, 0 * radius], axis=-1), orientations=360)
+        share = dexterity(
+            arm, np.stack([radius, 0 * radius], axis=-1), orientations=360
+        )
         exact = np.array([turns_fully(arm, r) for r in radius])
         assert np.array_equal(share == 1, exact)
 
@@ -259,7 +285,9 @@ def test_reached_orientations_are_reached(kinds: str) -> None:
             q[0] = np.linspace(low[0], high[0], 101)[47]
         heading = arm.forward_kinematics(q)[2]
         # the one orientation that is asked for is zero: turn the first constant angle until it is
-        turned = PlanarArm(arm.lengths, limits, kinds, (arm.angles[0] - heading, *arm.angles[1:]))
+        turned = PlanarArm(
+            arm.lengths, limits, kinds, (arm.angles[0] - heading, *arm.angles[1:])
+        )
         point = turned.forward_kinematics(q)[:2]
         assert dexterity(turned, point, orientations=1, samples=101) == 1
 
@@ -288,7 +316,9 @@ def test_the_mirror_image_reaches_as_much(kinds: str) -> None:
         mirrored = PlanarArm(lengths, image, kinds, -angles)
         points = arm.forward_kinematics(rng.uniform(*limits.T, (20, 3)))[:, :2]
         share = dexterity(arm, points, orientations=72)
-        assert share == pytest.approx(dexterity(mirrored, points * (1, -1), orientations=72))
+        assert share == pytest.approx(
+            dexterity(mirrored, points * (1, -1), orientations=72)
+        )
         some += (share > 0).sum()
     assert some > 50
 
@@ -322,8 +352,16 @@ def test_the_map_has_the_exact_area() -> None:
 def test_nothing_is_reached_where_squares_overflow(kinds: str) -> None:
     limits = [(-1.0, 1.0)] * len(kinds)
     arm = PlanarArm((2, 1, 1, 0.5)[: len(kinds)], limits, kinds, (0.5,) * len(kinds))
-    points = [[-1e300, 1e300], [1e160, 0], arm.forward_kinematics(np.zeros(len(kinds)))[:2]]
-    assert (dexterity(arm, points, orientations=36, samples=3) > 0).tolist() == [False, False, True]
+    points = [
+        [-1e300, 1e300],
+        [1e160, 0],
+        arm.forward_kinematics(np.zeros(len(kinds)))[:2],
+    ]
+    assert (dexterity(arm, points, orientations=36, samples=3) > 0).tolist() == [
+        False,
+        False,
+        True,
+    ]
 
 
 def test_negative_controls_of_the_map() -> None:
@@ -335,7 +373,9 @@ def test_negative_controls_of_the_map() -> None:
 
 def test_necessary_conditions() -> None:
     assert necessary_conditions(PlanarArm((5, 4, 1))).satisfied
-    assert necessary_conditions(PlanarArm((1, 1, 1), [(0, 1), (0, 1), None], "PPR")).satisfied
+    assert necessary_conditions(
+        PlanarArm((1, 1, 1), [(0, 1), (0, 1), None], "PPR")
+    ).satisfied
     two = necessary_conditions(PlanarArm((5, 5)))
     assert not two.satisfied
     assert "takes two" in two.reasons[0]
@@ -354,7 +394,9 @@ def test_conditions_never_deny_an_orientation_that_occurs(limit: float) -> None:
     arm = PlanarArm((5, 4, 1), [(-limit, limit)] * 3)
     turn = np.linspace(-limit, limit, 61)
     # Sums of three ranges: the widest gap between orientations, round the circle.
-    seen = np.sort(np.mod(np.add.outer(np.add.outer(turn, turn), turn).ravel(), 2 * math.pi))
+    seen = np.sort(
+        np.mod(np.add.outer(np.add.outer(turn, turn), turn).ravel(), 2 * math.pi)
+    )
     gap = np.diff(np.append(seen, seen[0] + 2 * math.pi)).max()
     assert necessary_conditions(arm).satisfied == (gap < 0.25)
     found = dexterity_map(arm, resolution=21, orientations=60)
@@ -367,10 +409,16 @@ def test_limits_short_of_a_turn_leave_a_dexterous_workspace() -> None:
     assert dexterity_map(arm).area == pytest.approx(155.8, abs=0.05)
     assert necessary_conditions(arm).satisfied
     # One joint that turns fully does as well as three that share the turn.
-    assert necessary_conditions(PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.2)])).satisfied
-    assert not necessary_conditions(PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.0)])).satisfied
+    assert necessary_conditions(
+        PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.2)])
+    ).satisfied
+    assert not necessary_conditions(
+        PlanarArm((5, 4, 1), [(0, 0.1), (0, 0.1), (0, 6.0)])
+    ).satisfied
     # What a prismatic joint slides is no turn.
-    sliding = necessary_conditions(PlanarArm((1, 1, 1), [(0, 9), (0, 9), (0, 1)], "PPR"))
+    sliding = necessary_conditions(
+        PlanarArm((1, 1, 1), [(0, 9), (0, 9), (0, 1)], "PPR")
+    )
     assert "turn 1 rad" in sliding.reasons[0]
 
 
@@ -404,14 +452,22 @@ def test_isolated_radii(lengths, radii) -> None:
         (lambda: theorem_radii(1, 1, 0), "l_3"),
         (lambda: turns_fully(PlanarArm((1, 1)), -1), "radius"),
         (lambda: turns_fully(PlanarArm((1, 1), [(0, 1), None]), 1), "without limits"),
-        (lambda: dexterous_radii(PlanarArm((1, 1), [(0, 1), None], "PR")), "without limits"),
+        (
+            lambda: dexterous_radii(PlanarArm((1, 1), [(0, 1), None], "PR")),
+            "without limits",
+        ),
         (lambda: dexterity(PlanarArm((1, 1)), [0, 0]), "three joints"),
         (
-            lambda: dexterity(PlanarArm((1, 1, 1), [None, None, (0, 1)], "RRP"), [0, 0]),
+            lambda: dexterity(
+                PlanarArm((1, 1, 1), [None, None, (0, 1)], "RRP"), [0, 0]
+            ),
             "last one R",
         ),
         (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0, 0]), "points"),
-        (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], orientations=0), "orientations"),
+        (
+            lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], orientations=0),
+            "orientations",
+        ),
         (lambda: dexterity(PlanarArm((1, 1, 1)), [0, 0], samples=1.5), "samples"),
         (lambda: dexterity_map(PlanarArm((1, 1, 1)), resolution=1), "resolution"),
         (lambda: dexterity_map(PlanarArm((1, 1))), "three joints"),

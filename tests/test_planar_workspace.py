@@ -49,7 +49,12 @@ LIMITED = {
     "RRP": PlanarArm((2, 1, 0), [(-1, 1), (0, 2), (0.5, 1)], "RRP"),
     "RPRR, curves that touch": PlanarArm(
         (1, 3, 1, 1),
-        [(-2 * math.pi / 3, -math.pi / 6), (0, 1), (-QUARTER, math.pi / 6), (-5 * math.pi / 6, 0)],
+        [
+            (-2 * math.pi / 3, -math.pi / 6),
+            (0, 1),
+            (-QUARTER, math.pi / 6),
+            (-5 * math.pi / 6, 0),
+        ],
         "RPRR",
         (0, QUARTER, QUARTER, 0),
     ),
@@ -86,18 +91,24 @@ def random_tips(arm: PlanarArm, count: int, rng: np.random.Generator) -> np.ndar
     """Enumeration; half of the joint values sit at a limit now and then, to fill the corners."""
     low, high = bounds(arm)
     share = rng.random((count, arm.n))
-    share = np.where(rng.random(share.shape) < 0.15, rng.integers(0, 2, share.shape), share)
+    share = np.where(
+        rng.random(share.shape) < 0.15, rng.integers(0, 2, share.shape), share
+    )
     return arm.forward_kinematics(low + share * (high - low))[:, :2]
 
 
-def distances(arm: PlanarArm, points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def distances(
+    arm: PlanarArm, points: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
     """Least distances from points (M, 2) to the tip, by damped least squares within the limits.
 
     32 starts each, chosen among random ones; a joint that is pushed against its limit is let go.
     """
     low, high = bounds(arm)
     starts = low + rng.random((3000, arm.n)) * (high - low)
-    gaps = np.linalg.norm(arm.forward_kinematics(starts)[:, :2] - points[:, None], axis=-1)
+    gaps = np.linalg.norm(
+        arm.forward_kinematics(starts)[:, :2] - points[:, None], axis=-1
+    )
     q = starts[np.argsort(gaps, axis=1)[:, :32]]
     best = np.full(len(points), np.inf)
     for step in range(90):
@@ -107,8 +118,12 @@ def distances(arm: PlanarArm, points: np.ndarray, rng: np.random.Generator) -> n
         pull = np.einsum("...ij,...i->...j", jacobian, error)
         stuck = ((q <= low) & (pull < 0)) | ((q >= high) & (pull > 0))
         jacobian = np.where(stuck[..., None, :], 0.0, jacobian)
-        damping = (1e-3 if step < 45 else 1e-7) * np.einsum("...i,...i->...", error, error) + 1e-12
-        square = jacobian @ np.swapaxes(jacobian, -1, -2) + damping[..., None, None] * np.eye(2)
+        damping = (1e-3 if step < 45 else 1e-7) * np.einsum(
+            "...i,...i->...", error, error
+        ) + 1e-12
+        square = jacobian @ np.swapaxes(jacobian, -1, -2) + damping[
+            ..., None, None
+        ] * np.eye(2)
         move = np.swapaxes(jacobian, -1, -2) @ np.linalg.solve(square, error[..., None])
         q = np.clip(q + np.clip(move[..., 0], -0.5, 0.5), low, high)
     return best
@@ -170,8 +185,12 @@ def test_area_is_that_of_a_fine_grid(name: str) -> None:
     x = -arm.reach + width * (np.arange(cells) + 0.5)
     grid = np.stack(np.meshgrid(x, x), axis=-1)
     counted = float(space.contains(grid).sum()) * width**2
-    length = sum(c.span * c.radius if isinstance(c, Arc) else c.length for c in space.curves)
-    assert abs(counted - space.area) < 0.5 * width * length  # half a square along the boundary
+    length = sum(
+        c.span * c.radius if isinstance(c, Arc) else c.length for c in space.curves
+    )
+    assert (
+        abs(counted - space.area) < 0.5 * width * length
+    )  # half a square along the boundary
     assert space.area > 0
 
 
@@ -228,7 +247,9 @@ def test_shapes(arm: PlanarArm, shape: str) -> None:
 
 
 @pytest.mark.parametrize("lengths", FREE)
-def test_without_limits_two_routes_agree(lengths, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_limits_two_routes_agree(
+    lengths, monkeypatch: pytest.MonkeyPatch
+) -> None:
     arm = PlanarArm(lengths)
     exact = arm.workspace()
     tips = np.linalg.norm(random_tips(arm, 20000, np.random.default_rng(5)), axis=1)
@@ -325,7 +346,11 @@ def test_a_hole_and_a_slit() -> None:
         (lambda: PlanarArm((1, -1), [None, (0, 1)], "RP"), InputError, "not negative"),
         (lambda: PlanarArm((1, 2), angles=(0,)), ShapeError, "angles"),
         (lambda: PlanarArm((1, 2)).forward_kinematics([1]), ShapeError, "q"),
-        (lambda: PlanarArm((1, 2)).workspace().contains([1, 2, 3]), ShapeError, "points"),
+        (
+            lambda: PlanarArm((1, 2)).workspace().contains([1, 2, 3]),
+            ShapeError,
+            "points",
+        ),
     ],
 )
 def test_bad_input(call, error, words) -> None:

@@ -80,39 +80,99 @@ def flattened() -> a5.Arm:
 
 #: What is made -> what the warning says.
 IMPLAUSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
-    "density in g/cm^3": (lambda: a5.load(1.025), "fluid_density: 1.025 .* write 1025$"),
+    "density in g/cm^3": (
+        lambda: a5.load(1.025),
+        "fluid_density: 1.025 .* write 1025$",
+    ),
     "fresh water in g/cm^3": (lambda: a5.load(0.998), "in g/cm.3, write 998$"),
     "density in g/m^3": (lambda: a5.load(1.025e6), "fluid_density: 1.025e.06"),
     "MuJoCo's density": (lambda: MjcfOptions(fluid_density=1.025), "write 1025$"),
     "Gazebo's density": (lambda: SdfOptions(fluid_density=1.025), "write 1025$"),
-    "gravity upwards": (lambda: a5.load(gravity=(0, 0, 9.81)), r"points up; write \(0, 0, -9.81\)"),
-    "a list upwards": (lambda: a5.load(gravity=[0.0, 0.0, 9.8]), r"write \(0, 0, -9.8\)"),
-    "gravity in mm": (lambda: a5.load(gravity=(0, 0, -9810)), r"mm/s.2, write \(0, 0, -9.81\)$"),
-    "gravity in g": (lambda: a5.load(gravity=(0, 0, -1)), r"in g, write \(0, 0, -9.81\)$"),
+    "gravity upwards": (
+        lambda: a5.load(gravity=(0, 0, 9.81)),
+        r"points up; write \(0, 0, -9.81\)",
+    ),
+    "a list upwards": (
+        lambda: a5.load(gravity=[0.0, 0.0, 9.8]),
+        r"write \(0, 0, -9.8\)",
+    ),
+    "gravity in mm": (
+        lambda: a5.load(gravity=(0, 0, -9810)),
+        r"mm/s.2, write \(0, 0, -9.81\)$",
+    ),
+    "gravity in g": (
+        lambda: a5.load(gravity=(0, 0, -1)),
+        r"in g, write \(0, 0, -9.81\)$",
+    ),
     "payload in g": (lambda: payload(500), "mass: 500 kg .* if it is in g, write 0.5$"),
-    "payload's COM far away": (lambda: payload(0.5, (0, 0, 20)), r"com: .* write \(0, 0, 0.02\)$"),
-    "payload's COB": (lambda: payload(0.5, cob=(0, 0, 20)), r"cob: .* write \(0, 0, 0.02\)$"),
-    "payload's litres": (lambda: payload(0.5, volume=0.5), "volume: 0.5 m.3 .* in L, write 0.0005"),
-    "payload like foam": (lambda: payload(0.05, volume=0.05), "is 1 kg/m.3.* in L, write 5e-05$"),
+    "payload's COM far away": (
+        lambda: payload(0.5, (0, 0, 20)),
+        r"com: .* write \(0, 0, 0.02\)$",
+    ),
+    "payload's COB": (
+        lambda: payload(0.5, cob=(0, 0, 20)),
+        r"cob: .* write \(0, 0, 0.02\)$",
+    ),
+    "payload's litres": (
+        lambda: payload(0.5, volume=0.5),
+        "volume: 0.5 m.3 .* in L, write 0.0005",
+    ),
+    "payload like foam": (
+        lambda: payload(0.05, volume=0.05),
+        "is 1 kg/m.3.* in L, write 5e-05$",
+    ),
     "payload's kg mm^2": (
         lambda: payload(0.5, inertia=500 * np.eye(3)),
         "radius of gyration of 38.73 m .* kg mm.2, multiply it by 1e-06$",
     ),
     "vehicle's litres": (lambda: vehicle(volume=11.4), "volume is in L, write 0.0114$"),
     "vehicle in g": (lambda: vehicle(mass=11500), "mass is in g, write 11.5$"),
-    "vehicle's COM": (lambda: vehicle(com=(0, 0, 20)), "com: .* for a vehicle; if it is in mm"),
-    "jaw rod of 5 m": (lambda: jaws(rod_length=5), "rod_length: 5 m .* in mm, write 0.005$"),
-    "density of the rod": (lambda: jaws(rod_density=7.85), "rod_density: .* write 7850$"),
+    "vehicle's COM": (
+        lambda: vehicle(com=(0, 0, 20)),
+        "com: .* for a vehicle; if it is in mm",
+    ),
+    "jaw rod of 5 m": (
+        lambda: jaws(rod_length=5),
+        "rod_length: 5 m .* in mm, write 0.005$",
+    ),
+    "density of the rod": (
+        lambda: jaws(rod_density=7.85),
+        "rod_density: .* write 7850$",
+    ),
     "link in g": (lambda: link(mass=161), "link_1.mass: 161 kg .* write 0.161$"),
     "link's COM in mm": (lambda: link(com=(7.7, 0.1, 25)), "link_1.com: .* in mm"),
-    "link's litres": (lambda: link(volume=0.032), "link_1.volume: .* in L, write 3.2e-05$"),
-    "bounds in mm": (lambda: link(bounds=1000 * P.links[1].bounds), "link_1.bounds: .* in mm"),
-    "limits in degrees": (lambda: joint(upper=351.97), "axis_e.upper: .* in deg, write 6.14"),
-    "speed in degrees": (lambda: joint(velocity=30), "axis_e.velocity: .* deg/s, write 0.523"),
-    "a_1 in mm": (lambda: dataclasses.replace(P.dh[1], a=150.7), "^a: .* in mm, write 0.1507$"),
-    "alpha in degrees": (lambda: dataclasses.replace(P.dh[1], alpha=90), "alpha: .* write 1.5708$"),
-    "inductance in mH": (lambda: motor(inductance=0.231), "inductance: .* mH, write 0.000231$"),
-    "K_t in mN m/A": (lambda: motor(torque_constant=13.4), "torque_constant: .* write 0.0134$"),
+    "link's litres": (
+        lambda: link(volume=0.032),
+        "link_1.volume: .* in L, write 3.2e-05$",
+    ),
+    "bounds in mm": (
+        lambda: link(bounds=1000 * P.links[1].bounds),
+        "link_1.bounds: .* in mm",
+    ),
+    "limits in degrees": (
+        lambda: joint(upper=351.97),
+        "axis_e.upper: .* in deg, write 6.14",
+    ),
+    "speed in degrees": (
+        lambda: joint(velocity=30),
+        "axis_e.velocity: .* deg/s, write 0.523",
+    ),
+    "a_1 in mm": (
+        lambda: dataclasses.replace(P.dh[1], a=150.7),
+        "^a: .* in mm, write 0.1507$",
+    ),
+    "alpha in degrees": (
+        lambda: dataclasses.replace(P.dh[1], alpha=90),
+        "alpha: .* write 1.5708$",
+    ),
+    "inductance in mH": (
+        lambda: motor(inductance=0.231),
+        "inductance: .* mH, write 0.000231$",
+    ),
+    "K_t in mN m/A": (
+        lambda: motor(torque_constant=13.4),
+        "torque_constant: .* write 0.0134$",
+    ),
     "screw lead in mm": (
         lambda: a5.actuators.actuator("axis_a", screw_lead=1),
         "screw_lead: 1 m .* in mm, write 0.001$",
@@ -140,39 +200,81 @@ def test_an_implausible_quantity_warns_once_here_with_the_unit(case: str) -> Non
 
 #: What is made -> what the error says.
 IMPOSSIBLE: dict[str, tuple[Callable[[], Any], str]] = {
-    "link": (lambda: link(mass=-0.4), "link_1.mass: expected a number of at least 0, got -0.4"),
-    "link's tensor": (lambda: link(inertia=NO_BODY), "link_1.inertia: expected a possible body"),
+    "link": (
+        lambda: link(mass=-0.4),
+        "link_1.mass: expected a number of at least 0, got -0.4",
+    ),
+    "link's tensor": (
+        lambda: link(inertia=NO_BODY),
+        "link_1.inertia: expected a possible body",
+    ),
     "link's volume": (lambda: link(volume=-1e-5), "link_1.volume"),
     "link's bounds": (lambda: link(bounds=-P.links[1].bounds), "link_1.bounds"),
     "link's COM": (lambda: link(com=(0, 0, math.nan)), "link_1.com.*finite"),
     "no mass, but inertia": (lambda: link(mass=0.0), "mass 0 kg is not positive"),
-    "jaw rod's density": (lambda: jaws(rod_density=0.0), "rod_density: expected a number above 0"),
+    "jaw rod's density": (
+        lambda: jaws(rod_density=0.0),
+        "rod_density: expected a number above 0",
+    ),
     "finger's density": (lambda: jaws(finger_density=-2700), "finger_density"),
     "rod's length": (lambda: jaws(rod_length=-0.05), "rod_length"),
     "fluid": (lambda: a5.load(-1025), "fluid_density: expected a number of at least 0"),
-    "a name": (lambda: a5.load("fresh"), r"SEA_WATER \(1025\), FRESH_WATER \(1000\), AIR \(0\)"),
+    "a name": (
+        lambda: a5.load("fresh"),
+        r"SEA_WATER \(1025\), FRESH_WATER \(1000\), AIR \(0\)",
+    ),
     "payload": (lambda: payload(-0.5), "mass: expected a number of at least 0"),
-    "payload's tensor": (lambda: payload(0.5, inertia=NO_BODY), "inertia: expected a possible"),
+    "payload's tensor": (
+        lambda: payload(0.5, inertia=NO_BODY),
+        "inertia: expected a possible",
+    ),
     "vehicle": (lambda: vehicle(mass=-11.5), "mass: expected a number of at least 0"),
-    "vehicle's tensor": (lambda: vehicle(inertia=NO_BODY), "inertia: expected a possible body"),
-    "limits": (lambda: joint(upper=-1.0), "axis_e.upper: expected a number of at least 0.01745"),
+    "vehicle's tensor": (
+        lambda: vehicle(inertia=NO_BODY),
+        "inertia: expected a possible body",
+    ),
+    "limits": (
+        lambda: joint(upper=-1.0),
+        "axis_e.upper: expected a number of at least 0.01745",
+    ),
     "speed": (lambda: joint(velocity=-0.5), "axis_e.velocity"),
     "efficiency in %": (lambda: motor(efficiency=86), "efficiency: expected at most 1"),
-    "no efficiency": (lambda: motor(efficiency=0), "efficiency: expected a number above 0"),
+    "no efficiency": (
+        lambda: motor(efficiency=0),
+        "efficiency: expected a number above 0",
+    ),
     "resistance": (lambda: motor(resistance=-3.22), "resistance"),
     "ratio": (lambda: motor(gear_ratio=0), "gear_ratio"),
     "screw lead": (
         lambda: dataclasses.replace(a5.actuators.actuator("axis_a"), screw_lead=-1e-3),
         "screw_lead",
     ),
-    "rotor": (lambda: Actuator("axis_e", P.actuators[0], rotor_inertia=-1e-6), "rotor_inertia"),
-    "constants": (lambda: Actuator("axis_e", P.actuators[0], "best"), "unknown motor constants"),
+    "rotor": (
+        lambda: Actuator("axis_e", P.actuators[0], rotor_inertia=-1e-6),
+        "rotor_inertia",
+    ),
+    "constants": (
+        lambda: Actuator("axis_e", P.actuators[0], "best"),
+        "unknown motor constants",
+    ),
     "joint": (lambda: Actuator("axis_z", P.actuators[0]), "unknown joint"),
     "row": (lambda: Actuator("axis_e", P.joints[0]), "ActuatorParameters"),  # type: ignore[arg-type]
-    "five links": (lambda: dataclasses.replace(P, links=P.links[:4]), "5 LinkParameters"),
-    "no links": (lambda: dataclasses.replace(P, links=(1, 2, 3, 4, 5)), "a LinkParameters"),
-    "model's mass": (lambda: heavier_than_nothing(-0.4), "mass on axis_d: expected at least 0"),
-    "model's tensor": (flattened, "inertia on axis_d: expected an inertia that a body can have"),
+    "five links": (
+        lambda: dataclasses.replace(P, links=P.links[:4]),
+        "5 LinkParameters",
+    ),
+    "no links": (
+        lambda: dataclasses.replace(P, links=(1, 2, 3, 4, 5)),
+        "a LinkParameters",
+    ),
+    "model's mass": (
+        lambda: heavier_than_nothing(-0.4),
+        "mass on axis_d: expected at least 0",
+    ),
+    "model's tensor": (
+        flattened,
+        "inertia on axis_d: expected an inertia that a body can have",
+    ),
 }
 
 
@@ -185,8 +287,12 @@ def test_an_impossible_quantity_raises(case: str) -> None:
 
 
 def test_too_heavy_jaws_leave_no_wrist() -> None:
-    with pytest.raises(InputError, match=r"link_4.mass: expected a number of at least 0"):
-        split_link_4(dataclasses.replace(P, jaws=jaws(rod_length=0.5, rod_diameter=0.03)))
+    with pytest.raises(
+        InputError, match=r"link_4.mass: expected a number of at least 0"
+    ):
+        split_link_4(
+            dataclasses.replace(P, jaws=jaws(rod_length=0.5, rod_diameter=0.03))
+        )
 
 
 #: Made without a word.
@@ -196,7 +302,9 @@ PLAUSIBLE: dict[str, Callable[[], Any]] = {
     "brine": lambda: a5.load(1240.0),
     "the Moon": lambda: a5.load(gravity=(0, 0, -1.62)),
     "weightless": lambda: a5.load(gravity=(0, 0, 0)),
-    "upside down": lambda: a5.load(gravity=a5.gravity_in_base(np.diag([1.0, -1.0, -1.0]))),
+    "upside down": lambda: a5.load(
+        gravity=a5.gravity_in_base(np.diag([1.0, -1.0, -1.0]))
+    ),
     "NED": lambda: a5.load(gravity=a5.gravity_in_base(np.eye(3), (0.0, 0.0, 9.81))),
     "on a wall": lambda: a5.load(gravity=(9.81, 0, 0)),
     "ballast": lambda: payload(20.0, (0, 0, 0.1), volume=20 / 7850),
@@ -282,7 +390,9 @@ def test_silence_ends_with_its_block_and_is_of_one_thread() -> None:
 
 
 LIMITS = {
-    name: x for name, x in vars(plausibility).items() if isinstance(x, plausibility.Plausible)
+    name: x
+    for name, x in vars(plausibility).items()
+    if isinstance(x, plausibility.Plausible)
 }
 
 
@@ -306,16 +416,27 @@ def test_bounds_are_ranges_and_each_unit_is_one_that_can_be_meant(name: str) -> 
 COMMANDS = {
     "torque --q 3 1 1 0 --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
     "torque --q 3 1 1 0 --payload 500": ["mass: 500 kg", "if it is in g, write 0.5"],
-    "torque --q 3 1 1 0 --payload 0.5 0 0 20": ["com: (0, 0, 20) m", "write (0, 0, 0.02)"],
+    "torque --q 3 1 1 0 --payload 0.5 0 0 20": [
+        "com: (0, 0, 20) m",
+        "write (0, 0, 0.02)",
+    ],
     "torque --q 3 1 1 0 --gravity 0 0 9.81": ["points up", "--mount"],
-    "torque --q 3 1 1 0 --json --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
-    "generate --format mjcf --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
+    "torque --q 3 1 1 0 --json --fluid 1.025": [
+        "fluid_density: 1.025 kg/m^3",
+        "write 1025",
+    ],
+    "generate --format mjcf --fluid 1.025": [
+        "fluid_density: 1.025 kg/m^3",
+        "write 1025",
+    ],
     "generate --format c --fluid 1.025": ["fluid_density: 1.025 kg/m^3", "write 1025"],
 }
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_commands_print_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_print_one_line(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(command.split()) == 0
     out, err = capsys.readouterr()
     (line,) = err.splitlines()
@@ -336,7 +457,9 @@ QUIET = (
 
 
 @pytest.mark.parametrize("command", QUIET)
-def test_commands_are_quiet_otherwise(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_are_quiet_otherwise(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(command.split()) == 0
     assert capsys.readouterr().err == ""
 
@@ -353,7 +476,9 @@ def test_a_study_warns_when_it_is_read_and_not_of_each_case(tmp_path: Path) -> N
     """
     file = tmp_path / "study.toml"
     file.write_text(study.replace("\n        ", "\n"))
-    with pytest.warns(ImplausibleWarning, match=r"axes.payload_mass: 500 kg .* write 0.5$") as said:
+    with pytest.warns(
+        ImplausibleWarning, match=r"axes.payload_mass: 500 kg .* write 0.5$"
+    ) as said:
         a5.sweep(file, tmp_path / "out")
     assert len(said) == 1
 
@@ -378,6 +503,9 @@ a5.robot_wrapper("jaws")
 def test_the_package_itself_is_quiet() -> None:
     options = ("-W", "error", "-W", "ignore::DeprecationWarning")
     done = subprocess.run(
-        [sys.executable, *options, "-c", EVERYTHING], capture_output=True, text=True, timeout=120
+        [sys.executable, *options, "-c", EVERYTHING],
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert (done.returncode, done.stderr) == (0, "")

@@ -50,7 +50,16 @@ ANSWERS = {
     "planar-limits": ("planar", "5", "4", "-l", "none", "-l", "-1", "1"),
     "sweep": ("sweep", "study.toml", "--output", "results"),
     "torque": ("torque", *POSE),
-    "torque-jaws": ("torque", *POSE, "--gripper", "jaws", "--payload", "0.5", "--mount", "3,0,0"),
+    "torque-jaws": (
+        "torque",
+        *POSE,
+        "--gripper",
+        "jaws",
+        "--payload",
+        "0.5",
+        "--mount",
+        "3,0,0",
+    ),
     "torque-water": ("torque", "--q", "3.1,1.2,1.8,7", "--current", "0", "1", "0"),
     "trajectory": ("trajectory", "motion.csv"),
     "trajectory-limits": (
@@ -87,11 +96,14 @@ def folder_of_a_user() -> None:
         f'as = "maximum"\nby = [{map_by}]',
     )
     outputs = "".join(
-        f'[outputs.{n}]\nquantity = "torque"\n{f}\n' for n, f in zip("abc", forms, strict=True)
+        f'[outputs.{n}]\nquantity = "torque"\n{f}\n'
+        for n, f in zip("abc", forms, strict=True)
     )
     Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
     time = np.arange(0, 12, 0.02)
-    q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [0.007 + 0.0 * time]
+    q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [
+        0.007 + 0.0 * time
+    ]
     effort = 0.2 * np.cos(time)
     head = [
         "time_secs",
@@ -100,7 +112,14 @@ def folder_of_a_user() -> None:
     ]
     rows = np.column_stack([time, *q, effort])
     rows[300:, 0] += 1.0
-    np.savetxt("motion.csv", rows, delimiter=",", header=",".join(head), comments="", fmt="%.9g")
+    np.savetxt(
+        "motion.csv",
+        rows,
+        delimiter=",",
+        header=",".join(head),
+        comments="",
+        fmt="%.9g",
+    )
 
 
 def printed(arguments: tuple[str, ...], terminal: bool) -> str:
@@ -129,7 +148,9 @@ def fits(text: str, columns: int) -> None:
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_what_is_printed(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_printed(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     folder_of_a_user()
     once: dict[str, Any] = {}
@@ -144,9 +165,15 @@ def test_what_is_printed(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
         monkeypatch.setattr(module, function, given)
 
     # Freshness takes seconds, and has tests of its own.
-    monkeypatch.setattr(proofs, "verify_generated", lambda: proofs.verify_urdf("arm.urdf", None))
+    monkeypatch.setattr(
+        proofs, "verify_generated", lambda: proofs.verify_urdf("arm.urdf", None)
+    )
     monkeypatch.setattr(proofs, "verify_urdf", lambda path, _: verify_urdf(path))
-    for module, function in ((proofs, "verify_urdf"), (proofs, "run"), (generate, "urdf")):
+    for module, function in (
+        (proofs, "verify_urdf"),
+        (proofs, "run"),
+        (generate, "urdf"),
+    ):
         kept(module, function)
     answers = {}
     for columns, terminal in VIEWS:
@@ -174,7 +201,9 @@ def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("COLUMNS", str(columns))
         if (columns, terminal) != (80, False):  # the run that other tests look at, too
             said = printed(("demo", "--output", "demo"), terminal)
-        text = re.sub(r"\d\.\d MB|\d(\.\d)?e-1\d", "0", said.replace(str(folder), "demo"))
+        text = re.sub(
+            r"\d\.\d MB|\d(\.\d)?e-1\d", "0", said.replace(str(folder), "demo")
+        )
         fits(text, columns)
         answers[f"{columns} columns, {'terminal' if terminal else 'piped'}"] = text
     held("demo", answers)
@@ -204,8 +233,12 @@ def test_on_a_real_terminal(columns: int) -> None:
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
     words = [sys.executable, "-m", "alpha5_model", "dh", "0.5", "1.2", "1", "-0.25"]
-    clean = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES", "NO_COLOR")}
-    subprocess.run(words, stdout=theirs, check=True, env={**clean, "TERM": "xterm"}, cwd=ROOT)
+    clean = {
+        k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES", "NO_COLOR")
+    }
+    subprocess.run(
+        words, stdout=theirs, check=True, env={**clean, "TERM": "xterm"}, cwd=ROOT
+    )
     os.close(theirs)
     text = b""
     with suppress(OSError):  # the end of a terminal
@@ -266,7 +299,9 @@ def test_the_same_vector_in_each_form_gives_the_same_answer() -> None:
     assert first[0] == 0
     assert first[2] == ""
     for other in others:
-        np.testing.assert_allclose(json.loads(other[1])["q"], json.loads(first[1])["q"], rtol=1e-15)
+        np.testing.assert_allclose(
+            json.loads(other[1])["q"], json.loads(first[1])["q"], rtol=1e-15
+        )
     arm = a5.load()
     frames = json.loads(first[1])["frames"]
     for name in ("tcp", "link_4", "base_link"):
@@ -281,22 +316,36 @@ def test_the_same_vector_in_each_form_gives_the_same_answer() -> None:
     [
         ("ik 250 -100 50", 2, "mm away; if 250 is in mm, write 250mm"),
         ("ik .25 -.1 .05 --wrist 90", 0, "if 90 is in deg, write 90deg"),
-        ("torque --q 170 60 100 20", 0, "alpha5: warning: if 170 is in deg, write 170deg"),
+        (
+            "torque --q 170 60 100 20",
+            0,
+            "alpha5: warning: if 170 is in deg, write 170deg",
+        ),
         ("fk 170 60 100 20", 0, "alpha5: warning: if 170 is in deg, write 170deg"),
         ("torque --q 3 1 1 0 --v 30 0 0 0", 0, "if 30 is in deg, write 30deg"),
         ("torque --q 3 1 1 0", 0, ""),
-        ("fk 1 2 3", 2, "q: expected four or five numbers (rad, jaw rod m), got '1 2 3'"),
+        (
+            "fk 1 2 3",
+            2,
+            "q: expected four or five numbers (rad, jaw rod m), got '1 2 3'",
+        ),
         ("fk 1 2 3 4mm", 2, "four or five numbers"),
         ("torque --q 1 2 3", 2, "--q: expected four numbers (rad), got '1 2 3'"),
         ("torque --q 1 2 3 4 --payload heavy", 2, "MASS X Y Z VOLUME (kg, m, m^3)"),
         ("torque --q 1 2 3 4 --payload -1", 2, "mass"),
-        ("torque --q 1 2 3 4 --mount 1 2", 2, "mount: expected three numbers (rad), got '1 2'"),
+        (
+            "torque --q 1 2 3 4 --mount 1 2",
+            2,
+            "mount: expected three numbers (rad), got '1 2'",
+        ),
         ("torque --q 1 2 3 4 --gripper open", 2, "locked, jaws"),
         ("generate --rpy 1 2", 2, "rpy: expected three numbers (rad)"),
         ("view --target 1", 2, "target: expected three numbers (m)"),
     ],
 )
-def test_what_is_wrong_or_seems_to_be_is_one_line(arguments: str, status: int, words: str) -> None:
+def test_what_is_wrong_or_seems_to_be_is_one_line(
+    arguments: str, status: int, words: str
+) -> None:
     got, out, said = answer(*arguments.split())
     assert got == status
     assert said.count("\n") == bool(words)
@@ -323,7 +372,9 @@ def test_torque_of_jaws_payload_and_mount_is_the_arms() -> None:
     limits = loaded.limits
     assert limits.lower.tolist() == [joint.lower for joint in a5.parameters().joints]
     assert limits.upper.tolist() == [joint.upper for joint in a5.parameters().joints]
-    np.testing.assert_array_equal(a5.load(floating_base=True).limits.lower, limits.lower[:4])
+    np.testing.assert_array_equal(
+        a5.load(floating_base=True).limits.lower, limits.lower[:4]
+    )
 
 
 def test_branches_that_meet_are_marked() -> None:
@@ -334,21 +385,32 @@ def test_branches_that_meet_are_marked() -> None:
         assert status == 0
         branches = {b["name"]: b for b in json.loads(out)["branches"]}
         q = {name: b["q"] for name, b in branches.items() if b["exists"]}
-        for name, other in (("underarm_flipped", "underarm"), ("overarm_flipped", "overarm")):
+        for name, other in (
+            ("underarm_flipped", "underarm"),
+            ("overarm_flipped", "overarm"),
+        ):
             if name in q and other in q:
                 assert (branches[name]["same_as"] == other) == meet
         assert branches["underarm"]["same_as"] is None
 
 
-def test_generate_names_all_that_it_wrote(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_generate_names_all_that_it_wrote(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    for words in ("--output new/arm.urdf", "--format sdf --output new", "--format c --output c"):
+    for words in (
+        "--output new/arm.urdf",
+        "--format sdf --output new",
+        "--format c --output c",
+    ):
         before = {*tmp_path.rglob("*")}
         status, out, _ = answer("generate", *words.split())
         assert status == 0
         named = {
             tmp_path / folder / name
-            for folder, names in re.findall(r"^wrote in (\S+): (.*(?:\n  .*)*)", out, re.MULTILINE)
+            for folder, names in re.findall(
+                r"^wrote in (\S+): (.*(?:\n  .*)*)", out, re.MULTILINE
+            )
             for name in re.split(r",\s+", names)
         }
         made = {path for path in tmp_path.rglob("*") if path.is_file()} - before

@@ -31,7 +31,9 @@ def answers(kind):
     """Every batch of an arm, more states than one thread is given."""
     arm = make(kind)
     q, v, a = states(arm)
-    terms = [] if arm.floating_base else [torque_terms(arm, q, v, a, threads=2).coriolis]
+    terms = (
+        [] if arm.floating_base else [torque_terms(arm, q, v, a, threads=2).coriolis]
+    )
     return [
         arm.inverse_dynamics_batch(q, v, a, threads=2),
         arm.forward_dynamics_batch(q, v, a),
@@ -42,7 +44,9 @@ def answers(kind):
 
 
 def refused(_):
-    a5.load().inverse_dynamics(np.zeros(4), np.array([0.0, np.nan, 0.0, 0.0]), np.zeros(4))
+    a5.load().inverse_dynamics(
+        np.zeros(4), np.array([0.0, np.nan, 0.0, 0.0]), np.zeros(4)
+    )
 
 
 @pytest.fixture(params=["fork", "spawn"])
@@ -72,7 +76,9 @@ def test_batches_and_errors_in_a_pool_s_workers(context):
     kinds = ["locked", "kernels", "floating", "jaws"]
     with context.Pool(1) as pool:
         there = pool.map_async(answers, kinds).get(LIMIT)
-        with pytest.raises(a5.errors.NonFiniteError, match=r"^v\[1\]: expected finite") as caught:
+        with pytest.raises(
+            a5.errors.NonFiniteError, match=r"^v\[1\]: expected finite"
+        ) as caught:
             pool.apply_async(refused, (0,)).get(LIMIT)
     assert (caught.value.name, caught.value.index) == ("v", (1,))
     assert all(same(x, answers(kind)) for x, kind in zip(there, kinds, strict=True))

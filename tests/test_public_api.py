@@ -97,7 +97,9 @@ def surface() -> list[str]:
         if constructed:
             lines[f"{name}{signature(value)}"] = None
         fields = (
-            [f.name for f in dataclasses.fields(value)] if dataclasses.is_dataclass(value) else []
+            [f.name for f in dataclasses.fields(value)]
+            if dataclasses.is_dataclass(value)
+            else []
         )
         for member in sorted({*fields, *dir(value)}):
             if member.startswith("_"):
@@ -125,7 +127,9 @@ def surface() -> list[str]:
             for member in public(value):
                 show(f"{name}.{member}", getattr(value, member))
         elif inspect.isclass(value) and issubclass(value, Exception):
-            lines[f"{name}: {', '.join(base.__name__ for base in value.__bases__)}"] = None
+            lines[f"{name}: {', '.join(base.__name__ for base in value.__bases__)}"] = (
+                None
+            )
         elif inspect.isclass(value):
             show_class(name, value, constructed=True)
         elif callable(value):
@@ -162,7 +166,11 @@ def command_line() -> Iterator[str]:
 def lost(recorded: list[str], current: list[str]) -> list[str]:
     """Recorded lines that no current line keeps."""
     now = {line.partition("(")[0]: line for line in current}
-    return [line for line in recorded if not keeps(line, now.get(line.partition("(")[0], ""))]
+    return [
+        line
+        for line in recorded
+        if not keeps(line, now.get(line.partition("(")[0], ""))
+    ]
 
 
 def keeps(before: str, now: str) -> bool:

@@ -60,7 +60,9 @@ def test_table_1_arrived() -> None:
 
     for cells, row in zip(rows, a5.published().table_1.rows, strict=True):
         a = row.a if isinstance(row.a, str) else row.a.text
-        assert [row.link, row.d.text, row.theta, a, row.alpha] == [plain(c) for c in cells]
+        assert [row.link, row.d.text, row.theta, a, row.alpha] == [
+            plain(c) for c in cells
+        ]
 
 
 @needs_seed
@@ -118,7 +120,9 @@ def test_table_4_arrived() -> None:
 def test_table_4_says_where_each_column_comes_from() -> None:
     """Section 2.2.1: friction from the current-velocity profile, all other properties from data sheets."""
     origins = dict(a5.published().table_4.origins)
-    columns = {f.name for f in dataclasses.fields(a5.published().table_4.rows[0])} - {"actuator"}
+    columns = {f.name for f in dataclasses.fields(a5.published().table_4.rows[0])} - {
+        "actuator"
+    }
     assert set(origins) == columns
     friction = {origins.pop("friction"), origins.pop("friction_tolerance")}
     assert friction == {"approximated from the current-velocity profile"}
@@ -136,7 +140,10 @@ def test_table_4_says_where_each_column_comes_from() -> None:
 def test_the_origins_are_the_documents_words() -> None:
     text = SEED.read_text(encoding="utf-8")
     assert "are approximated from the current-velocity profile" in text
-    assert "All other properties are taken from the motor/gearbox manufacture data-sheets" in text
+    assert (
+        "All other properties are taken from the motor/gearbox manufacture data-sheets"
+        in text
+    )
 
 
 @needs_seed
@@ -158,7 +165,9 @@ def test_a_lost_digit_is_seen() -> None:
     mutilated = parse(DOCUMENT.replace('"-7.120"', '"-7.12"'), SUPPLEMENTARY)
     com = [c.text for c in mutilated.table_2.rows[0].com]
     assert com != rows[0][2].strip("() ").split()
-    assert mutilated.table_2.rows[0].com[1].si == a5.published().table_2.rows[0].com[1].si
+    assert (
+        mutilated.table_2.rows[0].com[1].si == a5.published().table_2.rows[0].com[1].si
+    )
 
 
 # --- every value has a source -----------------------------------------------------------------
@@ -180,7 +189,9 @@ def test_every_table_names_document_version_date_section() -> None:
     sources = [x for x in walk(a5.published()) if isinstance(x, Source)]
     assert len(sources) == 5  # four tables and the torus numbers
     for source in sources:
-        assert str(source).startswith("Reach Robotics, Reach Alpha MKII Kinematic and Dynamic")
+        assert str(source).startswith(
+            "Reach Robotics, Reach Alpha MKII Kinematic and Dynamic"
+        )
         assert "version 7, August 2022, Section " in str(source)
 
 
@@ -197,7 +208,9 @@ def test_every_supplementary_value_has_unit_status_source() -> None:
 
 
 def test_efforts_are_called_placeholders() -> None:
-    assert {j.effort.status for j in a5.published().supplementary.joints} == {"placeholder"}
+    assert {j.effort.status for j in a5.published().supplementary.joints} == {
+        "placeholder"
+    }
 
 
 def test_records_are_frozen_and_read_once() -> None:
@@ -213,14 +226,24 @@ TABLE_2 = "reach_alpha_mk2_v7.toml: table_2"
 MALFORMED = {
     "not TOML": ('mass = "0.234"', "mass = ", "reach_alpha_mk2_v7.toml", "line"),
     "missing key": ('mass = "0.234"\n', "", f"{TABLE_2}.rows[0].mass", "missing"),
-    "missing table": ("[document]", "[documents]", "reach_alpha_mk2_v7.toml: document", "missing"),
+    "missing table": (
+        "[document]",
+        "[documents]",
+        "reach_alpha_mk2_v7.toml: document",
+        "missing",
+    ),
     "duplicate key": (
         'mass = "0.161"\n',
         'mass = "0.161"\nmass = "0.161"\n',
         "reach_alpha_mk2_v7.toml",
         "line",
     ),
-    "wrong unit": ('com = "mm"', 'com = "m"', f"{TABLE_2}.units.com", "expected 'mm', got 'm'"),
+    "wrong unit": (
+        'com = "mm"',
+        'com = "m"',
+        f"{TABLE_2}.units.com",
+        "expected 'mm', got 'm'",
+    ),
     "missing unit": ('com = "mm"\n', "", f"{TABLE_2}.units.com", "missing"),
     "unknown unit column": (
         'com = "mm"\n',
@@ -228,8 +251,18 @@ MALFORMED = {
         f"{TABLE_2}.units.colour",
         "unknown",
     ),
-    "bare number": ('mass = "0.161"', "mass = 0.161", f"{TABLE_2}.rows[1].mass", "in quotes"),
-    "not a number": ('mass = "0.161"', 'mass = "O.161"', f"{TABLE_2}.rows[1].mass", "'O.161'"),
+    "bare number": (
+        'mass = "0.161"',
+        "mass = 0.161",
+        f"{TABLE_2}.rows[1].mass",
+        "in quotes",
+    ),
+    "not a number": (
+        'mass = "0.161"',
+        'mass = "O.161"',
+        f"{TABLE_2}.rows[1].mass",
+        "'O.161'",
+    ),
     "infinite": ('mass = "0.161"', 'mass = "inf"', f"{TABLE_2}.rows[1].mass", "'inf'"),
     "asymmetric tensor": (
         '["2.832", "393.932", "-0.010"]',
@@ -299,7 +332,12 @@ MALFORMED_SUPPLEMENTARY = {
         "supplementary.toml: joints.axis_e.upper",
         "not above lower",
     ),
-    "device id": ("device_id = 5", "device_id = true", "joints.axis_e.device_id", "an integer"),
+    "device id": (
+        "device_id = 5",
+        "device_id = true",
+        "joints.axis_e.device_id",
+        "an integer",
+    ),
     "bounds upside down": (
         'link_0 = [["-126.65", "20"]',
         'link_0 = [["26.65", "20"]',
@@ -348,6 +386,8 @@ def refuse(document: str, supplementary: str, place: str, problem: str) -> None:
 def test_an_unreadable_expression_is_refused() -> None:
     from alpha5_model.numbers.parameters import convert
 
-    printed = parse(DOCUMENT.replace("theta_3 + pi/2", "theta_3 + tau/4"), SUPPLEMENTARY)
+    printed = parse(
+        DOCUMENT.replace("theta_3 + pi/2", "theta_3 + tau/4"), SUPPLEMENTARY
+    )
     with pytest.raises(PublishedDataError, match=r"Table 1, link 3.*'tau/4'"):
         convert(printed, ())

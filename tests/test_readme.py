@@ -25,12 +25,16 @@ def faults(text: str) -> list[str]:
         widths = [len(re.findall(r"(?<!\\)\|", row)) for row in rows]
         if len(rows) < 3 or not DELIMITER.fullmatch(rows[1].strip()):
             wrong.append(f"no head above {rows[0][:40]!r}")
-        wrong += [row[:40] for row, n in zip(rows, widths, strict=True) if n != widths[0]]
+        wrong += [
+            row[:40] for row, n in zip(rows, widths, strict=True) if n != widths[0]
+        ]
     return wrong
 
 
 def test_every_row_stands_in_a_table() -> None:
-    texts = {page.name: generated_text.written(page.read_text("utf-8")) for page in PAGES}
+    texts = {
+        page.name: generated_text.written(page.read_text("utf-8")) for page in PAGES
+    }
     assert sum(text.count("\n|") for text in texts.values()) > 60
     assert {name: faults(text) for name, text in texts.items() if faults(text)} == {}
 
@@ -49,7 +53,9 @@ def test_a_broken_table_is_seen(text: str, fault: str) -> None:
 
 def broken(page: Path, text: str) -> list[str]:
     """Links of a page to files that are not there."""
-    links = re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M))
+    links = re.findall(
+        r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)
+    )
     files = [link.partition("#")[0] for link in links if ":" not in link]
     return [name for name in files if name and not (page.parent / name).exists()]
 
@@ -91,14 +97,21 @@ def says(text: str, value: float) -> bool:
     """Whether one of the numbers in a text is this one, to the digits that it has."""
     for number in re.findall(r"[-−]?\d+(?:\.\d+)?", text):
         digits = len(number.partition(".")[2])
-        if abs(abs(float(number.replace("−", "-"))) - abs(value)) <= 0.5 * 10**-digits * 1.0001:
+        if (
+            abs(abs(float(number.replace("−", "-"))) - abs(value))
+            <= 0.5 * 10**-digits * 1.0001
+        ):
             return True
     return False
 
 
 @pytest.mark.parametrize("category", TABLES)
 def test_the_errata_are_what_the_audit_measures(category: str | None) -> None:
-    rows = {r.claim: r for r in a5.audit() if r.category == category and r.verdict != "agrees"}
+    rows = {
+        r.claim: r
+        for r in a5.audit()
+        if r.category == category and r.verdict != "agrees"
+    }
     assert rows
     covered = set()
     for text, name in errata(category):
@@ -115,7 +128,9 @@ def test_a_page_that_holds_its_tables_is_up_to_date(tmp_path: Path) -> None:
     holding = [page for page in PAGES if "<!-- end -->" in page.read_text("utf-8")]
     assert [page.name for page in holding] == ["errata.md"]
     text = holding[0].read_text("utf-8")
-    assert generated_text.written(text) == text, "run python docs/_extensions/generated_text.py"
+    assert generated_text.written(text) == text, (
+        "run python docs/_extensions/generated_text.py"
+    )
     copy = tmp_path / "errata.md"
     copy.write_text(text.replace("| 40 ± 1 mm", "| 41 ± 1 mm"), "utf-8")
     assert generated_text.update(copy)
@@ -134,5 +149,7 @@ def test_the_architecture_page_names_files_that_exist() -> None:
     named = set(re.findall(r"`([\w./]+(?:\.\w+|/))`", text))
     places = [REPOSITORY, REPOSITORY / "alpha5_model"]
     assert len(named) > 40
-    assert [name for name in sorted(named) if not any((p / name).exists() for p in places)] == []
+    assert [
+        name for name in sorted(named) if not any((p / name).exists() for p in places)
+    ] == []
     assert faults(text) == []

@@ -18,7 +18,9 @@ import ros_tools
 from ros_tools import NotThereError, Result, Workspace
 
 SCRIPTS = Path(__file__).parents[1] / "scripts"
-CHECK = real_tools.Check("odd tool", "", (), "something", lambda _: Result("0", 0.0), 1e-9)
+CHECK = real_tools.Check(
+    "odd tool", "", (), "something", lambda _: Result("0", 0.0), 1e-9
+)
 
 
 def verdict(result: Result | Exception, tmp_path: Path) -> tuple[str, ...]:
@@ -34,10 +36,18 @@ def verdict(result: Result | Exception, tmp_path: Path) -> tuple[str, ...]:
     ("result", "expected", "words"),
     [
         (Result("1e-10", 1e-10), "agrees", "1e-10"),
-        (Result("fine", warnings=("at zero it touches itself",)), "agrees", "touches itself"),
+        (
+            Result("fine", warnings=("at zero it touches itself",)),
+            "agrees",
+            "touches itself",
+        ),
         (Result("1e-8", 1e-8), "differs", "1e-8"),
         (Result("nan", float("nan")), "differs", "nan"),
-        (Result("0", complaints=("WARN: a root with an inertia",)), "differs", "a root with"),
+        (
+            Result("0", complaints=("WARN: a root with an inertia",)),
+            "differs",
+            "a root with",
+        ),
         (RuntimeError("two\nlines"), "failed", "RuntimeError: two lines"),
         (NotThereError("no network"), "not run", "no network"),
     ],
@@ -55,7 +65,9 @@ def test_what_is_not_there_is_not_run(tmp_path):
 
 
 @pytest.mark.parametrize(("difference", "status"), [(0.0, 0), (1.0, 1)])
-def test_one_that_is_off_is_exit_status_1(monkeypatch, tmp_path, capsys, difference, status):
+def test_one_that_is_off_is_exit_status_1(
+    monkeypatch, tmp_path, capsys, difference, status
+):
     page = tmp_path / "page.md"
     page.write_text("a\n{}\nold\n{}\nb\n".format(*real_tools.MARKS), "utf-8")
     check = replace(CHECK, run=lambda _: Result("figure", difference))
@@ -64,7 +76,8 @@ def test_one_that_is_off_is_exit_status_1(monkeypatch, tmp_path, capsys, differe
     printed = capsys.readouterr().out
     assert "| odd tool | – | something | figure |" in printed
     assert (
-        page.read_text("utf-8") == f"a\n{real_tools.MARKS[0]}\n{printed}{real_tools.MARKS[1]}\nb\n"
+        page.read_text("utf-8")
+        == f"a\n{real_tools.MARKS[0]}\n{printed}{real_tools.MARKS[1]}\nb\n"
     )
 
 
@@ -93,4 +106,6 @@ def test_the_world_for_dart_is_our_model_fixed_in_air(tmp_path):
     assert "<child>link_0</child>" in text
     assert "buoyancy" not in text
     for name, value in (("mass", 0.38), ("max_step_size", 1e-4)):
-        assert value in np.array(re.findall(rf"<{name}>(.*?)</{name}>", text), dtype=float)
+        assert value in np.array(
+            re.findall(rf"<{name}>(.*?)</{name}>", text), dtype=float
+        )

@@ -41,7 +41,11 @@ def test_every_record_is_frozen() -> None:
 
 def test_records_of_arrays_have_no_equality() -> None:
     """``==`` of two arrays is an array; as records they would raise."""
-    of_arrays = [r for r in records() if any("Array" in str(f.type) for f in dataclasses.fields(r))]
+    of_arrays = [
+        r
+        for r in records()
+        if any("Array" in str(f.type) for f in dataclasses.fields(r))
+    ]
     assert len(of_arrays) > 20
     assert [r for r in of_arrays if r.__dataclass_params__.eq] == []
 
@@ -59,13 +63,17 @@ def test_robots_as_read_are_told_apart_and_hashed_by_identity() -> None:
 def test_the_rod_of_the_mujoco_model_is_damped_by_hand() -> None:
     """dampratio would take the rod's own mass; the value is tuned, and said to be."""
     text = mjcf(MjcfOptions(gripper="jaws"))
-    (rod,) = [line for line in text.splitlines() if "<position" in line and "axis_a" in line]
+    (rod,) = [
+        line for line in text.splitlines() if "<position" in line and "axis_a" in line
+    ]
     assert 'kv="8.0"' in rod
     assert "dampratio" not in rod
     assert text.count('dampratio="1"') == 4
 
 
-@pytest.mark.parametrize("change", [{"d": 0.1}, {"a": 0.1}, {"alpha": 1.0}, {"variable": "theta"}])
+@pytest.mark.parametrize(
+    "change", [{"d": 0.1}, {"a": 0.1}, {"alpha": 1.0}, {"variable": "theta"}]
+)
 def test_the_last_row_of_table_1_turns_only(change: dict[str, object]) -> None:
     p = parameters()
     last = dataclasses.replace(p.dh[4], **change)
@@ -80,7 +88,9 @@ def test_a_placement_needs_right_angles() -> None:
         description.joint_placements(dataclasses.replace(p, dh=(askew, *p.dh[1:])))
 
 
-def test_what_check_urdf_says_is_cut(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_check_urdf_says_is_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     program = tmp_path / "check_urdf"
     program.write_text("#!/bin/sh\nprintf 'x%.0s' $(seq 500)\nexit 3\n")
     program.chmod(0o755)

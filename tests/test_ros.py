@@ -23,7 +23,11 @@ import alpha5_model as a5
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 NAME = "alpha5_description"
-XACRO = [sys.executable, "-c", "import sys; sys.path.pop(0); import xacro; xacro.main()"]
+XACRO = [
+    sys.executable,
+    "-c",
+    "import sys; sys.path.pop(0); import xacro; xacro.main()",
+]
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +39,13 @@ def share(tmp_path_factory) -> Path:
     build = tmp_path_factory.mktemp("build")
     stub = build / "stub"
     stub.mkdir()
-    (stub / "ament_cmakeConfig.cmake").write_text("macro(ament_package)\nendmacro()\n", "utf-8")
-    configure = [f"-Dament_cmake_DIR={stub}", f"-DCMAKE_INSTALL_PREFIX={build / 'install'}"]
+    (stub / "ament_cmakeConfig.cmake").write_text(
+        "macro(ament_package)\nendmacro()\n", "utf-8"
+    )
+    configure = [
+        f"-Dament_cmake_DIR={stub}",
+        f"-DCMAKE_INSTALL_PREFIX={build / 'install'}",
+    ]
     for command in (
         [cmake, "-S", str(REPOSITORY), "-B", str(build / "tree"), *configure],
         [cmake, "--install", str(build / "tree")],
@@ -61,7 +70,9 @@ def test_manifest_has_what_rep_149_asks_for():
 
 
 def test_manifest_passes_catkin_pkg():
-    package = pytest.importorskip("catkin_pkg.package", reason="catkin_pkg is not installed")
+    package = pytest.importorskip(
+        "catkin_pkg.package", reason="catkin_pkg is not installed"
+    )
     parsed = package.parse_package(str(REPOSITORY / "package.xml"))
     parsed.validate()
     assert parsed.name == NAME
@@ -69,7 +80,8 @@ def test_manifest_passes_catkin_pkg():
 
 def test_manifest_names_every_package_that_the_launch_file_uses():
     depends = {
-        e.text for e in ET.parse(REPOSITORY / "package.xml").getroot().findall("exec_depend")
+        e.text
+        for e in ET.parse(REPOSITORY / "package.xml").getroot().findall("exec_depend")
     }
     nodes, _ = launched({})
     used = {node["package"] for node in nodes} | {"launch", "launch_ros", "xacro"}
@@ -88,7 +100,9 @@ def launched(
 ) -> tuple[list[dict[str, object]], list[str]]:
     """Run the launch file: its nodes, and the command that makes the robot description."""
     modules: dict[str, types.ModuleType] = {}
-    for line in (REPOSITORY / "launch" / "display.launch.py").read_text("utf-8").splitlines():
+    for line in (
+        (REPOSITORY / "launch" / "display.launch.py").read_text("utf-8").splitlines()
+    ):
         if line.startswith("from launch"):
             modules[line.split()[1]] = types.ModuleType(line.split()[1])
     for module in modules.values():
@@ -100,7 +114,9 @@ def launched(
             patch.setitem(sys.modules, name, module)
         script = runpy.run_path(str(REPOSITORY / "launch" / "display.launch.py"))
         (entities,) = script["generate_launch_description"]().args
-    defaults = {e.args[0]: e.kwargs["default_value"] for e in entities if "Declare" in e.kind}
+    defaults = {
+        e.args[0]: e.kwargs["default_value"] for e in entities if "Declare" in e.kind
+    }
     assert set(values) <= set(defaults)
     nodes = [e.kwargs for e in entities if e.kind == "Node"]
     arguments = {**defaults, **values}
@@ -125,7 +141,9 @@ def launched(
     (command,) = parameter["robot_description"].args
     assert parameter["robot_description"].kwargs == {"value_type": str}
     (viewer,) = (n for n in nodes if n["package"] == "rviz2")
-    assert Path(perform(viewer["arguments"][1])).relative_to(share) == Path("rviz/alpha5.rviz")
+    assert Path(perform(viewer["arguments"][1])).relative_to(share) == Path(
+        "rviz/alpha5.rviz"
+    )
     return nodes, shlex.split(perform(command.args[0]))
 
 
@@ -197,7 +215,11 @@ def test_rviz_looks_at_links_that_exist():
     manager = settings["Visualization Manager"]
     links = {e.get("name") for e in ET.parse(a5.URDF_PATH).getroot().iter("link")}
     assert manager["Global Options"]["Fixed Frame"] in links
-    topics = [d["Description Topic"]["Value"] for d in manager["Displays"] if "Robot" in d["Name"]]
+    topics = [
+        d["Description Topic"]["Value"]
+        for d in manager["Displays"]
+        if "Robot" in d["Name"]
+    ]
     assert topics == ["/robot_description"]
 
 

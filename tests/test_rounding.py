@@ -70,8 +70,12 @@ for x, y in zip(got, wanted, strict=True):
 @pytest.mark.parametrize("mode", MODES.get(platform.machine(), ()))
 def test_rounding_changes_nothing_and_stays(mode: int, kernels: str) -> None:
     if kernels == "compiled":
-        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip(
+            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+        )
     environment = {**os.environ, "ALPHA5_KERNELS": kernels}
     command = [sys.executable, "-c", CHILD, str(LIBM), str(mode), kernels]
-    child = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    child = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False
+    )
     assert child.returncode == 0, child.stderr

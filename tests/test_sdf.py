@@ -53,7 +53,9 @@ def gazebo_buoyancy(text: str) -> dict[str, tuple[float, np.ndarray]]:
             if shape.tag == "box":
                 size = math.prod(numbers(shape.find("size")))
             elif shape.tag == "cylinder":
-                radius, length = (float(shape.find(n).text) for n in ("radius", "length"))
+                radius, length = (
+                    float(shape.find(n).text) for n in ("radius", "length")
+                )
                 size = math.pi * radius**2 * length
             else:
                 size = 4 / 3 * math.pi * float(shape.find("radius").text) ** 3
@@ -82,7 +84,9 @@ def test_boxes_have_the_bodies_proportions():
         size = numbers(box.find("geometry/box/size"))
         extent = np.diff(link.bounds, axis=1)[:, 0]
         np.testing.assert_allclose(size / size[0], extent / extent[0], rtol=1e-12)
-        assert size[0] < extent[0]  # the printed volume is less than that of the bounding box
+        assert (
+            size[0] < extent[0]
+        )  # the printed volume is less than that of the bounding box
 
 
 def test_gazebos_rule_sees_a_wrong_volume_and_com_for_cob():
@@ -141,7 +145,9 @@ def test_frames_are_those_of_table_1():
         found = link_poses(root, q)
         for i, expected in enumerate(inertial_frames(q)):
             np.testing.assert_allclose(found[f"link_{i}"], expected, atol=1e-12)
-        np.testing.assert_allclose(found["link_4"] @ pose(tip), dh_frames(q)[5], atol=1e-12)
+        np.testing.assert_allclose(
+            found["link_4"] @ pose(tip), dh_frames(q)[5], atol=1e-12
+        )
 
 
 def test_the_document_to_the_letter_turns_the_base_only():
@@ -151,7 +157,9 @@ def test_the_document_to_the_letter_turns_the_base_only():
     a, b = link_poses(letter, q), link_poses(plain, q)
     for i in range(1, 5):
         np.testing.assert_allclose(a[f"link_{i}"], b[f"link_{i}"], atol=1e-12)
-    np.testing.assert_allclose(a["link_0"] @ b["link_0"], np.diag([-1, -1, 1, 1]), atol=1e-12)
+    np.testing.assert_allclose(
+        a["link_0"] @ b["link_0"], np.diag([-1, -1, 1, 1]), atol=1e-12
+    )
 
 
 def test_inertials_are_those_of_table_2():
@@ -161,9 +169,13 @@ def test_inertials_are_those_of_table_2():
         xx, yy, zz, xy, xz, yz = (x * 1e-6 for x in printed)
         expected = {"ixx": xx, "iyy": yy, "izz": zz, "ixy": -xy, "ixz": -xz, "iyz": -yz}
         assert float(inertial.find("mass").text) == mass
-        np.testing.assert_allclose(numbers(inertial.find("pose")), [*np.divide(com, 1e3), 0, 0, 0])
+        np.testing.assert_allclose(
+            numbers(inertial.find("pose")), [*np.divide(com, 1e3), 0, 0, 0]
+        )
         for name, value in expected.items():
-            assert float(inertial.find(f"inertia/{name}").text) == pytest.approx(value, rel=1e-14)
+            assert float(inertial.find(f"inertia/{name}").text) == pytest.approx(
+                value, rel=1e-14
+            )
 
 
 def test_no_link_is_without_mass():
@@ -184,7 +196,10 @@ def test_world_holds_the_arm_in_the_fluid_asked_for():
     assert mount.find("parent").text == "world"
     assert mount.find("child").text == "alpha5::base_link"
     arm = root.find(".//model[@name='alpha5']")
-    assert ET.tostring(arm).split() == ET.tostring(ET.fromstring(sdf()).find("model")).split()
+    assert (
+        ET.tostring(arm).split()
+        == ET.tostring(ET.fromstring(sdf()).find("model")).split()
+    )
 
 
 def test_every_mesh_is_beside_the_model():
@@ -210,17 +225,24 @@ def test_the_closed_fingers_are_shown_where_the_urdf_shows_them():
     urdf = ET.parse(URDF_PATH).getroot()
     for visual in urdf.findall("link[@name='link_4']/visual"):
         origin = visual.find("origin")
-        element = ET.fromstring(f"<v><pose>{origin.get('xyz')} {origin.get('rpy')}</pose></v>")
+        element = ET.fromstring(
+            f"<v><pose>{origin.get('xyz')} {origin.get('rpy')}</pose></v>"
+        )
         name = Path(visual.find("geometry/mesh").get("filename")).stem
         np.testing.assert_allclose(shown.pop(name), pose(element), atol=1e-12)
         colour = visual.find("material/color").get("rgba")
         for light in ("ambient", "diffuse"):
-            assert root.findtext(f".//visual[@name='{name}']/material/{light}") == colour
+            assert (
+                root.findtext(f".//visual[@name='{name}']/material/{light}") == colour
+            )
     assert set(shown) == {f"link_{i}" for i in range(4)}
 
 
 def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
-    environment = {"IGN_CONFIG_PATH": "/usr/share/ignition", "GZ_CONFIG_PATH": "/usr/share/gz"}
+    environment = {
+        "IGN_CONFIG_PATH": "/usr/share/ignition",
+        "GZ_CONFIG_PATH": "/usr/share/gz",
+    }
     return subprocess.run(
         [shutil.which("gz") or shutil.which("ign"), "sdf", "-k", str(path)],
         capture_output=True,
@@ -230,7 +252,9 @@ def libsdformat(path: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.skipif(not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here")
+@pytest.mark.skipif(
+    not (shutil.which("gz") or shutil.which("ign")), reason="no libsdformat here"
+)
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
     arguments = ["--format", "sdf", "--gripper", gripper, "--output", str(tmp_path)]
@@ -241,13 +265,17 @@ def test_libsdformat_accepts_model_and_world(tmp_path, gripper):
         assert "Error" not in done.stdout
     broken = tmp_path / "broken.sdf"
     broken.write_text(
-        sdf().replace("<parent>link_2</parent>", "<parent>link_9</parent>"), encoding="utf-8"
+        sdf().replace("<parent>link_2</parent>", "<parent>link_9</parent>"),
+        encoding="utf-8",
     )
     assert "Valid." not in (done := libsdformat(broken)).stdout + done.stderr
 
 
 def test_the_fingers_follow_the_rod_in_sdf_1_11():
-    texts = {version: sdf(SdfOptions("jaws", sdf_version=version)) for version in ("1.9", "1.11")}
+    texts = {
+        version: sdf(SdfOptions("jaws", sdf_version=version))
+        for version in ("1.9", "1.11")
+    }
     assert "<mimic" not in texts["1.9"]
     root = ET.fromstring(texts["1.11"])
     assert root.get("version") == "1.11"
@@ -258,7 +286,9 @@ def test_the_fingers_follow_the_rod_in_sdf_1_11():
     for mimic in followed.values():
         assert mimic.get("joint") == "axis_a"
         numbers = {child.tag: float(child.text) for child in mimic}
-        assert numbers == pytest.approx({"multiplier": 51, "offset": -51 * lower, "reference": 0})
+        assert numbers == pytest.approx(
+            {"multiplier": 51, "offset": -51 * lower, "reference": 0}
+        )
     assert "mimic" not in sdf(SdfOptions(sdf_version="1.11"))  # no fingers
 
 

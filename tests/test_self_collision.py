@@ -26,7 +26,9 @@ def arm() -> Any:
 def underarm(q: np.ndarray) -> np.ndarray:
     """The plane of the arm faces the tcp."""
     p = tip(q)
-    return np.asarray(p[:, 0] * np.cos(q[:, 0] + math.pi) + p[:, 1] * np.sin(q[:, 0] + math.pi) > 0)
+    return np.asarray(
+        p[:, 0] * np.cos(q[:, 0] + math.pi) + p[:, 1] * np.sin(q[:, 0] + math.pi) > 0
+    )
 
 
 def test_free_at_some_wrist_angle_by_distances(arm: Any) -> None:
@@ -69,7 +71,9 @@ def test_the_pairs_are_split_by_what_the_wrist_moves() -> None:
     from alpha5_model.dynamics.collision import _model, collision_geometry
 
     def link_pairs(geometry: Any) -> list[tuple[str, str, int, int]]:
-        names = [model.frames[body.parentFrame].name for body in geometry.geometryObjects]
+        names = [
+            model.frames[body.parentFrame].name for body in geometry.geometryObjects
+        ]
         return [
             (names[pair.first], names[pair.second], pair.first, pair.second)
             for pair in geometry.collisionPairs
@@ -98,7 +102,9 @@ def test_a_wrist_angle_is_not_held_against_the_others(arm: Any) -> None:
 
 
 def test_positions_of_note() -> None:
-    assert not a5.without_self_collision(np.zeros(4))  # the zero position, folded upon itself
+    assert not a5.without_self_collision(
+        np.zeros(4)
+    )  # the zero position, folded upon itself
     assert a5.without_self_collision([math.pi, 1.6, 1.6, 1.0])
     behind = tip(np.array([0.12, 0.37, 1.57, 0.0]))  # over the mount, the elbow low
     assert a5.reachable(behind)
@@ -146,7 +152,9 @@ def test_on_the_yaw_axis_theta_0_is_tried() -> None:
     assert not a5.reachable([0.0, 0.0, 0.3], accept=lambda q: q[:, 0] > UPPER[0])
     # Off the axis theta_0 is what it is.
     q0 = a5.inverse_kinematics([0.1, 0.1, 0.3]).q[0, 0]
-    near = a5.reachable([0.1, 0.1, 0.3], accept=lambda q: np.abs(q[:, 0] - q0 - 0.5) < 0.2)
+    near = a5.reachable(
+        [0.1, 0.1, 0.3], accept=lambda q: np.abs(q[:, 0] - q0 - 0.5) < 0.2
+    )
     assert not near
 
 
@@ -188,11 +196,15 @@ def test_the_standard_error_is_never_zero_and_holds() -> None:
     assert nothing.share == 0.0
     assert nothing.standard_error == pytest.approx(math.sqrt(1 / 402 * 401 / 402 / 400))
     everything = space.sampled_share(lambda q: np.ones(len(q), bool), 400)
-    assert everything == pytest.approx((1.0, nothing.standard_error, space.volume(), 400))
+    assert everything == pytest.approx(
+        (1.0, nothing.standard_error, space.volume(), 400)
+    )
     shares = [space.sampled_share(underarm, 400, seed=k) for k in range(60)]
     for share in shares:  # Laplace's rule of succession, for odd and even counts
         p = (400 * share.share + 1) / 402
-        assert share.standard_error == pytest.approx(math.sqrt(p * (1 - p) / 400), rel=1e-12)
+        assert share.standard_error == pytest.approx(
+            math.sqrt(p * (1 - p) / 400), rel=1e-12
+        )
     spread = np.std([s.share for s in shares], ddof=1)
     assert spread == pytest.approx(shares[0].standard_error, rel=0.3)
     assert space.sampled_share(underarm, 400, seed=5) == shares[5]
@@ -238,7 +250,10 @@ def test_the_picture_shows_the_share_of_each_column(arm: Any) -> None:
     share = 1 - space.sampled_share(a5.without_self_collision, 200).share
     assert title.startswith(f"{share:.1%} ± ")
     above = page.axes[0].collections[1].get_array()
-    behind, before = above[:, : above.shape[1] // 2], above[:, above.shape[1] // 2 + 1 :]
+    behind, before = (
+        above[:, : above.shape[1] // 2],
+        above[:, above.shape[1] // 2 + 1 :],
+    )
     assert behind.compressed().max() > 50
     assert before.count() == 0, "in front the arm stays clear of its base"
     # One column counted by hand.

@@ -32,7 +32,9 @@ def arrays(value: Any, depth: int = 8) -> Iterator[np.ndarray]:
     elif isinstance(value, list | tuple | set | frozenset):
         for one in value:
             yield from arrays(one, depth - 1)
-    elif type(value).__module__.startswith("alpha5_model") and hasattr(value, "__dict__"):
+    elif type(value).__module__.startswith("alpha5_model") and hasattr(
+        value, "__dict__"
+    ):
         yield from arrays(vars(value), depth - 1)
         names = [name for name in dir(type(value)) if not name.startswith("_")]
         for name in names:
@@ -55,14 +57,20 @@ def shared(first: Any, second: Any) -> list[np.ndarray]:
     """Arrays of one answer that lie where some of another do, and can be written."""
     others = [*arrays(second)]
     return [
-        x for x in arrays(first) if unlocked(x) and any(np.may_share_memory(x, y) for y in others)
+        x
+        for x in arrays(first)
+        if unlocked(x) and any(np.may_share_memory(x, y) for y in others)
     ]
 
 
 def needed(function: Any) -> list[str]:
     """Arguments without a default."""
     parameters = inspect.signature(function).parameters.values()
-    return [p.name for p in parameters if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+    return [
+        p.name
+        for p in parameters
+        if p.default is p.empty and p.kind is not p.VAR_KEYWORD
+    ]
 
 
 def answers() -> dict[str, Any]:
@@ -70,14 +78,28 @@ def answers() -> dict[str, Any]:
     found: dict[str, Any] = {}
     roots = [
         a5,
-        *(import_module(f"alpha5_model.{name}") for name in test_public_api.MODULES.values()),
+        *(
+            import_module(f"alpha5_model.{name}")
+            for name in test_public_api.MODULES.values()
+        ),
     ]
-    roots += [a5.workspace, a5.uncertainty, a5.dh, a5.planar, a5.actuators, a5.trajectory]
+    roots += [
+        a5.workspace,
+        a5.uncertainty,
+        a5.dh,
+        a5.planar,
+        a5.actuators,
+        a5.trajectory,
+    ]
     for root in roots:
         for name in test_public_api.public(root):
             value = getattr(root, name)
             function = inspect.unwrap(value) if callable(value) else None
-            if inspect.isfunction(function) and not needed(function) and name != "audit":
+            if (
+                inspect.isfunction(function)
+                and not needed(function)
+                and name != "audit"
+            ):
                 found[f"{root.__name__}.{name}"] = value
             elif not callable(value) and not inspect.ismodule(value):
                 found[f"{root.__name__}.{name}"] = lambda value=value: value
@@ -86,7 +108,9 @@ def answers() -> dict[str, Any]:
     arm = a5.load()
     found["limits"] = lambda: arm.limits
     found["chain"] = a5.dh.DHChain.alpha5
-    found["actuator"] = lambda: [a5.actuators.actuator(name) for name in arm.joint_names]
+    found["actuator"] = lambda: [
+        a5.actuators.actuator(name) for name in arm.joint_names
+    ]
     return found
 
 
@@ -98,7 +122,9 @@ ANSWERS = answers()
 
 
 def test_there_are_many_answers() -> None:
-    assert {"a5.parameters", "a5.published"} <= {n.replace("alpha5_model", "a5") for n in ANSWERS}
+    assert {"a5.parameters", "a5.published"} <= {
+        n.replace("alpha5_model", "a5") for n in ANSWERS
+    }
     assert len([*arrays(a5.parameters())]) > 15
 
 
@@ -113,7 +139,9 @@ def test_solutions_share_nothing_that_can_be_written(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if name == "_compiled":
-        pytest.importorskip("alpha5_model.codegen.kernels._compiled", exc_type=ImportError)
+        pytest.importorskip(
+            "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
+        )
     chosen = import_module(f"alpha5_model.codegen.kernels.{name}")
     for user in (kernels, ik):
         monkeypatch.setattr(user, "module", lambda: chosen)

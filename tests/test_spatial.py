@@ -29,10 +29,14 @@ def test_roll_pitch_yaw_there_and_back(off: float | None, sign: float) -> None:
 
 
 def test_rotation_about_an_axis() -> None:
-    for vector, angle in zip(rng.normal(size=(50, 3)), rng.uniform(-9, 9, 50), strict=True):
+    for vector, angle in zip(
+        rng.normal(size=(50, 3)), rng.uniform(-9, 9, 50), strict=True
+    ):
         axis = vector / np.linalg.norm(vector)
         expected = Rotation.from_rotvec(angle * axis).as_matrix()
-        np.testing.assert_allclose(spatial.rotation_about(axis, angle), expected, atol=2e-15)
+        np.testing.assert_allclose(
+            spatial.rotation_about(axis, angle), expected, atol=2e-15
+        )
 
 
 def test_cross_matrix() -> None:
@@ -51,7 +55,9 @@ def test_wrap(middle: float) -> None:
 def test_transforms() -> None:
     xyz, rpy = rng.normal(size=(2, 3))
     placed = spatial.pose(xyz, rpy)
-    np.testing.assert_allclose(placed[:3, :3], Rotation.from_euler("xyz", rpy).as_matrix())
+    np.testing.assert_allclose(
+        placed[:3, :3], Rotation.from_euler("xyz", rpy).as_matrix()
+    )
     np.testing.assert_array_equal(placed[:3, 3], xyz)
     np.testing.assert_array_equal(placed[3], [0, 0, 0, 1])
     np.testing.assert_array_equal(spatial.transform(), np.eye(4))

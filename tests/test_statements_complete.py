@@ -26,7 +26,12 @@ MEASURED = re.compile(
 #: Of docstrings and data, where small bounds are mostly settings.
 SHARES = re.compile(r"\d ?%(?![(}])|R² (?:is )?\d|± ?\d")
 #: Pages that a program writes or that keep what was said at a time.
-LEFT_OUT = {"docs/speed.md", "docs/changelog.md", "docs/commands.md", "docs/architecture.md"}
+LEFT_OUT = {
+    "docs/speed.md",
+    "docs/changelog.md",
+    "docs/commands.md",
+    "docs/architecture.md",
+}
 #: Page -> words -> the test that holds them, or the script that measures them.
 ELSEWHERE: dict[str, dict[str, str]] = {
     "docs/conformance.md": {
@@ -96,8 +101,12 @@ def prose(page: str) -> str:
     text = text_of(page)
     if page.endswith(".md"):
         text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
-        text = re.sub(r"<!-- [\w ]+: begin -->.*?<!-- [\w ]+: end -->", "", text, flags=re.DOTALL)
-        text = re.sub(r"<!-- generated: \w+ -->.*?<!-- end -->", "", text, flags=re.DOTALL)
+        text = re.sub(
+            r"<!-- [\w ]+: begin -->.*?<!-- [\w ]+: end -->", "", text, flags=re.DOTALL
+        )
+        text = re.sub(
+            r"<!-- generated: \w+ -->.*?<!-- end -->", "", text, flags=re.DOTALL
+        )
         # The table of loads is compared row by row.
         text = re.sub(r"^\| [\d.]+ m/s \|.*$", "", text, flags=re.MULTILINE)
     elif page.endswith(".py"):
@@ -116,7 +125,9 @@ def pages() -> dict[str, re.Pattern[str]]:
     """Every page, module and text of data, with what is looked for in it."""
     found: dict[str, re.Pattern[str]] = {"README.md": MEASURED}
     for folder in ("docs", "alpha5_model/description/templates"):
-        found |= {relative(p): MEASURED for p in sorted((REPOSITORY / folder).rglob("*.md"))}
+        found |= {
+            relative(p): MEASURED for p in sorted((REPOSITORY / folder).rglob("*.md"))
+        }
     modules = sorted((REPOSITORY / "alpha5_model").rglob("*.py"))
     found |= {relative(p): SHARES for p in modules if "generated" not in p.parts}
     for page in (
@@ -147,13 +158,17 @@ def unknown(page: str, pattern: re.Pattern[str]) -> list[str]:
             known.append((start, start + len(words)))
     out = []
     for match in pattern.finditer(text):
-        if not any(start <= match.start() and match.end() <= end + 3 for start, end in known):
+        if not any(
+            start <= match.start() and match.end() <= end + 3 for start, end in known
+        ):
             out.append(text[max(0, match.start() - 60) : match.end() + 30])
     return out
 
 
 @pytest.mark.parametrize(("page", "pattern"), pages().items(), ids=[*pages()])
-def test_every_measured_number_is_computed_again(page: str, pattern: re.Pattern[str]) -> None:
+def test_every_measured_number_is_computed_again(
+    page: str, pattern: re.Pattern[str]
+) -> None:
     assert unknown(page, pattern) == [], (
         "register these in tests/test_statements_*.py, or say in ELSEWHERE what holds them"
     )
@@ -175,4 +190,6 @@ def test_a_number_without_a_statement_is_seen() -> None:
     assert MEASURED.search("R² is 0.97")
     assert not MEASURED.search("Section 2.1, Table 2, link 3")
     assert len(STATEMENTS) > 40
-    assert {item.figures.__module__ for item in STATEMENTS} == {m.__name__ for m in MODULES}
+    assert {item.figures.__module__ for item in STATEMENTS} == {
+        m.__name__ for m in MODULES
+    }

@@ -18,7 +18,11 @@ from statement_registry import AtMost, Figure, Near, Statement, parameters_of, s
 
 import alpha5_model as a5
 from alpha5_model.dynamics.collision import _model
-from alpha5_model.numbers.inertia import flip_products, principal_moments, second_moments
+from alpha5_model.numbers.inertia import (
+    flip_products,
+    principal_moments,
+    second_moments,
+)
 
 ERRATA = "docs/errata.md"
 DEXTERITY = "docs/concepts/dexterity.md"
@@ -39,7 +43,9 @@ def touching(geometry: Any, q: np.ndarray, margin: float) -> np.ndarray:
     request = coal.CollisionRequest()
     request.security_margin = margin
     objects.collisionRequests[:] = [request] * len(objects.collisionRequests)
-    return np.array([pin.computeCollisions(model, data, geometry, objects, x, True) for x in q])
+    return np.array(
+        [pin.computeCollisions(model, data, geometry, objects, x, True) for x in q]
+    )
 
 
 @cache
@@ -150,7 +156,9 @@ def called_dexterous() -> tuple[int, int, int]:
     arm = a5.planar.PlanarArm([5, 4, 1], limits=[(-2.967, 2.967)] * 3)
     turn, square = np.random.default_rng(0).uniform(size=(2, 4000))
     radius = 10 * np.sqrt(square)
-    points = np.stack([radius * np.cos(math.tau * turn), radius * np.sin(math.tau * turn)], axis=-1)
+    points = np.stack(
+        [radius * np.cos(math.tau * turn), radius * np.sin(math.tau * turn)], axis=-1
+    )
     candidates = points[a5.planar.dexterity(arm, points) == 1]
     finer = np.zeros(len(candidates), bool)
     for part in np.array_split(np.arange(len(candidates)), 8):
@@ -204,7 +212,10 @@ def turning_4r(links: np.ndarray, tip_distance: np.ndarray) -> np.ndarray:
     return np.asarray(((wrist <= outer + 1e-12) & (wrist >= inner - 1e-12)).all(axis=0))
 
 
-@statement(DEXTERITY, "of {} random 4R arms {} turn fully, and the theorem predicts none of them")
+@statement(
+    DEXTERITY,
+    "of {} random 4R arms {} turn fully, and the theorem predicts none of them",
+)
 def four_joints() -> Sequence[Figure]:
     """Lengths uniform in 0 to 1, the tip at a distance uniform in the reach."""
     rng = np.random.default_rng(0)
@@ -213,7 +224,10 @@ def four_joints() -> Sequence[Figure]:
     turns = turning_4r(links, distance)
     half = (links.sum(axis=1) + distance) / 2
     others = np.column_stack([links[:, :3], distance])
-    pairs = [others[:, list(pair)].sum(axis=1) for pair in itertools.combinations(range(4), 2)]
+    pairs = [
+        others[:, list(pair)].sum(axis=1)
+        for pair in itertools.combinations(range(4), 2)
+    ]
     predicted = np.min(pairs, axis=0) >= half
     assert not predicted.any()
     exact = [
@@ -230,7 +244,9 @@ def test_the_example_of_four_joints() -> None:
     assert not turning_4r(np.array([[3.0, 3, 3, 1]]), np.array([8.01])).any()
 
 
-def test_approach_directions_are_circles_on_the_yaw_axis_and_four_at_most_off_it() -> None:
+def test_approach_directions_are_circles_on_the_yaw_axis_and_four_at_most_off_it() -> (
+    None
+):
     """Every theta_0 of its range brings the tcp to the same point of the axis."""
     position = np.array([0.0, 0.0, 0.3])
     ways = a5.load().approach_directions(position)
@@ -249,11 +265,16 @@ def test_approach_directions_are_circles_on_the_yaw_axis_and_four_at_most_off_it
 # --- inertia -------------------------------------------------------------------------
 
 
-@statement("docs/concepts/inertia.md", "change as well, by up to {} % for the links of this arm")
+@statement(
+    "docs/concepts/inertia.md",
+    "change as well, by up to {} % for the links of this arm",
+)
 def copied_products() -> Sequence[Figure]:
     changes = []
     for link in a5.parameters().links:
-        right, copied = (np.linalg.eigvalsh(x) for x in (link.inertia, flip_products(link.inertia)))
+        right, copied = (
+            np.linalg.eigvalsh(x) for x in (link.inertia, flip_products(link.inertia))
+        )
         changes.append(np.abs(copied / right - 1).max())
     return [Near(100 * max(changes))]
 
@@ -268,13 +289,19 @@ def test_copied_products_are_no_mirror_image() -> None:
         mirror[axis, axis] = -1
         image = mirror @ link @ mirror
         assert (np.sign(image) != np.sign(link)).sum() == 4  # two products, each twice
-        np.testing.assert_allclose(principal_moments(image), principal_moments(link), rtol=1e-12)
+        np.testing.assert_allclose(
+            principal_moments(image), principal_moments(link), rtol=1e-12
+        )
     rod = np.eye(3) - np.ones((3, 3)) / 3
     wrong = flip_products(rod)
     np.testing.assert_allclose(np.linalg.eigvalsh(rod), [0, 1, 1], atol=1e-12)
-    np.testing.assert_allclose(np.linalg.eigvalsh(wrong), [1 / 3, 1 / 3, 4 / 3], atol=1e-12)
+    np.testing.assert_allclose(
+        np.linalg.eigvalsh(wrong), [1 / 3, 1 / 3, 4 / 3], atol=1e-12
+    )
     assert principal_moments(second_moments(wrong))[0] == pytest.approx(-1 / 3)
-    words = "rod = np.eye(3) - np.ones((3, 3)) / 3  # principal moments 0, 1, 1 [kg m^2]"
+    words = (
+        "rod = np.eye(3) - np.ones((3, 3)) / 3  # principal moments 0, 1, 1 [kg m^2]"
+    )
     assert Statement("docs/concepts/inertia.md", words, list).found()
 
 

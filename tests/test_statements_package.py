@@ -25,7 +25,12 @@ from statement_registry import (
     text_of,
 )
 from test_audit import dexterous_cells
-from test_statements_proof import along_the_stretched_arm, folded_arm, stretched_arm, working_arm
+from test_statements_proof import (
+    along_the_stretched_arm,
+    folded_arm,
+    stretched_arm,
+    working_arm,
+)
 
 import alpha5_model as a5
 from alpha5_model.description import mjcf
@@ -49,11 +54,15 @@ def python() -> Sequence[Figure]:
     return [Near(float(PROJECT["requires-python"].removeprefix(">=")))]
 
 
-def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: bool) -> dict[str, Any]:
+def built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: bool
+) -> dict[str, Any]:
     """What the build hook tells hatchling, with a compiler and without; nothing is
     compiled here.
     """
-    spec = importlib.util.spec_from_file_location("hatch_build", REPOSITORY / "hatch_build.py")
+    spec = importlib.util.spec_from_file_location(
+        "hatch_build", REPOSITORY / "hatch_build.py"
+    )
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -109,7 +118,9 @@ def test_the_steps_for_windows_install_every_requirement() -> None:
     """
     section = text_of(START).partition("## Windows")[2].partition("\n## ")[0]
     (conda,) = re.findall(r"^conda create .* (python=.*)$", section, re.MULTILINE)
-    (pip,) = re.findall(r"^python -m pip install (?!--no-deps)(.*)$", section, re.MULTILINE)
+    (pip,) = re.findall(
+        r"^python -m pip install (?!--no-deps)(.*)$", section, re.MULTILINE
+    )
     installed = names(conda.split()) | names(pip.split())
     installed = (installed - {"python", "pinocchio"}) | {"pin"}
     assert installed == names(PROJECT["dependencies"])
@@ -120,7 +131,11 @@ def test_the_steps_for_windows_install_every_requirement() -> None:
 
 def test_every_extra_has_its_line() -> None:
     table = text_of(START).partition("| extra | for |")[2].partition("\n\n")[0]
-    listed = set(re.findall(r"`([\w-]+)`", re.sub(r"\|[^|\n]*\|$", "|", table, flags=re.MULTILINE)))
+    listed = set(
+        re.findall(
+            r"`([\w-]+)`", re.sub(r"\|[^|\n]*\|$", "|", table, flags=re.MULTILINE)
+        )
+    )
     assert listed == set(PROJECT["optional-dependencies"])
 
 
@@ -143,7 +158,10 @@ def targets_of_the_example() -> Sequence[Figure]:
     return [Near(int(count))]
 
 
-@statement("docs/guides/recordings.md", "frequencies below `--bandwidth` (−3 dB, {} Hz by default)")
+@statement(
+    "docs/guides/recordings.md",
+    "frequencies below `--bandwidth` (−3 dB, {} Hz by default)",
+)
 def bandwidth() -> Sequence[Figure]:
     from alpha5_model.trajectory import smoothing
 
@@ -162,7 +180,8 @@ def expansion_of_bags() -> Sequence[Figure]:
 
 
 @statement(
-    "docs/public-models.md", "- Dummy links of {} g with {} kg m²: a radius of gyration of a metre"
+    "docs/public-models.md",
+    "- Dummy links of {} g with {} kg m²: a radius of gyration of a metre",
 )
 def dummies() -> Sequence[Figure]:
     mass, inertia = 1e-4, 1e-4
@@ -172,7 +191,9 @@ def dummies() -> Sequence[Figure]:
 
 def test_bus_addresses() -> None:
     found = re.findall(
-        r"^\| (\d) \| `(axis_\w)` \| (\d) \|$", text_of("docs/guides/ros.md"), re.MULTILINE
+        r"^\| (\d) \| `(axis_\w)` \| (\d) \|$",
+        text_of("docs/guides/ros.md"),
+        re.MULTILINE,
     )
     joints = a5.published().supplementary.joints
     assert [(int(i), name, int(bus)) for i, name, bus in found] == [
@@ -227,7 +248,10 @@ def flat_ellipsoid() -> Sequence[Figure]:
     x = np.linspace(0, np.pi / 2, 2001)
     cos, sin = np.cos(x) ** 2, np.sin(x) ** 2
     shadow = np.sqrt((cos + k**4 * sin) / (cos + k**2 * sin))
-    return [Near(k), AtMost(float(np.abs((1 - shadow) / (1 - k) - np.sin(x) ** 3).max()))]
+    return [
+        Near(k),
+        AtMost(float(np.abs((1 - shadow) / (1 - k) - np.sin(x) ** 3).max())),
+    ]
 
 
 @statement(
@@ -257,9 +281,16 @@ def stretched_arm_in_the_data() -> Sequence[Figure]:
     "cover",
 )
 def other_poses_in_the_data() -> Sequence[Figure]:
-    text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text("utf-8")
+    text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text(
+        "utf-8"
+    )
     across = tomllib.loads(text)["extended"]["kg"][4]
-    return [*along_the_stretched_arm()[1:4], Near(across, 0.005), *working_arm(), *folded_arm()]
+    return [
+        *along_the_stretched_arm()[1:4],
+        Near(across, 0.005),
+        *working_arm(),
+        *folded_arm(),
+    ]
 
 
 # --- the statements ------------------------------------------------------------------

@@ -54,7 +54,9 @@ JOINTS = a5.parameters().joints[:4]
 def forward_kinematics() -> Sequence[Figure]:
     arm, worst = a5.load(), 0.0
     for q in reference.configurations(300, seed=3):
-        named = {f"link_{i}": frame for i, frame in enumerate(reference.inertial_frames(q))}
+        named = {
+            f"link_{i}": frame for i, frame in enumerate(reference.inertial_frames(q))
+        }
         named["tcp"] = reference.dh_frames(q)[-1]
         for name, frame in named.items():
             gap = np.abs(arm.forward_kinematics(q, name).homogeneous - frame).max()
@@ -87,8 +89,13 @@ def inverse_dynamics() -> Sequence[Figure]:
     theirs, _, _ = newton_euler(q, v, a, a5.SEA_WATER)
     arm = a5.load()
     batch = np.abs(arm.inverse_dynamics_batch(q, v, a) - theirs).max()
-    single = [arm.inverse_dynamics(*x) for x in zip(q[:2000], v[:2000], a[:2000], strict=True)]
-    return [Near(len(q)), AtMost(max(float(batch), float(np.abs(single - theirs[:2000]).max())))]
+    single = [
+        arm.inverse_dynamics(*x) for x in zip(q[:2000], v[:2000], a[:2000], strict=True)
+    ]
+    return [
+        Near(len(q)),
+        AtMost(max(float(batch), float(np.abs(single - theirs[:2000]).max()))),
+    ]
 
 
 @statement(PROOF, "the same Newton–Euler, with and without water | {} N·m")
@@ -96,13 +103,16 @@ def buoyancy() -> Sequence[Figure]:
     q, _, _ = random_states(20_000)
     q, arm = q[:2000], a5.load()
     still = np.zeros_like(q)
-    air, sea = (newton_euler(q, still, still, density)[0] for density in (0.0, a5.SEA_WATER))
+    air, sea = (
+        newton_euler(q, still, still, density)[0] for density in (0.0, a5.SEA_WATER)
+    )
     ours = np.array([arm.buoyancy_torque(x) for x in q])
     return [AtMost(float(np.abs(ours - (air - sea)).max()))]
 
 
 @statement(
-    PROOF, "finite differences, with and without water, payload, floating base | {} relative"
+    PROOF,
+    "finite differences, with and without water, payload, floating base | {} relative",
 )
 def derivatives() -> Sequence[Figure]:
     """Central differences of order 6, each kind of arm."""
@@ -115,7 +125,9 @@ def derivatives() -> Sequence[Figure]:
         for i in range(arm.model.nv):
             step = np.zeros(arm.model.nv)
             # of the jaw rod in metres: its fingers turn by 51 rad/m
-            step[i] = 8e-5 if i == arm.model.nv - 1 and "axis_a" in arm.joint_names else 4e-3
+            step[i] = (
+                8e-5 if i == arm.model.nv - 1 and "axis_a" in arm.joint_names else 4e-3
+            )
             f = {
                 k: arm.inverse_dynamics(moved(arm, q, k * step), v, a)
                 for k in (-3, -2, -1, 1, 2, 3)
@@ -127,7 +139,9 @@ def derivatives() -> Sequence[Figure]:
     return [AtMost(worst)]
 
 
-@statement(PROOF, "those rings against three cylinders of the handbook DNV-RP-H103 | {} %")
+@statement(
+    PROOF, "those rings against three cylinders of the handbook DNV-RP-H103 | {} %"
+)
 def cylinders_of_the_handbook() -> Sequence[Figure]:
     printed = {1.2: 0.62, 2.5: 0.78, 5.0: 0.90}
     off = [abs(cylinder_across(ratio) / value - 1) for ratio, value in printed.items()]
@@ -137,7 +151,8 @@ def cylinders_of_the_handbook() -> Sequence[Figure]:
 @statement(PROOF, "mesh volumes | Table 3 | {} relative")
 def mesh_volumes() -> Sequence[Figure]:
     volumes = {
-        name: obj_volume(name) for name in ("link_0", "link_1", "link_2", "link_3", "link_4")
+        name: obj_volume(name)
+        for name in ("link_0", "link_1", "link_2", "link_3", "link_4")
     }
     volumes["link_4"] += obj_volume("finger_1") + obj_volume("finger_2")
     found = np.array(list(volumes.values())) * 1e3
@@ -147,7 +162,9 @@ def mesh_volumes() -> Sequence[Figure]:
 def obj_volume(name: str) -> float:
     """Volume within the triangles of a committed mesh [m^3], by Gauss's theorem."""
     lines = (REPOSITORY / "meshes" / f"{name}.obj").read_text("utf-8").splitlines()
-    vertices = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float)
+    vertices = np.array(
+        [line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float
+    )
     faces = [
         [int(corner.split("/")[0]) - 1 for corner in line.split()[1:]]
         for line in lines
@@ -230,7 +247,9 @@ def r2(record: dict[str, Any], model: str = "model") -> tuple[float, float]:
 
 @statement(PROOF, "R² {} in pitch, {} in roll", needs_recordings)
 def two_untidy_recordings() -> Sequence[Figure]:
-    untidy = script("validate_recordings.py", f"{RECORDINGS}/untidy", "--fit", str(RECORDINGS))
+    untidy = script(
+        "validate_recordings.py", f"{RECORDINGS}/untidy", "--fit", str(RECORDINGS)
+    )
     assert sorted(untidy["recordings"]) == ["traj003-0-test", "traj007-1"]
     return [Near(x) for x in r2(untidy)]
 
@@ -335,7 +354,9 @@ def test_drag_in_still_water_by_a_second_route() -> None:
     for k in range(3):
         q = rng.uniform(LOWER, UPPER)
         v = np.eye(4)[k] * JOINTS[k].velocity
-        ours = (wet.inverse_dynamics(q, v, 0 * v) - arm.inverse_dynamics(q, v, 0 * v)) @ v
+        ours = (
+            wet.inverse_dynamics(q, v, 0 * v) - arm.inverse_dynamics(q, v, 0 * v)
+        ) @ v
         assert ours == pytest.approx(-own_torque(q, v, np.zeros(3)) @ v, rel=2e-3)
 
 
@@ -384,7 +405,9 @@ def longest_cylinder() -> Sequence[Figure]:
 
 def whole_arm(pose: str) -> dict[str, Any]:
     """What scripts/added_mass.py found for the whole arm against the sum of its bodies."""
-    text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text("utf-8")
+    text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text(
+        "utf-8"
+    )
     found: dict[str, Any] = tomllib.loads(text)[pose]
     return found
 
@@ -432,7 +455,9 @@ def working_arm() -> Sequence[Figure]:
 def folded_arm() -> Sequence[Figure]:
     found = whole_arm("folded")
     most = [*found["base"], *found["joints"]]
-    low, nominal, high = (hydrodynamics(level=level)["link_2"].added_mass[1, 1] for level in LEVELS)
+    low, nominal, high = (
+        hydrodynamics(level=level)["link_2"].added_mass[1, 1] for level in LEVELS
+    )
     assert min(most) < low / nominal
     assert max(most) > high / nominal
     return [Near(min(most)), Near(max(most))]
@@ -474,7 +499,8 @@ def mujocos_errors() -> dict[str, np.ndarray]:
     return {
         name: 100
         * np.sqrt(
-            np.mean(np.square(errors[name]), axis=0) / np.mean(np.square(sizes[name]), axis=0)
+            np.mean(np.square(errors[name]), axis=0)
+            / np.mean(np.square(sizes[name]), axis=0)
         )
         for name in errors
     }
@@ -511,7 +537,10 @@ def mujoco_in_a_current() -> Sequence[Figure]:
 )
 def mujocos_drag() -> Sequence[Figure]:
     found = mujocos_errors()
-    return [AtMost(found["one joint"].max()), Near(found["drag"].max(), 0.15 * found["drag"].max())]
+    return [
+        AtMost(found["one joint"].max()),
+        Near(found["drag"].max(), 0.15 * found["drag"].max()),
+    ]
 
 
 # --- uncertainty ---------------------------------------------------------------------
@@ -539,7 +568,9 @@ def mass_of_link_2() -> Sequence[Figure]:
 
     def implied(com: np.ndarray, link: np.ndarray, at_com: np.ndarray) -> float:
         x, y, z = com
-        term = np.array([y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
+        term = np.array(
+            [y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]
+        )
         term = term * weight
         return float(term @ ((link - at_com) * weight) / (term @ term))
 
@@ -558,7 +589,12 @@ def mass_of_link_2() -> Sequence[Figure]:
     torque = u.sensitivity(lambda p: u.arm(p).hydrostatic_torque(q))
     (most, _), *_ = torque.most(1)
     assert most == "link_2.mass"
-    return [Near(half_width(())), Near(half_width(("link2_mass",))), Near(middle), Near(rounding)]
+    return [
+        Near(half_width(())),
+        Near(half_width(("link2_mass",))),
+        Near(middle),
+        Near(rounding),
+    ]
 
 
 @statement(
@@ -579,7 +615,9 @@ def stall_torque() -> Sequence[Figure]:
     return [Near(motor * 0.86), Near(motor)]
 
 
-@statement(UNCERTAINTY, "the interval is at most {} times as wide as that of the best corner")
+@statement(
+    UNCERTAINTY, "the interval is at most {} times as wide as that of the best corner"
+)
 def bounds_in_motion() -> Sequence[Figure]:
     """Of the torque of axis_d, corners found by walking along the edges, link by link."""
     q, v, a = states(6, 8)
@@ -587,7 +625,9 @@ def bounds_in_motion() -> Sequence[Figure]:
     ours = a5.uncertainty.bounds(q, v, a, a5.load(1000.0, gravity=(1.7, -2.3, -9.4)))
     best = np.zeros((2, 6))
     for i in range(5):
-        names = [n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]]
+        names = [
+            n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]
+        ]
         names = [n for n in names if not n.endswith((".d", ".a"))]
         middle = {n: numbers[n].value for n in names}
 
@@ -595,12 +635,15 @@ def bounds_in_motion() -> Sequence[Figure]:
             return np.asarray(of_link(i, at, q, v, a, 1000.0)[:, 1])
 
         rising = {
-            n: value({**middle, n: numbers[n].upper}) - value({**middle, n: numbers[n].lower})
+            n: value({**middle, n: numbers[n].upper})
+            - value({**middle, n: numbers[n].lower})
             for n in names
         }
         for side, row in np.ndindex(2, 6):
             at = {
-                n: numbers[n].upper if (rising[n][row] > 0) == (side == 1) else numbers[n].lower
+                n: numbers[n].upper
+                if (rising[n][row] > 0) == (side == 1)
+                else numbers[n].lower
                 for n in names
             }
             best[side, row] += value(at)[row]
@@ -647,7 +690,10 @@ def coverage() -> Sequence[Figure]:
         for found, hits in zip((by_effort, by_load), kinds, strict=True):
             inside = (found.lower <= truth[k]) & (truth[k] <= found.upper)
             hits.append(100 * float(inside[found.supported].mean()))
-    return [Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials)) for hits in kinds]
+    return [
+        Near(float(np.mean(hits)), 4 * float(np.std(hits)) / np.sqrt(trials))
+        for hits in kinds
+    ]
 
 
 # --- the statements ------------------------------------------------------------------

@@ -92,7 +92,11 @@ def written(folder: Path, text: str) -> Path:
 def content(folder: Path) -> dict[str, Any]:
     """All that must not depend on who computed it: results as bytes, rows as a table."""
     files = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
-    rows = parquet.read_table(folder / "rows").to_pydict() if (folder / "rows").is_dir() else None
+    rows = (
+        parquet.read_table(folder / "rows").to_pydict()
+        if (folder / "rows").is_dir()
+        else None
+    )
     return {**files, "rows": rows}
 
 
@@ -126,19 +130,25 @@ def test_a_grid_against_single_calls_of_pinocchio(tmp_path: Path) -> None:
     torque, moment = [], []
     for pitch, load in itertools.product(pitches, loads):
         rotation = rotation_from_rpy([0.0, pitch, 0.0])
-        arm = a5.load(gravity=rotation.T @ [0, 0, -9.81]).with_payload(load, (0, 0, 0.03))
+        arm = a5.load(gravity=rotation.T @ [0, 0, -9.81]).with_payload(
+            load, (0, 0, 0.03)
+        )
         for q in itertools.product(e, d, c, (0.5,)):
             torque.append(arm.inverse_dynamics(np.array(q), v, a))
             moment.append((load, q[1], *arm.base_wrench(np.array(q), v, a).angular))
     rows = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
     assert found.rows == len(torque) == len(rows)
     np.testing.assert_allclose(rows, torque, rtol=1e-12, atol=1e-14)
-    np.testing.assert_array_equal(columns(tmp_path / "out", "row")[:, 0], range(len(rows)))
+    np.testing.assert_array_equal(
+        columns(tmp_path / "out", "row")[:, 0], range(len(rows))
+    )
     peak = np.abs(torque).max(axis=0)
     for k, joint in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
         assert found.outputs["torque"][joint][0] == pytest.approx(peak[k], rel=1e-12)
         effort = a5.parameters().joints[k].effort
-        assert found.outputs["least"][joint][0] == pytest.approx(effort - peak[k], rel=1e-12)
+        assert found.outputs["least"][joint][0] == pytest.approx(
+            effort - peak[k], rel=1e-12
+        )
         row = int(found.outputs["torque"][f"{joint}_row"][0])
         behind = found.inputs(row)
         assert abs(behind[f"torque.{joint}"]) == found.outputs["torque"][joint][0]
@@ -194,12 +204,18 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
         v, a = np.array([0, -0.4, 0, 0]), np.array([0, 0, 0, np.pi / 2])
         tau = arm.inverse_dynamics(q, v, a)
         force = arm.base_wrench(q, v, a).linear
-        np.testing.assert_allclose([row[f"torque.axis_{x}"] for x in "edcb"], tau, rtol=1e-9)
-        np.testing.assert_allclose([row[f"mount_force.{x}"] for x in "xyz"], force, rtol=1e-9)
+        np.testing.assert_allclose(
+            [row[f"torque.axis_{x}"] for x in "edcb"], tau, rtol=1e-9
+        )
+        np.testing.assert_allclose(
+            [row[f"mount_force.{x}"] for x in "xyz"], force, rtol=1e-9
+        )
         tcp = arm.forward_kinematics(q).translation
         np.testing.assert_allclose([row[f"reach.{x}"] for x in "xyz"], tcp, atol=1e-14)
         motor = a5.actuators.actuator("axis_d")
-        assert row["current.axis_d"] == pytest.approx(float(motor.current(tau[1], -0.4)))
+        assert row["current.axis_d"] == pytest.approx(
+            float(motor.current(tau[1], -0.4))
+        )
         electrical = motor.power(tau[1], -0.4).electrical
         assert row["power.axis_d"] == pytest.approx(float(electrical))
         low, high = a5.actuators.actuator("axis_c").holding_current(tau[2])
@@ -210,7 +226,10 @@ def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
     from alpha5_model.dynamics.load import arm_of
     from alpha5_model.studies.uncertainty.effects import sample
 
-    study = f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n" + GRID[GRID.index("[outputs.rows") :]
+    study = (
+        f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n"
+        + GRID[GRID.index("[outputs.rows") :]
+    )
     a5.sweep(written(tmp_path, study), tmp_path / "out")
     q = columns(tmp_path / "out", *(f"axis_{x}_pos" for x in "edcb"))
     got = columns(tmp_path / "out", *(f"torque.axis_{x}" for x in "edcb"))
@@ -250,7 +269,8 @@ def test_quantiles_and_histograms_against_the_table(drawn: tuple[Path, Path]) ->
         assert (high - low <= np.maximum(np.abs(exact) / 256, 2.0**-19)).all()
         edges = np.concatenate([[-np.inf], np.linspace(-1, 1, 9), [np.inf]])
         counts = [
-            np.sum((torque[:, k] >= a) & (torque[:, k] < b)) for a, b in itertools.pairwise(edges)
+            np.sum((torque[:, k] >= a) & (torque[:, k] < b))
+            for a, b in itertools.pairwise(edges)
         ]
         np.testing.assert_array_equal(bars[joint], counts)
         peaks = np.abs(torque[:, k].reshape(2, -1))
@@ -260,7 +280,9 @@ def test_quantiles_and_histograms_against_the_table(drawn: tuple[Path, Path]) ->
 
 
 @pytest.mark.parametrize("rows", [1, 20_000])
-def test_any_size_of_chunks(drawn: tuple[Path, Path], tmp_path: Path, rows: int) -> None:
+def test_any_size_of_chunks(
+    drawn: tuple[Path, Path], tmp_path: Path, rows: int
+) -> None:
     a5.sweep(drawn[0], tmp_path, rows=rows)
     assert len([*(tmp_path / "parts").iterdir()]) > 2
     assert content(tmp_path) == content(drawn[1])
@@ -277,12 +299,20 @@ def test_a_worker_killed_in_the_middle(
             os.kill(pids.pop(), signal.SIGKILL)
             pids.clear()
 
-    a5.sweep(drawn[0], tmp_path, rows=1, scheduler=cluster.scheduler_address, progress=accident)
+    a5.sweep(
+        drawn[0],
+        tmp_path,
+        rows=1,
+        scheduler=cluster.scheduler_address,
+        progress=accident,
+    )
     assert not pids
     assert content(tmp_path) == content(drawn[1])
 
 
-def test_a_run_that_was_stopped_goes_on(drawn: tuple[Path, Path], tmp_path: Path) -> None:
+def test_a_run_that_was_stopped_goes_on(
+    drawn: tuple[Path, Path], tmp_path: Path
+) -> None:
     def stop(stage: str, done: float) -> None:
         if done > 0.3:
             raise KeyboardInterrupt
@@ -305,7 +335,9 @@ def test_a_disk_that_is_full(drawn: tuple[Path, Path], tmp_path: Path) -> None:
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
     try:
-        with pytest.raises(a5.errors.OutputError, match=r"cannot write .*rows/part-000000"):
+        with pytest.raises(
+            a5.errors.OutputError, match=r"cannot write .*rows/part-000000"
+        ):
             a5.sweep(drawn[0], tmp_path, rows=1)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
@@ -324,7 +356,9 @@ def test_recordings_of_which_one_is_broken(
         q = np.array([3.1, 1.2, 1.8, 0.0]) + (0.1 + 0.1 * k) * np.sin(time)[:, None]
         head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
         path = folder / f"dive_{k}.csv"
-        np.savetxt(path, np.column_stack([time, q]), delimiter=",", header=head, comments="")
+        np.savetxt(
+            path, np.column_stack([time, q]), delimiter=",", header=head, comments=""
+        )
     good = (folder / "dive_1.csv").read_text()
     (folder / "dive_1.csv").write_text(good.replace("1.8", "one.8", 1))
     (folder / "notes.txt").write_text("no recording")
@@ -346,7 +380,10 @@ def test_recordings_of_which_one_is_broken(
     assert "600 rows" in printed
     assert "not used: season/dive_1.csv" in printed
     assert "line 2" in printed
-    assert "season/dive_1.csv" in json.loads((out / "summary.json").read_text())["failures"]
+    assert (
+        "season/dive_1.csv"
+        in json.loads((out / "summary.json").read_text())["failures"]
+    )
     (folder / "dive_1.csv").write_text(good)
     found = a5.sweep(study, out)
     assert (found.rows, found.failures) == (900, {})
@@ -369,19 +406,28 @@ def test_recordings_of_which_one_is_broken(
 @pytest.mark.parametrize(
     ("change", "place"),
     [
-        (("axis_b_pos = 0.5", "axis_b_position = 0.5"), "unknown axis 'axis_b_position'"),
+        (
+            ("axis_b_pos = 0.5", "axis_b_position = 0.5"),
+            "unknown axis 'axis_b_position'",
+        ),
         (("axis_b_pos = 0.5", ""), "axes, states"),
         (("axis_b_pos = 0.5", "axis_b_pos = []"), "axes.axis_b_pos"),
         (("count = 3", "count = 0"), "axes.axis_e_pos.count"),
         (("count = 3", "count = 3000000000000"), "axes.axis_e_pos"),
         (("to = 350", "to = -350"), "axes.axis_e_pos"),
-        (('unit = "g"', 'unit = "m"'), "unit of axes.payload_mass 'm'; choose from kg, g"),
+        (
+            ('unit = "g"', 'unit = "m"'),
+            "unit of axes.payload_mass 'm'; choose from kg, g",
+        ),
         (("[0, 250]", "[0, -250]"), "axes.payload_mass"),
         (("values = 30", "random = [0, 30]"), "axes.payload_z"),
         (("[0.2, 1.4, 3.0]", "[0.2, nan]"), "axes.axis_c_pos"),
         (("[0.2, 1.4, 3.0]", "[[0.2, 1.4], 3.0]"), "axes.axis_c_pos"),
         (("[0.2, 1.4, 3.0]", "'0.2'"), "axes.axis_c_pos"),
-        (('"torque"', '"torques"'), "outputs.torque.quantity 'torques'; choose from torque,"),
+        (
+            ('"torque"', '"torques"'),
+            "outputs.torque.quantity 'torques'; choose from torque,",
+        ),
         (('"peak"', '"mean"'), "outputs.torque.as 'mean'; choose from peak,"),
         (('"payload_mass", "axis_d_pos"', '"payload_x"'), "outputs.map.by 'payload_x'"),
         (('as = "peak"', 'as = "histogram"'), "outputs.torque.bins"),
@@ -395,11 +441,17 @@ def test_recordings_of_which_one_is_broken(
         (("[axes]", "[axes]\nrecordings = 'none.csv'"), "axes, states"),
         (("[axes]", "[axes]\nrecordings = []"), "axes.recordings"),
         (("[axes]", "[axes]\nparameters = 2\ncorrections = ['none']"), "axes"),
-        (("[axes]", "[axes]\ncorrections = ['link4_cob']"), "axes.corrections 'link4_cob'"),
+        (
+            ("[axes]", "[axes]\ncorrections = ['link4_cob']"),
+            "axes.corrections 'link4_cob'",
+        ),
     ],
 )
 def test_a_bad_study_ends_in_one_line_with_the_place(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], place: str
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    change: tuple[str, str],
+    place: str,
 ) -> None:
     assert change[0] in GRID
     study = written(tmp_path, GRID.replace(*change, 1))
@@ -418,7 +470,10 @@ def test_folders_and_schedulers_that_cannot_be(
     file = tmp_path / "file"
     file.touch()
     for arguments, problem in (
-        ([str(tmp_path / "no.toml"), "-o", str(tmp_path / "out")], "no.toml: no such file"),
+        (
+            [str(tmp_path / "no.toml"), "-o", str(tmp_path / "out")],
+            "no.toml: no such file",
+        ),
         ([study, "-o", str(file)], "cannot write"),
         ([study, "-o", str(file / "inside")], "cannot write"),
         ([study, "-o", "/proc/no"], "cannot write"),
@@ -482,10 +537,14 @@ def without(name: str, part: bytes) -> bytes:
 
 
 @pytest.mark.parametrize(
-    "kind", ["foreign", "foreign metadata", "folder", "loop", "damaged", "no keys", "far"]
+    "kind",
+    ["foreign", "foreign metadata", "folder", "loop", "damaged", "no keys", "far"],
 )
 def test_what_stands_in_the_place_of_a_part(
-    kind: str, drawn: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    kind: str,
+    drawn: tuple[Path, Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(drawn[1], out)
@@ -508,7 +567,9 @@ def test_what_stands_in_the_place_of_a_part(
     else:
         read = parquet.read_table(pyarrow.BufferReader(whole))
         keys = pyarrow.array(np.full(read.num_rows, 10**12))
-        parquet.write_table(read.set_column(read.schema.get_field_index("key"), "key", keys), part)
+        parquet.write_table(
+            read.set_column(read.schema.get_field_index("key"), "key", keys), part
+        )
     assert main(["sweep", str(drawn[0]), "--output", str(out)]) == 2
     printed = capsys.readouterr().err
     assert printed.count("\n") == 1

@@ -20,11 +20,15 @@ from alpha5_model.codegen.sources import python_source
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE
 
 
-def solve(position: np.ndarray, wrist: np.ndarray, tolerances: Any = DOUBLE) -> list[np.ndarray]:
+def solve(
+    position: np.ndarray, wrist: np.ndarray, tolerances: Any = DOUBLE
+) -> list[np.ndarray]:
     """q (N, 4, 4), exists and within_limits (N, 4), singular (N,)."""
     count = len(position)
     function = folded(inverse_kinematics(), tolerances=tolerances).map(count)
-    found = (np.array(x) for x in function.call([casadi.DM(position.T), casadi.DM(wrist).T]))
+    found = (
+        np.array(x) for x in function.call([casadi.DM(position.T), casadi.DM(wrist).T])
+    )
     q, exists, within, singular = found
     return [q.reshape(4, count, 4).swapaxes(0, 1), exists.T, within.T, singular[0]]
 
@@ -62,8 +66,13 @@ def test_it_is_as_the_second_route_has_it(edge: str | None) -> None:
 
 
 def test_every_branch_and_flag_at_every_edge() -> None:
-    gap = np.random.default_rng(1).choice([0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 300)
-    targets = [ordinary(1000, 1), *(at_edge(edge, 300, i, gap) for i, edge in enumerate(EDGES))]
+    gap = np.random.default_rng(1).choice(
+        [0.0, 5e-11, -5e-11, 2e-10, -2e-10, 2e-9, -2e-9], 300
+    )
+    targets = [
+        ordinary(1000, 1),
+        *(at_edge(edge, 300, i, gap) for i, edge in enumerate(EDGES)),
+    ]
     position, wrist = (np.concatenate(parts) for parts in zip(*targets, strict=True))
     expected = a5.inverse_kinematics(position, wrist)
     q, exists, within, singular = solve(position, wrist)
@@ -74,14 +83,23 @@ def test_every_branch_and_flag_at_every_edge() -> None:
     assert 500 < within.sum() < exists.sum() < exists.size
     np.testing.assert_array_equal(np.isnan(q).any(axis=-1), ~exists.astype(bool))
     target = np.broadcast_to(position[:, None], (*exists.shape, 3))[exists > 0]
-    assert np.linalg.norm(tip(q[exists > 0]) - target, axis=-1).max() < 1.1e-9  # on the yaw axis
+    assert (
+        np.linalg.norm(tip(q[exists > 0]) - target, axis=-1).max() < 1.1e-9
+    )  # on the yaw axis
 
 
-def test_a_wrist_at_its_limit_is_within_to_the_bit_and_beyond_rounding_it_is_not() -> None:
+def test_a_wrist_at_its_limit_is_within_to_the_bit_and_beyond_rounding_it_is_not() -> (
+    None
+):
     target = np.full((1, 3), 0.15)
     for limit, out in ((LOWER[3], -1.0), (UPPER[3], 1.0)):
         for turns in (-1, 0, 2):
-            for gap, fits in ((0.0, True), (5e-13, True), (1e-11, False), (-1e-11, True)):
+            for gap, fits in (
+                (0.0, True),
+                (5e-13, True),
+                (1e-11, False),
+                (-1e-11, True),
+            ):
                 wrist = limit + out * gap + 2 * np.pi * turns
                 q, _, within, _ = solve(target, np.array([wrist]))
                 assert within[0, 0] == fits, wrist
@@ -108,8 +126,18 @@ def test_folding_leaves_the_function_and_takes_the_input_away() -> None:
 def test_decisions_as_statements() -> None:
     x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
     less, same = x < y, casadi.logic_and(x <= y, casadi.logic_not(x < y))
-    out = [less, same, casadi.logic_or(less, y < 0), casadi.if_else(less, -x, casadi.inf * 0)]
-    out += [casadi.if_else(less, x, 0), casadi.fmin(x, y), casadi.fmax(x, y), casadi.fabs(y)]
+    out = [
+        less,
+        same,
+        casadi.logic_or(less, y < 0),
+        casadi.if_else(less, -x, casadi.inf * 0),
+    ]
+    out += [
+        casadi.if_else(less, x, 0),
+        casadi.fmin(x, y),
+        casadi.fmax(x, y),
+        casadi.fabs(y),
+    ]
     decide = program(casadi.Function("f", [x, y], out, ["x", "y"], list("abcdefgh")))
     assert {s.op for s in decide.steps} >= {*TRUTHS, "if_else", "if_else_zero"}
     for language, m, number in (("arrays", np, np.float64), ("numbers", math, float)):
@@ -121,7 +149,12 @@ def test_decisions_as_statements() -> None:
             expected = [smaller, given[0] == given[1], smaller or given[1] < 0]
             assert found[:3] == expected
             assert found[3] == -given[0] if smaller else math.isnan(found[3])
-            assert found[4:] == [given[0] * smaller, min(given), max(given), abs(given[1])]
+            assert found[4:] == [
+                given[0] * smaller,
+                min(given),
+                max(given),
+                abs(given[1]),
+            ]
 
 
 @pytest.mark.parametrize("wrist", [math.nan, math.inf])

@@ -54,7 +54,9 @@ def run(of: Program, *inputs: np.ndarray) -> list[np.ndarray]:
         elif op == "input":
             registers[result] = inputs[arguments[0]].ravel()[arguments[1]]
         else:
-            registers[result] = (OPERATIONS | DECISIONS)[op](*(registers[i] for i in arguments))
+            registers[result] = (OPERATIONS | DECISIONS)[op](
+                *(registers[i] for i in arguments)
+            )
     return [x.reshape(slot.shape) for x, slot in zip(out, of.outputs, strict=True)]
 
 
@@ -64,7 +66,11 @@ def against_casadi(function: casadi.Function, rng: np.random.Generator) -> None:
     expected = function.call([casadi.DM(x) for x in inputs])
     for got, want in zip(run(one, *inputs), expected, strict=True):
         assert np.allclose(
-            got, np.array(want).reshape(got.shape), rtol=1e-13, atol=1e-15, equal_nan=True
+            got,
+            np.array(want).reshape(got.shape),
+            rtol=1e-13,
+            atol=1e-15,
+            equal_nan=True,
         )
 
 
@@ -84,10 +90,16 @@ def test_every_operation_gives_what_casadi_computes() -> None:
         a * a,
         1 / a,
     ]
-    every += [getattr(casadi, f)(a) for f in ("sqrt", "sin", "cos", "atan", "floor", "fabs")]
+    every += [
+        getattr(casadi, f)(a) for f in ("sqrt", "sin", "cos", "atan", "floor", "fabs")
+    ]
     every += [casadi.atan2(a, b), casadi.SX(0.25), y[0, 2]]
     function = casadi.Function(
-        "every", [x, y], [casadi.vertcat(*every), y.T @ y, x], ["x", "y"], ["out", "square", "copy"]
+        "every",
+        [x, y],
+        [casadi.vertcat(*every), y.T @ y, x],
+        ["x", "y"],
+        ["out", "square", "copy"],
     )
     assert {step.op for step in program(function).steps} >= {*OPERATIONS}
     against_casadi(function, np.random.default_rng(1))
@@ -101,7 +113,9 @@ def test_the_arms_functions_give_what_casadi_computes(name: str) -> None:
 def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> None:
     x = casadi.SX.sym("x", 2)
     a, b = x[0], x[1]
-    out = casadi.vertcat(casadi.sin(a) * b, b * casadi.sin(a) + casadi.cos(b), casadi.cos(a))
+    out = casadi.vertcat(
+        casadi.sin(a) * b, b * casadi.sin(a) + casadi.cos(b), casadi.cos(a)
+    )
     one = program(casadi.Function("f", [x], [out], ["x"], ["out"]))
     ops = [step.op for step in one.steps]
     assert (ops.count("mul"), ops.count("sin"), one.flops) == (1, 1, 5)
@@ -111,7 +125,8 @@ def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> 
             - next(
                 i
                 for i, s in enumerate(one.steps)
-                if s.op == "cos" and s.arguments == one.steps[ops.index("sin")].arguments
+                if s.op == "cos"
+                and s.arguments == one.steps[ops.index("sin")].arguments
             )
         )
         == 1

@@ -23,12 +23,17 @@ from alpha5_model.trajectory.report import columns
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
 
 
-def states(gripper: str, count: int, seed: int = 11) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def states(
+    gripper: str, count: int, seed: int = 11
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     q, v, a = rng.uniform(LOWER, UPPER, (count, 4)), *rng.uniform(-1, 1, (2, count, 4))
     if gripper == "jaws":
         rod = np.stack(
-            [rng.uniform(JAW_LOWER, JAW_UPPER, count), *rng.uniform(-0.003, 0.003, (2, count))]
+            [
+                rng.uniform(JAW_LOWER, JAW_UPPER, count),
+                *rng.uniform(-0.003, 0.003, (2, count)),
+            ]
         )
         q, v, a = (np.column_stack([x, y]) for x, y in zip((q, v, a), rod, strict=True))
     return q, v, a
@@ -36,7 +41,9 @@ def states(gripper: str, count: int, seed: int = 11) -> tuple[np.ndarray, np.nda
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 @pytest.mark.parametrize("threads", [1, 2, None])
-def test_terms_of_many_states_are_those_of_each(gripper: str, threads: int | None) -> None:
+def test_terms_of_many_states_are_those_of_each(
+    gripper: str, threads: int | None
+) -> None:
     arm = a5.load(fluid_density=1013.0, gripper=gripper, gravity=(1.0, -2.0, -9.0))
     q, v, a = states(gripper, 60)
     terms = torque_terms(arm, q, v, a, threads)
@@ -48,10 +55,14 @@ def test_terms_of_many_states_are_those_of_each(gripper: str, threads: int | Non
             "buoyancy": -arm.buoyancy_torque(q[k]),
         }
         for name, value in expected.items():
-            np.testing.assert_allclose(getattr(terms, name)[k], value, atol=2e-14, err_msg=name)
+            np.testing.assert_allclose(
+                getattr(terms, name)[k], value, atol=2e-14, err_msg=name
+            )
     positions = frame_positions(arm, q)
     for k in range(60):
-        np.testing.assert_allclose(positions[k], dh_frames(q[k, :4])[5][:3, 3], atol=1e-14)
+        np.testing.assert_allclose(
+            positions[k], dh_frames(q[k, :4])[5][:3, 3], atol=1e-14
+        )
 
 
 def test_terms_are_for_a_fixed_base_and_known_frames() -> None:
@@ -60,13 +71,22 @@ def test_terms_are_for_a_fixed_base_and_known_frames() -> None:
         torque_terms(floating, np.zeros((2, 11)), np.zeros((2, 10)), np.zeros((2, 10)))
     with pytest.raises(UnknownNameError, match="tcp"):
         frame_positions(a5.load(), np.zeros((2, 4)), "hand")
-    for bad in (np.zeros((2, 2, 4)), np.zeros(3), np.full((2, 4), np.nan), "q", np.full(4, 1e200)):
+    for bad in (
+        np.zeros((2, 2, 4)),
+        np.zeros(3),
+        np.full((2, 4), np.nan),
+        "q",
+        np.full(4, 1e200),
+    ):
         with pytest.raises(InputError):
             frame_positions(a5.load(), bad)
     assert frame_positions(a5.load(), np.zeros(4)).shape == (1, 3)
     arm = a5.load()
     arm.model.jointPlacements[1].translation[:] = 1.0  # the caller's own to change
-    gap = frame_positions(arm, np.zeros(4))[0] - arm.forward_kinematics(np.zeros(4)).translation
+    gap = (
+        frame_positions(arm, np.zeros(4))[0]
+        - arm.forward_kinematics(np.zeros(4)).translation
+    )
     assert np.abs(gap).max() < 1e-15
 
 
@@ -86,7 +106,9 @@ def test_work_at_the_joints_is_the_change_of_energy(density: float) -> None:
     motion = planned()
     r = a5.trajectory.analyse(motion, arm, method="interpolate")
     power = r.mechanical_power.sum(axis=1)
-    work = np.concatenate([[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(motion.time))])
+    work = np.concatenate(
+        [[0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(motion.time))]
+    )
     for k in range(0, 4001, 400):
         q, v = r.smooth.position[k], r.smooth.velocity[k]
         gained = arm.kinetic_energy(q, v) + arm.potential_energy(q)
@@ -100,18 +122,26 @@ def test_rows_agree_with_the_arm_one_state_at_a_time(gripper: str) -> None:
     motion = planned(41)
     if gripper == "jaws":
         rod = 0.007 + 0.005 * np.sin(motion.time)
-        motion = a5.trajectory.motion(motion.time, np.column_stack([motion.position, rod]))
+        motion = a5.trajectory.motion(
+            motion.time, np.column_stack([motion.position, rod])
+        )
     r = a5.trajectory.analyse(motion, method="interpolate")
     assert r.arm.model.nv == (5 if gripper == "jaws" else 4)
     assert r.arm.fluid_density == a5.SEA_WATER
     for k in range(0, 41, 5):
         state = r.smooth.position[k], r.smooth.velocity[k], r.smooth.acceleration[k]
-        np.testing.assert_allclose(r.torque[k], r.arm.inverse_dynamics(*state), atol=1e-13)
-        np.testing.assert_allclose(r.base_wrench[k], r.arm.base_wrench(*state).vector, atol=1e-12)
+        np.testing.assert_allclose(
+            r.torque[k], r.arm.inverse_dynamics(*state), atol=1e-13
+        )
+        np.testing.assert_allclose(
+            r.base_wrench[k], r.arm.base_wrench(*state).vector, atol=1e-12
+        )
         np.testing.assert_allclose(
             r.tcp[k], r.arm.forward_kinematics(state[0]).translation, atol=1e-14
         )
-    np.testing.assert_allclose(r.inertia + r.coriolis + r.weight + r.buoyancy, r.torque, atol=1e-13)
+    np.testing.assert_allclose(
+        r.inertia + r.coriolis + r.weight + r.buoyancy, r.torque, atol=1e-13
+    )
 
 
 # Table 4, typed from the document: R, F, eta, K_t, K_v, Gr.
@@ -131,21 +161,31 @@ def test_motors_case_by_case() -> None:
                 assert abs(tau) * eta / gear < friction
                 current, v, case = 0.0, 0.0, "rest"
             elif (tau > 0) == (v > 0):
-                current, case = (tau / (gear * eta) + np.sign(v) * friction) / k_t, "driving"
+                current, case = (
+                    (tau / (gear * eta) + np.sign(v) * friction) / k_t,
+                    "driving",
+                )
             else:
-                current, case = (tau * eta / gear + np.sign(v) * friction) / k_t, "driven"
+                current, case = (
+                    (tau * eta / gear + np.sign(v) * friction) / k_t,
+                    "driven",
+                )
             seen.add(case)
             assert r.current[k, j] == pytest.approx(current, rel=1e-12, abs=1e-15)
             voltage = resistance * current + k_v * gear * v
             assert r.voltage[k, j] == pytest.approx(voltage, rel=1e-12)
-            assert r.electrical_power[k, j] == pytest.approx(voltage * current, rel=1e-12)
+            assert r.electrical_power[k, j] == pytest.approx(
+                voltage * current, rel=1e-12
+            )
             assert r.friction[k, j] == pytest.approx(
                 k_t * gear * current - tau, rel=1e-9, abs=1e-12
             )
     assert seen == {"rest", "driving", "driven"}
     assert (r.current_lower <= r.current).all()
     assert (r.current <= r.current_upper).all()
-    assert (r.current_upper - r.current_lower).max() == pytest.approx(0.2 * 3.752e-3 / 0.0134)
+    assert (r.current_upper - r.current_lower).max() == pytest.approx(
+        0.2 * 3.752e-3 / 0.0134
+    )
 
 
 def test_noise_does_not_turn_friction_round() -> None:
@@ -168,7 +208,9 @@ def test_rotor_inertia_and_screw_lead_are_used_when_given() -> None:
     motion = planned(101)
     plain = a5.trajectory.analyse(motion, method="interpolate")
     heavy = a5.trajectory.analyse(
-        motion, method="interpolate", actuators={"axis_d": actuator("axis_d", rotor_inertia=1e-6)}
+        motion,
+        method="interpolate",
+        actuators={"axis_d": actuator("axis_d", rotor_inertia=1e-6)},
     )
     moving = plain.current[:, 1] != 0
     added = 1e-6 * 1754.4 * plain.smooth.acceleration[:, 1] / 0.0134
@@ -200,10 +242,18 @@ def test_summary_holds_the_peaks_and_margins() -> None:
         )
         at = np.flatnonzero(r.smooth.time == j["current_peak"]["time_s"])[0]
         assert j["current_peak"]["value"] == r.current[at, k]
-        assert j["current_peak"]["interval"] == [r.current_lower[at, k], r.current_upper[at, k]]
-        assert j["current_margin"] == pytest.approx(0.3 - np.abs(r.current_upper[:, k]).max())
+        assert j["current_peak"]["interval"] == [
+            r.current_lower[at, k],
+            r.current_upper[at, k],
+        ]
+        assert j["current_margin"] == pytest.approx(
+            0.3 - np.abs(r.current_upper[:, k]).max()
+        )
         assert j["position_margin"] == pytest.approx(
-            min(motion.position[:, k].min() - LOWER[k], UPPER[k] - motion.position[:, k].max())
+            min(
+                motion.position[:, k].min() - LOWER[k],
+                UPPER[k] - motion.position[:, k].max(),
+            )
         )
         # Beyond the drive's limits exactly where the current passes the limit or the voltage the supply.
         # At rest friction holds, so that no current is needed.
@@ -213,14 +263,18 @@ def test_summary_holds_the_peaks_and_margins() -> None:
     assert s["joints"]["axis_d"]["beyond_drive_limits"] > 0
     assert s["joints"]["axis_b"]["beyond_drive_limits"] == 0
     power = np.clip(r.electrical_power.sum(axis=1), 0, None)
-    assert s["energy"]["drawn_j"] == pytest.approx(np.trapezoid(power, r.smooth.time), rel=1e-12)
+    assert s["energy"]["drawn_j"] == pytest.approx(
+        np.trapezoid(power, r.smooth.time), rel=1e-12
+    )
     # The interval of energy by running the motors of each extreme of friction.
     for end, energy in zip((0, 1), s["energy"]["drawn_interval_j"], strict=True):
         extreme = {
             name: actuator(name).extremes()[end]
             for name in ("axis_e", "axis_d", "axis_c", "axis_b")
         }
-        other = a5.trajectory.summary(a5.trajectory.analyse(motion, actuators=extreme))["energy"]
+        other = a5.trajectory.summary(a5.trajectory.analyse(motion, actuators=extreme))[
+            "energy"
+        ]
         assert energy == pytest.approx(other["drawn_j"], rel=1e-9)
         # By definition, from the curves: root mean squares over time, peaks with their times.
         for key, curve in (
@@ -237,13 +291,22 @@ def test_summary_holds_the_peaks_and_margins() -> None:
             mean_square = np.trapezoid(curve**2, r.smooth.time) / 6.0
             assert j[f"{key}_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-12)
         used = np.clip(r.electrical_power[:, k], 0, None)
-        assert j["energy_drawn_j"] == pytest.approx(np.trapezoid(used, r.smooth.time), rel=1e-12)
-        assert j["voltage_margin"] == pytest.approx(24.0 - np.abs(r.voltage[:, k]).max())
-        assert j["position_range"] == [motion.position[:, k].min(), motion.position[:, k].max()]
+        assert j["energy_drawn_j"] == pytest.approx(
+            np.trapezoid(used, r.smooth.time), rel=1e-12
+        )
+        assert j["voltage_margin"] == pytest.approx(
+            24.0 - np.abs(r.voltage[:, k]).max()
+        )
+        assert j["position_range"] == [
+            motion.position[:, k].min(),
+            motion.position[:, k].max(),
+        ]
         assert j["smoothing_deviation"] == r.smooth.deviation[k]
         for cause in ("inertia", "coriolis", "weight", "buoyancy", "friction"):
             assert j["causes_peak"][cause] == np.abs(getattr(r, cause)[:, k]).max()
-        left = np.minimum(r.torque_limits.upper - r.torque, r.torque - r.torque_limits.lower)
+        left = np.minimum(
+            r.torque_limits.upper - r.torque, r.torque - r.torque_limits.lower
+        )
         assert j["drive_torque_margin"] == np.nanmin(left[:, k])
         assert j["units"] == {"position": "rad", "velocity": "rad/s", "torque": "N m"}
     text = a5.trajectory.text(s)
@@ -254,7 +317,10 @@ def test_summary_holds_the_peaks_and_margins() -> None:
 def test_summary_of_the_whole_motion() -> None:
     """Every figure beside the joints', by its definition."""
     t = np.concatenate([[3.0], np.arange(3.5, 9.0, 0.01), [10.25]])
-    start, way = np.array([1.0, 0.4, 0.5, 2.0, 0.003]), np.array([1.4, 1.5, 1.5, 1.5, 0.009])
+    start, way = (
+        np.array([1.0, 0.4, 0.5, 2.0, 0.003]),
+        np.array([1.4, 1.5, 1.5, 1.5, 0.009]),
+    )
     q = start + np.outer((t - 3) / 7.25, way)
     motion = a5.trajectory.motion(t, q)
     arm = a5.load(fluid_density=1003.0, gripper="jaws", gravity=(0.5, 0, -9.7))
@@ -271,7 +337,11 @@ def test_summary_of_the_whole_motion() -> None:
         "longest": pytest.approx(10.25 - 8.99),
     }
     assert s["time_unit_of_file"] == "s"
-    assert s["model"] == {"gripper": "jaws", "fluid_density": 1003.0, "gravity": [0.5, 0.0, -9.7]}
+    assert s["model"] == {
+        "gripper": "jaws",
+        "fluid_density": 1003.0,
+        "gravity": [0.5, 0.0, -9.7],
+    }
     assert s["smoothing"] == {
         "method": "spline",
         "bandwidth_hz": 3.0,
@@ -282,28 +352,37 @@ def test_summary_of_the_whole_motion() -> None:
     power = np.nansum(r.electrical_power, axis=1)
     energy = s["energy"]
     assert energy["electrical_peak_w"] == power.max()
-    assert energy["fed_back_j"] == pytest.approx(np.trapezoid(np.clip(-power, 0, None), t))
+    assert energy["fed_back_j"] == pytest.approx(
+        np.trapezoid(np.clip(-power, 0, None), t)
+    )
     work = np.trapezoid(r.mechanical_power.sum(axis=1), t)
     assert energy["mechanical_j"] == pytest.approx(work, rel=1e-12)
-    for key, columns_ in (("force_peak_n", slice(0, 3)), ("moment_peak_nm", slice(3, 6))):
+    for key, columns_ in (
+        ("force_peak_n", slice(0, 3)),
+        ("moment_peak_nm", slice(3, 6)),
+    ):
         size = np.linalg.norm(r.base_wrench[:, columns_], axis=1)
         assert s["mount"][key] == {"value": size.max(), "time_s": t[size.argmax()]}
     tcp = s["tcp"]
     first, last = (
-        dh_frames(x[:4])[5][:3, 3] for x in (r.smooth.position[0], r.smooth.position[-1])
+        dh_frames(x[:4])[5][:3, 3]
+        for x in (r.smooth.position[0], r.smooth.position[-1])
     )
     np.testing.assert_allclose(tcp["first_m"], first, atol=1e-14)
     np.testing.assert_allclose(tcp["last_m"], last, atol=1e-14)
     np.testing.assert_array_equal(tcp["lowest_m"], r.tcp.min(axis=0))
     np.testing.assert_array_equal(tcp["highest_m"], r.tcp.max(axis=0))
-    way_gone = sum(np.linalg.norm(b - a) for a, b in zip(r.tcp[:-1], r.tcp[1:], strict=True))
+    way_gone = sum(
+        np.linalg.norm(b - a) for a, b in zip(r.tcp[:-1], r.tcp[1:], strict=True)
+    )
     assert tcp["path_length_m"] == pytest.approx(way_gone, rel=1e-12)
     [gap] = s["warnings"]
     assert (gap["kind"], gap["count"], gap["first"]) == ("gap", 2, "sample 1")
     assert gap["text"] == "more than 0.1 s without a sample, bridged"
     text = a5.trajectory.text(s)
     points = [
-        "({:.3f}, {:.3f}, {:.3f})".format(*(x + 0.0 for x in p.round(3))) for p in (first, last)
+        "({:.3f}, {:.3f}, {:.3f})".format(*(x + 0.0 for x in p.round(3)))
+        for p in (first, last)
     ]
     assert f"from {points[0]} to {points[1]} m" in text
     assert f"within ({r.tcp[:, 0].min():.3f}, " in text
@@ -324,12 +403,16 @@ def test_the_jaw_rod_has_its_own_units() -> None:
         (causes, ["N"] * 5),
     ):
         *arm, unit, rod = (line.split() for line in block.splitlines()[2:])
-        assert arm[0] == [{"N": "N·m", "m/s": "rad/s", "m": "rad"}.get(u, u) for u in units]
+        assert arm[0] == [
+            {"N": "N·m", "m/s": "rad/s", "m": "rad"}.get(u, u) for u in units
+        ]
         assert [row[0] for row in arm[1:]] == list(s["joints"])[:4]
         assert (unit, rod[0]) == (units, "axis_a")
     assert rod[0] == "axis_a"
     assert peaks.splitlines()[-1].split()[1] == f"{jaw['torque_peak']['value']:+.4g}"
-    locked = a5.trajectory.text(a5.trajectory.summary(a5.trajectory.analyse(motion, a5.load())))
+    locked = a5.trajectory.text(
+        a5.trajectory.summary(a5.trajectory.analyse(motion, a5.load()))
+    )
     assert "m/s\n" not in locked
     assert " N\n" not in locked
 
@@ -337,7 +420,9 @@ def test_the_jaw_rod_has_its_own_units() -> None:
 def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
     t = np.linspace(0, 1, 101)
     speed = np.array([0.6, 0.5, 0.52, 0.88])
-    motion = a5.trajectory.motion(t, 1.2 + np.outer(t, speed), np.ones((101, 1)) * speed)
+    motion = a5.trajectory.motion(
+        t, 1.2 + np.outer(t, speed), np.ones((101, 1)) * speed
+    )
     r = a5.trajectory.analyse(motion, method="interpolate")
     s = a5.trajectory.summary(r)
     over = {name: j["beyond_rated_velocity"] for name, j in s["joints"].items()}
@@ -354,11 +439,15 @@ def test_speeds_beyond_the_rating_are_said_as_limits_are() -> None:
     ("beyond", "margin", "warned"),
     [(-1e-6, 1e-6, 0), (9e-7, 0.0, 0), (1.1e-5, 0.0, 0), (1.3e-5, -1.3e-5, 1)],
 )
-def test_a_margin_within_the_slack_is_none(beyond: float, margin: float, warned: int) -> None:
+def test_a_margin_within_the_slack_is_none(
+    beyond: float, margin: float, warned: int
+) -> None:
     """The rod rests 0.9 micrometres past its printed limit in the recordings; a thousandth of the range counts."""
     rod = np.full(50, JAW_LOWER - beyond)
     q = np.column_stack([np.full((50, 4), 1.2), rod])
-    s = a5.trajectory.summary(a5.trajectory.analyse(a5.trajectory.motion(np.arange(50) / 50, q)))
+    s = a5.trajectory.summary(
+        a5.trajectory.analyse(a5.trajectory.motion(np.arange(50) / 50, q))
+    )
     assert s["joints"]["axis_a"]["position_margin"] == pytest.approx(margin, abs=1e-12)
     assert [w["kind"] for w in s["warnings"]] == ["outside_limits"] * warned
 
@@ -374,7 +463,8 @@ def test_constants_change_what_they_should() -> None:
     )
     np.testing.assert_allclose(ratio[~np.isnan(ratio)], 0.0271 / 0.0545, rtol=1e-12)
     unexplained = {
-        c: a5.trajectory.summary(r)["energy"]["contradiction_j"] for c, r in runs.items()
+        c: a5.trajectory.summary(r)["energy"]["contradiction_j"]
+        for c, r in runs.items()
     }
     assert unexplained["torque"] == unexplained["voltage"] == 0.0
     assert unexplained["printed"] < -1e-3
@@ -389,7 +479,9 @@ def test_efficiency_changes_what_it_should() -> None:
         motor = a5.actuators.actuator(name, efficiency="motor")
         moving = np.abs(lossless.smooth.velocity[:, k]) > 0.05
         expected = motor.current(lossless.torque[:, k], lossless.smooth.velocity[:, k])
-        np.testing.assert_allclose(lossless.current[moving, k], expected[moving], rtol=1e-12)
+        np.testing.assert_allclose(
+            lossless.current[moving, k], expected[moving], rtol=1e-12
+        )
         assert (lossless.current[moving, k] != plain.current[moving, k]).any()
     for analysis, word in ((plain, "gearbox"), (lossless, "motor")):
         summary = a5.trajectory.summary(analysis)
@@ -407,12 +499,16 @@ def test_velocities_that_contradict_positions_are_reported() -> None:
     assert a5.trajectory.analyse(right).warnings == ()
     wrong = slope.copy()
     wrong[:, 2] *= 180 / np.pi
-    found = a5.trajectory.analyse(a5.trajectory.motion(m.time, m.position, wrong)).warnings
+    found = a5.trajectory.analyse(
+        a5.trajectory.motion(m.time, m.position, wrong)
+    ).warnings
     assert [w.kind for w in found] == ["velocity"]
     assert "axis_c's velocities are 57.3 times" in str(found[0])
 
 
-@pytest.mark.parametrize("bad", [" ", "24", [24.0], np.zeros((2, 2)), np.zeros(0), abs, math.nan])
+@pytest.mark.parametrize(
+    "bad", [" ", "24", [24.0], np.zeros((2, 2)), np.zeros(0), abs, math.nan]
+)
 def test_a_supply_or_a_limit_that_is_no_number_is_refused(bad: object) -> None:
     m = planned(101)
     for supply, limit in ((bad, 1.0), (24.0, bad), (bad, None), (None, bad)):
@@ -424,9 +520,17 @@ def test_what_does_not_fit_is_refused() -> None:
     motion = planned(51)
     for call, message in (
         (lambda: a5.trajectory.analyse(motion, a5.load(gripper="jaws")), "axis_a"),
-        (lambda: a5.trajectory.analyse(motion, a5.load(floating_base=True)), "fixed base"),
+        (
+            lambda: a5.trajectory.analyse(motion, a5.load(floating_base=True)),
+            "fixed base",
+        ),
         (lambda: a5.trajectory.analyse(motion, supply_voltage=24.0), "both or neither"),
-        (lambda: a5.trajectory.analyse(motion, supply_voltage=24.0, current_limit=0.0), "above 0"),
+        (
+            lambda: a5.trajectory.analyse(
+                motion, supply_voltage=24.0, current_limit=0.0
+            ),
+            "above 0",
+        ),
     ):
         with pytest.raises(InputError, match=message):
             call()
@@ -438,13 +542,17 @@ def test_what_does_not_fit_is_refused() -> None:
 
 def test_locked_arm_leaves_the_jaw_rod_out() -> None:
     m = planned(51)
-    five = a5.trajectory.motion(m.time, np.column_stack([m.position, np.full(51, 0.0013)]))
+    five = a5.trajectory.motion(
+        m.time, np.column_stack([m.position, np.full(51, 0.0013)])
+    )
     four = a5.trajectory.analyse(m)
     r = a5.trajectory.analyse(five, a5.load(gripper="locked"))
     np.testing.assert_array_equal(r.torque, four.torque)
     assert "axis_a" in r.motion.ignored
     # Jaws closed and still: the same arm.
-    np.testing.assert_allclose(a5.trajectory.analyse(five).torque[:, :4], four.torque, atol=1e-12)
+    np.testing.assert_allclose(
+        a5.trajectory.analyse(five).torque[:, :4], four.torque, atol=1e-12
+    )
 
 
 def test_tables_hold_every_column_and_can_be_read_again(tmp_path: Path) -> None:
@@ -454,29 +562,43 @@ def test_tables_hold_every_column_and_can_be_read_again(tmp_path: Path) -> None:
     header, *rows = (tmp_path / "t.csv").read_text().splitlines()
     assert header.split(",") == list(table)
     back = np.array([[float(x) for x in row.split(",")] for row in rows])
-    np.testing.assert_allclose(back, np.stack(list(table.values()), axis=1), rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(
+        back, np.stack(list(table.values()), axis=1), rtol=1e-8, atol=1e-12
+    )
     again = a5.trajectory.read_motion(tmp_path / "t.csv")
     np.testing.assert_allclose(again.position, r.smooth.position, rtol=1e-8)
     a5.trajectory.write(r, tmp_path / "t.json")
     record = json.loads((tmp_path / "t.json").read_text())
     assert record["summary"] == a5.trajectory.summary(r)
-    assert record["columns"] == {name: column.tolist() for name, column in table.items()}
+    assert record["columns"] == {
+        name: column.tolist() for name, column in table.items()
+    }
     with pytest.raises(UnknownNameError, match=r"\.csv, \.json"):
         a5.trajectory.write(r, tmp_path / "t.xlsx")
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(OutputError):
         a5.trajectory.write(r, tmp_path / "folder.csv")
-    broken = dataclasses.replace(r, torque=np.where(np.arange(41)[:, None] == 7, np.nan, r.torque))
+    broken = dataclasses.replace(
+        r, torque=np.where(np.arange(41)[:, None] == 7, np.nan, r.torque)
+    )
     with pytest.raises(ValueError, match="not JSON compliant"):
         a5.trajectory.write(broken, tmp_path / "broken.json")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["folder.csv", "t.csv", "t.json"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "folder.csv",
+        "t.csv",
+        "t.json",
+    ]
 
 
 def test_import_stays_light() -> None:
     script = "import sys; from alpha5_model.trajectory import read_motion; print(*sys.modules)"
     root = Path(a5.__file__).parent.parent
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=root
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=root,
     )
     assert {"pinocchio", "scipy", "matplotlib", "typer"}.isdisjoint(done.stdout.split())
 
@@ -486,7 +608,10 @@ def test_import_stays_light() -> None:
 @pytest.mark.parametrize("method", ["spline", "savgol"])
 def test_recordings_end_to_end(path: Path, method: str) -> None:
     r = a5.trajectory.analyse(
-        a5.trajectory.read_motion(path), method=method, supply_voltage=24.0, current_limit=1.0
+        a5.trajectory.read_motion(path),
+        method=method,
+        supply_voltage=24.0,
+        current_limit=1.0,
     )
     s = a5.trajectory.summary(r)
     assert s["warnings"] == []

@@ -30,7 +30,10 @@ def named(pattern: str, values: np.ndarray) -> dict[str, np.ndarray]:
 
 def write(path: Path, table: dict[str, np.ndarray]) -> Path:
     lines = [",".join(f'"{name}"' for name in table)]
-    lines += [",".join(map(repr, map(float, row))) for row in zip(*table.values(), strict=True)]
+    lines += [
+        ",".join(map(repr, map(float, row)))
+        for row in zip(*table.values(), strict=True)
+    ]
     path.write_text("\n".join(lines), encoding="utf-8")
     return path
 
@@ -40,11 +43,15 @@ def test_none_of_the_names_is_read_as_a_position(tmp_path: Path) -> None:
     assert len(set(patterns)) >= 200
     for pattern in patterns:
         path = write(tmp_path / "m.csv", {"time": TIME, **named(pattern, OTHERS)})
-        with pytest.raises(FileFormatError, match="no column for the position of axis_e") as caught:
+        with pytest.raises(
+            FileFormatError, match="no column for the position of axis_e"
+        ) as caught:
             a5.trajectory.read_motion(path)
         message = str(caught.value)
         name = pattern.replace("*", "axis_e")
-        assert f"{name} is a" in message or f"{name} is not understood" in message, message
+        assert f"{name} is a" in message or f"{name} is not understood" in message, (
+            message
+        )
         assert "\n" not in message
 
 
@@ -100,17 +107,23 @@ def test_a_log_of_the_vehicles_simulator(tmp_path: Path) -> None:
     assert notes["command"].count == 4 + 4 + 5
     assert notes["command"].first == "ref_alpha_axis_e, line 1"
     assert "ignored" in notes["command"].text
-    assert notes["time_column"].text == "wall_time_sec read as the time, not sim_time_sec"
+    assert (
+        notes["time_column"].text == "wall_time_sec read as the time, not sim_time_sec"
+    )
 
 
-def test_a_file_of_commands_is_refused_by_name_and_read_on_request(tmp_path: Path) -> None:
+def test_a_file_of_commands_is_refused_by_name_and_read_on_request(
+    tmp_path: Path,
+) -> None:
     """The columns of a public file of torque commands."""
     table = {"time_sec": TIME, "vehicle_fx": TIME}
     table |= named("tau_*", OTHERS) | {"tau_axis_a": 0 * TIME}
     table |= named("arm_ref_*", ANGLES) | {"arm_ref_axis_a": 0.002 + 0 * TIME}
     table |= named("arm_dref_*", OTHERS)
     path = write(tmp_path / "commands.csv", table)
-    expected = r"tau_axis_e is a torque, arm_ref_axis_e is a command \(prefix arm_ref_ reads"
+    expected = (
+        r"tau_axis_e is a torque, arm_ref_axis_e is a command \(prefix arm_ref_ reads"
+    )
     with pytest.raises(FileFormatError, match=expected):
         a5.trajectory.read_motion(path)
     motion = a5.trajectory.read_motion(path, prefix="arm_ref_")
@@ -136,7 +149,11 @@ def test_two_columns_of_one_quantity_are_refused(tmp_path: Path) -> None:
     pairs = {"position": ("*_pos", "q_*"), "velocity": ("*_vel", "dq_*")}
     pairs["effort"] = ("*_effort", "effort_*")
     for quantity, (one, other) in pairs.items():
-        table = {"time": TIME, **named("*", ANGLES)} if quantity != "position" else {"time": TIME}
+        table = (
+            {"time": TIME, **named("*", ANGLES)}
+            if quantity != "position"
+            else {"time": TIME}
+        )
         table |= named(one, OTHERS) | named(other, OTHERS)
         path = write(tmp_path / "m.csv", table)
         expected = f"two columns for the {quantity} of axis_e: "
@@ -145,7 +162,13 @@ def test_two_columns_of_one_quantity_are_refused(tmp_path: Path) -> None:
 
 
 def test_clocks_of_loggers(tmp_path: Path) -> None:
-    for name in ("timestamp", "ros_time", "sim_time_sec", "replay_time_sec", "timestamp_ms"):
+    for name in (
+        "timestamp",
+        "ros_time",
+        "sim_time_sec",
+        "replay_time_sec",
+        "timestamp_ms",
+    ):
         scale = 1e3 if name.endswith("_ms") else 1.0
         table = {name: scale * TIME, **named("*", ANGLES)}
         motion = a5.trajectory.read_motion(write(tmp_path / "m.csv", table))
@@ -178,7 +201,9 @@ def test_parquet_and_bags_have_the_same_rule(tmp_path: Path) -> None:
         folder.mkdir()
         path = write_bag(folder, ".mcap", states)
         if not found:
-            with pytest.raises(FileFormatError, match=f"no message has all of.*{prefix}axis_e"):
+            with pytest.raises(
+                FileFormatError, match=f"no message has all of.*{prefix}axis_e"
+            ):
                 a5.trajectory.read_motion(path)
         asked = None if found else prefix
         if prefix == "tau_":
@@ -190,7 +215,9 @@ def test_parquet_and_bags_have_the_same_rule(tmp_path: Path) -> None:
         np.testing.assert_array_equal(motion.velocity, ANGLES)
 
 
-@pytest.mark.parametrize("pattern", ["c{}", "p{}_axis_e", "left_axis_e_{}", "axis_e" * 3 + "_{}"])
+@pytest.mark.parametrize(
+    "pattern", ["c{}", "p{}_axis_e", "left_axis_e_{}", "axis_e" * 3 + "_{}"]
+)
 def test_many_columns_take_linear_time(pattern: str, tmp_path: Path) -> None:
     """60 000 columns took half a minute; four times as many take about four times as long."""
     for joints in (["axis_e_pos", "axis_d_pos", "axis_c_pos", "axis_b_pos"], []):

@@ -45,7 +45,10 @@ def test_a_jump_is_farther_than_a_tenth_of_the_range_and_twice_the_speed(
     k: int, joint: str
 ) -> None:
     low, high = RANGES[k]
-    for share, found in ((0.9999, []), (1.0001, [("jump", 1, f"sample 20 of {joint}")])):
+    for share, found in (
+        (0.9999, []),
+        (1.0001, [("jump", 1, f"sample 20 of {joint}")]),
+    ):
         t, q = resting()
         q[:, k] = low + 0.2 * (high - low)
         q[20:, k] += share * (0.1 * (high - low) + 2 * RATED[k] * 0.02)
@@ -54,9 +57,14 @@ def test_a_jump_is_farther_than_a_tenth_of_the_range_and_twice_the_speed(
 
 @pytest.mark.parametrize(("k", "joint"), enumerate(JOINTS))
 @pytest.mark.parametrize("side", [0, 1])
-def test_outside_is_a_thousandth_of_the_range_beyond(k: int, joint: str, side: int) -> None:
+def test_outside_is_a_thousandth_of_the_range_beyond(
+    k: int, joint: str, side: int
+) -> None:
     span = RANGES[k][1] - RANGES[k][0]
-    for share, found in ((0.9999, []), (1.0001, [("outside_limits", 40, f"sample 0 of {joint}")])):
+    for share, found in (
+        (0.9999, []),
+        (1.0001, [("outside_limits", 40, f"sample 0 of {joint}")]),
+    ):
         t, q = resting()
         q[:, k] = RANGES[k][side] + (2 * side - 1) * share * 1e-3 * span
         motion = a5.trajectory.motion(t, q)
@@ -110,9 +118,9 @@ def test_direction_is_that_of_the_way_in_half_a_second() -> None:
     """Sign of the way from a quarter of a second before to one after, none below 0.2 % of the rated speed."""
     rng = np.random.default_rng(2)
     t = np.cumsum(rng.uniform(0.01, 0.05, 300))
-    q = resting(300)[1] + np.cumsum(rng.normal(size=(300, 5)), axis=0) * 1e-4 * np.array(
-        [1, 1, 1, 1, 0.01]
-    )
+    q = resting(300)[1] + np.cumsum(
+        rng.normal(size=(300, 5)), axis=0
+    ) * 1e-4 * np.array([1, 1, 1, 1, 0.01])
     q[:, 2] = 1.0 + 0.003 * RATED[2] * np.sin(t)  # now and then above the threshold
     q[:, 1] = 1.0 + 0.0021 * RATED[1] * t
     q[:, 0] = 1.0 - 0.0019 * RATED[0] * t
@@ -127,7 +135,9 @@ def test_direction_is_that_of_the_way_in_half_a_second() -> None:
         assert set(s.direction[:, 2]) == {-1.0, 0.0, 1.0}
         assert set(s.direction[:, 1]) == {1.0}
         assert set(s.direction[:, 0]) == {0.0}
-        np.testing.assert_array_equal(s.signed_velocity, s.direction * np.abs(s.velocity))
+        np.testing.assert_array_equal(
+            s.signed_velocity, s.direction * np.abs(s.velocity)
+        )
         np.testing.assert_array_equal(s.deviation, np.abs(s.position - q).max(axis=0))
     planned = a5.trajectory.smooth(a5.trajectory.motion(t, q), "interpolate")
     at_rest = np.abs(planned.velocity) < 0.002 * np.array(RATED)
@@ -169,7 +179,8 @@ def test_savitzky_golay_on_uneven_times() -> None:
     np.testing.assert_allclose(bend[inner, 0], (0.6 * t)[inner], atol=0.15)
     short = a5.trajectory.motion(*resting(50))
     with pytest.raises(
-        InputError, match=r"a window of at most the motion's 50 samples \(it takes \d+\)"
+        InputError,
+        match=r"a window of at most the motion's 50 samples \(it takes \d+\)",
     ):
         a5.trajectory.smooth(short, "savgol", 0.3)
 
@@ -179,7 +190,8 @@ def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
     a5.trajectory.smooth(motion, "spline", 24.99)
     for width in (25.0, 25.01):
         with pytest.raises(
-            InputError, match=r"less than half the sample rate, 25 Hz \(or .*late\), got"
+            InputError,
+            match=r"less than half the sample rate, 25 Hz \(or .*late\), got",
         ):
             a5.trajectory.smooth(motion, "spline", width)
     slow = a5.trajectory.motion(*resting(200, step=1.01))
@@ -191,7 +203,9 @@ def test_the_bandwidth_stays_below_half_the_sample_rate() -> None:
 # --- analysis ------------------------------------------------------------------------------------
 
 
-def moving(count: int = 400, gain: float = 1.0, speed: float = 0.3) -> a5.trajectory.Motion:
+def moving(
+    count: int = 400, gain: float = 1.0, speed: float = 0.3
+) -> a5.trajectory.Motion:
     t = 0.02 * np.arange(count)
     q = resting(count)[1][:, :4]
     v = np.zeros_like(q)
@@ -208,7 +222,9 @@ def test_velocities_are_judged_by_their_gain(gain: float, found: int) -> None:
     assert [w.kind for w in warnings] == ["velocity"] * found
     for w in warnings:
         assert (w.count, w.first) == (1, "all samples")
-        assert float(w.text.split(" are ")[1].split(" times")[0]) == pytest.approx(gain, rel=0.01)
+        assert float(w.text.split(" are ")[1].split(" times")[0]) == pytest.approx(
+            gain, rel=0.01
+        )
         assert w.text.startswith("axis_c's velocities are ")
         assert w.text.endswith(" times the slope of its positions")
 
@@ -221,14 +237,18 @@ def test_slow_joints_are_not_judged() -> None:
         assert len(a5.trajectory.analyse(motion).warnings) == found
 
 
-def test_parts_are_put_together_in_order(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_parts_are_put_together_in_order(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     motion = moving(count=101)
     whole = a5.trajectory.analyse(motion)
     seen: list[tuple[str, float]] = []
     monkeypatch.setattr(analysis_module, "_CHUNK", 25)
     monkeypatch.setattr(report, "_CHUNK", 40)
     parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
-    a5.trajectory.write(parts, tmp_path / "parts.csv", lambda *report: seen.append(report))
+    a5.trajectory.write(
+        parts, tmp_path / "parts.csv", lambda *report: seen.append(report)
+    )
     computed = [("compute", k / 101) for k in (25, 50, 75, 100, 101)]
     assert seen == [*computed, *(("write", k / 101) for k in (40, 80, 101))]
     for name in (
@@ -255,7 +275,9 @@ def test_positions_in_another_unit_are_said() -> None:
     ):
         other = q.copy()
         other[:, column] *= size
-        [warning] = [w for w in a5.trajectory.motion(t, other).warnings if "outside" in w.text]
+        [warning] = [
+            w for w in a5.trajectory.motion(t, other).warnings if "outside" in w.text
+        ]
         assert warning.text.endswith(words)
         other[:, column] = 1.1 * RANGES[column][1]
         [warning] = a5.trajectory.motion(t, other).warnings
@@ -265,7 +287,9 @@ def test_positions_in_another_unit_are_said() -> None:
 def test_reading_reports_progress_by_blocks(tmp_path: Path) -> None:
     assert CHUNK == 50_000
     t, q = resting(60)
-    a5.trajectory.write(a5.trajectory.analyse(a5.trajectory.motion(t, q)), tmp_path / "m.csv")
+    a5.trajectory.write(
+        a5.trajectory.analyse(a5.trajectory.motion(t, q)), tmp_path / "m.csv"
+    )
     seen: list[tuple[str, float]] = []
     a5.trajectory.read_motion(tmp_path / "m.csv", lambda *report: seen.append(report))
     assert seen == [("read", 1.0)]
@@ -289,7 +313,14 @@ def test_the_rod_is_left_out_with_its_warnings() -> None:
 @pytest.mark.parametrize("rest", [True, False])
 def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
     """With Table 4's figures: R 3.22, F 3.752e-3, eta 0.86, K_t 0.0134, K_v 0.0116, Gr 1754.4 (big motors)."""
-    resistance, friction, eta, k_t, k_v, gear = 3.22, 3.752e-3, 0.86, 0.0134, 0.0116, 1754.4
+    resistance, friction, eta, k_t, k_v, gear = (
+        3.22,
+        3.752e-3,
+        0.86,
+        0.0134,
+        0.0116,
+        1754.4,
+    )
     t = 0.02 * np.arange(100)
     q = resting(100)[1][:, :4]
     if not rest:
@@ -310,7 +341,9 @@ def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
         else:
             most = min(ampere, (volt - k_v * gear * 0.2) / resistance)
             driven = (k_t * most - friction) * gear
-            np.testing.assert_allclose(r.torque_limits.upper[:, :3], eta * driven, rtol=1e-9)
+            np.testing.assert_allclose(
+                r.torque_limits.upper[:, :3], eta * driven, rtol=1e-9
+            )
 
 
 # --- tables and sentences ------------------------------------------------------------------------
@@ -319,7 +352,9 @@ def test_limits_hold_a_resting_joint_and_drive_a_moving_one(rest: bool) -> None:
 def test_columns_by_name(tmp_path: Path) -> None:
     t, q = resting(30)
     q[:, 1] += 0.2 * np.sin(3 * t)
-    r = a5.trajectory.analyse(a5.trajectory.motion(t, q), supply_voltage=24.0, current_limit=1.0)
+    r = a5.trajectory.analyse(
+        a5.trajectory.motion(t, q), supply_voltage=24.0, current_limit=1.0
+    )
     table = columns(r)
     assert r.torque_limits is not None
     for k, name in enumerate(JOINTS):
@@ -346,17 +381,24 @@ def test_columns_by_name(tmp_path: Path) -> None:
                 ("torque_min", r.torque_limits.lower),
                 ("torque_max", r.torque_limits.upper),
             ):
-                np.testing.assert_array_equal(table.pop(f"{name}_{suffix}"), values[:, k])
+                np.testing.assert_array_equal(
+                    table.pop(f"{name}_{suffix}"), values[:, k]
+                )
     for k, axis in enumerate("xyz"):
-        np.testing.assert_array_equal(table.pop(f"base_force_{axis}"), r.base_wrench[:, k])
-        np.testing.assert_array_equal(table.pop(f"base_moment_{axis}"), r.base_wrench[:, 3 + k])
+        np.testing.assert_array_equal(
+            table.pop(f"base_force_{axis}"), r.base_wrench[:, k]
+        )
+        np.testing.assert_array_equal(
+            table.pop(f"base_moment_{axis}"), r.base_wrench[:, 3 + k]
+        )
         np.testing.assert_array_equal(table.pop(f"tcp_{axis}"), r.tcp[:, k])
     assert list(table) == ["time_secs"]
     # Times keep all their digits, as the sample times of recordings need them.
     late = replace(r, smooth=replace(r.smooth, time=1.7e9 + t))
     a5.trajectory.write(late, tmp_path / "t.csv")
     times = [
-        float(line.split(",")[0]) for line in (tmp_path / "t.csv").read_text().splitlines()[1:]
+        float(line.split(",")[0])
+        for line in (tmp_path / "t.csv").read_text().splitlines()[1:]
     ]
     np.testing.assert_allclose(times, 1.7e9 + t, rtol=0, atol=5e-7)
     # JSON has no NaN.
@@ -418,8 +460,16 @@ def record(**joint: Any) -> dict[str, Any]:
         "samples": 77,
         "duration_s": 3.14159,
         "time_unit_of_file": "s",
-        "model": {"gripper": "locked", "fluid_density": 1025.0, "gravity": [0.0, 0.5, -9.81]},
-        "smoothing": {"method": "spline", "bandwidth_hz": 2.0, "derivatives_from": "positions"},
+        "model": {
+            "gripper": "locked",
+            "fluid_density": 1025.0,
+            "gravity": [0.0, 0.5, -9.81],
+        },
+        "smoothing": {
+            "method": "spline",
+            "bandwidth_hz": 2.0,
+            "derivatives_from": "positions",
+        },
         "motors": {
             "constants": "printed",
             "constants_ratio": {"axis_e": 1.1551},
@@ -508,7 +558,9 @@ def test_the_text_says_limits_units_and_what_is_missing() -> None:
     said = a5.trajectory.text(other)
     assert said.startswith("x.csv: 77 samples, 3.14 s (time column in ms)\n")
     assert "  smoothing: interpolate; derivatives" in said
-    assert "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
+    assert (
+        "  axis_e   -1.25  needs --screw-lead                           -0.75" in said
+    )
     assert "  axis_e    7.75        -  +0.125  -0.25" in said
     assert "used here: torque\n  note: Table 4 does not say" in said
     assert said.endswith("taken here for that of the gearbox")

@@ -60,11 +60,15 @@ def within(seconds: float, megabytes: float) -> Iterator[None]:
 
 
 @pytest.mark.parametrize(("kind", "compression"), COMPRESSED)
-def test_compressed_bags_are_read_as_others(kind: str, compression: str, tmp_path: Path) -> None:
+def test_compressed_bags_are_read_as_others(
+    kind: str, compression: str, tmp_path: Path
+) -> None:
     path = write_bag(tmp_path, kind, states(3000), compression)
     motion = a5.trajectory.read_motion(path)
     assert motion.time.size == 3000
-    np.testing.assert_array_equal(motion.position, np.tile([3.0, 1.5, 1.4, 1.2], (3000, 1)))
+    np.testing.assert_array_equal(
+        motion.position, np.tile([3.0, 1.5, 1.4, 1.2], (3000, 1))
+    )
     assert motion.warnings == ()
 
 
@@ -84,7 +88,10 @@ def test_what_expands_without_measure_is_refused(
 ) -> None:
     path = write_bag(tmp_path, kind, states(6, frame="a" * 20_000_000), compression)
     assert path.is_dir() or path.stat().st_size < 1_000_000
-    with within(3, 150), pytest.raises(FileFormatError, match="100 times its size") as caught:
+    with (
+        within(3, 150),
+        pytest.raises(FileFormatError, match="100 times its size") as caught,
+    ):
         a5.trajectory.read_motion(path)
     assert "\n" not in str(caught.value)
 
@@ -100,7 +107,12 @@ def text(content: str) -> bytes:
 def mcap(compressed: bytes, size: int, copies: int = 0) -> bytes:
     """An MCAP file of one chunk, with an index that names it so many times."""
     magic = b"\x89MCAP0\r\n"
-    schema = struct.pack("<H", 1) + text("sensor_msgs/msg/JointState") + text("ros2msg") + text("")
+    schema = (
+        struct.pack("<H", 1)
+        + text("sensor_msgs/msg/JointState")
+        + text("ros2msg")
+        + text("")
+    )
     channel = struct.pack("<HH", 1, 1) + text("/joint_states") + text("cdr") + text("")
     start = magic + record(1, text("ros2") + text(""))
     start += record(3, schema) + record(4, channel)
@@ -134,7 +146,10 @@ def test_65_kilobytes_of_two_gigabytes(tmp_path: Path) -> None:
         path = tmp_path / "small.mcap"
         path.write_bytes(mcap(compressed, size, copies))
         assert path.stat().st_size < 200_000
-        with within(2, 40), pytest.raises(FileFormatError, match="expands to more than"):
+        with (
+            within(2, 40),
+            pytest.raises(FileFormatError, match="expands to more than"),
+        ):
             a5.trajectory.read_motion(path)
 
 
@@ -166,7 +181,10 @@ def test_chunks_of_ros_1_that_share_an_index(tmp_path: Path) -> None:
         a5.trajectory.read_motion(path)
 
 
-FORMULAS = ("zeroblob(900000000)", "replace(hex(zeroblob(400000)), '0', 'a') LIKE '%a%a%a%a%b'")
+FORMULAS = (
+    "zeroblob(900000000)",
+    "replace(hex(zeroblob(400000)), '0', 'a') LIKE '%a%a%a%a%b'",
+)
 
 
 @pytest.mark.parametrize("formula", FORMULAS)
@@ -180,7 +198,10 @@ def test_columns_that_are_formulas(formula: str, tmp_path: Path) -> None:
         )
         database.execute("INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)")
     database.close()
-    with within(2, 80), pytest.raises(FileFormatError, match="columns that are formulas"):
+    with (
+        within(2, 80),
+        pytest.raises(FileFormatError, match="columns that are formulas"),
+    ):
         a5.trajectory.read_motion(path)
 
 
@@ -228,7 +249,8 @@ def test_a_long_table_needs_fewer_steps_than_are_allowed(tmp_path: Path) -> None
 
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
-    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n"
+    for a, b in zip("abcdefgh", "bcdefghi", strict=True)
 )
 YAML = {
     "aliases": BOMB
@@ -287,10 +309,15 @@ def test_parquet_that_expands_without_measure(tmp_path: Path) -> None:
     path = tmp_path / "rows.parquet"
     parquet.write_table(table, path)
     assert path.stat().st_size < 300_000
-    with within(2, 80), pytest.raises(FileFormatError, match=r"expands to more than .* MB"):
+    with (
+        within(2, 80),
+        pytest.raises(FileFormatError, match=r"expands to more than .* MB"),
+    ):
         a5.trajectory.read_motion(path)
     # Equal rows are no harm by themselves, nor is what is not needed.
-    small = table.slice(0, 300_000).append_column("note", pyarrow.array(["x" * 999] * 300_000))
+    small = table.slice(0, 300_000).append_column(
+        "note", pyarrow.array(["x" * 999] * 300_000)
+    )
     steps = pyarrow.array(0.01 * np.arange(300_000))
     parquet.write_table(small.set_column(0, "time", steps), path, compression="zstd")
     assert a5.trajectory.read_motion(path).time.size == 300_000
@@ -323,7 +350,10 @@ TABLES = {
     "short lines": (HEAD + "1\n" * 45_000, "1 fields"),
     "the same time": (HEAD + "1,1,1,1,1\n" * 9000, "different times"),
     "one column": ("time," + "axis_e," * 14_000, "stands twice"),
-    "prefixes": ("time," + ",".join(f"p{k}_{n}_pos" for k in range(1500) for n in NAMES), "one of"),
+    "prefixes": (
+        "time," + ",".join(f"p{k}_{n}_pos" for k in range(1500) for n in NAMES),
+        "one of",
+    ),
 }
 
 
@@ -354,6 +384,8 @@ def test_a_gap_without_measure() -> None:
     np.testing.assert_allclose(smooth.position, q, atol=1e-9)
     # The libraries are loaded by now.
     with within(2, 100):
-        with pytest.raises(InputError, match="expected spline: a gap of the motion takes 1e"):
+        with pytest.raises(
+            InputError, match="expected spline: a gap of the motion takes 1e"
+        ):
             a5.trajectory.smooth(a5.trajectory.motion(gap, q), "savgol")
         a5.trajectory.smooth(a5.trajectory.motion(gap, q), "spline")

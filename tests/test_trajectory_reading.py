@@ -10,7 +10,12 @@ import pytest
 from recordings import JOINT_STATES, needs_recordings
 
 import alpha5_model as a5
-from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingFileError,
+    ShapeError,
+)
 
 HEADER = ["time_secs", "axis_b_pos", "axis_e_pos", "axis_c_pos", "axis_d_pos"]
 
@@ -18,12 +23,15 @@ HEADER = ["time_secs", "axis_b_pos", "axis_e_pos", "axis_c_pos", "axis_d_pos"]
 def table(count: int = 12) -> list[list[str]]:
     time = 0.1 * np.arange(count)
     rows = np.stack(
-        [time, 1 + 0.1 * time, 2 + 0.2 * time, 1.5 - 0.1 * time, 0.5 + 0.3 * time], axis=1
+        [time, 1 + 0.1 * time, 2 + 0.2 * time, 1.5 - 0.1 * time, 0.5 + 0.3 * time],
+        axis=1,
     )
     return [[repr(float(x)) for x in row] for row in rows]
 
 
-def write(path: Path, header: list[str], rows: list[list[str]], separator: str = ",") -> Path:
+def write(
+    path: Path, header: list[str], rows: list[list[str]], separator: str = ","
+) -> Path:
     path.write_text("\n".join(separator.join(line) for line in [header, *rows]) + "\n")
     return path
 
@@ -35,7 +43,9 @@ def test_columns_are_found_by_name(tmp_path: Path) -> None:
     assert motion.joints == ("axis_e", "axis_d", "axis_c", "axis_b")
     assert motion.ignored == ("note",)
     values = {
-        name: [float(row[k]) for row in rows] for k, name in enumerate(header) if name != "note"
+        name: [float(row[k]) for row in rows]
+        for k, name in enumerate(header)
+        if name != "note"
     }
     np.testing.assert_array_equal(motion.time, values["time_secs"])
     for k, joint in enumerate(motion.joints):
@@ -45,10 +55,14 @@ def test_columns_are_found_by_name(tmp_path: Path) -> None:
     assert motion.warnings == ()
 
 
-def test_other_names_blank_lines_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
+def test_other_names_blank_lines_byte_order_mark_and_windows_lines(
+    tmp_path: Path,
+) -> None:
     path = write(tmp_path / "a.csv", HEADER, table())
     plain = a5.trajectory.read_motion(path)
-    lines = path.read_text().replace("_pos", "").replace("time_secs", "time").split("\n")
+    lines = (
+        path.read_text().replace("_pos", "").replace("time_secs", "time").split("\n")
+    )
     lines.insert(4, "   ")
     (tmp_path / "b.csv").write_bytes(("﻿" + "\r\n".join(lines) + "\r\n\r\n").encode())
     other = a5.trajectory.read_motion(tmp_path / "b.csv")
@@ -69,20 +83,65 @@ BAD = {
         ",",
         r"line 6, column 3 \(axis_e_pos\).*'high'",
     ),
-    "empty cell": (HEADER, with_cell(0, 1, ""), ",", r"line 2, column 2 \(axis_b_pos\).*''"),
-    "NaN": (HEADER, with_cell(7, 4, "nan"), ",", r"line 9, column 5 \(axis_d_pos\).*'nan'"),
+    "empty cell": (
+        HEADER,
+        with_cell(0, 1, ""),
+        ",",
+        r"line 2, column 2 \(axis_b_pos\).*''",
+    ),
+    "NaN": (
+        HEADER,
+        with_cell(7, 4, "nan"),
+        ",",
+        r"line 9, column 5 \(axis_d_pos\).*'nan'",
+    ),
     "infinity": (HEADER, with_cell(7, 4, "-inf"), ",", r"line 9, column 5.*'-inf'"),
-    "NaN in time": (HEADER, with_cell(3, 0, "nan"), ",", r"line 5, column 1 \(time_secs\)"),
-    "time goes back": (HEADER, with_cell(5, 0, "0.2"), ",", r"line 7, column 1 .*0\.4.* runs back"),
-    "short line": (HEADER, [*table()[:5], table()[5][:-1]], ",", "line 7: 4 fields, expected 5"),
-    "long line": (HEADER, [*table()[:5], [*table()[5], "1"]], ",", "line 7: 6 fields, expected 5"),
+    "NaN in time": (
+        HEADER,
+        with_cell(3, 0, "nan"),
+        ",",
+        r"line 5, column 1 \(time_secs\)",
+    ),
+    "time goes back": (
+        HEADER,
+        with_cell(5, 0, "0.2"),
+        ",",
+        r"line 7, column 1 .*0\.4.* runs back",
+    ),
+    "short line": (
+        HEADER,
+        [*table()[:5], table()[5][:-1]],
+        ",",
+        "line 7: 4 fields, expected 5",
+    ),
+    "long line": (
+        HEADER,
+        [*table()[:5], [*table()[5], "1"]],
+        ",",
+        "line 7: 6 fields, expected 5",
+    ),
     "semicolons": (HEADER, table(), ";", "line 1.*';', expected ','"),
     "tabs": (HEADER, table(), "\t", "line 1.*a tab, expected ','"),
     "no header": (table()[0], table(), ",", "starts with numbers"),
-    "missing joint": (["time", "axis_b", "axis_e", "x", "axis_d"], table(), ",", "axis_c_pos"),
+    "missing joint": (
+        ["time", "axis_b", "axis_e", "x", "axis_d"],
+        table(),
+        ",",
+        "axis_c_pos",
+    ),
     "no time": (["t", *HEADER[1:]], table(), ",", "no column for the time"),
-    "two times": (["time", "time_secs", *HEADER[2:]], table(), ",", "two columns for the time"),
-    "doubled column": ([*HEADER[:-1], HEADER[1]], table(), ",", "'axis_b_pos' stands twice"),
+    "two times": (
+        ["time", "time_secs", *HEADER[2:]],
+        table(),
+        ",",
+        "two columns for the time",
+    ),
+    "doubled column": (
+        [*HEADER[:-1], HEADER[1]],
+        table(),
+        ",",
+        "'axis_b_pos' stands twice",
+    ),
     "some velocities": (
         [*HEADER, "axis_b_vel"],
         [[*row, "0"] for row in table()],
@@ -105,7 +164,9 @@ def test_bad_file_says_where(name: str, tmp_path: Path) -> None:
 def test_a_short_and_a_long_line_do_not_make_two_right_ones(tmp_path: Path) -> None:
     rows = [[*row, "note"] for row in table()]
     rows[3] = rows[3][:-1]
-    short = write(tmp_path / "short.csv", [*HEADER, "note"], rows)  # of a column nobody uses
+    short = write(
+        tmp_path / "short.csv", [*HEADER, "note"], rows
+    )  # of a column nobody uses
     with pytest.raises(FileFormatError, match="line 5: 5 fields, expected 6"):
         a5.trajectory.read_motion(short)
     rows[8] = [rows[8][0], *rows[8]]
@@ -141,7 +202,11 @@ def test_empty_absent_and_binary(tmp_path: Path) -> None:
         a5.trajectory.read_motion(tmp_path / "absent.csv")
     with pytest.raises(FileFormatError, match="folder"):
         a5.trajectory.read_motion(tmp_path)
-    for content, message in ((b"", "empty"), (b"\n\n", "empty"), (b"\xff\xfe\x00", "UTF-8")):
+    for content, message in (
+        (b"", "empty"),
+        (b"\n\n", "empty"),
+        (b"\xff\xfe\x00", "UTF-8"),
+    ):
         (tmp_path / "e.csv").write_bytes(content)
         with pytest.raises(FileFormatError, match=message):
             a5.trajectory.read_motion(tmp_path / "e.csv")
@@ -201,7 +266,9 @@ def test_motion_from_arrays() -> None:
         (np.ones((10, 4)), np.ones((10, 5))),
     ],
 )
-def test_arrays_of_another_shape_are_refused(position: object, velocity: object) -> None:
+def test_arrays_of_another_shape_are_refused(
+    position: object, velocity: object
+) -> None:
     with pytest.raises(InputError, match=r"position|velocity"):
         a5.trajectory.motion(np.arange(10.0), position, velocity)  # type: ignore[arg-type]
 
@@ -235,12 +302,16 @@ def test_unit_of_the_time_in_its_name(
     assert (motion.time_unit, motion.warnings, motion.ignored) == (unit, (), ())
 
 
-@pytest.mark.parametrize(("unit", "per_second"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+@pytest.mark.parametrize(
+    ("unit", "per_second"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)]
+)
 def test_time_without_a_unit_is_judged_by_steps_and_speeds(
     unit: str, per_second: float, tmp_path: Path
 ) -> None:
     header = ["time", *HEADER[1:]]
-    motion = a5.trajectory.read_motion(write(tmp_path / "m.csv", header, in_unit(per_second)))
+    motion = a5.trajectory.read_motion(
+        write(tmp_path / "m.csv", header, in_unit(per_second))
+    )
     np.testing.assert_allclose(motion.time, 0.1 * np.arange(30), rtol=1e-15)
     assert motion.time_unit == unit
     [warning] = motion.warnings
@@ -252,23 +323,37 @@ def test_time_without_a_unit_is_judged_by_steps_and_speeds(
     assert warning.text.startswith(f"time read as {unit}, ")
     # A name that says seconds is believed, but the doubt is said.
     header = ["time_secs", *HEADER[1:]]
-    motion = a5.trajectory.read_motion(write(tmp_path / "n.csv", header, in_unit(per_second)))
+    motion = a5.trajectory.read_motion(
+        write(tmp_path / "n.csv", header, in_unit(per_second))
+    )
     assert (motion.time[1], motion.time_unit) == (0.1 * per_second, "s")
     assert f"is it time_{unit}?" in motion.warnings[0].text
     # So is one that says anything else, as long as it is no second.
     header = ["time_us", *HEADER[1:]]
-    motion = a5.trajectory.read_motion(write(tmp_path / "o.csv", header, in_unit(per_second)))
-    assert (motion.time[1], motion.warnings) == (pytest.approx(0.1 * per_second / 1e6), ())
+    motion = a5.trajectory.read_motion(
+        write(tmp_path / "o.csv", header, in_unit(per_second))
+    )
+    assert (motion.time[1], motion.warnings) == (
+        pytest.approx(0.1 * per_second / 1e6),
+        (),
+    )
 
 
 def test_plans_of_few_points_stay_in_seconds(tmp_path: Path) -> None:
     """Steps of a second: in milliseconds joints would be far too fast; a shade below that they would not."""
-    rated = {"axis_e": 0.5235988, "axis_d": 0.5235988, "axis_c": 0.5235988, "axis_b": 0.8726646}
+    rated = {
+        "axis_e": 0.5235988,
+        "axis_d": 0.5235988,
+        "axis_c": 0.5235988,
+        "axis_b": 0.8726646,
+    }
     for column, name in enumerate(HEADER[1:], start=1):
         for share, unit in ((1.99, "ms"), (2.01, "s")):
             rows = [[repr(1.0 * k), "1.5", "1.5", "1.5", "1.5"] for k in range(6)]
             for k, row in enumerate(rows):
-                row[column] = repr(1.5 + share * rated[name.removesuffix("_pos")] * 1e-3 * k)
+                row[column] = repr(
+                    1.5 + share * rated[name.removesuffix("_pos")] * 1e-3 * k
+                )
             path = write(tmp_path / "plan.csv", ["time", *HEADER[1:]], rows)
             assert a5.trajectory.read_motion(path).time_unit == unit
     for step, unit in ((0.999, "s"), (1.0, "ms"), (999.0, "ms"), (1000.0, "us")):
@@ -285,7 +370,9 @@ def test_two_names_for_the_time(tmp_path: Path) -> None:
     motion = a5.trajectory.read_motion(path)
     assert (motion.ignored, motion.time[1]) == (("time_ms",), 0.1)
     path = write(tmp_path / "m.csv", ["time_us", *HEADER[1:], "time_ms"], rows)
-    with pytest.raises(FileFormatError, match="two columns for the time: time_us, time_ms"):
+    with pytest.raises(
+        FileFormatError, match="two columns for the time: time_us, time_ms"
+    ):
         a5.trajectory.read_motion(path)
 
 
@@ -304,7 +391,9 @@ def test_fields_and_paths_without_end_are_one_error(tmp_path: Path) -> None:
             a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
         assert len(str(caught.value)) < 600
     header = [*HEADER, "y" * 1000, "y" * 1000]
-    with pytest.raises(FileFormatError, match=r"line 1, column 7: column 'y{40}' stands twice"):
+    with pytest.raises(
+        FileFormatError, match=r"line 1, column 7: column 'y{40}' stands twice"
+    ):
         a5.trajectory.read_motion(write(tmp_path / "m.csv", header, table()))
     for name in (None, 3.5, "a\0b"):
         with pytest.raises(InputError, match="path"):
@@ -328,7 +417,9 @@ def test_what_would_overflow_is_refused(size: float, tmp_path: Path) -> None:
         assert caught.value.value == -size
         arrays[argument][6, 2] = -1e9
         a5.trajectory.motion(time, **arrays)
-    with pytest.raises(InputError, match=r"time\[9\]: expected a time of at most 1e\+12"):
+    with pytest.raises(
+        InputError, match=r"time\[9\]: expected a time of at most 1e\+12"
+    ):
         a5.trajectory.motion([*range(9), size * 1e3], q)
     path = write(tmp_path / "m.csv", HEADER, with_cell(4, 2, repr(size)))
     with pytest.raises(FileFormatError, match=r"line 6, column 3 \(axis_e_pos\)"):
@@ -359,5 +450,9 @@ def test_recordings_are_read_to_the_last_digit(path: Path) -> None:
     assert motion.time.tolist() == [float(row["time_secs"]) for row in rows]
     assert motion.velocity is not None
     for k, joint in enumerate(motion.joints):
-        assert motion.position[:, k].tolist() == [float(row[f"{joint}_pos"]) for row in rows]
-        assert motion.velocity[:, k].tolist() == [float(row[f"{joint}_vel"]) for row in rows]
+        assert motion.position[:, k].tolist() == [
+            float(row[f"{joint}_pos"]) for row in rows
+        ]
+        assert motion.velocity[:, k].tolist() == [
+            float(row[f"{joint}_vel"]) for row in rows
+        ]

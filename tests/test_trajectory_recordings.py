@@ -44,10 +44,15 @@ def samples(count: int = 40) -> list[State]:
     ]
 
 
-def write_csv(path: Path, states: Sequence[State], time: Callable[[State], int]) -> Path:
+def write_csv(
+    path: Path, states: Sequence[State], time: Callable[[State], int]
+) -> Path:
     """The same numbers as text; times with all nine decimals."""
     names = states[0].names
-    header = ["time_secs", *(f"{n}_{kind}" for kind in ("pos", "vel", "effort") for n in names)]
+    header = [
+        "time_secs",
+        *(f"{n}_{kind}" for kind in ("pos", "vel", "effort") for n in names),
+    ]
     lines = [",".join(header)]
     for s in states:
         seconds, rest = divmod(time(s), 10**9)
@@ -60,7 +65,9 @@ def write_csv(path: Path, states: Sequence[State], time: Callable[[State], int])
 def write_parquet(path: Path, states: Sequence[State]) -> Path:
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
-    columns = {"time": pyarrow.array([s.stamp for s in states], pyarrow.timestamp("ns"))}
+    columns = {
+        "time": pyarrow.array([s.stamp for s in states], pyarrow.timestamp("ns"))
+    }
     for kind in ("pos", "vel", "effort"):
         field = {"pos": "position", "vel": "velocity"}.get(kind, kind)
         for k, name in enumerate(states[0].names):
@@ -82,13 +89,20 @@ def test_every_kind_gives_the_analysis_of_the_csv_to_the_last_digit(
     states = samples()
     csv = write_csv(tmp_path / "m.csv", states, lambda s: s.stamp)
     other = tmp_path / "m.parquet"
-    path = write_parquet(other, states) if kind == ".parquet" else write_bag(tmp_path, kind, states)
+    path = (
+        write_parquet(other, states)
+        if kind == ".parquet"
+        else write_bag(tmp_path, kind, states)
+    )
     expected, got = analysis_of(csv), analysis_of(path)
     assert got == expected
     assert expected[0]["joints"]["axis_a"]["effort"]["samples"] == len(states)
     # One bit of one number, and it is another analysis.
     states[20].effort[1] = float(np.nextafter(states[20].effort[1], 9))
-    assert analysis_of(write_csv(tmp_path / "n.csv", states, lambda s: s.stamp)) != expected
+    assert (
+        analysis_of(write_csv(tmp_path / "n.csv", states, lambda s: s.stamp))
+        != expected
+    )
 
 
 @needs_recordings
@@ -110,19 +124,30 @@ def test_a_real_recording_as_a_bag(tmp_path: Path) -> None:
 
 
 def renamed(states: Sequence[State], topic: str, prefix: str = "") -> list[State]:
-    return [replace(s, topic=topic, names=[prefix + n for n in s.names]) for s in states]
+    return [
+        replace(s, topic=topic, names=[prefix + n for n in s.names]) for s in states
+    ]
 
 
 def test_the_only_topic_that_names_the_joints_is_found(tmp_path: Path) -> None:
     states = samples()
-    vehicle = [State(s.stamp, ["thruster_1"], [0.0], topic="/vehicle/joint_states") for s in states]
-    path = write_bag(tmp_path, ".mcap", [*vehicle, *renamed(states, "/arm/joint_states", "left_")])
+    vehicle = [
+        State(s.stamp, ["thruster_1"], [0.0], topic="/vehicle/joint_states")
+        for s in states
+    ]
+    path = write_bag(
+        tmp_path, ".mcap", [*vehicle, *renamed(states, "/arm/joint_states", "left_")]
+    )
     motion = a5.trajectory.read_motion(path)
     assert motion.joints == JOINTS
     assert motion.position[3, 0] == states[3].position[1]
-    with pytest.raises(FileFormatError, match=r"no message has all of axis_e, .*thruster_1"):
+    with pytest.raises(
+        FileFormatError, match=r"no message has all of axis_e, .*thruster_1"
+    ):
         a5.trajectory.read_motion(path, topic="/vehicle/joint_states")
-    with pytest.raises(UnknownNameError, match="/arm/joint_states, /vehicle/joint_states"):
+    with pytest.raises(
+        UnknownNameError, match="/arm/joint_states, /vehicle/joint_states"
+    ):
         a5.trajectory.read_motion(path, topic="/tf")
     with pytest.raises(FileFormatError, match=r"all of right_axis_e.*left_axis_e"):
         a5.trajectory.read_motion(path, prefix="right_")
@@ -136,17 +161,26 @@ def test_several_topics_or_prefixes_are_a_choice(
     path = write_bag(tmp_path, ".db3", [*renamed(states, "/a"), *renamed(moved, "/b")])
     with pytest.raises(InputError, match="topic: expected one of /a, /b"):
         a5.trajectory.read_motion(path)
-    assert a5.trajectory.read_motion(path, topic="/b").position[0, 0] == moved[0].position[1]
+    assert (
+        a5.trajectory.read_motion(path, topic="/b").position[0, 0]
+        == moved[0].position[1]
+    )
     assert main(["trajectory", str(path)]) == 2
     assert "topic: expected one of /a, /b" in capsys.readouterr().err
     assert main(["trajectory", str(path), "--topic", "/b", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["samples"] == len(states)
     both = [
-        replace(s, names=[f"left_{n}" for n in s.names] + [f"right_{n}" for n in s.names])
+        replace(
+            s, names=[f"left_{n}" for n in s.names] + [f"right_{n}" for n in s.names]
+        )
         for s in states
     ]
     for s, m in zip(both, moved, strict=True):
-        s.position, s.velocity, s.effort = [*s.position, *m.position], [*s.velocity] * 2, []
+        s.position, s.velocity, s.effort = (
+            [*s.position, *m.position],
+            [*s.velocity] * 2,
+            [],
+        )
     (tmp_path / "two").mkdir()
     path = write_bag(tmp_path / "two", ".bag", both)
     with pytest.raises(InputError, match="prefix: expected one of left_, right_"):
@@ -187,13 +221,17 @@ def test_prefixes_in_a_csv(tmp_path: Path) -> None:
     (tmp_path / "d.csv").write_text("\n".join(twice).replace(",axis", ",b_axis"))
     motion = a5.trajectory.read_motion(tmp_path / "d.csv")
     assert motion.ignored[0] == "cmd_axis_c_pos"
-    (tmp_path / "e.csv").write_text((tmp_path / "d.csv").read_text().replace("cmd_", "c_"))
+    (tmp_path / "e.csv").write_text(
+        (tmp_path / "d.csv").read_text().replace("cmd_", "c_")
+    )
     with pytest.raises(InputError, match="prefix: expected one of b_, c_"):
         a5.trajectory.read_motion(tmp_path / "e.csv")
     for prefix, file in (("cmd_", "d.csv"), ("c_", "e.csv")):
         motion = a5.trajectory.read_motion(tmp_path / file, prefix=prefix)
         assert motion.ignored[0] == "b_axis_c_pos"
-    with pytest.raises(FileFormatError, match="expected x_axis_e_pos or x_axis_e_position"):
+    with pytest.raises(
+        FileFormatError, match="expected x_axis_e_pos or x_axis_e_position"
+    ):
         a5.trajectory.read_motion(tmp_path / "d.csv", prefix="x_")
 
 
@@ -205,7 +243,9 @@ def found(motion: a5.trajectory.Motion) -> dict[str, tuple[int, str]]:
 
 
 @pytest.mark.parametrize("kind", [".bag", ".mcap"])
-def test_without_a_stamp_the_times_of_recording_count(kind: str, tmp_path: Path) -> None:
+def test_without_a_stamp_the_times_of_recording_count(
+    kind: str, tmp_path: Path
+) -> None:
     states = [replace(s, received=s.stamp + k % 3) for k, s in enumerate(samples())]
     for s in states[7:]:
         s.stamp = 0
@@ -221,7 +261,9 @@ def test_one_message_without_a_stamp_is_enough(tmp_path: Path) -> None:
     states[7].stamp = 0
     motion = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))
     received = [s.received for s in states]
-    assert np.rint(np.diff(motion.time) * 1e9) == pytest.approx(np.diff(received), abs=300)
+    assert np.rint(np.diff(motion.time) * 1e9) == pytest.approx(
+        np.diff(received), abs=300
+    )
     assert found(motion) == {"no_stamp": (1, "message 8")}
 
 
@@ -237,7 +279,9 @@ def test_one_message_without_a_stamp_is_enough(tmp_path: Path) -> None:
         ((0, 10**11), True),
     ],
 )
-def test_zero_is_a_time_if_simulated_times_follow(first, warned, tmp_path: Path) -> None:
+def test_zero_is_a_time_if_simulated_times_follow(
+    first, warned, tmp_path: Path
+) -> None:
     later = [2 * 10**11 + s.stamp - START for s in samples()[len(first) :]]
     stamps = [*first, *later]
     states = [
@@ -261,9 +305,13 @@ def test_messages_out_of_order_are_sorted_by_their_stamps(tmp_path: Path) -> Non
     assert found(motion) == {"out_of_order": (1, "message 12")}
 
 
-def test_messages_of_other_joints_and_without_numbers_are_left_out(tmp_path: Path) -> None:
+def test_messages_of_other_joints_and_without_numbers_are_left_out(
+    tmp_path: Path,
+) -> None:
     states = samples()
-    states[4] = replace(states[4], names=["thruster"], position=[1.0], velocity=[], effort=[])
+    states[4] = replace(
+        states[4], names=["thruster"], position=[1.0], velocity=[], effort=[]
+    )
     states[5] = replace(states[5], position=states[5].position[:3])
     states[9] = replace(states[9], names=states[9].names[:4])
     states[20].position[3] = float("nan")
@@ -271,28 +319,43 @@ def test_messages_of_other_joints_and_without_numbers_are_left_out(tmp_path: Pat
     motion = a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", states))
     kept = [s for k, s in enumerate(states) if k not in (4, 5, 9, 20, 21)]
     assert motion.position[:, 2].tolist() == [s.position[0] for s in kept]
-    assert found(motion) == {"missing_joints": (3, "message 5"), "not_finite": (2, "message 21")}
+    assert found(motion) == {
+        "missing_joints": (3, "message 5"),
+        "not_finite": (2, "message 21"),
+    }
     nothing = [replace(s, position=[float("nan")] * 5) for s in samples()]
     for few, left in ((samples(4), 4), (nothing, 0)):
         (tmp_path / f"{left}").mkdir()
         path = write_bag(tmp_path / f"{left}", ".bag", few)
-        with pytest.raises(InputError, match=f"at least 5 samples, got {left}") as caught:
+        with pytest.raises(
+            InputError, match=f"at least 5 samples, got {left}"
+        ) as caught:
             a5.trajectory.read_motion(path)
-        assert ("not finite, message left out: 40 x" in str(caught.value)) == (left == 0)
+        assert ("not finite, message left out: 40 x" in str(caught.value)) == (
+            left == 0
+        )
 
 
 @pytest.mark.parametrize("kind", [".bag", ".mcap"])
-def test_a_gripper_without_a_sensor_leaves_the_arm_alone(kind: str, tmp_path: Path) -> None:
+def test_a_gripper_without_a_sensor_leaves_the_arm_alone(
+    kind: str, tmp_path: Path
+) -> None:
     states = samples()
     for s in states:
         s.position[0] = s.position[s.names.index("axis_a")] = float("nan")
-    with pytest.raises(InputError, match="positions that are not finite, message left out: 40 x"):
+    with pytest.raises(
+        InputError, match="positions that are not finite, message left out: 40 x"
+    ):
         a5.trajectory.read_motion(write_bag(tmp_path, kind, states))
     for s, whole in zip(states, samples(), strict=True):
         s.position[0] = whole.position[0]
     (tmp_path / "rod").mkdir()
     motion = a5.trajectory.read_motion(write_bag(tmp_path / "rod", kind, states))
-    assert (motion.joints, motion.ignored, motion.warnings) == (JOINTS[:4], ("axis_a",), ())
+    assert (motion.joints, motion.ignored, motion.warnings) == (
+        JOINTS[:4],
+        ("axis_a",),
+        (),
+    )
     place = states[0].names.index("axis_b")
     assert motion.position[:, 3].tolist() == [s.position[place] for s in states]
     assert motion.velocity is not None
@@ -323,10 +386,13 @@ def test_a_gripper_of_its_own_leaves_the_arm_alone(tmp_path: Path) -> None:
     assert found(motion) == {"missing_joints": (40, "message 2")}
     (tmp_path / "each").mkdir()
     alone = [
-        State(s.stamp, [n], [x]) for s in states for n, x in zip(s.names, s.position, strict=True)
+        State(s.stamp, [n], [x])
+        for s in states
+        for n, x in zip(s.names, s.position, strict=True)
     ]
     with pytest.raises(
-        FileFormatError, match=r"no message has all of axis_e, .*/joint_states: axis_a; "
+        FileFormatError,
+        match=r"no message has all of axis_e, .*/joint_states: axis_a; ",
     ):
         a5.trajectory.read_motion(write_bag(tmp_path / "each", ".bag", alone))
 
@@ -376,9 +442,14 @@ def test_no_bag_no_joint_states_and_no_reader(
         a5.trajectory.read_motion(tmp_path / "absent.mcap")
     with pytest.raises(FileFormatError, match="no sensor_msgs/JointState, but nothing"):
         a5.trajectory.read_motion(write_bag(tmp_path, ".mcap", []))
-    for module, extra, name in (("rosbags", "bags", "m.bag"), ("pyarrow", "parquet", "m.parquet")):
+    for module, extra, name in (
+        ("rosbags", "bags", "m.bag"),
+        ("pyarrow", "parquet", "m.parquet"),
+    ):
         monkeypatch.setitem(sys.modules, module, None)
-        with pytest.raises(MissingDependencyError, match=rf"pip install 'alpha5-model\[{extra}\]'"):
+        with pytest.raises(
+            MissingDependencyError, match=rf"pip install 'alpha5-model\[{extra}\]'"
+        ):
             a5.trajectory.read_motion(tmp_path / name)
         assert main(["trajectory", str(tmp_path / name)]) == 2
         assert capsys.readouterr().err.count("\n") == 1
@@ -392,7 +463,9 @@ def test_what_a_parquet_file_may_hold(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     count = 8
     good = {"time_ms": pyarrow.array(range(0, 20 * count, 20), pyarrow.int64())}
-    good |= {f"axis_{x}": pyarrow.array([1.0] * count, pyarrow.float32()) for x in "edcb"}
+    good |= {
+        f"axis_{x}": pyarrow.array([1.0] * count, pyarrow.float32()) for x in "edcb"
+    }
 
     def read(**changed: object) -> a5.trajectory.Motion:
         parquet.write_table(pyarrow.table({**good, **changed}), tmp_path / "m.parquet")
@@ -408,7 +481,10 @@ def test_what_a_parquet_file_may_hold(tmp_path: Path) -> None:
         good = {"time": pyarrow.array(whole, kind), **good}
         assert read().time.tolist() == list(range(count))
     for bad, words in (
-        ({"axis_c": [1.0, None] * 4}, r"row 2 \(axis_c\): expected a finite number, got nan"),
+        (
+            {"axis_c": [1.0, None] * 4},
+            r"row 2 \(axis_c\): expected a finite number, got nan",
+        ),
         ({"axis_c": ["high"] * 8}, "table of numbers: .*high"),
         ({"axis_c": [[1.0]] * 8}, "table of numbers"),
         ({"axis_c_pos": [1.0] * 8}, "two columns for the position of axis_c"),
@@ -448,7 +524,9 @@ def test_recorded_effort_against_the_torque(
     assert e["samples"] == 60
     assert e["difference_mean"] == pytest.approx(difference.mean())
     assert e["difference_rms"] == pytest.approx(np.sqrt((difference**2).mean()))
-    assert e["difference_peak"]["value"] == pytest.approx(difference[np.abs(difference).argmax()])
+    assert e["difference_peak"]["value"] == pytest.approx(
+        difference[np.abs(difference).argmax()]
+    )
     assert e["rms"] == pytest.approx(np.sqrt(((2 * torque[:, 2] + 0.25) ** 2).mean()))
     assert e["correlation"] == pytest.approx(1.0)
     left = difference - r.friction[:, 2]
@@ -456,7 +534,9 @@ def test_recorded_effort_against_the_torque(
     assert (efforts["axis_d"]["samples"], efforts["axis_d"]["correlation"]) == (1, None)
     assert efforts["axis_d"]["difference_peak"]["time_s"] == r.smooth.time[5]
     assert efforts["axis_b"] is None
-    assert efforts["axis_a"]["difference_rms_with_friction"] is None  # no screw lead, no friction
+    assert (
+        efforts["axis_a"]["difference_rms_with_friction"] is None
+    )  # no screw lead, no friction
     text = a5.trajectory.text(record)
     table = text.partition("recorded effort, and what it has more than the torque")[2]
     assert [line.split()[0] for line in table.splitlines()[2:7]] == [
@@ -508,7 +588,9 @@ def test_the_effort_is_drawn_where_there_is_one(tmp_path: Path) -> None:
 
 def test_efforts_of_arrays_and_of_a_locked_arm() -> None:
     states = samples()
-    q, effort = (np.array([getattr(s, kind) for s in states]) for kind in ("position", "effort"))
+    q, effort = (
+        np.array([getattr(s, kind) for s in states]) for kind in ("position", "effort")
+    )
     time = np.array([s.stamp - START for s in states]) / 1e9
     names = states[0].names
     motion = a5.trajectory.motion(time, q, joints=names, effort=effort)

@@ -35,8 +35,12 @@ def test_spline_is_the_one_scipy_finds(bandwidth: float) -> None:
     for k in range(2):
         spline = make_smoothing_spline(time, y[:, k], weights, lam=lam)
         np.testing.assert_allclose(value[:, k], spline(time), atol=1e-6)
-        np.testing.assert_allclose(slope[:, k], spline(time, 1), atol=1e-5 * np.abs(slope).max())
-        np.testing.assert_allclose(bend[:, k], spline(time, 2), atol=1e-4 * np.abs(bend).max())
+        np.testing.assert_allclose(
+            slope[:, k], spline(time, 1), atol=1e-5 * np.abs(slope).max()
+        )
+        np.testing.assert_allclose(
+            bend[:, k], spline(time, 2), atol=1e-4 * np.abs(bend).max()
+        )
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 1.0, 2.0])
@@ -72,7 +76,9 @@ def test_savitzky_golay_reaches_the_bandwidth_it_states(bandwidth: float) -> Non
     assert np.abs(slope[middle, 0] - rate[middle]).max() < 0.35 * np.abs(rate).max()
 
 
-def cubic_motion(count: int = 60) -> tuple[a5.trajectory.Motion, np.ndarray, np.ndarray]:
+def cubic_motion(
+    count: int = 60,
+) -> tuple[a5.trajectory.Motion, np.ndarray, np.ndarray]:
     time = uneven(count, 0.05, seed=6)
     c = np.random.default_rng(7).uniform(-0.02, 0.02, (4, 4))
     x = time[:, None]
@@ -97,7 +103,9 @@ def test_interpolation_of_a_cubic_is_exact() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_velocities_of_the_motion_are_used_when_asked(method: str) -> None:
     motion, _, _ = cubic_motion()
-    still = a5.trajectory.motion(motion.time, motion.position, np.zeros_like(motion.position))
+    still = a5.trajectory.motion(
+        motion.time, motion.position, np.zeros_like(motion.position)
+    )
     assert np.abs(a5.trajectory.smooth(still, method).velocity).max() == 0
     assert np.abs(a5.trajectory.smooth(still, method).acceleration).max() == 0
     slope = a5.trajectory.smooth(still, method, use_velocity=False)
@@ -138,7 +146,9 @@ def test_noise_is_taken_out() -> None:
         s = a5.trajectory.smooth(a5.trajectory.motion(time, noisy), method, 1.0)
         assert np.std((s.position - truth)[200:-200]) < 0.35 * 0.01
         raw = a5.trajectory.smooth(a5.trajectory.motion(time, noisy), "interpolate")
-        error = [np.std((x.acceleration + 0.25 * (truth - 1.5))[200:-200]) for x in (s, raw)]
+        error = [
+            np.std((x.acceleration + 0.25 * (truth - 1.5))[200:-200]) for x in (s, raw)
+        ]
         assert error[0] < 1e-2 * error[1]
 
 
@@ -153,7 +163,9 @@ def test_what_cannot_be_smoothed_is_refused() -> None:
         a5.trajectory.smooth(motion, "spline", 0.0)
     for method in ("spline", "savgol"):
         for width in (1e-5, 1e-100, 1e-300):
-            with pytest.raises(InputError, match=r"at least 0\.0001 of the sample rate, 0\.00"):
+            with pytest.raises(
+                InputError, match=r"at least 0\.0001 of the sample rate, 0\.00"
+            ):
                 a5.trajectory.smooth(motion, method, width)
     with pytest.raises(InputError, match="window of at most"):
         a5.trajectory.smooth(motion, "savgol", 0.01)

@@ -30,7 +30,17 @@ from alpha5_model.studies.uncertainty.effects import torque_margin
 
 u = a5.uncertainty
 TOML = Path(a5.__file__).with_name("numbers") / "reach_alpha_mk2_v7.toml"
-SI = {"": 0, "kg": 0, "Ohm": 0, "Nm/A": 0, "V/rad/s": 0, "%": -2, "mm": -3, "L": -3, "Nmm": -3}
+SI = {
+    "": 0,
+    "kg": 0,
+    "Ohm": 0,
+    "Nm/A": 0,
+    "V/rad/s": 0,
+    "%": -2,
+    "mm": -3,
+    "L": -3,
+    "Nmm": -3,
+}
 SI |= {"uH": -6, "kg.mm^2": -6}
 AXES = "xyz"
 Z = np.zeros(4)
@@ -39,7 +49,9 @@ Z = np.zeros(4)
 def states(n: int, seed: int = 0) -> np.ndarray:
     """q, v, a of n states within the limits, (3, n, 4)."""
     rng = np.random.default_rng(seed)
-    return np.stack([rng.uniform(LOWER, UPPER, (n, 4)), *rng.normal(scale=2.0, size=(2, n, 4))])
+    return np.stack(
+        [rng.uniform(LOWER, UPPER, (n, 4)), *rng.normal(scale=2.0, size=(2, n, 4))]
+    )
 
 
 def transcribed() -> dict[str, tuple[str, str]]:
@@ -56,10 +68,16 @@ def transcribed() -> dict[str, tuple[str, str]]:
                 if isinstance(cell, str):
                     found[name] = cell, unit
                 elif isinstance(cell[0], str):
-                    found |= {f"{name}.{x}": (c, unit) for x, c in zip(AXES, cell, strict=True)}
+                    found |= {
+                        f"{name}.{x}": (c, unit)
+                        for x, c in zip(AXES, cell, strict=True)
+                    }
                 else:
                     upper = [(j, k) for j in range(3) for k in range(j, 3)]
-                    found |= {f"{name}.{AXES[j]}{AXES[k]}": (cell[j][k], unit) for j, k in upper}
+                    found |= {
+                        f"{name}.{AXES[j]}{AXES[k]}": (cell[j][k], unit)
+                        for j, k in upper
+                    }
     for side, digits in root["table_1"]["elbow"].items():
         found[f"elbow.{side}"] = digits, "mm"
     return found
@@ -67,14 +85,19 @@ def transcribed() -> dict[str, tuple[str, str]]:
 
 def test_every_printed_number_has_the_interval_of_its_digits() -> None:
     numbers, texts = u.printed_numbers(), transcribed()
-    tolerances = {name: texts.pop(name) for name in list(texts) if name.endswith("_tolerance")}
+    tolerances = {
+        name: texts.pop(name) for name in list(texts) if name.endswith("_tolerance")
+    }
     assert set(numbers) == set(texts)
     assert len(tolerances) == 5
     for name, (digits, unit) in texts.items():
         n, power = numbers[name], SI[unit]
         half = Decimal(10) ** -len(digits.partition(".")[2]) / 2
         if name.endswith("friction"):
-            half = max(half, Decimal(digits) * Decimal(tolerances[f"{name}_tolerance"][0]) / 100)
+            half = max(
+                half,
+                Decimal(digits) * Decimal(tolerances[f"{name}_tolerance"][0]) / 100,
+            )
         if name.endswith((".d", ".a")) and not Decimal(digits):
             half = Decimal(0)
         low, high = (float((Decimal(digits) + s * half).scaleb(power)) for s in (-1, 1))
@@ -87,7 +110,9 @@ def test_every_printed_number_has_the_interval_of_its_digits() -> None:
 
 def test_alternatives_change_what_they_name() -> None:
     plain, implied = u.printed_numbers(), u.printed_numbers(["implied_mass"])
-    assert {n for n in plain if plain[n] != implied[n]} == {f"link_{i}.mass" for i in range(5)}
+    assert {n for n in plain if plain[n] != implied[n]} == {
+        f"link_{i}.mass" for i in range(5)
+    }
     rows = {row.claim: row for row in a5.audit()}
     for i in range(5):
         assert implied[f"link_{i}.mass"].value == pytest.approx(
@@ -96,7 +121,9 @@ def test_alternatives_change_what_they_name() -> None:
     same = u.sample(2, 1, alternatives=("torque_constant", "link3_cob")).parameters(1)
     assert all(m.voltage_constant == m.torque_constant for m in same.actuators)
     moved = a5.parameters(("base_frame", "link3_cob")).links[3].cob
-    assert np.abs(same.links[3].cob - moved).max() < 1.01e-3  # half a millimetre, and a_2's
+    assert (
+        np.abs(same.links[3].cob - moved).max() < 1.01e-3
+    )  # half a millimetre, and a_2's
     other = u.sample(2, 1, alternatives=["voltage_constant"]).parameters(1)
     assert all(m.torque_constant == m.voltage_constant for m in other.actuators)
     assert other.actuators[0].torque_constant < same.actuators[0].torque_constant
@@ -128,7 +155,9 @@ def test_the_missing_digit_and_the_motors_efficiency() -> None:
     found = u.sensitivity(current, ["motor_efficiency"])
     motor = a5.actuators.actuator("axis_d", efficiency="motor")
     assert found.nominal == pytest.approx(float(motor.current(0.5, 0.1)), rel=1e-12)
-    assert dict(zip(found.names, found.effects, strict=True))["actuator_1.efficiency"] == 0
+    assert (
+        dict(zip(found.names, found.effects, strict=True))["actuator_1.efficiency"] == 0
+    )
 
 
 def test_samples_round_to_what_is_printed() -> None:
@@ -182,7 +211,8 @@ def test_every_body_of_the_intervals_is_possible() -> None:
     for i, link in enumerate(a5.parameters().links):
         numbers = u.printed_numbers()
         half = [
-            [numbers[f"link_{i}.inertia_com.{''.join(sorted(x + y))}"] for y in AXES] for x in AXES
+            [numbers[f"link_{i}.inertia_com.{''.join(sorted(x + y))}"] for y in AXES]
+            for x in AXES
         ]
         off = np.array([[(n.upper - n.lower) / 2 for n in row] for row in half])
         change = np.linalg.norm(off + np.trace(off) / 2 * np.eye(3))
@@ -199,11 +229,15 @@ def test_base_parameters_of_samples(
     drawn, (q, v, a) = u.sample(3, 2, alternatives=alternatives), states(5)
     for k, ours in enumerate(drawn.base_parameters(1000.0, TILTED)):
         links = drawn.parameters(k).links
-        np.testing.assert_allclose(ours, base_parameters(links, 1000.0, TILTED), atol=1e-15)
+        np.testing.assert_allclose(
+            ours, base_parameters(links, 1000.0, TILTED), atol=1e-15
+        )
         values = dict(zip(drawn.names, drawn.values[k], strict=True))
         order = ("xx", "yy", "zz", "xy", "xz", "yz")
         com = [[values[f"link_{i}.com.{x}"] for x in AXES] for i in range(5)]
-        printed = [[values[f"link_{i}.inertia_com.{x}"] for x in order] for i in range(5)]
+        printed = [
+            [values[f"link_{i}.inertia_com.{x}"] for x in order] for i in range(5)
+        ]
         monkeypatch.setattr(second, "COM", np.array(com))
         monkeypatch.setattr(second, "PRINTED", np.array(printed))
         mass = np.array([values[f"link_{i}.mass"] for i in range(5)])
@@ -212,7 +246,9 @@ def test_base_parameters_of_samples(
         if "link3_cob" in alternatives:
             x, y, z = cob[3]
             cob[3] = values["link_2.a"] - x, z - values["link_0.d"], y
-        theirs = second.newton_euler(q, v, a, 1000.0, TILTED, mass=mass, volume=volume, cob=cob)
+        theirs = second.newton_euler(
+            q, v, a, 1000.0, TILTED, mass=mass, volume=volume, cob=cob
+        )
         linear = regressor_rows(q, v, a, np.array(TILTED)) @ ours[:-3]
         np.testing.assert_allclose(linear, np.hstack(theirs), atol=2e-13)
 
@@ -225,7 +261,9 @@ def test_regressor_of_an_arm() -> None:
         assert many.matrix.shape == (20, 4, 38)
         assert len(many.names) == len(many.units) == 38
         np.testing.assert_allclose(
-            many.matrix @ many.parameters, arm.inverse_dynamics_batch(q, v, a), atol=1e-12
+            many.matrix @ many.parameters,
+            arm.inverse_dynamics_batch(q, v, a),
+            atol=1e-12,
         )
         one = arm.regressor(q[3], v[3], a[3])
         assert one.matrix.shape == (4, 38)
@@ -236,7 +274,10 @@ def test_regressor_of_an_arm() -> None:
 
 
 def test_regressor_is_pinocchios_regrouped() -> None:
-    arm, model = a5.load(fluid_density=0.0, gravity=TILTED), a5.load(0.0, gravity=TILTED).model
+    arm, model = (
+        a5.load(fluid_density=0.0, gravity=TILTED),
+        a5.load(0.0, gravity=TILTED).model,
+    )
     data = model.createData()
     # What one of Pinocchio's ten parameters of a body is in moments: m, m c, and the tensor about the origin.
     bodies = []
@@ -259,21 +300,30 @@ def test_regressor_is_pinocchios_regrouped() -> None:
         groups[:, 10 * link + k] = regrouped(moments, np.zeros(3))[:-3]
     for q, v, a in states(20, 1).swapaxes(0, 1):
         theirs = pin.computeJointTorqueRegressor(model, data, q, v, a)
-        np.testing.assert_allclose(arm.regressor(q, v, a).matrix @ groups, theirs, atol=1e-12)
+        np.testing.assert_allclose(
+            arm.regressor(q, v, a).matrix @ groups, theirs, atol=1e-12
+        )
 
 
-def of_link(i: int, values: dict[str, float], q: Any, v: Any, a: Any, density: float) -> np.ndarray:
+def of_link(
+    i: int, values: dict[str, float], q: Any, v: Any, a: Any, density: float
+) -> np.ndarray:
     """Torques and load on the mount of one link alone, from the tests' own Newton-Euler, (N, 10)."""
     mass, volume = np.zeros(5), np.zeros(5)
     com, cob, tensor = second.COM.copy(), second.COB.copy(), np.zeros((5, 6))
     mass[i], volume[i] = values[f"link_{i}.mass"], values[f"link_{i}.volume"]
     com[i] = [values[f"link_{i}.com.{x}"] for x in AXES]
     cob[i] = [values[f"link_{i}.cob.{x}"] for x in AXES]
-    tensor[i] = [values[f"link_{i}.inertia_com.{x}"] for x in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    tensor[i] = [
+        values[f"link_{i}.inertia_com.{x}"]
+        for x in ("xx", "yy", "zz", "xy", "xz", "yz")
+    ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(second, "COM", com)
         patch.setattr(second, "PRINTED", tensor)
-        found = second.newton_euler(q, v, a, density, TILTED, mass=mass, volume=volume, cob=cob)
+        found = second.newton_euler(
+            q, v, a, density, TILTED, mass=mass, volume=volume, cob=cob
+        )
     return np.hstack(found)
 
 
@@ -288,8 +338,13 @@ def test_bounds_at_rest_are_attained_at_a_corner() -> None:
             other = {f"link_{i}.{'volume' if kind == 'mass' else 'mass'}": 0.0}
             found = []
             for ends in product(("lower", "upper"), repeat=4):
-                at = {n: getattr(numbers[n], end) for n, end in zip(names, ends, strict=True)}
-                found.append(of_link(i, {**middle, **at, **other}, q, still, still, 1000.0))
+                at = {
+                    n: getattr(numbers[n], end)
+                    for n, end in zip(names, ends, strict=True)
+                }
+                found.append(
+                    of_link(i, {**middle, **at, **other}, q, still, still, 1000.0)
+                )
             low, high = low + np.min(found, axis=0), high + np.max(found, axis=0)
     ours = u.bounds(q, still, still, a5.load(1000.0, gravity=TILTED))
     lower, upper = (np.hstack([ours.torque[k], ours.base_wrench[k]]) for k in (0, 1))
@@ -305,7 +360,9 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
     ours = u.bounds(q, v, a, a5.load(1000.0, gravity=TILTED))
     found = np.zeros((2, 3, 10))
     for i in range(5):
-        names = [n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]]
+        names = [
+            n for n in numbers if n.startswith(f"link_{i}.") and "_link" not in n[7:]
+        ]
         names = [n for n in names if not n.endswith((".d", ".a"))]
 
         def value(at: dict[str, float], i: int = i) -> np.ndarray:
@@ -314,7 +371,8 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
         middle = {n: numbers[n].value for n in names}
         rising = np.array(
             [
-                value({**middle, n: numbers[n].upper}) - value({**middle, n: numbers[n].lower})
+                value({**middle, n: numbers[n].upper})
+                - value({**middle, n: numbers[n].lower})
                 for n in names
             ]
         )
@@ -327,7 +385,9 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
             if column in (1, 2, 5, 7):  # the others would show nothing new
                 found[side, row, column] += value(at)[row, column]
     for column in (1, 2, 5, 7):
-        part, k = (ours.torque, column) if column < 4 else (ours.base_wrench, column - 4)
+        part, k = (
+            (ours.torque, column) if column < 4 else (ours.base_wrench, column - 4)
+        )
         wide, best = part.upper[:, k] - part.lower[:, k], found[1] - found[0]
         assert (part.lower[:, k] <= found[0, :, column]).all()
         assert (part.upper[:, k] >= found[1, :, column]).all()
@@ -335,38 +395,62 @@ def test_bounds_in_motion_are_hardly_wider_than_the_best_corner() -> None:
         assert (wide > 1e-6).all()
 
 
-@pytest.mark.parametrize("alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)])
+@pytest.mark.parametrize(
+    "alternatives", [(), ("link3_cob",), ("implied_mass",), ("link2_mass",)]
+)
 def test_bounds_hold_all_samples(alternatives: tuple[str, ...]) -> None:
     """Also of the energies, in Pinocchio, and for an arm that holds something."""
     q, v, a = states(30, 4)
     v[:10], a[:10], v[20:] = 0, 0, 20 * v[20:]
     arm = a5.load(gravity=TILTED).with_payload(**PAYLOAD)
     ours = u.bounds(q, v, a, arm, alternatives)
-    drawn = u.sample(20_000, 11, alternatives=alternatives).base_parameters(gravity=TILTED)
+    drawn = u.sample(20_000, 11, alternatives=alternatives).base_parameters(
+        gravity=TILTED
+    )
     linear = regressor_rows(q, v, a, np.array(TILTED))
     bare = a5.load(gravity=TILTED)
-    load = linear @ (arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters)
+    load = linear @ (
+        arm.regressor(q, v, a).parameters - bare.regressor(q, v, a).parameters
+    )
     for start in range(0, 20_000, 2000):
         every = drawn[start : start + 2000, :38] @ linear.reshape(-1, 38).T
         every = every.reshape(-1, 30, 10) + load
-        assert ((ours.torque.lower <= every[..., :4]) & (every[..., :4] <= ours.torque.upper)).all()
+        assert (
+            (ours.torque.lower <= every[..., :4])
+            & (every[..., :4] <= ours.torque.upper)
+        ).all()
         wrench = ours.base_wrench
-        assert ((wrench.lower <= every[..., 4:]) & (every[..., 4:] <= wrench.upper)).all()
+        assert (
+            (wrench.lower <= every[..., 4:]) & (every[..., 4:] <= wrench.upper)
+        ).all()
     for k in range(20):
         p = u.sample(20, 12, alternatives=alternatives).parameters(k)
         # Table 1 is not part of the bounds.
         p = replace(p, dh=a5.parameters().dh)
         one = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD)
         for i in (0, 15, 25):
-            kinetic, potential = one.kinetic_energy(q[i], v[i]), one.potential_energy(q[i])
-            assert ours.kinetic_energy.lower[i] <= kinetic <= ours.kinetic_energy.upper[i]
-            assert ours.potential_energy.lower[i] <= potential <= ours.potential_energy.upper[i]
+            kinetic, potential = (
+                one.kinetic_energy(q[i], v[i]),
+                one.potential_energy(q[i]),
+            )
+            assert (
+                ours.kinetic_energy.lower[i] <= kinetic <= ours.kinetic_energy.upper[i]
+            )
+            assert (
+                ours.potential_energy.lower[i]
+                <= potential
+                <= ours.potential_energy.upper[i]
+            )
             tau = one.inverse_dynamics(q[i], v[i], a[i])
             assert ((ours.torque.lower[i] <= tau) & (tau <= ours.torque.upper[i])).all()
     other = ["implied_mass"] if "link3_cob" in alternatives else ["link3_cob"]
     p = replace(u.sample(1, 1, alternatives=other).parameters(0), dh=a5.parameters().dh)
-    tau = u.arm(p, gravity=TILTED).with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
-    assert ((tau < ours.torque.lower) | (tau > ours.torque.upper)).any(), "all would be held"
+    tau = (
+        u.arm(p, gravity=TILTED).with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
+    )
+    assert ((tau < ours.torque.lower) | (tau > ours.torque.upper)).any(), (
+        "all would be held"
+    )
 
 
 def test_margin_of_an_arm_with_jaws() -> None:
@@ -382,7 +466,9 @@ def test_margin_of_an_arm_with_jaws() -> None:
         for link in (*p.links[1:4], split_link_4(p).wrist):
             joint = model.frames[model.getFrameId(link.name)].parentJoint
             model.inertias[joint] = pin.Inertia(link.mass, link.com, link.inertia)
-        other = type(base)(model, displacements(model, p, "jaws"), 1025.0, *base._arguments[3:])
+        other = type(base)(
+            model, displacements(model, p, "jaws"), 1025.0, *base._arguments[3:]
+        )
         tau = other.with_payload(**PAYLOAD).inverse_dynamics_batch(q, v, a)
         assert (low <= tau + 1e-12).all()
         assert (tau - 1e-12 <= high).all()
@@ -394,8 +480,12 @@ def test_bounds_of_one_state_are_those_of_many() -> None:
     q, v, a = states(3, 2)
     many, one = u.bounds(q, v, a), u.bounds(q[1], v[1], a[1])
     for several, single in zip(many, one, strict=True):
-        np.testing.assert_allclose(single.lower, several.lower[1], rtol=1e-13, atol=1e-15)
-        np.testing.assert_allclose(single.upper, several.upper[1], rtol=1e-13, atol=1e-15)
+        np.testing.assert_allclose(
+            single.lower, several.lower[1], rtol=1e-13, atol=1e-15
+        )
+        np.testing.assert_allclose(
+            single.upper, several.upper[1], rtol=1e-13, atol=1e-15
+        )
     assert np.array_equal(u.torque_bounds(q, v, a).lower, many.torque.lower)
     air = u.torque_bounds(q, v, a, fluid_density=0.0)
     assert np.array_equal(air.upper, u.bounds(q, v, a, a5.load(0.0)).torque.upper)
@@ -407,21 +497,31 @@ def test_an_arm_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lengths included, against the tests' own Newton-Euler; to the letter, against `load`."""
     q, v, a = states(3, 5)
     drawn = u.sample(2, 9)
-    p, values = drawn.parameters(1), dict(zip(drawn.names, drawn.values[1], strict=True))
+    p, values = (
+        drawn.parameters(1),
+        dict(zip(drawn.names, drawn.values[1], strict=True)),
+    )
     x, y = values["elbow.opposite"], values["elbow.adjacent"]
     bend = np.arctan2(x, y)
-    monkeypatch.setattr(second, "D", np.array([values[f"link_{i}.d"] for i in range(4)]))
+    monkeypatch.setattr(
+        second, "D", np.array([values[f"link_{i}.d"] for i in range(4)])
+    )
     a_i = [values["link_0.a"], np.hypot(x, y), values["link_2.a"], values["link_3.a"]]
     monkeypatch.setattr(second, "A", np.array(a_i))
     turn = np.array([np.pi, bend - np.pi / 2, bend - np.pi / 2, np.pi / 2])
     monkeypatch.setattr(second, "OFFSET", turn)
     theirs = sum(of_link(i, values, q, v, a, 1000.0) for i in range(5))
     arm = u.arm(p, 1000.0, TILTED)
-    np.testing.assert_allclose(arm.inverse_dynamics_batch(q, v, a), theirs[:, :4], atol=1e-12)
-    np.testing.assert_allclose(arm.base_wrench_batch(q, v, a), theirs[:, 4:], atol=1e-12)
+    np.testing.assert_allclose(
+        arm.inverse_dynamics_batch(q, v, a), theirs[:, :4], atol=1e-12
+    )
+    np.testing.assert_allclose(
+        arm.base_wrench_batch(q, v, a), theirs[:, 4:], atol=1e-12
+    )
     assert (
         np.abs(
-            theirs[:, 1] - a5.load(1000.0, gravity=TILTED).inverse_dynamics_batch(q, v, a)[:, 1]
+            theirs[:, 1]
+            - a5.load(1000.0, gravity=TILTED).inverse_dynamics_batch(q, v, a)[:, 1]
         ).max()
         > 1e-4
     )
@@ -442,7 +542,9 @@ def test_sensitivity_of_the_reach() -> None:
     assert [name for name, _ in found.most(count=4)] == list(wanted)
     for name, effect in found.most(count=4):
         assert effect == pytest.approx(wanted[name] / 1000, rel=1e-5), name
-    assert found.half_width == pytest.approx(sum(map(abs, wanted.values())) / 1000, rel=1e-5)
+    assert found.half_width == pytest.approx(
+        sum(map(abs, wanted.values())) / 1000, rel=1e-5
+    )
     drawn = u.spread(u.reach, 400, 2)
     exact = np.sqrt(sum(x**2 for x in wanted.values()) / 3) / 1000
     assert drawn.standard_deviation == pytest.approx(exact, rel=0.1)
@@ -453,7 +555,9 @@ def test_sensitivity_of_the_reach() -> None:
 def test_sensitivity_of_torques_and_currents() -> None:
     q = np.array([3.1, 1.2, 1.8, 0.0])
     torque = u.sensitivity(lambda p: u.arm(p).hydrostatic_torque(q))
-    np.testing.assert_allclose(torque.nominal, a5.load().hydrostatic_torque(q), atol=1e-12)
+    np.testing.assert_allclose(
+        torque.nominal, a5.load().hydrostatic_torque(q), atol=1e-12
+    )
     inside = [
         k
         for k, n in enumerate(torque.names)
@@ -473,7 +577,9 @@ def test_sensitivity_of_torques_and_currents() -> None:
     assert name == "actuator_1.friction"
     assert effect == pytest.approx(0.1 * 3.752e-3 / 0.0134, rel=1e-9)
     same = u.sensitivity(current, ["voltage_constant"])
-    assert same.nominal == pytest.approx(u.sensitivity(current).nominal * 0.0134 / 0.0116)
+    assert same.nominal == pytest.approx(
+        u.sensitivity(current).nominal * 0.0134 / 0.0116
+    )
 
 
 def second_lever(q: np.ndarray) -> float:
@@ -492,7 +598,10 @@ def swing(n: int, seed: int = 0) -> tuple[Any, np.ndarray]:
     size, phase = rng.uniform(0.06, 0.2, (5, 4)) / rate, rng.uniform(0, 6, (5, 4))
     angle = rate * time[:, None, None] + phase
     q = np.array([3.0, 1.7, 1.7, 3.0]) + (size * np.sin(angle)).sum(axis=1)
-    v, a = (size * rate * np.cos(angle)).sum(axis=1), -(size * rate**2 * np.sin(angle)).sum(axis=1)
+    v, a = (
+        (size * rate * np.cos(angle)).sum(axis=1),
+        -(size * rate**2 * np.sin(angle)).sum(axis=1),
+    )
     return a5.trajectory.motion(time, q), np.array([q, v, a])
 
 
@@ -518,11 +627,17 @@ def test_identification_finds_the_truth(kind: str) -> None:
         hits.append(((found.lower <= real) & (real <= found.upper))[found.supported])
         assert found.supported.sum() > 5
         for i, link in enumerate(found.parameters.links):
-            for name, x in (("mass", link.mass), ("com.x", link.com[0]), ("volume", link.volume)):
+            for name, x in (
+                ("mass", link.mass),
+                ("com.x", link.com[0]),
+                ("volume", link.volume),
+            ):
                 n = u.printed_numbers()[f"link_{i}.{name}"]
                 assert n.lower - 1e-12 <= x <= n.upper + 1e-12
     share = np.concatenate(hits).mean()
-    assert 0.8 < share < 0.999  # correlated hits: half as wide intervals would hold 67 %
+    assert (
+        0.8 < share < 0.999
+    )  # correlated hits: half as wide intervals would hold 67 %
     assert found.gains[0] > 5
     assert (np.diff(found.gains) <= 0).all()
     assert found.combinations.shape == (found.gains.size, 38)
@@ -560,12 +675,16 @@ def test_table_of_the_documentation() -> None:
     assert len(cells) == 12
     for k, (pose, _, torque, interval, worst, digits) in enumerate(cells):
         q = a5.named_pose(pose.strip("`"))
-        exact = 1e3 * second.newton_euler(q[None], Z[None], Z[None], 1025.0)[0][0, k % 4]
+        exact = (
+            1e3 * second.newton_euler(q[None], Z[None], Z[None], 1025.0)[0][0, k % 4]
+        )
         low, high = map(float, interval.split(" to "))
         assert float(torque) == pytest.approx(exact, abs=0.006)
         assert low <= float(torque) <= high
         assert float(worst) >= (high - low) / 2 - 0.01
-        sizes = [float(part.split()[-1]) for part in digits.split(",") if part != "none"]
+        sizes = [
+            float(part.split()[-1]) for part in digits.split(",") if part != "none"
+        ]
         assert sizes == sorted(sizes, reverse=True)
         assert sum(sizes) <= float(worst) + 0.03
     name, effect = cells[1][5].split(",")[0].split()
@@ -580,8 +699,12 @@ WRONG: dict[str, Callable[[], Any]] = {
     "unknown distribution 'box'; choose from uniform, normal": lambda: u.sample(
         1, distribution="box"
     ),
-    "unknown alternative 'cob'; choose from link3_cob,": lambda: u.printed_numbers(["cob"]),
-    "alternatives: expected a tuple of names": lambda: u.sample(1, alternatives="link3_cob"),
+    "unknown alternative 'cob'; choose from link3_cob,": lambda: u.printed_numbers(
+        ["cob"]
+    ),
+    "alternatives: expected a tuple of names": lambda: u.sample(
+        1, alternatives="link3_cob"
+    ),
     "arm: expected a Arm, got 3": lambda: u.bounds(Z, Z, Z, 3),
     "q: expected shape": lambda: u.torque_bounds([1, 2], Z, Z),
     "unknown alternative 'x'": lambda: u.torque_bounds(Z, Z, Z, alternatives=["x"]),

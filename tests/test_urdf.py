@@ -47,8 +47,14 @@ def test_forward_kinematics_of_every_frame_equals_the_dh_product(text):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ('xyz="0.02 0.0 0.0462"', 'xyz="0.02 0.0 0.047"'),  # the SDK's shoulder, 0.8 mm higher
-        ('rpy="0.0 0.0 3.141592653589793"', 'rpy="0.0 0.0 3.1416"'),  # five printed digits
+        (
+            'xyz="0.02 0.0 0.0462"',
+            'xyz="0.02 0.0 0.047"',
+        ),  # the SDK's shoulder, 0.8 mm higher
+        (
+            'rpy="0.0 0.0 3.141592653589793"',
+            'rpy="0.0 0.0 3.1416"',
+        ),  # five printed digits
         ('xyz="0.0 0.0 -0.18"', 'xyz="0.0 0.0 0.18"'),
     ],
 )
@@ -78,10 +84,16 @@ def test_inertias_equal_table_2_to_the_last_bit(text):
         assert float(inertial.find("mass").get("value")) == reference.MASS[i]
         com = [float(x) for x in inertial.find("origin").get("xyz").split()]
         assert com == [shifted(x, 3) for x in reference.COM[i]]
-        assert [float(x) for x in inertial.find("origin").get("rpy").split()] == [0, 0, 0]
+        assert [float(x) for x in inertial.find("origin").get("rpy").split()] == [
+            0,
+            0,
+            0,
+        ]
         xx, yy, zz, xy, xz, yz = (shifted(x, 6) for x in reference.INERTIA[i])
         expected = {"ixx": xx, "iyy": yy, "izz": zz, "ixy": -xy, "ixz": -xz, "iyz": -yz}
-        assert {k: float(v) for k, v in inertial.find("inertia").attrib.items()} == expected
+        assert {
+            k: float(v) for k, v in inertial.find("inertia").attrib.items()
+        } == expected
 
 
 def test_yourdfpy_agrees(text, tmp_path):
@@ -106,13 +118,19 @@ def test_the_root_has_no_inertial_whatever_it_is(text):
     mounted = urdf(Variant(parent="vehicle"))
     for root_name, document in (("base_link", text), ("vehicle", mounted)):
         root = ET.fromstring(document)
-        bare = [link.get("name") for link in root.iter("link") if link.find("inertial") is None]
+        bare = [
+            link.get("name")
+            for link in root.iter("link")
+            if link.find("inertial") is None
+        ]
         assert bare == [root_name]
 
 
 def test_closed_jaws_are_link_4_of_table_2():
     model = pin.buildModelFromUrdf(JAWS_URDF_PATH)
-    joints = {name: model.joints[model.getJointId(name)].idx_q for name in model.names[1:]}
+    joints = {
+        name: model.joints[model.getJointId(name)].idx_q for name in model.names[1:]
+    }
     q = np.zeros(model.nq)
     q[joints["axis_a"]] = 0.0013  # closed: the rod's lower limit, fingers at zero
     data = model.createData()
@@ -123,7 +141,9 @@ def test_closed_jaws_are_link_4_of_table_2():
         joint = model.getJointId(name)
         total += wrist.actInv(data.oMi[joint]).act(model.inertias[joint])
     assert total.mass == pytest.approx(reference.MASS[4], abs=1e-12)
-    np.testing.assert_allclose(total.lever, np.array(reference.COM[4]) / 1e3, atol=1e-12)
+    np.testing.assert_allclose(
+        total.lever, np.array(reference.COM[4]) / 1e3, atol=1e-12
+    )
     xx, yy, zz, xy, xz, yz = np.array(reference.INERTIA[4]) / 1e6
     expected = [[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]
     np.testing.assert_allclose(total.inertia, expected, atol=1e-12)
@@ -152,7 +172,9 @@ def test_open_fingers_move_apart():
     for rod in (0.0013, 0.0133):
         pin.framesForwardKinematics(model, data, np.array([1.0, 1.0, 1.0, 1.0, rod]))
         tips = [
-            data.oMf[model.getFrameId(f"finger_{i}")].act(np.array([0, sign * 0.085, 0]))
+            data.oMf[model.getFrameId(f"finger_{i}")].act(
+                np.array([0, sign * 0.085, 0])
+            )
             for i, sign in ((1, 1), (2, -1))
         ]
         gaps.append(np.linalg.norm(tips[0] - tips[1]))
@@ -163,5 +185,7 @@ def test_open_fingers_move_apart():
 def test_check_urdf_accepts_the_committed_files():
     program = Path(sys.executable).with_name("check_urdf")  # the pin wheel brings it
     for path in (a5.URDF_PATH, JAWS_URDF_PATH):
-        result = subprocess.run([program, path], capture_output=True, text=True, check=False)
+        result = subprocess.run(
+            [program, path], capture_output=True, text=True, check=False
+        )
         assert "Successfully Parsed XML" in result.stdout, result.stderr

@@ -71,10 +71,16 @@ def test_links() -> None:
     np.testing.assert_allclose(tray.com, [1, 2, 3], rtol=0, atol=0)
     # A quarter turn about z: x of the inertial frame is y of the link, y is -x.
     np.testing.assert_allclose(
-        tray.inertia, [[2, -0.1, -0.3], [-0.1, 1, 0.2], [-0.3, 0.2, 3]], rtol=0, atol=1e-15
+        tray.inertia,
+        [[2, -0.1, -0.3], [-0.1, 1, 0.2], [-0.3, 0.2, 3]],
+        rtol=0,
+        atol=1e-15,
     )
     box, sphere = 0.1 * 0.2 * 0.5, 4 / 3 * math.pi * 0.3**3
-    cylinder, capsule = math.pi * 0.2**2 * 0.7, math.pi * 0.1**2 * 0.4 + 4 / 3 * math.pi * 0.1**3
+    cylinder, capsule = (
+        math.pi * 0.2**2 * 0.7,
+        math.pi * 0.1**2 * 0.4 + 4 / 3 * math.pi * 0.1**3,
+    )
     assert tray.volume == pytest.approx(box + sphere + cylinder + capsule, rel=1e-15)
     assert tray.meshes == ("hit.stl",)
     assert tray.files == ("seen.obj", "hit.stl")
@@ -85,9 +91,16 @@ def test_joints() -> None:
     assert list(joints) == ["slide", "wheel", "follower", "copy"]
     slide, wheel, follower, copy = joints.values()
     assert (slide.kind, slide.parent, slide.child) == ("prismatic", "root", "tray")
-    assert (slide.lower, slide.upper, slide.velocity, slide.effort) == (-0.25, 0.5, 0.75, 80.0)
+    assert (slide.lower, slide.upper, slide.velocity, slide.effort) == (
+        -0.25,
+        0.5,
+        0.75,
+        80.0,
+    )
     np.testing.assert_allclose(slide.axis, [0, 0.6, -0.8], rtol=0, atol=1e-16)
-    cr, sr, cp, sp, cy, sy = (f(x) for x in (0.4, -0.5, 0.6) for f in (math.cos, math.sin))
+    cr, sr, cp, sp, cy, sy = (
+        f(x) for x in (0.4, -0.5, 0.6) for f in (math.cos, math.sin)
+    )
     written_out = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, 0.1],
         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, 0.2],
@@ -96,11 +109,20 @@ def test_joints() -> None:
     ]
     np.testing.assert_allclose(slide.transform, written_out, rtol=0, atol=1e-15)
     # A continuous joint has no range, whatever is written; no axis is x.
-    assert (wheel.lower, wheel.upper, wheel.velocity, wheel.effort) == (None, None, 9.0, 7.0)
+    assert (wheel.lower, wheel.upper, wheel.velocity, wheel.effort) == (
+        None,
+        None,
+        9.0,
+        7.0,
+    )
     assert wheel.axis.tolist() == [1, 0, 0]
     assert wheel.transform.tolist() == np.eye(4).tolist()
     assert (slide.mimic, slide.multiplier, slide.offset) == (None, 1.0, 0.0)
-    assert (follower.mimic, follower.multiplier, follower.offset) == ("slide", -2.0, 0.125)
+    assert (follower.mimic, follower.multiplier, follower.offset) == (
+        "slide",
+        -2.0,
+        0.125,
+    )
     assert (follower.velocity, follower.effort) == (None, None)
     assert (copy.mimic, copy.multiplier, copy.offset) == ("slide", 1.0, 0.0)
     assert (copy.lower, copy.upper) == (None, None)
@@ -178,12 +200,16 @@ def test_several_roots_loops_and_none() -> None:
     with pytest.raises(FileFormatError, match="no root link"):
         parse_urdf(f'<robot><link name="l0"/><link name="l1"/>{ring}</robot>')
     with pytest.raises(FileFormatError, match=r"the joints form a loop$"):
-        parse_urdf(f'<robot><link name="r"/><link name="l0"/><link name="l1"/>{ring}</robot>')
+        parse_urdf(
+            f'<robot><link name="r"/><link name="l0"/><link name="l1"/>{ring}</robot>'
+        )
 
 
 def test_a_primitive_too_large_has_no_volume() -> None:
     huge = ROBOT.replace('radius="0.3"', 'radius="9e11"')
-    assert parse_urdf(huge).links["tray"].volume == pytest.approx(4 / 3 * math.pi * 9e11**3)
+    assert parse_urdf(huge).links["tray"].volume == pytest.approx(
+        4 / 3 * math.pi * 9e11**3
+    )
 
 
 def test_shapes() -> None:
@@ -195,7 +221,13 @@ def test_shapes() -> None:
     hit = urdf_shapes(ROBOT.replace(plain, ball), "collision")
     assert [(s.link, s.index) for s in hit] == [("tray", k) for k in range(5)]
     assert [s.kind for s in hit] == ["box", "sphere", "cylinder", "capsule", "mesh"]
-    assert [s.size for s in hit] == [(0.1, 0.2, 0.5), (0.3,), (0.2, 0.7), (0.1, 0.4), ()]
+    assert [s.size for s in hit] == [
+        (0.1, 0.2, 0.5),
+        (0.3,),
+        (0.2, 0.7),
+        (0.1, 0.4),
+        (),
+    ]
     assert [s.file for s in hit] == ["", "", "", "", "hit.stl"]
     assert [s.color for s in hit] == [(), (1.0, 0.0, 0.5, 0.25), (), (), ()]
     assert hit[0].placement.tolist() == np.eye(4).tolist()
@@ -204,4 +236,6 @@ def test_shapes() -> None:
     (seen,) = urdf_shapes(ROBOT)
     assert (seen.link, seen.kind, seen.file) == ("tray", "mesh", "seen.obj")
     with pytest.raises(FileFormatError, match="<visual> has no geometry"):
-        urdf_shapes(ROBOT.replace('<geometry><mesh filename="seen.obj"/></geometry>', ""))
+        urdf_shapes(
+            ROBOT.replace('<geometry><mesh filename="seen.obj"/></geometry>', "")
+        )

@@ -80,7 +80,9 @@ def make_recordings(folder: Path, mirrored: bool = False, count: int = 4) -> Non
         tilt = np.zeros((time.size, 2))
         for k in range(time.size):
             before = max(k - late, 0)
-            moment = np.cross(first_moment(q[before], mirrored), gravity_in_vehicle(*tilt[before]))
+            moment = np.cross(
+                first_moment(q[before], mirrored), gravity_in_vehicle(*tilt[before])
+            )
             tilt[k] = (
                 moment[0] / STIFFNESS["roll"] + trim[0],
                 moment[1] / STIFFNESS["pitch"] + trim[1],
@@ -99,12 +101,16 @@ def write(path: Path, header: str, rows: np.ndarray) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
-def figures(script: ModuleType, folder: Path, capsys: pytest.CaptureFixture[str]) -> dict:
+def figures(
+    script: ModuleType, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> dict:
     assert script.main([str(folder), "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
-def test_moment_is_that_of_the_printed_tables(script: ModuleType, tmp_path: Path) -> None:
+def test_moment_is_that_of_the_printed_tables(
+    script: ModuleType, tmp_path: Path
+) -> None:
     make_recordings(tmp_path, count=2)
     recording = script.read(tmp_path)[0][0]
     moment = script.moments(script.moving_links(), recording)
@@ -112,7 +118,9 @@ def test_moment_is_that_of_the_printed_tables(script: ModuleType, tmp_path: Path
         q = recording.motion.position[k]
         gravity = gravity_in_vehicle(*recording.tilt[k])
         np.testing.assert_allclose(recording.gravity[k], gravity, atol=1e-12)
-        np.testing.assert_allclose(moment[k], np.cross(first_moment(q), gravity)[:2], atol=1e-12)
+        np.testing.assert_allclose(
+            moment[k], np.cross(first_moment(q), gravity)[:2], atol=1e-12
+        )
 
 
 def test_known_stiffness_is_found(
@@ -192,8 +200,16 @@ def tumbled(rows: list[list[str]]) -> list[list[str]]:
     out = []
     for time, *cells in rows:
         (x, y, z), w = np.array(cells[:3], dtype=float), float(cells[3])
-        vector = w * turn[:3] + turn[3] * np.array([x, y, z]) + np.cross([x, y, z], turn[:3])
-        out.append([time, *map(repr, map(float, vector)), repr(float(w * turn[3] - x * turn[0]))])
+        vector = (
+            w * turn[:3] + turn[3] * np.array([x, y, z]) + np.cross([x, y, z], turn[:3])
+        )
+        out.append(
+            [
+                time,
+                *map(repr, map(float, vector)),
+                repr(float(w * turn[3] - x * turn[0])),
+            ]
+        )
     return out
 
 
@@ -205,7 +221,9 @@ def make_untidy(folder: Path) -> None:
         return folder / f"made_up_{index}_mocap.csv"
 
     spoil(mocap(0), lambda rows: [*rows[:300], *tumbled(rows[300:360]), *rows[360:]])
-    spoil(mocap(1), lambda rows: [*rows[:600], *tumbled(rows[600:])])  # lost until the end
+    spoil(
+        mocap(1), lambda rows: [*rows[:600], *tumbled(rows[600:])]
+    )  # lost until the end
     spoil(
         mocap(2),
         lambda rows: [
@@ -216,12 +234,19 @@ def make_untidy(folder: Path) -> None:
     )
     spoil(
         mocap(2),
-        lambda rows: [*rows[:401], rows[390], ["0.1"], [*rows[401][:1], *"0000"], *rows[402:]],
+        lambda rows: [
+            *rows[:401],
+            rows[390],
+            ["0.1"],
+            [*rows[401][:1], *"0000"],
+            *rows[402:],
+        ],
     )
     spoil(
         folder / "made_up_3_joint_states.csv",
         lambda rows: [
-            [*row[:3], "nan", row[4]] if k in (7, 8) else row for k, row in enumerate(rows)
+            [*row[:3], "nan", row[4]] if k in (7, 8) else row
+            for k, row in enumerate(rows)
         ],
     )
     remains = {
@@ -257,7 +282,9 @@ def test_recordings_as_they_come(
     left = {name: file["left_out"] for name, file in files.items()}
     assert left["made_up_0"] == {"jump": "60 rows", "gap": left["made_up_0"]["gap"]}
     # Every time of which the 1.5 s of average touch the 1.22 s without a row.
-    assert float(left["made_up_0"]["gap"].split()[0]) == pytest.approx(1.22 + 1.5, abs=0.11)
+    assert float(left["made_up_0"]["gap"].split()[0]) == pytest.approx(
+        1.22 + 1.5, abs=0.11
+    )
     assert left["made_up_1"] == {"jump": "200 rows"}
     assert left["made_up_2"] == {
         "cells": "16 rows of mocap",
@@ -282,7 +309,9 @@ def test_recordings_as_they_come(
         assert model["stiffness_nm_per_rad"] == pytest.approx([stiffness] * 2, rel=2e-3)
     assert script.main([str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("6 of 10 recordings used; stiffnesses and lag fitted on the other half")
+    assert said.startswith(
+        "6 of 10 recordings used; stiffnesses and lag fitted on the other half"
+    )
     for rule, words in script.RULES.items():
         assert (f"  {rule}: {words}" in said) == (rule != "rest")
     # The rules know no names: other ones, in another order, and the same is used.
@@ -311,10 +340,14 @@ def test_a_trajectory_is_in_one_half_only(script: ModuleType, tmp_path: Path) ->
     ]
     for k, fitted in enumerate((models[2:], models[:2])):
         _, compliance = script.fit(fitted)
-        np.testing.assert_allclose(result["scores"]["model"].stiffness[k], 1 / compliance)
+        np.testing.assert_allclose(
+            result["scores"]["model"].stiffness[k], 1 / compliance
+        )
     for name in ("b-0", "b-1"):
         (tmp_path / f"{name}_mocap.csv").unlink()
-    with pytest.raises(FileFormatError, match="1 trajectories of a moving arm, at least 2 needed"):
+    with pytest.raises(
+        FileFormatError, match="1 trajectories of a moving arm, at least 2 needed"
+    ):
         script.validate(tmp_path)
 
 
@@ -336,7 +369,8 @@ def test_lag_and_stiffness_are_fitted_elsewhere(
         assert found["models"]["COM and products wrong"][axis]["r2"] < own.r2[k]
         assert own.stiffness[0, k] == pytest.approx(STIFFNESS[axis], rel=2e-3)
         assert (
-            found["models"]["model"][axis]["stiffness_nm_per_rad"] != own.stiffness[:, k].tolist()
+            found["models"]["model"][axis]["stiffness_nm_per_rad"]
+            != own.stiffness[:, k].tolist()
         )
     (right / "made_up_1_mocap.csv").unlink()
     assert script.main([str(right), "--fit", str(right)]) == 0  # one is enough to score
@@ -346,19 +380,29 @@ def test_lag_and_stiffness_are_fitted_elsewhere(
     assert "0 trajectories of a moving arm" in capsys.readouterr().err
 
 
-def test_no_recording_is_drawn_over_and_a_closed_pipe_is_no_error(tmp_path: Path) -> None:
+def test_no_recording_is_drawn_over_and_a_closed_pipe_is_no_error(
+    tmp_path: Path,
+) -> None:
     make_recordings(tmp_path, count=2)
     recording = tmp_path / "made_up_0_mocap.csv"
     (tmp_path / "page.png").hardlink_to(recording)
     content = recording.read_bytes()
     for arguments, status, words in (
-        (f"{tmp_path} --plot {tmp_path / 'page.png'}", 2, "another file than the one that is read"),
+        (
+            f"{tmp_path} --plot {tmp_path / 'page.png'}",
+            2,
+            "another file than the one that is read",
+        ),
         (f"{tmp_path} --plot {recording}", 2, "choose from .png, .pdf, .svg"),
         (f"{tmp_path} | true", 0, ""),
         (f"{tmp_path} --json | head -n 1", 0, ""),
     ):
         done = subprocess.run(
-            ["bash", "-c", f"set -o pipefail; '{sys.executable}' '{SCRIPT}' {arguments}"],
+            [
+                "bash",
+                "-c",
+                f"set -o pipefail; '{sys.executable}' '{SCRIPT}' {arguments}",
+            ],
             capture_output=True,
             text=True,
             check=False,

@@ -67,8 +67,12 @@ def test_nothing_as_a_vehicle_leaves_the_floating_arm(gripper, rng):
         ours, theirs = system.forward_kinematics(q), free.forward_kinematics(q)
         assert ours.isApprox(theirs, 1e-12)
         close(system.center_of_buoyancy(q), free.center_of_buoyancy(q), 1e-13)
-        assert system.potential_energy(q) == pytest.approx(free.potential_energy(q), abs=1e-12)
-        close(system.mount_load(q, v, a).vector, free.base_wrench(q, v, a).vector, 1e-12)
+        assert system.potential_energy(q) == pytest.approx(
+            free.potential_energy(q), abs=1e-12
+        )
+        close(
+            system.mount_load(q, v, a).vector, free.base_wrench(q, v, a).vector, 1e-12
+        )
     assert system.joint_names == free.joint_names
 
 
@@ -82,8 +86,16 @@ def test_the_mount_of_a_fixed_arm_becomes_the_vehicle(rng):
     assert q == pytest.approx([0, 0, 0, 0, 0, 0, 1, *Q], abs=1e-15)
     still = np.zeros(6)
     v_all, a_all = np.concatenate([still, v]), np.concatenate([still, a])
-    close(system.mount_load(q, v_all, a_all).vector, fixed.base_wrench(Q, v, a).vector, 1e-12)
-    close(system.inverse_dynamics(q, v_all, a_all)[6:], fixed.inverse_dynamics(Q, v, a), 1e-12)
+    close(
+        system.mount_load(q, v_all, a_all).vector,
+        fixed.base_wrench(Q, v, a).vector,
+        1e-12,
+    )
+    close(
+        system.inverse_dynamics(q, v_all, a_all)[6:],
+        fixed.inverse_dynamics(Q, v, a),
+        1e-12,
+    )
     # What the thrusters have to do is the mount's load and the vehicle's own weight.
     load = system.mount_load(q, v_all, a_all).vector
     own = fixed.on_vehicle(vehicle()).still.model.gravity.linear
@@ -105,10 +117,13 @@ def test_momentum_of_the_free_system_is_kept():
     """No drag, no gravity: whatever the joints do, Runge-Kutta keeps six momenta of body and water."""
     bare = a5.load(gravity=(0, 0, 0)).with_hydrodynamics()
     bodies = [
-        b.__class__(b.body, b.joint, b.action, type(b.data)(b.data.added_mass)) for b in bare.bodies
+        b.__class__(b.body, b.joint, b.action, type(b.data)(b.data.added_mass))
+        for b in bare.bodies
     ]
     arm = type(bare)(bare.still, bodies)
-    system = arm.on_vehicle(vehicle(linear_damping=np.zeros(6), quadratic_damping=np.zeros(6)))
+    system = arm.on_vehicle(
+        vehicle(linear_damping=np.zeros(6), quadratic_damping=np.zeros(6))
+    )
     q = system.configuration(pose([0.3, 0.1, -2.0], [0.2, -0.1, 0.5]), Q)
     v = np.array([0.2, -0.1, 0.3, 0.4, -0.2, 0.3, 0.5, -0.4, 0.3, 0.6])
     start, h, model = momentum(system, q, v), 1e-3, system.model
@@ -149,7 +164,11 @@ def test_momentum_of_the_free_system_is_kept():
 def test_reaction_leaves_the_thrusters_without_force(rng):
     system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
     for _ in range(5):
-        q, v, joints = random_q(system, rng), random_v(system, rng, 0.3), rng.normal(size=4)
+        q, v, joints = (
+            random_q(system, rng),
+            random_v(system, rng, 0.3),
+            rng.normal(size=4),
+        )
         base, torque = system.reaction(q, v, joints)
         tau = system.inverse_dynamics(q, v, np.concatenate([base, joints]))
         close(tau, np.concatenate([np.zeros(6), torque]), 1e-11)
@@ -169,16 +188,24 @@ def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
     rotation = pin.XYZQUATToSE3(q[:7]).rotation
     v = np.zeros(10)
     v[:3] = rotation.T @ CURRENT
-    assert system.dissipated_power(q, v, current=CURRENT) == pytest.approx(0.0, abs=1e-20)
+    assert system.dissipated_power(q, v, current=CURRENT) == pytest.approx(
+        0.0, abs=1e-20
+    )
 
 
 def test_derivatives_with_the_vehicle(rng):
     system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
-    q, v, a = random_q(system, rng), random_v(system, rng, 0.5), random_v(system, rng, 0.5)
+    q, v, a = (
+        random_q(system, rng),
+        random_v(system, rng, 0.5),
+        random_v(system, rng, 0.5),
+    )
     _, dv, da = system.inverse_dynamics_derivatives(q, v, a)
     h = 1e-6
     for i, e in enumerate(np.eye(10)):
-        rate = system.inverse_dynamics(q, v + h * e, a) - system.inverse_dynamics(q, v - h * e, a)
+        rate = system.inverse_dynamics(q, v + h * e, a) - system.inverse_dynamics(
+            q, v - h * e, a
+        )
         close(dv[:, i], rate / (2 * h), 1e-6)
     close(da, system.mass_matrix(q), 1e-12)
 
@@ -194,23 +221,37 @@ def test_trim_is_an_equilibrium_and_stable(rng):
             at[:3, :3] = trim.rotation_vehicle_to_world
             q = one.configuration(at, joints)
             load = pin.Force(one.hydrostatic_torque(q)[:6])
-            at_vehicle = pin.SE3(np.array(one.vehicle.transform_vehicle_to_base)).actInv(load)
+            at_vehicle = pin.SE3(
+                np.array(one.vehicle.transform_vehicle_to_base)
+            ).actInv(load)
             world = trim.rotation_vehicle_to_world
-            assert world @ at_vehicle.linear == pytest.approx([0, 0, trim.net_weight], abs=1e-9)
+            assert world @ at_vehicle.linear == pytest.approx(
+                [0, 0, trim.net_weight], abs=1e-9
+            )
             assert at_vehicle.angular == pytest.approx(np.zeros(3), abs=1e-10)
-            assert world == pytest.approx(pin.rpy.rpyToMatrix(trim.roll, trim.pitch, 0.0))
+            assert world == pytest.approx(
+                pin.rpy.rpyToMatrix(trim.roll, trim.pitch, 0.0)
+            )
             # Rolled by a little more, the water rights it.
             at[:3, :3] = pin.rpy.rpyToMatrix(1e-4, 0.0, 0.0) @ world
             load = pin.Force(one.hydrostatic_torque(one.configuration(at, joints))[:6])
-            held = pin.SE3(np.array(one.vehicle.transform_vehicle_to_base)).actInv(load).angular
-            assert (at[:3, :3] @ held)[0] == pytest.approx(1e-4 * trim.righting_moment, rel=1e-3)
+            held = (
+                pin.SE3(np.array(one.vehicle.transform_vehicle_to_base))
+                .actInv(load)
+                .angular
+            )
+            assert (at[:3, :3] @ held)[0] == pytest.approx(
+                1e-4 * trim.righting_moment, rel=1e-3
+            )
     weights = [one.trim(Q).righting_moment for one in (system, level)]
     assert weights[1] > weights[0]
 
 
 def test_trim_follows_the_arm():
     """An arm that weighs and reaches forward pitches the vehicle nose down, to the left rolls it left."""
-    mounted = vehicle(com=[0, 0, -0.02], transform_vehicle_to_base=pose([0, 0, 0.1], [0, 0, 0]))
+    mounted = vehicle(
+        com=[0, 0, -0.02], transform_vehicle_to_base=pose([0, 0, 0.1], [0, 0, 0])
+    )
     system = a5.load().on_vehicle(mounted)
     reach = a5.named_pose("reach")  # along +x of base_link
     ahead = system.trim(reach)
@@ -228,7 +269,9 @@ def test_it_carries_payloads_and_is_copied(rng):
     loaded = system.with_payload(**PAYLOAD, added_mass=0.1 * np.eye(6))
     q, v, a = random_q(system, rng), random_v(system, rng), random_v(system, rng)
     again = pickle.loads(pickle.dumps(loaded))
-    assert np.array_equal(again.inverse_dynamics(q, v, a), loaded.inverse_dynamics(q, v, a))
+    assert np.array_equal(
+        again.inverse_dynamics(q, v, a), loaded.inverse_dynamics(q, v, a)
+    )
     extra = loaded.mass_matrix(q) - system.mass_matrix(q)
     assert np.linalg.eigvalsh(extra).min() > -1e-12
     assert loaded.vehicle is system.vehicle
@@ -262,8 +305,12 @@ def test_trim_follows_the_recorded_tilt(name):
 
     mean = system(np.zeros(3)).trim(joints.mean(axis=0)[:4])
     up = mean.rotation_vehicle_to_world[2]
-    ballasted = system(mean.righting_moment / (9.81 * 13.5) * np.array([up[0], up[1], 0.0]))
-    ours = np.array([[t.roll, t.pitch] for t in (ballasted.trim(q[:4]) for q in joints)])
+    ballasted = system(
+        mean.righting_moment / (9.81 * 13.5) * np.array([up[0], up[1], 0.0])
+    )
+    ours = np.array(
+        [[t.roll, t.pitch] for t in (ballasted.trim(q[:4]) for q in joints)]
+    )
     for k in (0, 1):
         assert np.corrcoef(ours[:, k], recorded[:, k])[0, 1] > 0.9
         assert 0.5 < ours[:, k].std() / recorded[:, k].std() < 1.5
@@ -299,7 +346,9 @@ def test_wrong_vehicles_are_refused(changes):
         lambda arm: arm.on_vehicle(vehicle()).trim([0.0, 0.0]),
         lambda arm: arm.on_vehicle(vehicle()).configuration(np.eye(3), Q),
         lambda arm: a5.load(gravity=(1.0, 0.0, -9.0)).on_vehicle(vehicle()).trim(Q),
-        lambda arm: arm.on_vehicle(vehicle()).reaction(np.zeros(11), np.zeros(10), np.zeros(4)),
+        lambda arm: arm.on_vehicle(vehicle()).reaction(
+            np.zeros(11), np.zeros(10), np.zeros(4)
+        ),
     ],
 )
 def test_wrong_use_is_told(mistake):

@@ -20,7 +20,11 @@ from alpha5_model.cli import main
 from alpha5_model.description import verification
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
-from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
+from alpha5_model.description.verification import (
+    FileCheck,
+    verify_generated,
+    verify_urdf,
+)
 from alpha5_model.errors import FileFormatError, MissingFileError
 
 LOCKED, JAWS = (Path(p).read_text("utf-8") for p in (URDF_PATH, JAWS_URDF_PATH))
@@ -60,7 +64,11 @@ def test_the_committed_files_pass() -> None:
     "variant",
     [
         Variant(
-            prefix="left_", gripper="jaws", parent="vehicle", xyz=(0.1, 0.2, 0.3), rpy=(1, 2, 3)
+            prefix="left_",
+            gripper="jaws",
+            parent="vehicle",
+            xyz=(0.1, 0.2, 0.3),
+            rpy=(1, 2, 3),
         ),
         Variant(dh_frames=True, collision="none"),
         Variant(corrections=()),
@@ -78,7 +86,9 @@ def test_variants_pass(variant: Variant, tmp_path: Path) -> None:
 def test_the_letter_of_the_document_needs_its_name(tmp_path: Path) -> None:
     """link_0 turned by pi, without saying so, is a wrong placement."""
     rows = verify(urdf(Variant(corrections=())), tmp_path)
-    assert {"frames, Pinocchio", "frames, yourdfpy"} <= failed(rows) | {"frames, yourdfpy"}
+    assert {"frames, Pinocchio", "frames, yourdfpy"} <= failed(rows) | {
+        "frames, yourdfpy"
+    }
     assert "frames, Pinocchio" in failed(rows)
 
 
@@ -93,7 +103,9 @@ def test_the_dh_product_equals_the_tests_own() -> None:
             np.testing.assert_allclose(ours[name][k], theirs, atol=1e-14)
         for i, theirs in enumerate(reference.inertial_frames(row)):
             np.testing.assert_allclose(ours[f"link_{i}"][k], theirs, atol=1e-14)
-        np.testing.assert_allclose(ours["tcp"][k], reference.dh_frames(row)[5], atol=1e-14)
+        np.testing.assert_allclose(
+            ours["tcp"][k], reference.dh_frames(row)[5], atol=1e-14
+        )
 
 
 def test_configurations_are_within_the_limits_and_at_all_corners() -> None:
@@ -109,7 +121,9 @@ def test_the_frame_error_sees_position_and_orientation() -> None:
     turned = reference.rotation_z(1e-9)[None]
     half = reference.rotation_x(np.pi)[None]
     moved = np.eye(4)[None]
-    moved = moved + np.array([[0, 0, 0, 0], [0, 0, 0, 3e-7], [0, 0, 0, 4e-7], [0, 0, 0, 0]])
+    moved = moved + np.array(
+        [[0, 0, 0, 0], [0, 0, 0, 3e-7], [0, 0, 0, 4e-7], [0, 0, 0, 0]]
+    )
     assert verification.frame_error(turned, here) == pytest.approx(1e-9, rel=1e-6)
     assert verification.frame_error(half, here) == pytest.approx(np.pi)
     assert verification.frame_error(moved, here) == pytest.approx(5e-7)
@@ -127,13 +141,19 @@ def test_a_committed_file_that_cannot_be_read_has_failed(
 
 
 def inertia(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> str:
-    values = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), (xx, xy, xz, yy, yz, zz), strict=True)
+    values = zip(
+        ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+        (xx, xy, xz, yy, yz, zz),
+        strict=True,
+    )
     return "<inertia " + " ".join(f'{k}="{v * 1e-6!r}"' for k, v in values) + "/>"
 
 
 def replace_inertia(text: str, link: str, new: str) -> str:
     pattern = rf'(<link name="{link}">.*?)<inertia [^>]*/>'
-    changed, count = re.subn(pattern, lambda m: m.group(1) + new, text, count=1, flags=re.S)
+    changed, count = re.subn(
+        pattern, lambda m: m.group(1) + new, text, count=1, flags=re.S
+    )
     assert count == 1
     return changed
 
@@ -159,7 +179,9 @@ WRONG = {
     ),
     "I_Link in place of I_COM": (
         replace_inertia(
-            LOCKED, "link_4", inertia(4233.813, -0.083, 6.827, 4242.419, -52.693, 63.355)
+            LOCKED,
+            "link_4",
+            inertia(4233.813, -0.083, 6.827, 4242.419, -52.693, 63.355),
         ),
         {"inertias"},
         "it is I_Link",
@@ -176,7 +198,11 @@ WRONG = {
     ),
     "a COM in the DH frame of the link": (
         # {1} of Section 2 stands at the origin of DH {0}; the link's DH frame is 20 mm out, 46.2 mm up.
-        swap(LOCKED, 'xyz="0.007746 0.000112 0.025038"', 'xyz="-0.012254 -0.021162 -0.000112"'),
+        swap(
+            LOCKED,
+            'xyz="0.007746 0.000112 0.025038"',
+            'xyz="-0.012254 -0.021162 -0.000112"',
+        ),
         {"inertias"},
         "mm from Table 2's",
     ),
@@ -187,7 +213,8 @@ WRONG = {
     ),
     "a turned inertial frame": (
         LOCKED.replace(
-            '<origin rpy="0 0 0" xyz="0.011188', '<origin rpy="0 0 1.5708" xyz="0.011188'
+            '<origin rpy="0 0 0" xyz="0.011188',
+            '<origin rpy="0 0 1.5708" xyz="0.011188',
         ),
         {"inertias"},
         "link_3: inertia",
@@ -251,7 +278,9 @@ WRONG = {
         "tcp: mass 0.0001 kg",
     ),
     "a massless frame that does not say so": (
-        re.sub(r'(<link name="tcp">\s*)<inertial>.*?</inertial>', r"\1", LOCKED, flags=re.S),
+        re.sub(
+            r'(<link name="tcp">\s*)<inertial>.*?</inertial>', r"\1", LOCKED, flags=re.S
+        ),
         {"stray masses"},
         "tcp: no inertial",
     ),
@@ -261,7 +290,12 @@ WRONG = {
         "exceeds the sum",
     ),
     "a link without an inertial": (
-        re.sub(r'(<link name="link_2">\s*)<inertial>.*?</inertial>', r"\1", LOCKED, flags=re.S),
+        re.sub(
+            r'(<link name="link_2">\s*)<inertial>.*?</inertial>',
+            r"\1",
+            LOCKED,
+            flags=re.S,
+        ),
         {"inertias"},
         "link_2: no inertial",
     ),
@@ -305,8 +339,12 @@ def test_a_mistake_is_caught(mistake: str, tmp_path: Path) -> None:
         assert "frames, Pinocchio" not in failed(rows)  # and nothing else is blamed
 
 
-@pytest.mark.parametrize(("count", "more"), [(3, ""), (4, " (and 1 more)"), (5, " (and 2 more)")])
-def test_of_many_differences_three_are_told(count: int, more: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("count", "more"), [(3, ""), (4, " (and 1 more)"), (5, " (and 2 more)")]
+)
+def test_of_many_differences_three_are_told(
+    count: int, more: str, tmp_path: Path
+) -> None:
     root = ET.fromstring(LOCKED)
     for i in range(count):
         mass = root.find(f"link[@name='link_{i}']/inertial/mass")
@@ -317,7 +355,9 @@ def test_of_many_differences_three_are_told(count: int, more: str, tmp_path: Pat
     assert row.finding.endswith(f"expected {reference.MASS[2]}{more}")
 
 
-def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(tmp_path: Path) -> None:
+def test_what_the_closed_jaws_lack_is_told_in_parts_of_its_block(
+    tmp_path: Path,
+) -> None:
     """Second moments are half the trace less the inertia: more about all axes alike is half as much."""
     more = 1e-6
     root = ET.fromstring(JAWS)
@@ -355,8 +395,14 @@ UNREADABLE = {
         LOCKED.replace('<link name="link_1">', '<link name="link_2">'),
         "link 'link_2' is there twice",
     ),
-    "half a tensor": (LOCKED.replace('ixy="-2.832e-06"', ""), "<inertia> has no attribute 'ixy'"),
-    "no child": (LOCKED.replace('<child link="link_3"/>', ""), "joint 'axis_c' has no <child>"),
+    "half a tensor": (
+        LOCKED.replace('ixy="-2.832e-06"', ""),
+        "<inertia> has no attribute 'ixy'",
+    ),
+    "no child": (
+        LOCKED.replace('<child link="link_3"/>', ""),
+        "joint 'axis_c' has no <child>",
+    ),
 }
 
 
@@ -385,7 +431,9 @@ def test_what_cannot_be_read_is_one_line_and_status_2(
     ],
     ids=["undeclared prefix", "infinite angle", "infinite place"],
 )
-def test_other_readers_say_nothing_on_stderr(old: str, new: str, tmp_path: Path) -> None:
+def test_other_readers_say_nothing_on_stderr(
+    old: str, new: str, tmp_path: Path
+) -> None:
     """In a process of its own, since pytest takes what is logged."""
     path = tmp_path / "arm.urdf"
     text = Path(URDF_PATH).read_text(encoding="utf-8")
@@ -418,12 +466,18 @@ def test_missing_tools_are_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- the command ------------------------------------------------------------------------------
 
 
-def test_a_differing_document_is_not_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_differing_document_is_not_a_failure(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert main(["check", "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["passed"] is True
-    assert {"agrees", "differs", "impossible"} == {row["verdict"] for row in content["document"]}
-    assert [row["claim"] for row in content["document"]] == [row.claim for row in a5.audit()]
+    assert {"agrees", "differs", "impossible"} == {
+        row["verdict"] for row in content["document"]
+    }
+    assert [row["claim"] for row in content["document"]] == [
+        row.claim for row in a5.audit()
+    ]
     categories = {row["claim"]: row["category"] for row in content["document"]}
     assert categories == {row.claim: row.category for row in a5.audit()}
     assert set(categories.values()) == {"error", "reading", "transcription", None}
@@ -482,7 +536,9 @@ def test_the_report_fits_its_width(
         ("Transcription", "largest miss of I_Link by the equation"),
     ):
         assert [name for name, part in parts.items() if words in part] == [heading]
-    findings = [line for line in lines if line.startswith(("  differs  ", "  impossible  "))]
+    findings = [
+        line for line in lines if line.startswith(("  differs  ", "  impossible  "))
+    ]
     beyond = [row for row in a5.audit() if row.verdict != "agrees"]
     assert len({r.topic for r in beyond}) < len(findings) <= len(beyond)
 
@@ -509,12 +565,18 @@ def test_all_shows_every_row(capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["check", option]) == 0
         every = " ".join(capsys.readouterr().out.split())
         words = ("agrees", "4.286 kg·mm²", "worth 0.243 N·m", "worth 2.72 N·m/A")
-        for word in (*words, 'Table 1, "row i leads', "every file is what the generator"):
+        for word in (
+            *words,
+            'Table 1, "row i leads',
+            "every file is what the generator",
+        ):
             assert word in every
             assert word not in short
 
 
-def test_a_failing_file_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_failing_file_is_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "other.urdf"
     file.write_text(WRONG["I_Link in place of I_COM"][0], "utf-8")
     assert main(["check", "--urdf", str(file)]) == 1
@@ -534,7 +596,9 @@ def test_a_failing_generated_file_is_status_1(
     assert json.loads(capsys.readouterr().out)["passed"] is False
 
 
-def test_corrections_of_another_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_corrections_of_another_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "letter.urdf"
     file.write_text(urdf(Variant(corrections=())), "utf-8")
     assert main(["check", "--urdf", str(file)]) == 1
@@ -557,7 +621,9 @@ def test_a_finger_on_another_link_is_no_split_of_link_4(tmp_path: Path) -> None:
 
 def test_a_rod_that_starts_at_zero_closes_its_jaws_there(tmp_path: Path) -> None:
     """The fingers are closed as before; only the rod of a few grammes stands 1.3 mm off."""
-    text = JAWS.replace('lower="0.0013"', 'lower="0.0"').replace('offset="-0.0663"', 'offset="0.0"')
+    text = JAWS.replace('lower="0.0013"', 'lower="0.0"').replace(
+        'offset="-0.0663"', 'offset="0.0"'
+    )
     (row,) = (r for r in verify(text, tmp_path) if r.check == "closed jaws")
     assert row.measured is not None
     assert 0 < row.measured < 1e-3
@@ -565,4 +631,6 @@ def test_a_rod_that_starts_at_zero_closes_its_jaws_there(tmp_path: Path) -> None
 
 def test_without_a_base_link_there_is_no_prefix(tmp_path: Path) -> None:
     found = verify(LOCKED.replace('"base_link"', '"bottom"'), tmp_path)
-    assert "base_link" in " ".join(row.finding for row in found if row.verdict == "failed")
+    assert "base_link" in " ".join(
+        row.finding for row in found if row.verdict == "failed"
+    )

@@ -89,7 +89,9 @@ def shown_pose(page: Tab, link: str) -> np.ndarray:
     return np.reshape(elements, (4, 4)).T
 
 
-def test_no_complaint_and_no_request_leaves_the_machine(page: Tab, demo: tuple[Path, str]) -> None:
+def test_no_complaint_and_no_request_leaves_the_machine(
+    page: Tab, demo: tuple[Path, str]
+) -> None:
     assert page.complaints == []
     assert page.requests == [(demo[0] / "alpha5.html").as_uri()]
 
@@ -112,9 +114,15 @@ def test_the_canvas_shows_an_arm(page: Tab) -> None:
     assert 0.01 < dark.mean() < 0.4
     only(page)
     empty = page.pixels()
-    assert not (empty.max(axis=2) < 110).any(), "without the bodies there is only the backdrop"
+    assert not (empty.max(axis=2) < 110).any(), (
+        "without the bodies there is only the backdrop"
+    )
     # the base tube lies on the -x side, and nothing dark beyond its end
-    end, far = page.project(np.array([[-0.12, 0.0, 0.0], [-0.20, 0.0, 0.0]])).round().astype(int)
+    end, far = (
+        page.project(np.array([[-0.12, 0.0, 0.0], [-0.20, 0.0, 0.0]]))
+        .round()
+        .astype(int)
+    )
     assert dark[end[1] - 4 : end[1] + 5, end[0] - 4 : end[0] + 5].mean() > 0.6
     assert not dark[far[1] - 4 : far[1] + 5, far[0] - 4 : far[0] + 5].any()
 
@@ -125,11 +133,21 @@ def test_the_canvas_shows_an_arm(page: Tab) -> None:
         ("axis_e", 2.0, ["link_0"], ["link_2", "link_3", "link_4"]),
         ("axis_d", 1.9, ["link_0", "link_1"], ["link_3", "link_4"]),
         ("axis_c", 1.2, ["link_0", "link_1", "link_2"], ["link_4"]),
-        ("axis_a", 0.012, ["link_0", "link_1", "link_2", "link_3"], ["finger_1", "finger_2"]),
+        (
+            "axis_a",
+            0.012,
+            ["link_0", "link_1", "link_2", "link_3"],
+            ["finger_1", "finger_2"],
+        ),
     ],
 )
 def test_a_slider_moves_the_links_beyond_it_and_no_others(
-    page: Tab, arm: a5.Arm, joint: str, value: float, still: list[str], moving: list[str]
+    page: Tab,
+    arm: a5.Arm,
+    joint: str,
+    value: float,
+    still: list[str],
+    moving: list[str],
 ) -> None:
     only(page, "bodies")
     before = page.pixels()
@@ -168,13 +186,19 @@ def test_random_sliders_agree_with_pinocchio(page: Tab, arm: a5.Arm) -> None:
             expected = arm.forward_kinematics(q, frame=link).homogeneous
             np.testing.assert_allclose(shown_pose(page, link), expected, atol=1e-6)
         torque = [
-            float(page.run("(i) => document.querySelectorAll('.torque')[i].dataset.value", i))
+            float(
+                page.run(
+                    "(i) => document.querySelectorAll('.torque')[i].dataset.value", i
+                )
+            )
             for i in range(4)
         ]
         np.testing.assert_allclose(torque, arm.hydrostatic_torque(q)[:4], atol=1e-9)
         said = page.run("() => document.getElementById('readout').textContent")
         tcp = [float(x) for x in re.findall(r"-?\d+\.\d", said.replace("\u2212", "-"))]
-        np.testing.assert_allclose(tcp, 1e3 * arm.forward_kinematics(q).translation, atol=0.051)
+        np.testing.assert_allclose(
+            tcp, 1e3 * arm.forward_kinematics(q).translation, atol=0.051
+        )
         marker = page.run(
             "() => { const n = alpha5.viewer.scene_tree.find(['meshcat', 'alpha5', 'com', 'arm']).object;"
             "return n.position.toArray(); }"
@@ -210,21 +234,29 @@ def test_generated_formulas_agree_with_python(page: Tab, arm: a5.Arm) -> None:
         assert found["singular"] == bool(expected.singular)
 
 
-def test_a_target_is_reached_by_the_branch_that_is_asked_for(page: Tab, arm: a5.Arm) -> None:
+def test_a_target_is_reached_by_the_branch_that_is_asked_for(
+    page: Tab, arm: a5.Arm
+) -> None:
     target = np.array([-0.18, 0.06, 0.16])
     for name, value in zip("xyz", target, strict=True):
         page.page.fill(f"#target input[name={name}]", f"{1e3 * value:g}")
     q = np.array(list(page.run("() => alpha5.q").values()))
     expected = a5.inverse_kinematics(target, q[3])
     buttons = page.page.locator("#ways button")
-    assert [buttons.nth(i).is_enabled() for i in range(4)] == expected.within_limits.tolist()
+    assert [
+        buttons.nth(i).is_enabled() for i in range(4)
+    ] == expected.within_limits.tolist()
     assert buttons.all_inner_texts() == [name.replace("_", " ") for name in a5.BRANCHES]
     for i in np.flatnonzero(expected.within_limits):
         buttons.nth(int(i)).click()
         moved = page.run("() => alpha5.q")
-        np.testing.assert_allclose([moved[j] for j in JOINTS[:4]], expected.q[i], atol=1e-9)
+        np.testing.assert_allclose(
+            [moved[j] for j in JOINTS[:4]], expected.q[i], atol=1e-9
+        )
         q = np.array([moved[j] for j in JOINTS])
-        np.testing.assert_allclose(arm.forward_kinematics(q).translation, target, atol=1e-9)
+        np.testing.assert_allclose(
+            arm.forward_kinematics(q).translation, target, atol=1e-9
+        )
     page.page.fill("#target input[name=x]", "900")
     assert not any(buttons.nth(i).is_enabled() for i in range(4))
     page.page.fill("#target input[name=x]", "")
@@ -238,7 +270,13 @@ def coloured(pixels: np.ndarray, strong: int, weak: int) -> int:
 
 @pytest.mark.parametrize(
     ("group", "strong", "weak"),
-    [("weight", 0, 2), ("buoyancy", 2, 0), ("com", 0, 2), ("cob", 2, 0), ("collision", 0, 2)],
+    [
+        ("weight", 0, 2),
+        ("buoyancy", 2, 0),
+        ("com", 0, 2),
+        ("cob", 2, 0),
+        ("collision", 0, 2),
+    ],
 )
 def test_switches_show_and_hide(page: Tab, group: str, strong: int, weak: int) -> None:
     only(page, "bodies")
@@ -250,7 +288,9 @@ def test_switches_show_and_hide(page: Tab, group: str, strong: int, weak: int) -
     assert coloured(page.pixels(), strong, weak) == 0
 
 
-@pytest.mark.parametrize("group", ["frames", "workspace", "surface", "ghosts", "see-through"])
+@pytest.mark.parametrize(
+    "group", ["frames", "workspace", "surface", "ghosts", "see-through"]
+)
 def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
     only(page, "bodies")
     before = page.pixels()
@@ -263,7 +303,9 @@ def test_every_other_switch_changes_the_canvas(page: Tab, group: str) -> None:
 def test_the_current_has_an_arrow_and_is_in_the_torques(page: Tab, arm: a5.Arm) -> None:
     """Off it is not there; on, what holds a joint includes the load that Pinocchio's route finds."""
     wet, rng = arm.with_hydrodynamics((1.0, 0.0, 0.0)), np.random.default_rng(5)
-    lower, upper = ([getattr(j, end) for j in a5.parameters().joints] for end in ("lower", "upper"))
+    lower, upper = (
+        [getattr(j, end) for j in a5.parameters().joints] for end in ("lower", "upper")
+    )
     for _ in range(3):
         q = rng.uniform(lower, upper)
         page.run("(q) => alpha5.setPose(q)", q.tolist())
@@ -303,7 +345,9 @@ def test_labels_stand_beside_what_they_name(page: Tab, arm: a5.Arm) -> None:
     boxes = list(labels.values())
     for i, (l, t, r, b) in enumerate(boxes):  # noqa: E741
         for left, top, right, bottom in boxes[:i]:
-            assert r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+            assert (
+                r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+            )
     page.page.locator("#groups input[name='labels']").click()
     page.settle()
     assert page.run(
@@ -316,10 +360,14 @@ def test_pose_buttons(page: Tab, name: str) -> None:
     page.page.locator("#poses button", has_text=name).click()
     page.settle()
     values = page.run("() => alpha5.q")
-    np.testing.assert_allclose([values[j] for j in JOINTS[:4]], NAMED_POSES[name], atol=1e-12)
+    np.testing.assert_allclose(
+        [values[j] for j in JOINTS[:4]], NAMED_POSES[name], atol=1e-12
+    )
 
 
-def test_the_motion_plays_in_real_time_and_can_be_sought(page: Tab, arm: a5.Arm) -> None:
+def test_the_motion_plays_in_real_time_and_can_be_sought(
+    page: Tab, arm: a5.Arm
+) -> None:
     track = page.run("() => alpha5.data.motion")
     times, q = np.array(track["time"]), np.array(track["q"])
     assert 5 < times[-1] < 60
@@ -383,10 +431,14 @@ def test_live_viewer(chromium: Any) -> None:
         np.testing.assert_allclose(shown_pose(tab, "link_4"), expected, atol=1e-6)
         # groups from Python
         visualizer.show("weight")
-        tab.page.wait_for_function("() => document.querySelector(\"input[name='weight']\").checked")
+        tab.page.wait_for_function(
+            "() => document.querySelector(\"input[name='weight']\").checked"
+        )
         assert coloured(tab.pixels(), 0, 2) > 150
         # playing while a browser looks is not faster than real time; a busy machine is slower
-        track = np.linspace([1.0, 1.0, 1.0, 1.0, 0.002], [2.0, 2.0, 2.0, 2.0, 0.012], 50)
+        track = np.linspace(
+            [1.0, 1.0, 1.0, 1.0, 0.002], [2.0, 2.0, 2.0, 2.0, 0.012], 50
+        )
         assert visualizer.play(track, 0.03) > 1.4
         tab.page.wait_for_function("() => Math.abs(alpha5.q.axis_c - 2.0) < 1e-9")
         assert tab.complaints == []
@@ -414,14 +466,18 @@ def test_two_tabs_python_and_the_end_of_the_program(chromium: Any) -> None:
         slide(tabs[1], "axis_a", 0.01)
         tabs[0].page.wait_for_function("() => alpha5.q.axis_a === 0.01")
         tabs[0].page.reload()
-        tabs[0].page.wait_for_function("() => alpha5.q.axis_d === 0.5 && alpha5.q.axis_a === 0.01")
+        tabs[0].page.wait_for_function(
+            "() => alpha5.q.axis_d === 0.5 && alpha5.q.axis_a === 0.01"
+        )
         # beyond its limits too, and as it is: an angle is not turned back by 2 pi
         visualizer.display([2.0, 0.5, 2.2, 9.0, 0.002])
         tabs[1].page.wait_for_function("() => alpha5.q.axis_b === 9")
         assert tabs[0].complaints == tabs[1].complaints == []
         # another site may neither connect nor hold the page in its own
         foreign = new_tab(chromium)
-        foreign.page.route("http://site.example/", lambda route: route.fulfill(body="<p>hello"))
+        foreign.page.route(
+            "http://site.example/", lambda route: route.fulfill(body="<p>hello")
+        )
         foreign.page.goto("http://site.example/")
         opened = foreign.run(
             "(url) => new Promise((say) => { const s = new WebSocket(url);"
@@ -436,7 +492,9 @@ def test_two_tabs_python_and_the_end_of_the_program(chromium: Any) -> None:
             assert "has ended" in tab.page.inner_text("#lost")
         visualizer = a5.view(arm, [1.5, 1.0, 2.2, 0.4, 0.002], port=port)
         for tab in tabs:
-            tab.page.wait_for_function("() => globalThis.alpha5 && alpha5.q.axis_e === 1.5")
+            tab.page.wait_for_function(
+                "() => globalThis.alpha5 && alpha5.q.axis_e === 1.5"
+            )
             assert tab.page.locator("#lost:not([hidden])").count() == 0
     finally:
         for tab in tabs:
@@ -462,7 +520,9 @@ def test_the_sliders_read_any_angle_off_the_scene(chromium: Any) -> None:
 def said(tab: Tab) -> str:
     """The messages of a page, one a line."""
     return "\n".join(
-        tab.run("() => [...document.querySelectorAll('#message p')].map((p) => p.textContent)")
+        tab.run(
+            "() => [...document.querySelectorAll('#message p')].map((p) => p.textContent)"
+        )
     )
 
 
@@ -483,9 +543,7 @@ def test_a_page_checks_what_is_typed(chromium: Any) -> None:
     low, high = np.rad2deg([LOWER[3], UPPER[3]])
     range_b = f"its range is {low:.1f}° to {high:.1f}°. It stays at 22.9°."
     ends = a5.parameters().joints[4]
-    rod = (
-        f"its range is {1e3 * ends.lower:.1f} mm to {1e3 * ends.upper:.1f} mm. It stays at 5.0 mm."
-    )
+    rod = f"its range is {1e3 * ends.lower:.1f} mm to {1e3 * ends.upper:.1f} mm. It stays at 5.0 mm."
     try:
         tab.open(visualizer.url())
         for text, message in {
@@ -518,7 +576,11 @@ def test_a_page_checks_what_is_typed(chromium: Any) -> None:
         type_into(tab, "#axis_d-value", shown)
         assert said(tab) == ""
         wait_for(lambda: seen)
-        assert seen[0].tolist() == visualizer.q.tolist() == [2.0, UPPER[1], 2.2, 0.4, 0.005]
+        assert (
+            seen[0].tolist()
+            == visualizer.q.tolist()
+            == [2.0, UPPER[1], 2.2, 0.4, 0.005]
+        )
         assert tab.page.locator("#lost:not([hidden])").count() == 0
         assert tab.complaints == []
     finally:
@@ -535,7 +597,9 @@ def test_a_page_that_is_refused_says_so_and_goes_back(chromium: Any) -> None:
         tab.open(visualizer.url())
         tab.run("() => alpha5.viewer.connection.send('{\"q\": [99, 99, 99, 99]}')")
         tab.page.wait_for_selector("#message :text('Python refused this')")
-        assert "Python refused this: axis_e: 99 rad is above the upper limit" in said(tab)
+        assert "Python refused this: axis_e: 99 rad is above the upper limit" in said(
+            tab
+        )
         assert tab.run("() => alpha5.q.axis_e") == 2.0
         assert visualizer.q.tolist() == [2.0, 1.0, 2.2, 9.0]
         assert seen == []
@@ -544,7 +608,13 @@ def test_a_page_that_is_refused_says_so_and_goes_back(chromium: Any) -> None:
         wait_for(lambda: seen and seen[-1].tolist() == [2.0, 0.5, 2.2, UPPER[3]])
         tab.page.wait_for_function(f"() => alpha5.q.axis_b === {float(UPPER[3])!r}")
         assert said(tab) == ""
-        for wrong in ("[NaN, 1, 1, 1]", "[1, 1, 1]", "['1', 1, 1, 1]", "5", "undefined"):
+        for wrong in (
+            "[NaN, 1, 1, 1]",
+            "[1, 1, 1]",
+            "['1', 1, 1, 1]",
+            "5",
+            "undefined",
+        ):
             refused = tab.run(
                 f"() => {{ try {{ alpha5.setPose({wrong}); }} catch (error) {{ return error.message; }} }}"
             )
@@ -563,12 +633,28 @@ def test_a_page_survives_what_it_cannot_read(chromium: Any) -> None:
     tab = new_tab(chromium)
     try:
         tab.open(visualizer.url())
-        kinds = ("set_object", "set_transform", "set_property", "set_animation", "delete")
-        noise = [{"type": kind, "path": path} for kind in kinds for path in (5, None, "/x")]
-        noise += [{"type": "pose", "q": q} for q in ([9.0], [math.nan] * 4, "home", None)]
+        kinds = (
+            "set_object",
+            "set_transform",
+            "set_property",
+            "set_animation",
+            "delete",
+        )
+        noise = [
+            {"type": kind, "path": path} for kind in kinds for path in (5, None, "/x")
+        ]
+        noise += [
+            {"type": "pose", "q": q} for q in ([9.0], [math.nan] * 4, "home", None)
+        ]
         noise += [{"type": "camera"}, {"type": "what"}, {}, [], 5, None, "pose"]
         packed = [umsgpack.packb(each) for each in noise]
-        packed += [b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 90_000, bytes(range(256))]
+        packed += [
+            b"",
+            b"\xc1",
+            b"\xdd\xff\xff\xff\xff",
+            b"\x91" * 90_000,
+            bytes(range(256)),
+        ]
 
         def send() -> None:
             for message in packed:

@@ -49,7 +49,9 @@ def moved(arm: a5.Arm) -> Motion:
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory, arm: a5.Arm, moved: Motion) -> dict[str, Path]:
+def files(
+    tmp_path_factory: pytest.TempPathFactory, arm: a5.Arm, moved: Motion
+) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
     scenes = {
         "motion": build_scene(arm, motion=moved),
@@ -125,19 +127,25 @@ def drag(tab: Tab, pixels: tuple[float, float], release: bool = True) -> np.ndar
 @every_window
 def test_the_tip_follows_the_pointer_on_its_branch(tab: Tab, arm: a5.Arm) -> None:
     before = joints(tab)
-    branch = a5.inverse_kinematics(arm.forward_kinematics(before).translation, before[3])
+    branch = a5.inverse_kinematics(
+        arm.forward_kinematics(before).translation, before[3]
+    )
     kept = int(np.nanargmin(np.abs(branch.q - before[:4]).max(axis=1)))
     wide = tab.size()[0] > 1000
     goal = drag(tab, (-60, -70) if wide else (-20, -25))
     q = joints(tab)
     assert np.linalg.norm(arm.forward_kinematics(q).translation - goal) < 1e-4
     assert np.linalg.norm(goal - arm.forward_kinematics(before).translation) > 0.03
-    np.testing.assert_allclose(q[:4], a5.inverse_kinematics(goal, q[3]).q[kept], atol=1e-3)
+    np.testing.assert_allclose(
+        q[:4], a5.inverse_kinematics(goal, q[3]).q[kept], atol=1e-3
+    )
     assert q[4] == before[4], "the jaws stay as they are"
     assert tab.run("() => document.querySelector('#message').textContent") == ""
 
 
-def test_outside_the_reach_the_tip_stops_at_the_nearest_point(tab: Tab, arm: a5.Arm) -> None:
+def test_outside_the_reach_the_tip_stops_at_the_nearest_point(
+    tab: Tab, arm: a5.Arm
+) -> None:
     goal = drag(tab, (420, -60))
     place = arm.forward_kinematics(joints(tab)).translation
     away = float(a5.distance_to_reach(goal))
@@ -145,10 +153,14 @@ def test_outside_the_reach_the_tip_stops_at_the_nearest_point(tab: Tab, arm: a5.
     assert np.linalg.norm(place - goal) == pytest.approx(away, abs=1e-4)
     said = tab.run("() => document.querySelector('#message').textContent")
     assert "out of reach" in said
-    assert float(re.findall(r"[\d.]+(?= mm)", said)[0]) == pytest.approx(1e3 * away, abs=0.11)
+    assert float(re.findall(r"[\d.]+(?= mm)", said)[0]) == pytest.approx(
+        1e3 * away, abs=0.11
+    )
 
 
-def test_nearest_points_of_all_branches_are_the_nearest_of_the_reach(tab: Tab, arm: a5.Arm) -> None:
+def test_nearest_points_of_all_branches_are_the_nearest_of_the_reach(
+    tab: Tab, arm: a5.Arm
+) -> None:
     rng = np.random.default_rng(3)
     targets = np.concatenate(
         [
@@ -171,18 +183,26 @@ def test_nearest_points_of_all_branches_are_the_nearest_of_the_reach(tab: Tab, a
         for i, way in enumerate(ways):
             q = np.array(way["q"])
             place = arm.forward_kinematics(np.append(q, 0.002)).translation
-            assert np.linalg.norm(place - target) == pytest.approx(way["away"], abs=1e-9)
+            assert np.linalg.norm(place - target) == pytest.approx(
+                way["away"], abs=1e-9
+            )
             limits = a5.parameters().joints[:4]
             assert all(
-                j.lower - 1e-9 <= x <= j.upper + 1e-9 for j, x in zip(limits, q, strict=True)
+                j.lower - 1e-9 <= x <= j.upper + 1e-9
+                for j, x in zip(limits, q, strict=True)
             )
             again = a5.inverse_kinematics(place, q[3])
-            assert np.abs(again.q[i] - q)[1:3].max() < 2e-4 or again.singular, "on its own branch"
+            assert np.abs(again.q[i] - q)[1:3].max() < 2e-4 or again.singular, (
+                "on its own branch"
+            )
 
 
 def outline(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
     """Points along the arm, shoulder to tcp."""
-    ends = [arm.forward_kinematics(q, frame=f).translation for f in ("link_2", "link_3", "tcp")]
+    ends = [
+        arm.forward_kinematics(q, frame=f).translation
+        for f in ("link_2", "link_3", "tcp")
+    ]
     t = np.linspace(0.1, 0.9, 15)[:, None]
     return np.concatenate([a + t * (b - a) for a, b in pairwise(ends)])
 
@@ -197,7 +217,10 @@ def centres(arm: a5.Arm, q: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("tab", ["wide light", "wide dark"], indirect=True)
 def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
-    tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
+    tab.run(
+        "(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }",
+        OPEN.tolist(),
+    )
     tab.run("() => { alpha5.setGroup('labels', false); alpha5.look('side', false); }")
     tab.settle()
     q = joints(tab)
@@ -208,7 +231,8 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
     # the body of a ghost that lies furthest from the rest
     clear = [
         np.linalg.norm(
-            aims[i][:, None] - np.concatenate([pixels[j] for j in range(4) if j != i]), axis=-1
+            aims[i][:, None] - np.concatenate([pixels[j] for j in range(4) if j != i]),
+            axis=-1,
         ).min(axis=1)
         for i in range(4)
     ]
@@ -228,7 +252,10 @@ def test_a_click_on_a_ghost_takes_its_way(tab: Tab, arm: a5.Arm) -> None:
 
 @pytest.mark.parametrize("tab", ["phone light", "phone dark"], indirect=True)
 def test_a_tap_on_a_ghosts_label_takes_its_way(tab: Tab) -> None:
-    tab.run("(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }", OPEN.tolist())
+    tab.run(
+        "(p) => { alpha5.setGroup('ghosts', true); alpha5.follow(p, 0); }",
+        OPEN.tolist(),
+    )
     tab.settle()
     tab.run(
         "() => alpha5.follow([0.25, -0.004, 0.006], 0)"
@@ -259,7 +286,9 @@ def test_views_by_button_and_key_frame_the_whole_motion(
     tab: Tab, arm: a5.Arm, moved: Motion
 ) -> None:
     track = tab.run("() => alpha5.data.motion.q")
-    points = np.concatenate([body_points(arm, np.array(q)) for q in track[:: len(track) // 4]])
+    points = np.concatenate(
+        [body_points(arm, np.array(q)) for q in track[:: len(track) // 4]]
+    )
     for key, name, back in (
         ("1", "Front", (1, 0, 0)),
         ("2", "Side", (0, -1, 0)),
@@ -326,7 +355,9 @@ def red(pixels: np.ndarray) -> int:
     return int(((r > 120) & (r > 1.8 * g) & (r > 1.8 * b)).sum())
 
 
-def test_joints_beyond_their_limits_are_marked(opened: Tab, files: dict[str, Path]) -> None:
+def test_joints_beyond_their_limits_are_marked(
+    opened: Tab, files: dict[str, Path]
+) -> None:
     tab = opened
     tab.open(files["beyond"].as_uri())
     said, rows = beyond(tab)
@@ -360,10 +391,14 @@ def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
     assert np.linalg.norm(place - target) == pytest.approx(away, abs=1e-9)
     said = beyond(tab)[0]
     assert said == (
-        f"Target out of reach: the tip stops {1e3 * away:.1f} mm from it." if away else ""
+        f"Target out of reach: the tip stops {1e3 * away:.1f} mm from it."
+        if away
+        else ""
     )
     assert bool(away) == (name == "far")
-    typed = [tab.page.locator(f"#target input[name={axis}]").input_value() for axis in "xyz"]
+    typed = [
+        tab.page.locator(f"#target input[name={axis}]").input_value() for axis in "xyz"
+    ]
     np.testing.assert_allclose(np.array(typed, float), 1e3 * target, atol=0.051)
     # another one, typed
     for axis, value in zip("xyz", (-180, 60, 160), strict=True):
@@ -375,10 +410,14 @@ def test_a_given_target_is_reached_or_said_to_be_out_of_reach(
 
 
 @pytest.mark.parametrize("tab", ["wide dark", "phone light"], indirect=True)
-def test_the_strip_shows_what_python_computes_there(tab: Tab, arm: a5.Arm, moved: Motion) -> None:
+def test_the_strip_shows_what_python_computes_there(
+    tab: Tab, arm: a5.Arm, moved: Motion
+) -> None:
     analysis = analyse(moved, arm)
     time = analysis.smooth.time
-    causes = {"Coriolis" if k == "coriolis" else k: v for k, v in analysis.causes().items()}
+    causes = {
+        "Coriolis" if k == "coriolis" else k: v for k, v in analysis.causes().items()
+    }
     causes["total"] = analysis.torque
     del causes["friction"]
     read = (
@@ -397,8 +436,13 @@ def test_the_strip_shows_what_python_computes_there(tab: Tab, arm: a5.Arm, moved
             expected = np.interp(now, time, causes[name][:, joint])
             assert value == pytest.approx(expected, abs=1e-5), name
         for values, first in ((force, 0), (moment, 3)):
-            expected = [np.interp(now, time, analysis.base_wrench[:, first + k]) for k in range(3)]
-            np.testing.assert_allclose([values[axis] for axis in "xyz"], expected, atol=1e-5)
+            expected = [
+                np.interp(now, time, analysis.base_wrench[:, first + k])
+                for k in range(3)
+            ]
+            np.testing.assert_allclose(
+                [values[axis] for axis in "xyz"], expected, atol=1e-5
+            )
     # a hand in the strip moves arm, player and cursor alike
     box = tab.page.locator("#charts svg").first.bounding_box()
     tab.page.mouse.move(box["x"] + 3, box["y"] + 20)
@@ -415,14 +459,19 @@ def test_the_strip_shows_what_python_computes_there(tab: Tab, arm: a5.Arm, moved
 
 def test_picture_and_film_hold_what_is_seen(tab: Tab, moved: Motion) -> None:
     picture = tab.run("() => alpha5.picture()").split(",")[1]
-    shot = np.asarray(Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")).astype(int)
+    shot = np.asarray(
+        Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")
+    ).astype(int)
     left, top, right, bottom = tab.run("() => alpha5.free()")
     assert abs(shot.shape[1] - (right - left)) <= 2
     assert abs(shot.shape[0] - (bottom - top)) <= 2
     assert 0.01 < (shot.max(axis=2) < 90).mean() < 0.4, "the arm"
-    x, y = tab.project(np.array([tab.run("() => alpha5.poses().tcp.elements.slice(12, 15)")]))[0]
+    x, y = tab.project(
+        np.array([tab.run("() => alpha5.poses().tcp.elements.slice(12, 15)")])
+    )[0]
     label = shot[
-        round(y - top) - 8 : round(y - top) + 8, round(x - left) + 12 : round(x - left) + 32
+        round(y - top) - 8 : round(y - top) + 8,
+        round(x - left) + 12 : round(x - left) + 32,
     ]
     assert label.max() > 225, "the label's paper beside the tcp"
     assert label.min() < 130, "and its letters"
@@ -496,7 +545,9 @@ def test_no_text_is_cut_and_nothing_lies_on_it(tab: Tab) -> None:
 
 
 @every_window
-def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(tab: Tab, arm: a5.Arm) -> None:
+def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(
+    tab: Tab, arm: a5.Arm
+) -> None:
     dark = tab.run("() => matchMedia('(prefers-color-scheme: dark)').matches")
     ink, paper = (
         [float(x) for x in re.findall(r"[\d.]+", text)][:3]
@@ -521,7 +572,9 @@ def test_the_scheme_is_that_of_the_system_and_jaws_stand_out(tab: Tab, arm: a5.A
     assert np.median(difference[there]) > 20
 
 
-def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(tab: Tab) -> None:
+def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(
+    tab: Tab,
+) -> None:
     tab.run(
         "() => { for (const g of ['frames', 'weight', 'buoyancy', 'ghosts']) alpha5.setGroup(g, true); }"
     )
@@ -535,7 +588,9 @@ def test_labels_keep_clear_of_each_other_and_have_lines_to_what_they_name(tab: T
     assert lines > 0
     for i, (l, t, r, b) in enumerate(boxes):  # noqa: E741
         for left, top, right, bottom in boxes[:i]:
-            assert r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+            assert (
+                r <= left + 1 or right <= l + 1 or b <= top + 1.5 or bottom <= t + 1.5
+            )
 
 
 def test_what_is_seen_through_does_not_fight_with_what_it_lies_on(tab: Tab) -> None:

@@ -46,7 +46,9 @@ def opened() -> Iterator[ArmVisualizer]:
 
 @pytest.fixture
 def viewer(
-    opened: ArmVisualizer, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+    opened: ArmVisualizer,
+    capfd: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> Iterator[ArmVisualizer]:
     """A viewer that works afterwards, has not moved, and has printed nothing."""
     heard: queue.Queue[np.ndarray] = queue.Queue()
@@ -109,11 +111,17 @@ def poses(*numbers: str) -> str:
 
 
 MESSAGES: dict[str, tuple[str | bytes, str]] = {
-    "far": (poses("99", "99", "99", "99", "99"), "axis_e: 99 rad is above the upper limit"),
+    "far": (
+        poses("99", "99", "99", "99", "99"),
+        "axis_e: 99 rad is above the upper limit",
+    ),
     "1e60": (poses("1e60"), "axis_e: 1e+60 rad is above"),
     "below": (poses("-1e-6"), "axis_e: -1e-06 rad is below the lower limit"),
     "base_forward": (poses("2", "1", "2.2", "-0.4"), "axis_b: -0.4 rad is below"),
-    "open_jaws": (poses("2", "1", "2.2", "0.4", "5"), "axis_a: 5 m is above the upper limit"),
+    "open_jaws": (
+        poses("2", "1", "2.2", "0.4", "5"),
+        "axis_a: 5 m is above the upper limit",
+    ),
     "shut_jaws": (poses("2", "1", "2.2", "0.4", "-0.001"), "axis_a: -0.001 m is below"),
     "nan": (poses("NaN"), "finite"),
     "infinity": (poses("2", "-Infinity"), "finite"),
@@ -148,7 +156,10 @@ MESSAGES: dict[str, tuple[str | bytes, str]] = {
     "many": ('{"q": [' + ",".join(["1"] * 400_000) + "]}", "characters"),
     "picture": ('{"data":5}', "expected"),
     "no_picture": ('{"type":"img","data":5}', "expected"),
-    "unwanted_picture": ('{"type":"img","data":"data:image/png;base64,AAAA"}', "expected"),
+    "unwanted_picture": (
+        '{"type":"img","data":"data:image/png;base64,AAAA"}',
+        "expected",
+    ),
     "command": ('{"type":"set_object","path":"/meshcat"}', "expected"),
     "binary": (b"\xff", "1 bytes"),
     "binary_pose": (poses().encode(), "bytes"),
@@ -159,7 +170,9 @@ MESSAGES: dict[str, tuple[str | bytes, str]] = {
 
 
 @pytest.mark.parametrize("name", MESSAGES)
-def test_a_page_is_refused_and_told_where_the_arm_is(viewer: ArmVisualizer, name: str) -> None:
+def test_a_page_is_refused_and_told_where_the_arm_is(
+    viewer: ArmVisualizer, name: str
+) -> None:
     message, reason = MESSAGES[name]
     with page_of(viewer) as page:
         until(page, "pose")
@@ -223,7 +236,9 @@ def raw(viewer: ArmVisualizer, sent: bytes, last: bytes = b"\r\n\r\n") -> bytes:
         return answer
 
 
-def request(viewer: ArmVisualizer, start: str = "GET / HTTP/1.1", **headers: str) -> bytes:
+def request(
+    viewer: ArmVisualizer, start: str = "GET / HTTP/1.1", **headers: str
+) -> bytes:
     host = viewer.url().split("/")[2]
     fields = {"Host": host, "Connection": "close"} | {
         key.replace("_", "-"): value for key, value in headers.items()
@@ -257,7 +272,9 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
     "origin": (lambda v: request(v, Origin="http://attacker.example"), (403,)),
     "bracket_origin": (lambda v: request(v, Origin="http://[::1"), (403,)),
     "two_hosts": (
-        lambda v: request(v).replace(b"Connection", b"Host: attacker.example\r\nConnection"),
+        lambda v: request(v).replace(
+            b"Connection", b"Host: attacker.example\r\nConnection"
+        ),
         (400, 403),
     ),
     "path": (lambda v: request(v, "GET /static/../../etc/passwd HTTP/1.1"), (404,)),
@@ -266,7 +283,10 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
     "query": (lambda v: request(v, "GET /?q=%ff&q=[[[ HTTP/1.1"), (200, 400)),
     "absolute": (lambda v: request(v, "GET http://[::1/ HTTP/1.1"), (400, 404)),
     "long_path": (lambda v: request(v, f"GET /{'a' * 12_000} HTTP/1.1"), (404,)),
-    "longer_path": (lambda v: request(v, f"GET /{'a' * 100_000} HTTP/1.1"), (0, 400, 431)),
+    "longer_path": (
+        lambda v: request(v, f"GET /{'a' * 100_000} HTTP/1.1"),
+        (0, 400, 431),
+    ),
     "headers": (
         lambda v: request(v, **{f"X_{i}": "y" for i in range(20_000)}),
         (0, 400, 431),
@@ -290,14 +310,19 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
         lambda v: upgrade(v, Origin="http://127.0.0.1:" + "9" * 5000),
         (403,),
     ),
-    "endless_version": (lambda v: upgrade(v, Sec_WebSocket_Version="9" * 5000), (400, 426)),
+    "endless_version": (
+        lambda v: upgrade(v, Sec_WebSocket_Version="9" * 5000),
+        (400, 426),
+    ),
     "negative": (lambda v: request(v, Content_Length="-1"), (0, 400)),
     "chunks": (
         lambda v: request(v, Transfer_Encoding="chunked") + b"fffffff\r\n",
         (0, 400, 413),
     ),
     "smuggled": (
-        lambda v: request(v, Transfer_Encoding="chunked", Content_Length="3") + b"0\r\n\r\n",
+        lambda v: (
+            request(v, Transfer_Encoding="chunked", Content_Length="3") + b"0\r\n\r\n"
+        ),
         (0, 400),
     ),
     "put": (lambda v: request(v, "PUT / HTTP/1.1"), (405,)),
@@ -310,19 +335,30 @@ REQUESTS: dict[str, tuple[Callable[[ArmVisualizer], bytes], tuple[int, ...]]] = 
     "binary": (lambda v: bytes(range(256)) * 400, (0, 400)),
     "colons": (lambda v: b"GET / HTTP/1.1\r\n:::\r\n\r\n", (0, 400)),
     "fold": (lambda v: b"GET / HTTP/1.1\r\n \x00: x\r\n\r\n", (0, 400)),
-    "tls": (lambda v: b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\r\n\r\n", (0, 400)),
+    "tls": (
+        lambda v: b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\r\n\r\n",
+        (0, 400),
+    ),
     "upgrade_to_http2": (lambda v: upgrade(v, Upgrade="h2c"), (400,)),
     "no_upgrade": (lambda v: upgrade(v, Connection="close"), (400,)),
     "old_websocket": (lambda v: upgrade(v, Sec_WebSocket_Version="8"), (400, 426)),
     "no_key": (lambda v: upgrade(v).replace(b"Sec-WebSocket-Key", b"X"), (400,)),
-    "upgrade_from_elsewhere": (lambda v: upgrade(v, Origin="http://attacker.example"), (403,)),
+    "upgrade_from_elsewhere": (
+        lambda v: upgrade(v, Origin="http://attacker.example"),
+        (403,),
+    ),
     "upgrade_from_nowhere": (lambda v: upgrade(v).replace(b"Origin", b"X"), (403,)),
-    "upgrade_bracket": (lambda v: upgrade(v, Host="[::1", Origin="http://[::1"), (400, 403)),
+    "upgrade_bracket": (
+        lambda v: upgrade(v, Host="[::1", Origin="http://[::1"),
+        (400, 403),
+    ),
 }
 
 
 @pytest.mark.parametrize("name", REQUESTS)
-def test_a_request_that_is_not_the_pages_is_refused(viewer: ArmVisualizer, name: str) -> None:
+def test_a_request_that_is_not_the_pages_is_refused(
+    viewer: ArmVisualizer, name: str
+) -> None:
     sent, statuses = REQUESTS[name]
     started = time.perf_counter()
     answer = raw(viewer, sent(viewer))
@@ -332,7 +368,9 @@ def test_a_request_that_is_not_the_pages_is_refused(viewer: ArmVisualizer, name:
     assert time.perf_counter() < started + SOON
 
 
-def frame(code: int, content: bytes = b"", mask: bool = True, length: bytes = b"") -> bytes:
+def frame(
+    code: int, content: bytes = b"", mask: bool = True, length: bytes = b""
+) -> bytes:
     """A frame of WebSocket, by RFC 6455; of short content unless a length is given."""
     second = length or bytes([len(content)])
     start = bytes([code, second[0] | 0x80 * mask]) + second[1:]
@@ -368,7 +406,9 @@ def test_what_is_no_frame_is_refused_or_ends_its_connection(
     assert time.perf_counter() < started + SOON
 
 
-def test_a_message_beyond_all_pictures_ends_its_connection(viewer: ArmVisualizer) -> None:
+def test_a_message_beyond_all_pictures_ends_its_connection(
+    viewer: ArmVisualizer,
+) -> None:
     with page_of(viewer) as page, suppress(ConnectionClosed):
         page.send("x" * (server._LARGEST_PICTURE + 1))
         while True:
@@ -403,7 +443,9 @@ def until_served(viewer: ArmVisualizer) -> None:
 
 
 @pytest.mark.parametrize("message", [json.dumps({"q": ELSEWHERE}), "[[["])
-def test_a_page_that_never_pauses_holds_nobody_up(viewer: ArmVisualizer, message: str) -> None:
+def test_a_page_that_never_pauses_holds_nobody_up(
+    viewer: ArmVisualizer, message: str
+) -> None:
     burst = frame(0x81, message.encode()) * 5000
     with socket.create_connection(address(viewer), timeout=SOON) as hasty:
         hasty.sendall(upgrade(viewer))
@@ -533,9 +575,21 @@ COMMANDS: dict[str, tuple[bytes, ...]] = {
     "other_type": (b"set_transform", b"/meshcat/x", pack("set_property")),
     # a page would obey these
     "a_pose": (b"set_property", b"/meshcat/x", pack("pose", q=[9.0] * 5, root={})),
-    "a_control": (b"set_property", b"/meshcat/x", pack("set_control", callback="alert(1)")),
-    "no_type": (b"set_transform", b"/meshcat/x", umsgpack.packb({"path": "/meshcat/x"})),
-    "other_path": (b"set_transform", b"/meshcat/x", pack("set_transform", "/meshcat/y")),
+    "a_control": (
+        b"set_property",
+        b"/meshcat/x",
+        pack("set_control", callback="alert(1)"),
+    ),
+    "no_type": (
+        b"set_transform",
+        b"/meshcat/x",
+        umsgpack.packb({"path": "/meshcat/x"}),
+    ),
+    "other_path": (
+        b"set_transform",
+        b"/meshcat/x",
+        pack("set_transform", "/meshcat/y"),
+    ),
     "no_path": (b"set_transform", b"/meshcat/x", pack("set_transform", 5)),
     "path_of_noise": (b"set_transform", b"\xff\xfe", PLACE),
     "deep_path": (b"delete", b"/a" * 2000, pack("delete", "/a" * 2000)),
@@ -600,7 +654,12 @@ def test_pictures_go_to_who_asked_for_them(viewer: ArmVisualizer) -> None:
     with page_of(viewer) as one, page_of(viewer) as other, zmq.Context() as context:
         with context.socket(zmq.REQ) as client:
             client.connect(viewer.window.zmq_url)
-            for wrong in ("5", '"data:image/png;base64,?"', '"data:text/html;base64,AAAA"', "[]"):
+            for wrong in (
+                "5",
+                '"data:image/png;base64,?"',
+                '"data:text/html;base64,AAAA"',
+                "[]",
+            ):
                 client.send_multipart([b"capture_image", b"", capture])
                 for page in (one, other):
                     until(page, "capture_image")
@@ -634,7 +693,9 @@ def test_calls_of_a_closed_viewer_say_so() -> None:
     viewer.close()
 
 
-def test_calls_of_a_busy_viewer_end(viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_calls_of_a_busy_viewer_end(
+    viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(server, "PATIENCE", 0.2)
     viewer.window.server._loop.call_soon_threadsafe(time.sleep, 1.0)
     with pytest.raises(ViewerError, match=r"the viewer did not answer within 0\.2 s"):

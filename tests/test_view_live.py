@@ -36,7 +36,9 @@ def in_scene(visualizer: ArmVisualizer, link: str) -> np.ndarray:
     import umsgpack
     from meshcat.servers.tree import find_node
 
-    node = find_node(visualizer.window.server.tree, ["meshcat", "alpha5", "bodies", link])
+    node = find_node(
+        visualizer.window.server.tree, ["meshcat", "alpha5", "bodies", link]
+    )
     return np.reshape(umsgpack.unpackb(node.transform)["matrix"], (4, 4)).T
 
 
@@ -56,7 +58,10 @@ def test_it_serves_its_page_on_this_machine_only(visualizer: ArmVisualizer) -> N
         assert answer.headers["Cache-Control"] == "no-store"
     assert "<title>Reach Alpha 5</title>" in text
     port = int(url.split(":")[2].split("/")[0])
-    for other in ("127.0.0.2", "::1"):  # a server on all interfaces would answer here too
+    for other in (
+        "127.0.0.2",
+        "::1",
+    ):  # a server on all interfaces would answer here too
         with pytest.raises(OSError, match=r"refused|not supported|Cannot assign"):
             socket.create_connection((other, port), timeout=2).close()
 
@@ -130,10 +135,21 @@ def status(visualizer: ArmVisualizer, path: str = "/static/", **headers: str) ->
 def test_only_its_own_page_is_answered(visualizer: ArmVisualizer) -> None:
     address = visualizer.url().split("/")[2]
     port = address.split(":")[1]
-    assert status(visualizer, "/") == 200, "the address without a path leads to the page"
-    for host in (address, f"localhost:{port}", "localhost:9000"):  # the last one by a tunnel
+    assert status(visualizer, "/") == 200, (
+        "the address without a path leads to the page"
+    )
+    for host in (
+        address,
+        f"localhost:{port}",
+        "localhost:9000",
+    ):  # the last one by a tunnel
         assert status(visualizer, Host=host) == 200
-    for host in ("attacker.example", f"attacker.example:{port}", f"127.0.0.1.example:{port}", ""):
+    for host in (
+        "attacker.example",
+        f"attacker.example:{port}",
+        f"127.0.0.1.example:{port}",
+        "",
+    ):
         assert status(visualizer, Host=host) in (400, 403)
     for origin in (
         "http://attacker.example",
@@ -153,7 +169,10 @@ def test_only_its_own_page_is_answered(visualizer: ArmVisualizer) -> None:
     assert status(visualizer, "/", **upgrade, Origin="http://attacker.example") == 403
     assert status(visualizer, "/", **upgrade, Origin=f"http://localhost:{port}") == 403
     rebound = {**upgrade, "Host": f"attacker.example:{port}"}
-    assert status(visualizer, "/", **rebound, Origin=f"http://attacker.example:{port}") == 403
+    assert (
+        status(visualizer, "/", **rebound, Origin=f"http://attacker.example:{port}")
+        == 403
+    )
     assert status(visualizer, "/", **upgrade, Origin=f"http://{address}") == 101
 
 
@@ -177,7 +196,10 @@ def test_pages_call_back_and_tell_each_other(visualizer: ArmVisualizer) -> None:
             if said["type"] == "pose":
                 return said["q"]
 
-    two = [connect(f"ws://{address}/", origin=f"http://{address}", max_size=None) for _ in "ab"]
+    two = [
+        connect(f"ws://{address}/", origin=f"http://{address}", max_size=None)
+        for _ in "ab"
+    ]
     with two[0] as one, two[1] as other:
         visualizer.display(POSE)
         assert [pose(one)[-4:], pose(other)[-4:]] != [], "what they were opened with"
@@ -209,21 +231,38 @@ def test_pinocchios_names(visualizer: ArmVisualizer) -> None:
     plain = visualizer.captureImage(*small).astype(int)
     assert plain.shape == (100, 160, 3)
     for change, back in (
-        (lambda: visualizer.displayFrames(True), lambda: visualizer.displayFrames(False)),
-        (lambda: visualizer.displayCollisions(True), lambda: visualizer.displayCollisions(False)),
-        (lambda: visualizer.displayVisuals(False), lambda: visualizer.displayVisuals(True)),
+        (
+            lambda: visualizer.displayFrames(True),
+            lambda: visualizer.displayFrames(False),
+        ),
+        (
+            lambda: visualizer.displayCollisions(True),
+            lambda: visualizer.displayCollisions(False),
+        ),
+        (
+            lambda: visualizer.displayVisuals(False),
+            lambda: visualizer.displayVisuals(True),
+        ),
     ):
         change()
-        assert (np.abs(visualizer.captureImage(*small) - plain).max(axis=2) > 8).sum() > 60
+        assert (
+            np.abs(visualizer.captureImage(*small) - plain).max(axis=2) > 8
+        ).sum() > 60
         back()
         np.testing.assert_array_equal(visualizer.captureImage(*small), plain)
     visualizer.setCameraTarget([0.1, 0.0, 0.1])
     visualizer.setCameraPosition([0.1, -3.0, 0.1])
     back = visualizer.scene.camera.axes()[2]
     np.testing.assert_allclose(back, [0, -1, 0], atol=1e-12)
-    for view, direction in (("front", [1, 0, 0]), ("side", [0, -1, 0]), ("top", [0, 0, 1])):
+    for view, direction in (
+        ("front", [1, 0, 0]),
+        ("side", [0, -1, 0]),
+        ("top", [0, 0, 1]),
+    ):
         visualizer.setCameraPreset(view)
-        np.testing.assert_allclose(visualizer.scene.camera.axes()[2], direction, atol=1e-3)
+        np.testing.assert_allclose(
+            visualizer.scene.camera.axes()[2], direction, atol=1e-3
+        )
     visualizer.setCameraPreset("home")
     with pytest.raises(Alpha5Error, match="home, front, side, top"):
         visualizer.setCameraPreset("preset0")
@@ -238,7 +277,9 @@ def test_a_video_lasts_as_long_as_the_motion(
     import imageio_ffmpeg
 
     q = np.linspace([2.0, 1.0, 2.2, 0.4], [3.0, 1.0, 2.2, 0.4], 101)
-    with visualizer.create_video_ctx(tmp_path / f"arm{suffix}", fps=10, size=(160, 100)) as path:
+    with visualizer.create_video_ctx(
+        tmp_path / f"arm{suffix}", fps=10, size=(160, 100)
+    ) as path:
         visualizer.play(q, dt=0.02)
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
     # 2 s at 10 a second, and the last pose
@@ -246,15 +287,25 @@ def test_a_video_lasts_as_long_as_the_motion(
     assert seconds == pytest.approx(2.1, abs=0.02)
     reader = imageio_ffmpeg.read_frames(str(path))
     assert next(reader)["size"] == (160, 100)
-    first, *_, last = (np.frombuffer(frame, np.uint8).reshape(100, 160, 3) for frame in reader)
+    first, *_, last = (
+        np.frombuffer(frame, np.uint8).reshape(100, 160, 3) for frame in reader
+    )
     for pixels, row in ((first, 0), (last, -1)):
         visualizer.display(q[row])
-        off = np.abs(visualizer.captureImage(160, 100).astype(int) - pixels).mean(axis=(0, 1))
+        off = np.abs(visualizer.captureImage(160, 100).astype(int) - pixels).mean(
+            axis=(0, 1)
+        )
         assert off.max() < 6
     assert np.abs(first.astype(int) - last).max(axis=2).mean() > 3
-    with pytest.raises(InputError, match="at least one frame"), visualizer.create_video_ctx(path):
+    with (
+        pytest.raises(InputError, match="at least one frame"),
+        visualizer.create_video_ctx(path),
+    ):
         pass
-    with pytest.raises(Alpha5Error, match=r"mp4, \.gif"), visualizer.create_video_ctx("arm.avi"):
+    with (
+        pytest.raises(Alpha5Error, match=r"mp4, \.gif"),
+        visualizer.create_video_ctx("arm.avi"),
+    ):
         pass
     del reader
     gc.collect()

@@ -32,7 +32,9 @@ def html(scene: Scene) -> str:
 
 
 def data_of(html: str) -> dict:
-    (text,) = re.findall(r'<script id="alpha5-data" type="application/json">(.*?)</script>', html)
+    (text,) = re.findall(
+        r'<script id="alpha5-data" type="application/json">(.*?)</script>', html
+    )
     return json.loads(text)
 
 
@@ -58,7 +60,9 @@ def test_the_same_scene_gives_the_same_bytes(scene: Scene, html: str) -> None:
 def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) -> None:
     import umsgpack
 
-    commands = [umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]]
+    commands = [
+        umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
+    ]
     objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
     # ghosts follow the hand: the page makes them of the bodies
     assert len(objects) == sum(shape.group != "ghosts" for shape in scene.shapes)
@@ -67,8 +71,12 @@ def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) 
     assert used == sent, "a shared geometry comes once"
     assert len(sent) < len(objects)
     shape = scene.shapes[0]
-    geometry = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]["geometries"][0]["data"]
-    points = np.frombuffer(geometry["attributes"]["position"]["array"].data, "<f4").reshape(-1, 3)
+    geometry = objects[f"/meshcat/alpha5/{shape.group}/{shape.name}"]["geometries"][0][
+        "data"
+    ]
+    points = np.frombuffer(
+        geometry["attributes"]["position"]["array"].data, "<f4"
+    ).reshape(-1, 3)
     np.testing.assert_allclose(points, shape.mesh.vertices, atol=1e-7)
     faces = np.frombuffer(geometry["index"]["array"].data, "<u4").reshape(-1, 3)
     np.testing.assert_array_equal(faces, shape.mesh.faces)
@@ -80,7 +88,9 @@ def test_commands_are_meshcats_and_rebuild_every_shape(scene: Scene, html: str) 
 def test_materials_are_those_of_the_shapes(scene: Scene, html: str) -> None:
     import umsgpack
 
-    commands = [umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]]
+    commands = [
+        umsgpack.unpackb(base64.b64decode(c)) for c in data_of(html)["commands"]
+    ]
     objects = {c["path"]: c["object"] for c in commands if c["type"] == "set_object"}
     shapes = [shape for shape in scene.shapes if shape.group != "ghosts"]
     colored = [shape.mesh.colors is not None for shape in shapes]
@@ -94,7 +104,10 @@ def test_materials_are_those_of_the_shapes(scene: Scene, html: str) -> None:
         assert np.abs(np.array(channels) / 255 - wanted).max() <= 0.5 / 255 + 1e-12
         assert material["color"] < 1 << 24
         gloss = [material["specular"] >> shift & 255 for shift in (16, 8, 0)]
-        assert np.abs(np.array(gloss) / 255 - 0.55 * shape.shine).max() <= 0.5 / 255 + 1e-12
+        assert (
+            np.abs(np.array(gloss) / 255 - 0.55 * shape.shine).max()
+            <= 0.5 / 255 + 1e-12
+        )
         kind = "MeshBasicMaterial" if shape.flat else "MeshPhongMaterial"
         assert material == {
             "uuid": f"{shape.group}/{shape.name}:material",
@@ -210,7 +223,9 @@ def test_a_busy_port_ends_in_one_line(capsys: pytest.CaptureFixture[str]) -> Non
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        assert f"port {port} is in use" in refused(["--serve", "--port", str(port)], capsys)
+        assert f"port {port} is in use" in refused(
+            ["--serve", "--port", str(port)], capsys
+        )
     assert "0 to 65535" in refused(["--serve", "--port", "70000"], capsys)
 
 

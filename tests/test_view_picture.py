@@ -29,7 +29,9 @@ RED, BLUE = np.tile([1.0, 0.0, 0.0], (3, 1)), np.tile([0.0, 0.0, 1.0], (3, 1))
 
 
 def drawn(canvas: Canvas, color: tuple[float, float, float]) -> np.ndarray:
-    return (np.abs(canvas.color - color).max(axis=1) < 1e-6).reshape(canvas.height, canvas.width)
+    return (np.abs(canvas.color - color).max(axis=1) < 1e-6).reshape(
+        canvas.height, canvas.width
+    )
 
 
 def right_angle(y: float, size: float = 0.4) -> np.ndarray:
@@ -39,7 +41,9 @@ def right_angle(y: float, size: float = 0.4) -> np.ndarray:
 
 def test_points_project_by_similar_triangles() -> None:
     canvas = Canvas(FRONT, 300, 200)
-    found = canvas.project(np.array([[0, 0, 0], [0.3, 0, 0.1], [0.3, 1.0, 0.1]], dtype=float))
+    found = canvas.project(
+        np.array([[0, 0, 0], [0.3, 0, 0.1], [0.3, 1.0, 0.1]], dtype=float)
+    )
     expected = [
         [150, 100, 2],
         [150 + FOCAL * 0.3 / 2, 100 - FOCAL * 0.1 / 2, 2],
@@ -75,14 +79,18 @@ def test_the_nearer_triangle_hides_the_farther(near_first: bool) -> None:
         canvas.draw(points, color, TRIANGLE)
     near = 0.5 * (FOCAL * 0.4 / 1.5) ** 2
     assert drawn(canvas, (1, 0, 0)).sum() == pytest.approx(near, rel=0.02)
-    assert not drawn(canvas, (0, 0, 1)).any(), "the farther one is smaller and wholly hidden"
+    assert not drawn(canvas, (0, 0, 1)).any(), (
+        "the farther one is smaller and wholly hidden"
+    )
 
 
 def test_crossing_triangles_cut_each_other() -> None:
     """Two planes through the same line: each pixel goes to the plane nearer along its ray."""
     canvas = Canvas(FRONT, 300, 200)
     for tilt, color in ((0.5, RED), (-0.5, BLUE)):
-        square = np.array([[-0.3, 0, -0.3], [0.3, 0, -0.3], [0.3, 0, 0.3], [-0.3, 0, 0.3]])
+        square = np.array(
+            [[-0.3, 0, -0.3], [0.3, 0, -0.3], [0.3, 0, 0.3], [-0.3, 0, 0.3]]
+        )
         square[:, 1] = tilt * square[:, 0]
         faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
         canvas.draw(square, np.tile(color[0], (4, 1)), faces)
@@ -100,7 +108,9 @@ def test_a_layer_on_top_is_seen_through_a_body_and_a_veil_mixes() -> None:
     inside = drawn(canvas, (0.75, 0, 0.25))
     assert inside.any()
     np.testing.assert_allclose(
-        canvas.color[inside.ravel()], 0.75 * before[inside.ravel()] + [0, 0, 0.25], atol=1e-6
+        canvas.color[inside.ravel()],
+        0.75 * before[inside.ravel()] + [0, 0, 0.25],
+        atol=1e-6,
     )
     canvas.clear_depth()
     canvas.draw(right_angle(0.5), BLUE, TRIANGLE)
@@ -113,7 +123,9 @@ def test_a_ball_is_a_disc_of_its_size() -> None:
     canvas.draw(mesh.vertices, mesh.colors, mesh.faces)
     # the outline is the cone that touches the ball: tan = r / sqrt(d^2 - r^2)
     radius = FOCAL * 0.2 / math.sqrt(4 - 0.04)
-    assert drawn(canvas, (1, 0, 0)).sum() == pytest.approx(math.pi * radius**2, rel=0.02)
+    assert drawn(canvas, (1, 0, 0)).sum() == pytest.approx(
+        math.pi * radius**2, rel=0.02
+    )
 
 
 def test_light_falls_from_above_and_the_front() -> None:
@@ -133,10 +145,14 @@ def arm() -> a5.Arm:
     return a5.load(gripper="jaws")
 
 
-def pixels_of(arm: a5.Arm, q: list[float], show: tuple[str, ...], camera: Camera) -> np.ndarray:
+def pixels_of(
+    arm: a5.Arm, q: list[float], show: tuple[str, ...], camera: Camera
+) -> np.ndarray:
     from dataclasses import replace
 
-    return picture(replace(build_scene(arm, q, show=show), camera=camera), SIZE).astype(int)
+    return picture(replace(build_scene(arm, q, show=show), camera=camera), SIZE).astype(
+        int
+    )
 
 
 #: From the front, where the base's -x side is to the left.
@@ -211,7 +227,9 @@ def test_bars_say_how_long_things_are_where_the_camera_looks(arm: a5.Arm) -> Non
     corner = (np.abs(shown - plain).max(axis=2) > 60)[-45:, : SIZE[0] // 3]
     lengths = []
     for row in corner:
-        edges = np.diff(np.flatnonzero(np.diff(np.pad(row, 1).astype(int))).reshape(-1, 2)).ravel()
+        edges = np.diff(
+            np.flatnonzero(np.diff(np.pad(row, 1).astype(int))).reshape(-1, 2)
+        ).ravel()
         lengths += [length for length in edges if length > 15]
     assert min(lengths) == pytest.approx(5 * 0.015 * scale + 2, abs=1.5)
     assert max(lengths) == pytest.approx(0.1 * scale + 2, abs=1.5), "and its two ends"
@@ -262,14 +280,22 @@ def test_sizes_that_make_no_picture(arm: a5.Arm, size: tuple[int, int]) -> None:
         picture_png(build_scene(arm), size)
 
 
-def test_the_readmes_figures_are_of_the_present_arm(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_readmes_figures_are_of_the_present_arm(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     root = Path(__file__).resolve().parent.parent
     monkeypatch.syspath_prepend(root / "scripts")
-    spec = importlib.util.spec_from_file_location("make_figures", root / "scripts/make_figures.py")
+    spec = importlib.util.spec_from_file_location(
+        "make_figures", root / "scripts/make_figures.py"
+    )
     figures = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(figures)
-    committed = np.asarray(Image.open(root / "scripts/figures/arm.png").convert("RGB")).astype(int)
-    fresh = np.asarray(Image.open(io.BytesIO(figures.arm_picture())).convert("RGB")).astype(int)
+    committed = np.asarray(
+        Image.open(root / "scripts/figures/arm.png").convert("RGB")
+    ).astype(int)
+    fresh = np.asarray(
+        Image.open(io.BytesIO(figures.arm_picture())).convert("RGB")
+    ).astype(int)
     assert fresh.shape == committed.shape
     # text may be set a little differently elsewhere; bodies and markers may not
     assert (np.abs(fresh - committed).max(axis=2) > 24).mean() < 0.003
@@ -295,4 +321,8 @@ def test_a_picture_that_cannot_be_drawn_leaves_no_page(
     assert capsys.readouterr().err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["taken.png"]
     assert main([*page, "--image", str(tmp_path / "arm.png"), *small]) == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"taken.png", "arm.html", "arm.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "taken.png",
+        "arm.html",
+        "arm.png",
+    }

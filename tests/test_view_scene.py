@@ -93,7 +93,9 @@ def test_loads_are_tables_2_and_3(locked: Scene) -> None:
     assert [load.link for load in locked.loads] == [
         "base_link", "link_1", "link_2", "link_3", "link_4"
     ]  # fmt: skip
-    for load, mass, com, volume, cob in zip(locked.loads, MASS, COM, VOLUME, COB, strict=True):
+    for load, mass, com, volume, cob in zip(
+        locked.loads, MASS, COM, VOLUME, COB, strict=True
+    ):
         assert load.weight == pytest.approx(mass * 9.81, rel=1e-12)
         np.testing.assert_allclose(load.com, np.array(com) / 1e3, atol=1e-15)
         assert load.buoyancy == pytest.approx(1025 * volume * 1e-3 * 9.81, rel=1e-12)
@@ -102,7 +104,9 @@ def test_loads_are_tables_2_and_3(locked: Scene) -> None:
 
 @pytest.mark.parametrize("gripper", ["locked", "jaws"])
 def test_whole_arm_markers_stand_at_the_arms_centres(gripper: str) -> None:
-    arm = a5.load(gripper=gripper).with_payload(0.4, com=(0.01, 0.02, 0.03), volume=1e-4)
+    arm = a5.load(gripper=gripper).with_payload(
+        0.4, com=(0.01, 0.02, 0.03), volume=1e-4
+    )
     q = pose_of(arm, "1.2 2.1 0.6 3.0")
     scene = build_scene(arm, q)
     marker = {s.group: s for s in scene.shapes if s.name == "arm"}
@@ -112,7 +116,9 @@ def test_whole_arm_markers_stand_at_the_arms_centres(gripper: str) -> None:
     ):
         place = marker[group].anchor.transform(scene.poses)[:3, 3]
         np.testing.assert_allclose(place, center, atol=1e-12)
-    assert sum(load.weight for load in scene.loads) == pytest.approx((sum(MASS) + 0.4) * 9.81)
+    assert sum(load.weight for load in scene.loads) == pytest.approx(
+        (sum(MASS) + 0.4) * 9.81
+    )
 
 
 def test_arrows_are_to_scale_and_start_where_the_force_acts(locked: Scene) -> None:
@@ -128,14 +134,18 @@ def test_arrows_are_to_scale_and_start_where_the_force_acts(locked: Scene) -> No
         np.testing.assert_allclose(
             tail, (frames[i] @ [*(np.array(COM[i]) / 1e3), 1])[:3], atol=1e-9
         )
-        np.testing.assert_allclose(tip, [0, 0, -ARROW_SCALE * MASS[i] * 9.81], atol=1e-12)
+        np.testing.assert_allclose(
+            tip, [0, 0, -ARROW_SCALE * MASS[i] * 9.81], atol=1e-12
+        )
         tail, tip = arrow_of("buoyancy", f"load_{i}")
         np.testing.assert_allclose(
             tail, (frames[i] @ [*(np.array(COB[i]) / 1e3), 1])[:3], atol=1e-9
         )
         lift = 1025 * VOLUME[i] * 1e-3 * 9.81
         np.testing.assert_allclose(tip, [0, 0, ARROW_SCALE * lift], atol=1e-12)
-    assert np.allclose(arrow_of("weight", "arm")[1], [0, 0, -ARROW_SCALE * sum(MASS) * 9.81])
+    assert np.allclose(
+        arrow_of("weight", "arm")[1], [0, 0, -ARROW_SCALE * sum(MASS) * 9.81]
+    )
 
 
 def test_air_lifts_nothing() -> None:
@@ -207,7 +217,11 @@ def test_ghosts_put_the_tcp_on_the_target() -> None:
     target = np.array([0.06, 0.05, 0.36])
     arm = a5.load()
     scene = build_scene(arm, target=target)
-    wrists = {s.name: s for s in scene.shapes if s.group == "ghosts" and "/link_4/part_0" in s.name}
+    wrists = {
+        s.name: s
+        for s in scene.shapes
+        if s.group == "ghosts" and "/link_4/part_0" in s.name
+    }
     assert {name.split("/")[0] for name in wrists} == set(a5.BRANCHES)
     places = []
     for shape in wrists.values():
@@ -217,7 +231,10 @@ def test_ghosts_put_the_tcp_on_the_target() -> None:
         tcp = shape.anchor.placement @ [0, 0, -0.18, 1]
         np.testing.assert_allclose(tcp[:3], target, atol=1e-9)
         places.append(shape.anchor.placement[:3, 3])
-    assert min(np.linalg.norm(a - b) for i, a in enumerate(places) for b in places[:i]) > 1e-3
+    assert (
+        min(np.linalg.norm(a - b) for i, a in enumerate(places) for b in places[:i])
+        > 1e-3
+    )
 
 
 def test_no_ghost_where_nothing_reaches() -> None:
@@ -229,10 +246,14 @@ def test_the_section_is_what_the_arm_reaches() -> None:
     """Its area against the exact one; random joint positions put the tcp into it."""
     scene = build_scene(a5.load())
     (section,) = [s for s in scene.shapes if s.name == "section"]
-    a, b, c = (section.mesh.vertices[section.mesh.faces[:, k]][:, [0, 2]] for k in range(3))
+    a, b, c = (
+        section.mesh.vertices[section.mesh.faces[:, k]][:, [0, 2]] for k in range(3)
+    )
     u, v = b - a, c - a
     area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2
-    exact = sum(a5.workspace.cross_section_area(side) for side in ("underarm", "overarm"))
+    exact = sum(
+        a5.workspace.cross_section_area(side) for side in ("underarm", "overarm")
+    )
     assert area == pytest.approx(exact, rel=5e-3)
     rng = np.random.default_rng(3)
     arm, inside = a5.load(), 0
@@ -240,7 +261,9 @@ def test_the_section_is_what_the_arm_reaches() -> None:
     low = np.minimum(np.minimum(a, b), c) - half_strip
     high = np.maximum(np.maximum(a, b), c) + half_strip
     for q in rng.uniform(LOWER, UPPER, (200, 4)):
-        tcp = arm.forward_kinematics(q, "link_1").actInv(arm.forward_kinematics(q).translation)
+        tcp = arm.forward_kinematics(q, "link_1").actInv(
+            arm.forward_kinematics(q).translation
+        )
         assert abs(tcp[1]) < 1e-12
         point = tcp[[0, 2]]
         inside += bool(((low <= point) & (point <= high)).all(axis=1).any())
@@ -262,7 +285,9 @@ def test_meshes_are_read_as_trimesh_reads_them(name: str) -> None:
     path = Path(REPOSITORY_PATH) / "meshes" / f"{name}.obj"
     ours = read_obj(str(path))
     theirs = trimesh.load(path, force="mesh", process=False)
-    assert volume_of(ours.vertices, ours.faces) == pytest.approx(theirs.volume, rel=1e-9)
+    assert volume_of(ours.vertices, ours.faces) == pytest.approx(
+        theirs.volume, rel=1e-9
+    )
     np.testing.assert_allclose(ours.vertices.min(axis=0), theirs.bounds[0], atol=1e-12)
     np.testing.assert_allclose(ours.vertices.max(axis=0), theirs.bounds[1], atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ours.normals, axis=1), 1.0, atol=1e-3)
@@ -272,7 +297,9 @@ def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError):
         read_obj(str(tmp_path / "none.obj"))
     quad = tmp_path / "quad.obj"
-    quad.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n")
+    quad.write_text(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n"
+    )
     with pytest.raises(FileFormatError, match="triangles"):
         read_obj(str(quad))
 
@@ -289,7 +316,9 @@ def test_meshes_that_cannot_be_drawn(tmp_path: Path) -> None:
     ],
     ids=["ball", "arrow"],
 )
-def test_explaining_shapes_are_closed_and_face_outwards(mesh: object, volume: float) -> None:
+def test_explaining_shapes_are_closed_and_face_outwards(
+    mesh: object, volume: float
+) -> None:
     assert volume_of(mesh.vertices, mesh.faces) == pytest.approx(volume, rel=0.02)
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     facing = np.cross(b - a, c - a)
@@ -302,7 +331,9 @@ def test_triads_and_tubes_point_along_their_axes() -> None:
     axes = triad(0.05, 0.001)
     np.testing.assert_allclose(axes.vertices.max(axis=0), [0.05] * 3, atol=2.3e-3)
     line = tube(np.array([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0.0]]), 0.001)
-    np.testing.assert_allclose(line.vertices.max(axis=0), [0.101, 0.1005, 0.001], atol=6e-4)
+    np.testing.assert_allclose(
+        line.vertices.max(axis=0), [0.101, 0.1005, 0.001], atol=6e-4
+    )
 
 
 def test_tour_rests_at_its_ends_and_keeps_the_speeds() -> None:
@@ -329,7 +360,9 @@ def test_tour_rests_at_its_ends_and_keeps_the_speeds() -> None:
         ({"show": ["arrows"]}, UnknownNameError),
     ],
 )
-def test_bad_arguments_end_in_the_error_tree(arguments: dict, error: type[Exception]) -> None:
+def test_bad_arguments_end_in_the_error_tree(
+    arguments: dict, error: type[Exception]
+) -> None:
     with pytest.raises(error) as caught:
         build_scene(a5.load(), **arguments)
     assert isinstance(caught.value, Alpha5Error)
@@ -350,7 +383,10 @@ def test_poses_by_name_and_number() -> None:
 
 
 def test_a_mean_needs_no_normalised_weights() -> None:
-    mean = Mean((("a", 2.0, np.array([0, 0, 1.0])), ("b", 6.0, np.zeros(3))), np.array([0, 1, 0]))
+    mean = Mean(
+        (("a", 2.0, np.array([0, 0, 1.0])), ("b", 6.0, np.zeros(3))),
+        np.array([0, 1, 0]),
+    )
     shifted = np.eye(4)
     shifted[0, 3] = 4.0
     place = mean.transform({"a": np.eye(4), "b": shifted})[:3, 3]
@@ -364,6 +400,9 @@ def test_view_is_there_and_loads_nothing_until_called() -> None:
         "sys.exit(str(bad) if bad else 0)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script], cwd=REPOSITORY_PATH, capture_output=True, text=True
+        [sys.executable, "-c", script],
+        cwd=REPOSITORY_PATH,
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr

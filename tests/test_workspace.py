@@ -20,9 +20,16 @@ BOX = np.array([[-0.36, 0.36], [-0.36, 0.36], [-0.30, 0.39]])
 
 def starts() -> tuple[np.ndarray, list[np.ndarray]]:
     """A grid of configurations to start minimisations from, and its rows by pose and elbow."""
-    axes = [np.linspace(a, b, n) for a, b, n in zip(LOWER, UPPER, (37, 41, 41, 1), strict=False)]
+    axes = [
+        np.linspace(a, b, n)
+        for a, b, n in zip(LOWER, UPPER, (37, 41, 41, 1), strict=False)
+    ]
     q = np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=-1)
-    facing = tip(q) @ [1.0, 0.0, 0.0] * np.cos(q[:, 0]) + tip(q) @ [0.0, 1.0, 0.0] * np.sin(q[:, 0])
+    facing = tip(q) @ [1.0, 0.0, 0.0] * np.cos(q[:, 0]) + tip(q) @ [
+        0.0,
+        1.0,
+        0.0,
+    ] * np.sin(q[:, 0])
     kinds = [
         np.flatnonzero(((facing < 0) == front) & ((q[:, 2] < STRETCHED) == bent))
         for front in (True, False)
@@ -54,7 +61,11 @@ def squared(q: np.ndarray, target: list[float]) -> tuple[float, np.ndarray]:
 def numerical_distance(target: np.ndarray) -> float:
     """Least distance over the box of joint ranges, by bounded minimisation from many starts."""
     gap = ((GRID_P - target) ** 2).sum(axis=-1)
-    bounds, goal, best = list(zip(LOWER[:3], UPPER[:3], strict=True)), target.tolist(), math.inf
+    bounds, goal, best = (
+        list(zip(LOWER[:3], UPPER[:3], strict=True)),
+        target.tolist(),
+        math.inf,
+    )
 
     def scaled(q: np.ndarray) -> tuple[float, np.ndarray]:
         value, slope = squared(q, goal)
@@ -68,7 +79,12 @@ def numerical_distance(target: np.ndarray) -> float:
         for start in chosen[:3]:
             options = {"ftol": 1e-18, "gtol": 1e-13, "maxiter": 300}
             found = minimize(
-                scaled, start, jac=True, bounds=bounds, method="L-BFGS-B", options=options
+                scaled,
+                start,
+                jac=True,
+                bounds=bounds,
+                method="L-BFGS-B",
+                options=options,
             )
             best = min(best, math.sqrt(found.fun) / 100)
     return best
@@ -77,7 +93,9 @@ def numerical_distance(target: np.ndarray) -> float:
 def test_the_minimised_function_is_the_retyped_table() -> None:
     for q in sample(20, seed=49):
         value, slope = squared(q[:3], [0.1, 0.2, 0.3])
-        assert value == pytest.approx(((tip(q) - [0.1, 0.2, 0.3]) ** 2).sum(), abs=1e-15)
+        assert value == pytest.approx(
+            ((tip(q) - [0.1, 0.2, 0.3]) ** 2).sum(), abs=1e-15
+        )
         for j in range(3):
             step = 1e-6 * np.eye(3)[j]
             change = (
@@ -105,12 +123,17 @@ def test_distance_in_the_closed_wedges_and_near_the_axis() -> None:
     target = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
     target = target[~a5.reachable(target)][::4][:10]
     numerical = np.array([numerical_distance(t) for t in target])
-    np.testing.assert_allclose(a5.distance_to_reach(target), numerical, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(
+        a5.distance_to_reach(target), numerical, rtol=0, atol=1e-7
+    )
 
 
 def test_a_wedge_is_not_the_solid_of_revolution() -> None:
     """Points that can be reached at other azimuths and not there: the distance is to the wedge's face."""
-    for R, z in ((0.165, 0.045), (0.155, 0.04)):  # near the shoulder, where only one pose gets
+    for R, z in (
+        (0.165, 0.045),
+        (0.155, 0.04),
+    ):  # near the shoulder, where only one pose gets
         turned = [R * math.cos(1.0), R * math.sin(1.0), z]
         closed = [R * math.cos(-0.06), R * math.sin(-0.06), z]
         assert a5.reachable(turned)
@@ -131,7 +154,9 @@ def test_nearest_point_is_reachable_and_at_the_distance() -> None:
     target = rng.uniform(-0.6, 0.6, (20_000, 3))
     nearest, distance = a5.nearest_reachable(target), a5.distance_to_reach(target)
     assert a5.reachable(nearest).all()
-    np.testing.assert_allclose(np.linalg.norm(target - nearest, axis=-1), distance, atol=1e-15)
+    np.testing.assert_allclose(
+        np.linalg.norm(target - nearest, axis=-1), distance, atol=1e-15
+    )
     inside = a5.reachable(target)
     assert np.array_equal(distance == 0.0, inside)
     assert np.array_equal(nearest[inside], target[inside])
@@ -200,7 +225,9 @@ def test_distance_without_limits_is_to_two_tori() -> None:
         rho = np.hypot(R - center, p[:, 2] - 0.0462)
         outside, within = rho - (l_1 + l_2), abs(l_1 - l_2) - rho
         gaps.append(np.maximum(np.maximum(outside, within), 0.0))
-    np.testing.assert_allclose(a5.distance_to_reach(p, limits=False), np.minimum(*gaps), atol=1e-14)
+    np.testing.assert_allclose(
+        a5.distance_to_reach(p, limits=False), np.minimum(*gaps), atol=1e-14
+    )
 
 
 @pytest.mark.parametrize("limits", [True, False])
@@ -216,7 +243,9 @@ def test_area_and_volume_by_monte_carlo(limits: bool) -> None:
     p = rng.uniform(BOX[:, 0], BOX[:, 1], (n, 3))
     size = float(np.prod(BOX[:, 1] - BOX[:, 0]))
     share = a5.reachable(p, limits).mean()
-    assert abs(space.volume(limits) - share * size) < 4 * size * math.sqrt(share * (1 - share) / n)
+    assert abs(space.volume(limits) - share * size) < 4 * size * math.sqrt(
+        share * (1 - share) / n
+    )
 
 
 @pytest.mark.parametrize("side", ["underarm", "overarm"])
@@ -238,7 +267,9 @@ def test_a_pose_reaches_what_a_planar_arm_with_limits_reaches(side: str) -> None
     x = np.linspace(0.0, 0.36, 1441)[1:] - 0.36 / 2880
     z = np.linspace(-0.30, 0.39, 1381)[1:] - 0.69 / 2760
     behind = held(*np.meshgrid(-x, z)).mean() * 0.36 * 0.69
-    assert region.area - behind == pytest.approx(space.cross_section_area(side), abs=2e-5)
+    assert region.area - behind == pytest.approx(
+        space.cross_section_area(side), abs=2e-5
+    )
 
 
 def test_volume_without_limits_by_pappus() -> None:
@@ -247,8 +278,13 @@ def test_volume_without_limits_by_pappus() -> None:
     outer, inner = l_1 + l_2, abs(l_1 - l_2)
     z = outer * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 200_001))
     half = np.sqrt(np.maximum(outer**2 - z**2, 0.0))
-    far, dimple = 0.02 + half, np.maximum(0.02 - half, 0.0)  # above and below, around the axis
-    hole = np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02  # where both discs' holes meet
+    far, dimple = (
+        0.02 + half,
+        np.maximum(0.02 - half, 0.0),
+    )  # above and below, around the axis
+    hole = (
+        np.sqrt(np.maximum(inner**2 - z**2, 0.0)) - 0.02
+    )  # where both discs' holes meet
     area = math.pi * (far**2 - np.maximum(hole, 0.0) ** 2 - dimple**2)
     assert space.volume(limits=False) == pytest.approx(
         ((area[1:] + area[:-1]) / 2 * np.diff(z)).sum(), rel=1e-6
@@ -261,7 +297,9 @@ def test_volume_lost_to_the_wedges() -> None:
 
     moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}
     lost = WEDGE * (2 * moment["both"] - moment["underarm"] - moment["overarm"])
-    assert space.volume() == pytest.approx(2 * math.pi * moment["both"] - lost, rel=1e-12)
+    assert space.volume() == pytest.approx(
+        2 * math.pi * moment["both"] - lost, rel=1e-12
+    )
     assert lost > 1e-4
 
 
@@ -270,7 +308,9 @@ def test_published_tori_as_printed() -> None:
     assert outer.radius == pytest.approx(
         math.hypot(0.04, 0.1453) + math.hypot(0.18, 0.02), abs=1e-15
     )
-    assert inner.radius == pytest.approx(math.hypot(0.03994 + 0.02, 0.1453 - 0.18), abs=1e-15)
+    assert inner.radius == pytest.approx(
+        math.hypot(0.03994 + 0.02, 0.1453 - 0.18), abs=1e-15
+    )
     assert downward.radius == pytest.approx(0.18, abs=1e-15)
     assert downward.center == pytest.approx((0.02, 0.0462 - 0.1453), abs=1e-15)
     p = np.random.default_rng(58).uniform(-0.4, 0.4, (20_000, 3))
@@ -311,7 +351,9 @@ def test_errors_of_the_published_region_by_monte_carlo() -> None:
 def test_manipulability_is_the_determinant_of_the_jacobian() -> None:
     q = sample(2000, seed=60)
     jacobian = a5.dh.DHChain.alpha5().jacobian(q)[:, :3, :]
-    yoshikawa = np.sqrt(np.maximum(np.linalg.det(jacobian @ np.swapaxes(jacobian, 1, 2)), 0.0))
+    yoshikawa = np.sqrt(
+        np.maximum(np.linalg.det(jacobian @ np.swapaxes(jacobian, 1, 2)), 0.0)
+    )
     np.testing.assert_allclose(space.manipulability(q), yoshikawa, rtol=0, atol=1e-10)
     assert space.manipulability(q[0]).shape == ()
 
@@ -322,7 +364,9 @@ def test_singular_sets() -> None:
     np.testing.assert_allclose(s.stretched, q[:, 2] - STRETCHED, atol=1e-12)
     np.testing.assert_allclose(np.cos(s.folded), np.cos(q[:, 2] - FOLDED), atol=1e-12)
     p = tip(q)
-    np.testing.assert_allclose(np.abs(s.yaw_axis), np.hypot(p[:, 0], p[:, 1]), atol=1e-15)
+    np.testing.assert_allclose(
+        np.abs(s.yaw_axis), np.hypot(p[:, 0], p[:, 1]), atol=1e-15
+    )
     facing = np.cos(np.arctan2(p[:, 1], p[:, 0]) - q[:, 0] - math.pi)
     assert np.array_equal(np.sign(s.yaw_axis), np.sign(facing))
     angles = space.singular_elbow_angles()
@@ -334,7 +378,10 @@ def test_singular_sets() -> None:
         assert space.singularities(on).near().all(), name
         assert space.manipulability(on).max() < 1e-16
         assert (
-            np.linalg.matrix_rank(a5.dh.DHChain.alpha5().jacobian(on)[:, :3], tol=1e-9).max() <= 2
+            np.linalg.matrix_rank(
+                a5.dh.DHChain.alpha5().jacobian(on)[:, :3], tol=1e-9
+            ).max()
+            <= 2
         )
     assert not s.near().all()
 
@@ -381,7 +428,8 @@ def test_retyped_kinematics_is_rigid() -> None:
 
 
 @pytest.mark.parametrize(
-    "limits", [(LOWER[2], UPPER[2]), (0.5, STRETCHED - 0.3), (STRETCHED + 0.2, 3.0), (1.0, 2.5)]
+    "limits",
+    [(LOWER[2], UPPER[2]), (0.5, STRETCHED - 0.3), (STRETCHED + 0.2, 3.0), (1.0, 2.5)],
 )
 def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     limits: tuple[float, float],
@@ -394,7 +442,11 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     p = a5.parameters()
     joints = list(p.joints)
     joints[2] = replace(joints[2], lower=limits[0], upper=limits[1])
-    found = {r.claim: r for r in rows.tori(a5.published(), replace(p, joints=tuple(joints)))}
+    found = {
+        r.claim: r for r in rows.tori(a5.published(), replace(p, joints=tuple(joints)))
+    }
     bend = math.pi - abs(min(max(STRETCHED, limits[0]), limits[1]) - STRETCHED)
     longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))
-    assert found["workspace.outer_torus"].measured == pytest.approx(1e3 * longest, abs=1e-6)
+    assert found["workspace.outer_torus"].measured == pytest.approx(
+        1e3 * longest, abs=1e-6
+    )

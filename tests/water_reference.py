@@ -21,7 +21,9 @@ COB = {f"link_{i}": cob for i, cob in enumerate(reference.COB)}
 class Reference:
     """The committed URDF and the typed Table 3 in Pinocchio."""
 
-    def __init__(self, density: float = 1025.0, urdf: Path = URDF / "alpha5.urdf") -> None:
+    def __init__(
+        self, density: float = 1025.0, urdf: Path = URDF / "alpha5.urdf"
+    ) -> None:
         self.model = pin.buildModelFromUrdf(str(urdf))
         self.data = self.model.createData()
         self.fluid = pin.Model(self.model)

@@ -52,9 +52,13 @@ def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> Float
     if array.dtype != np.float64:
         with np.errstate(over="ignore"):  # of long doubles: named below
             array = array.astype(np.float64)
-    if not (array.flags.c_contiguous and array.flags.aligned):  # a view, a mapped file, records
+    if not (
+        array.flags.c_contiguous and array.flags.aligned
+    ):  # a view, a mapped file, records
         array = array.copy()
-    if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
+    if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(
+        trailing
+    ):
         shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
         raise ShapeError(name, array.shape, f"shape {shape}")
     if not np.isfinite(array).all():
@@ -69,7 +73,9 @@ def _plain(value: Any) -> bool:
     if kind in (np.ndarray, np.float64, float, int):
         return True
     if isinstance(value, list | tuple):
-        return {*map(type, value)} <= {float, int, np.float64} or all(map(_plain, value))
+        return {*map(type, value)} <= {float, int, np.float64} or all(
+            map(_plain, value)
+        )
     if isinstance(value, np.ndarray):
         return isinstance(value, np.memmap)
     unit = hasattr(value, "unit") or hasattr(value, "units")
@@ -96,7 +102,9 @@ def bounded(name: str, array: FloatArray) -> FloatArray:
     """
     if array.size and max(array.max(), -array.min()) > LARGEST:
         worst = float(array.flat[np.abs(array).argmax()])
-        raise InputError(name, worst, f"numbers of at most {LARGEST:.1e}, else results overflow")
+        raise InputError(
+            name, worst, f"numbers of at most {LARGEST:.1e}, else results overflow"
+        )
     return array
 
 
@@ -105,7 +113,9 @@ def array(name: str, value: ArrayLike, *shape: int) -> FloatArray:
     return bounded(name, shaped(name, value, shape))
 
 
-def real(name: str, value: Any, minimum: float | None = None, strict: bool = False) -> float:
+def real(
+    name: str, value: Any, minimum: float | None = None, strict: bool = False
+) -> float:
     """Check and convert one finite real number that can be computed with, optionally bounded below.
 
     Raises:
@@ -162,13 +172,19 @@ def fitting(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
     Raises:
         InputError: Not finite real numbers; ShapeError: of shapes that do not fit.
     """
-    arrays = [float_array(name, value, trailing) for name, (value, trailing) in given.items()]
+    arrays = [
+        float_array(name, value, trailing) for name, (value, trailing) in given.items()
+    ]
     shapes = tuple(array.shape for array in arrays)
     pairs = zip(shapes, given.values(), strict=True)
     try:
-        np.broadcast_shapes(*(shape[: len(shape) - len(end)] for shape, (_, end) in pairs))
+        np.broadcast_shapes(
+            *(shape[: len(shape) - len(end)] for shape, (_, end) in pairs)
+        )
     except ValueError:
-        raise ShapeError(", ".join(given), shapes, "leading shapes that broadcast") from None
+        raise ShapeError(
+            ", ".join(given), shapes, "leading shapes that broadcast"
+        ) from None
     return arrays
 
 
@@ -178,7 +194,9 @@ def together(**values: ArrayLike) -> list[FloatArray]:
     Raises:
         InputError: Not finite real numbers; ShapeError: of shapes that do not broadcast.
     """
-    return list(np.broadcast_arrays(*fitting(**{k: (v, ()) for k, v in values.items()})))
+    return list(
+        np.broadcast_arrays(*fitting(**{k: (v, ()) for k, v in values.items()}))
+    )
 
 
 def generator(seed: Any) -> np.random.Generator:
@@ -199,7 +217,11 @@ def count(name: str, value: Any) -> int:
     Raises:
         InputError: Anything else, True and 1.0 included.
     """
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= sys.maxsize:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int)
+        or not 1 <= value <= sys.maxsize
+    ):
         raise InputError(name, value, "a whole number of at least 1")
     return value
 
@@ -225,7 +247,9 @@ def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
     expected = f"a tuple of names, such as ({choices[0]!r},)"
     if isinstance(names, str):
         raise InputError(f"{kind}s", names, expected)
-    asked = {choice(kind, name, choices) for name in listed(f"{kind}s", names, expected)}
+    asked = {
+        choice(kind, name, choices) for name in listed(f"{kind}s", names, expected)
+    }
     return tuple(name for name in choices if name in asked)
 
 
@@ -238,7 +262,9 @@ def frozen(array: ArrayLike) -> FloatArray:
 def is_rotation(matrix: FloatArray) -> BoolArray:
     """Which of the matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`: (...)."""
     with np.errstate(all="ignore"):
-        off = np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(axis=(-2, -1))
+        off = np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(
+            axis=(-2, -1)
+        )
         return np.asarray((off <= ROTATION_TOLERANCE) & (np.linalg.det(matrix) > 0))
 
 

@@ -12,7 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from alpha5_model._support.checks import choice
-from alpha5_model.errors import FileFormatError, InputError, MissingFileError, OutputError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingFileError,
+    OutputError,
+)
 
 PathLike = str | os.PathLike[str]
 #: The path that means standard output.
@@ -40,7 +45,10 @@ def read_named(path: Any, expected: str) -> bytes:
     except OSError as error:
         problem = (error.strerror or str(error)).lower()
         raise FileFormatError(path, f"{problem}, {expected} is expected") from None
-    except (TypeError, ValueError):  # a zero byte; a character that no file name can have
+    except (
+        TypeError,
+        ValueError,
+    ):  # a zero byte; a character that no file name can have
         raise InputError("path", path, f"the path of {expected}") from None
 
 
@@ -77,10 +85,14 @@ def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     plain: dict[Path, Path] = {}
     for target, content in files.items():
         with _errors_of(target):
-            data[target] = content.encode("utf-8") if isinstance(content, str) else content
+            data[target] = (
+                content.encode("utf-8") if isinstance(content, str) else content
+            )
             if (real := _plain_file(target)) is not None:
                 if real in plain.values():
-                    raise OutputError(target, "it is another name of a file written with it")
+                    raise OutputError(
+                        target, "it is another name of a file written with it"
+                    )
                 plain[target] = real
     staged: dict[Path, Path] = {}
     folders: set[Path] = set()
@@ -193,7 +205,11 @@ def check_outputs(
         UnknownNameError: A path with another suffix.
         OutputError: A folder, a socket, a read-only file.
     """
-    taken = [(path, "another file than the one that is read") for path in read if path is not None]
+    taken = [
+        (path, "another file than the one that is read")
+        for path in read
+        if path is not None
+    ]
     for option, (path, formats) in written.items():
         if path is None:
             continue
@@ -233,7 +249,9 @@ def _plain_file(target: Path) -> Path | None:
         raise OutputError(target, "it is a socket")
     if not stat.S_ISREG(state.st_mode) or _descriptor(state) is not None:
         return None
-    if os.path.realpath(target.parent).startswith("/proc/"):  # a file open already, as /dev/fd/3
+    if os.path.realpath(target.parent).startswith(
+        "/proc/"
+    ):  # a file open already, as /dev/fd/3
         return None
     if not os.access(real, os.W_OK):
         raise OutputError(target, "it is read-only")
@@ -262,7 +280,11 @@ def _write_into(target: Path, content: bytes) -> None:
             return
     else:
         number = _descriptor(target.stat())
-        descriptor = os.open(target, os.O_WRONLY | os.O_TRUNC) if number is None else os.dup(number)
+        descriptor = (
+            os.open(target, os.O_WRONLY | os.O_TRUNC)
+            if number is None
+            else os.dup(number)
+        )
     with os.fdopen(descriptor, "wb") as stream:
         stream.write(content)
 
@@ -277,6 +299,9 @@ def _errors_of(target: Path) -> Iterator[None]:
         raise
     except (FileExistsError, NotADirectoryError):
         raise OutputError(shown, "a part of its path is a file, not a folder") from None
-    except (OSError, ValueError) as error:  # a null byte in the path, a lone surrogate in the text
+    except (
+        OSError,
+        ValueError,
+    ) as error:  # a null byte in the path, a lone surrogate in the text
         problem = error.strerror if isinstance(error, OSError) else None
         raise OutputError(shown, problem or str(error)) from None

@@ -6,7 +6,9 @@ from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 #: Folder with ``urdf/``, ``xacro/``, ``meshes/``, ``mjcf/``: the checkout, or the wheel's data folder.
-REPOSITORY_PATH = str(_data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent)
+REPOSITORY_PATH = str(
+    _data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent
+)
 #: Folder to which ``package://alpha5_description`` resolves.
 PACKAGE_PATH = REPOSITORY_PATH
 #: The arm with its jaws locked, 4 joints.

@@ -62,7 +62,9 @@ def rpy_from_rotation(r: FloatArray) -> Triple:
     pitch = math.atan2(-r[2, 0], across)
     if across > 1e-3:
         return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
-    yaw = math.atan2(r[1, 0], r[0, 0]) if across > 1e-9 else math.atan2(-r[0, 1], r[1, 1])
+    yaw = (
+        math.atan2(r[1, 0], r[0, 0]) if across > 1e-9 else math.atan2(-r[0, 1], r[1, 1])
+    )
     # Yaw is inaccurate here: roll from what yaw leaves, so that the errors cancel.
     s, c = math.sin(yaw), math.cos(yaw)
     return math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1]), pitch, yaw
@@ -76,7 +78,9 @@ def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, floa
     return float(x), float(y), float(z), float(w)
 
 
-def transform(rotation: ArrayLike | None = None, translation: ArrayLike = (0, 0, 0)) -> FloatArray:
+def transform(
+    rotation: ArrayLike | None = None, translation: ArrayLike = (0, 0, 0)
+) -> FloatArray:
     """Transforms (..., 4, 4) of rotations (..., 3, 3), if any, and translations (..., 3)."""
     r = np.eye(3) if rotation is None else np.asarray(rotation)
     out = np.zeros((*r.shape[:-2], 4, 4))
@@ -86,7 +90,9 @@ def transform(rotation: ArrayLike | None = None, translation: ArrayLike = (0, 0,
 
 def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
     """Points (..., 3), carried by transforms (..., 4, 4)."""
-    return np.asarray((transform[..., :3, :3] @ points[..., None])[..., 0] + transform[..., :3, 3])
+    return np.asarray(
+        (transform[..., :3, :3] @ points[..., None])[..., 0] + transform[..., :3, 3]
+    )
 
 
 def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:

@@ -61,7 +61,11 @@ def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:
 
 
 def table(
-    rows: Iterable[Sequence[str]], align: str = "<>", indent: int = 0, width: int = 0, gap: int = 2
+    rows: Iterable[Sequence[str]],
+    align: str = "<>",
+    indent: int = 0,
+    width: int = 0,
+    gap: int = 2,
 ) -> list[str]:
     """Rows of cells as lines; each column is as wide as its widest cell.
 
@@ -77,7 +81,9 @@ def table(
     sides = align + align[-1] * (len(widths) - len(align))
     lines = []
     for row in cells:
-        parts = [f"{c:{side}{n}}" for c, side, n in zip(row, sides, widths, strict=True)]
+        parts = [
+            f"{c:{side}{n}}" for c, side, n in zip(row, sides, widths, strict=True)
+        ]
         line = (" " * indent + (" " * gap).join(parts)).rstrip()
         hang = indent + sum(widths[:-1]) + gap * (len(widths) - 1)
         lines += wrapped(line, width, hang) if width else [line]

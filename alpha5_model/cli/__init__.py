@@ -21,12 +21,29 @@ from alpha5_model.cli.options import hints, one_syntax
 from alpha5_model.errors import Alpha5Error, ImplausibleWarning
 
 #: Command -> module of this package with its function, in the order of ``alpha5 --help``.
-COMMANDS = {"demo": "demo", "generate": "generate", "check": "proofs", "compare": "proofs"}
-COMMANDS |= {"torque": "state", "trajectory": "trajectory", "fk": "state", "ik": "state"}
-COMMANDS |= {"workspace": "geometry", "dh": "geometry", "planar": "geometry", "view": "view"}
+COMMANDS = {
+    "demo": "demo",
+    "generate": "generate",
+    "check": "proofs",
+    "compare": "proofs",
+}
+COMMANDS |= {
+    "torque": "state",
+    "trajectory": "trajectory",
+    "fk": "state",
+    "ik": "state",
+}
+COMMANDS |= {
+    "workspace": "geometry",
+    "dh": "geometry",
+    "planar": "geometry",
+    "view": "view",
+}
 COMMANDS |= {"sweep": "trajectory"}
 #: With numbers as arguments, which may be negative: what is no option is an argument.
-_NUMBERS = {name: {"ignore_unknown_options": True} for name in ("fk", "ik", "dh", "planar")}
+_NUMBERS = {
+    name: {"ignore_unknown_options": True} for name in ("fk", "ik", "dh", "planar")
+}
 
 #: Root of the errors that the parser raises (click's own, which typer may carry inside).
 _PARSER_ERROR: Any = typer.BadParameter.__mro__[2]
@@ -38,7 +55,9 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-_VERSION = typer.Option("--version", callback=_print_version, is_eager=True, help="Print it.")
+_VERSION = typer.Option(
+    "--version", callback=_print_version, is_eager=True, help="Print it."
+)
 
 
 def _root(version: Annotated[bool, _VERSION] = False) -> None:
@@ -62,8 +81,12 @@ def _loaded(name: str) -> Any:
 
 def _outline(name: str) -> Callable[[], None]:
     """A function with a command's help, made without loading what the command needs."""
-    module = ast.parse(Path(__file__).with_name(f"{COMMANDS[name]}.py").read_text(encoding="utf-8"))
-    (command,) = (n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name)
+    module = ast.parse(
+        Path(__file__).with_name(f"{COMMANDS[name]}.py").read_text(encoding="utf-8")
+    )
+    (command,) = (
+        n for n in module.body if isinstance(n, ast.FunctionDef) and n.name == name
+    )
 
     def outline() -> None: ...
 

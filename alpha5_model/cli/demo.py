@@ -27,7 +27,9 @@ from alpha5_model.viewer import build, page, picture, scene
 TARGET = (0.06, 0.05, 0.36)
 
 
-def demo(output: Annotated[Path, Option(help="Folder to write into.")] = Path("demo")) -> int:
+def demo(
+    output: Annotated[Path, Option(help="Folder to write into.")] = Path("demo"),
+) -> int:
     """Generate the arm, check it, solve it, compute with water, and draw it.
 
     Example: alpha5 demo --output /tmp/alpha5
@@ -39,8 +41,13 @@ def demo(output: Annotated[Path, Option(help="Folder to write into.")] = Path("d
     solution = _solve()
     _compute(solution)
     made = _show(output, solution)
-    say(f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}.")
-    say("In the page sliders move the arm, play runs a motion.", f"Open {output / made[0]}")
+    say(
+        f"\nMade in {output}: alpha5.urdf, alpha5_jaws.urdf, meshes/, {', '.join(made)}."
+    )
+    say(
+        "In the page sliders move the arm, play runs a motion.",
+        f"Open {output / made[0]}",
+    )
     return 0 if passed else 1
 
 
@@ -67,7 +74,9 @@ def _describe(output: Path) -> bool:
 
 def _audit() -> None:
     rows = audit()
-    errors = [row for row in rows if row.category == "error" and row.verdict != "agrees"]
+    errors = [
+        row for row in rows if row.category == "error" and row.verdict != "agrees"
+    ]
     say("2. The documents against themselves")
     say(f"   {documents(rows)}")
     say("   The errors; `alpha5 check` says more:")
@@ -94,7 +103,9 @@ def _solve() -> FloatArray:
 
 def _compute(q: FloatArray) -> None:
     water, air = load(), load(fluid_density=0.0)
-    say(f"4. Torque that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)")
+    say(
+        f"4. Torque that holds the arm there, sea water ({water.fluid_density:g} kg/m^3)"
+    )
     rows = [["joint", "weight", "buoyancy", "in water", "in air"], ["", *["N m"] * 4]]
     weight, lift = water.gravity_torque(q), water.buoyancy_torque(q)
     columns = (weight, lift, water.hydrostatic_torque(q), air.hydrostatic_torque(q))
@@ -107,13 +118,21 @@ def _show(output: Path, q: FloatArray) -> list[str]:
     say("5. Pictures")
     arm = load(gripper="jaws")
     poses = build.named_poses(arm)
-    there, opened = np.append(q, poses["home"][-1]), np.append(q, 0.008)  # last is axis_a
-    motion = build.tour([poses["stow"], poses["home"], there, opened, there, poses["stow"]])
+    there, opened = (
+        np.append(q, poses["home"][-1]),
+        np.append(q, 0.008),
+    )  # last is axis_a
+    motion = build.tour(
+        [poses["stow"], poses["home"], there, opened, there, poses["stow"]]
+    )
     show = ("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace")
     shown = build.build_scene(arm, there, target=TARGET, motion=motion, show=show)
     size = (1400, 1000)
     image = picture.picture_png(scene.framed(shown, size), size)
-    made: dict[str, str | bytes] = {"alpha5.html": page.static_page(shown), "alpha5.png": image}
+    made: dict[str, str | bytes] = {
+        "alpha5.html": page.static_page(shown),
+        "alpha5.png": image,
+    }
     for name, content in made.items():
         path = atomic_write(output / name, content)
         say(f"   {path} ({path.stat().st_size / 1e6:.1f} MB)")

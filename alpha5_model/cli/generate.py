@@ -24,7 +24,11 @@ MESH_URIS["file"] = (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/"
 #: Format -> record of its options, what makes its files, and the main one of them. An option has
 #: the name of the field it fills, except for two.
 _FORMATS: dict[str, tuple[Any, Any, str]] = {
-    "urdf": (Variant, lambda variant: {"alpha5.urdf": urdf(variant).encode()}, "alpha5.urdf"),
+    "urdf": (
+        Variant,
+        lambda variant: {"alpha5.urdf": urdf(variant).encode()},
+        "alpha5.urdf",
+    ),
     "mjcf": (mjcf.MjcfOptions, mjcf.mjcf_files, "alpha5.xml"),
     "sdf": (sdf.SdfOptions, sdf.sdf_files, "model.sdf"),
     "c": (COptions, c_files, "alpha5.c"),
@@ -36,30 +40,60 @@ _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
 
 def generate(
     context: Context,
-    output: Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")] = None,
-    description_format: Annotated[str, Option("--format", help="urdf, mjcf, sdf or c.")] = "urdf",
+    output: Annotated[
+        Path | None, Option(help="File; for mjcf, sdf and c a folder.")
+    ] = None,
+    description_format: Annotated[
+        str, Option("--format", help="urdf, mjcf, sdf or c.")
+    ] = "urdf",
     gripper: options.Gripper = "locked",
     prefix: Annotated[str, Option(help="Before every link and joint name.")] = "",
     parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
     xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
-    rpy: Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")] = "0 0 0",
+    rpy: Annotated[
+        str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")
+    ] = "0 0 0",
     mesh_uri: Annotated[str, Option(help=HELP["meshes"])] = "relative",
     collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
-    dh_frames: Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")] = False,
-    ros2_control: Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")] = False,
-    ros2_control_plugin: Annotated[str, Option(help="Hardware.")] = "mock_components/GenericSystem",
-    corrections: Annotated[str | None, Option(help="With commas; '' is to the letter.")] = None,
+    dh_frames: Annotated[
+        bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")
+    ] = False,
+    ros2_control: Annotated[
+        bool, Option("--ros2-control", help="Interfaces, device ids.")
+    ] = False,
+    ros2_control_plugin: Annotated[
+        str, Option(help="Hardware.")
+    ] = "mock_components/GenericSystem",
+    corrections: Annotated[
+        str | None, Option(help="With commas; '' is to the letter.")
+    ] = None,
     fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")] = "sea",
     gravity: Annotated[str, Option(help="c: in base_link (m/s^2).")] = options.DOWN,
     real: Annotated[str, Option(help="c: double or float.")] = "double",
-    parameters: Annotated[str, Option(help="c: masses and water folded, or a struct.")] = "folded",
-    actuators: Annotated[str, Option(help="mjcf: position, velocity or motor.")] = "position",
-    buoyancy: Annotated[str, Option(help="mjcf: bodies, or none, for brax.")] = "bodies",
-    sdf_version: Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")] = "1.9",
-    drag: Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")] = False,
-    hydrodynamics: Annotated[bool, Option("--hydrodynamics", help=HELP["moving_water"])] = False,
-    check: Annotated[bool, Option("--check", help="Compare the committed files.")] = False,
-    update: Annotated[bool, Option("--update", help="Write the committed files anew.")] = False,
+    parameters: Annotated[
+        str, Option(help="c: masses and water folded, or a struct.")
+    ] = "folded",
+    actuators: Annotated[
+        str, Option(help="mjcf: position, velocity or motor.")
+    ] = "position",
+    buoyancy: Annotated[
+        str, Option(help="mjcf: bodies, or none, for brax.")
+    ] = "bodies",
+    sdf_version: Annotated[
+        str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")
+    ] = "1.9",
+    drag: Annotated[
+        bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")
+    ] = False,
+    hydrodynamics: Annotated[
+        bool, Option("--hydrodynamics", help=HELP["moving_water"])
+    ] = False,
+    check: Annotated[
+        bool, Option("--check", help="Compare the committed files.")
+    ] = False,
+    update: Annotated[
+        bool, Option("--update", help="Write the committed files anew.")
+    ] = False,
 ) -> int:
     """Write the description of any variant of the arm.
 
@@ -79,24 +113,37 @@ def generate(
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     alpha5 generate --format c --real float --output out/controller
     """
-    given = [n for n in context.params if "COMMANDLINE" in str(context.get_parameter_source(n))]
+    given = [
+        n
+        for n in context.params
+        if "COMMANDLINE" in str(context.get_parameter_source(n))
+    ]
     words = {parameter.name: parameter.opts[0] for parameter in context.command.params}
     if check or update:
         alone = "check" if check else "update"
         for name in given:
             if name != alone:
-                raise InputError(words[name], context.params[name], f"nothing beside --{alone}")
+                raise InputError(
+                    words[name], context.params[name], f"nothing beside --{alone}"
+                )
         return _committed(check)
 
     choice("format", description_format, tuple(_FORMATS))
-    names = {kind: {f.name for f in fields(record)} for kind, (record, *_) in _FORMATS.items()}
+    names = {
+        kind: {f.name for f in fields(record)}
+        for kind, (record, *_) in _FORMATS.items()
+    }
     for name in given:
         formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
         if formats and description_format not in formats:
-            expected = f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
+            expected = (
+                f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
+            )
             raise InputError(words[name], description_format, expected)
     vectors = (("xyz", xyz, "m"), ("rpy", rpy, "rad"), ("gravity", gravity, "m/s^2"))
-    values = context.params | {n: options.numbers(n, x, (3,), unit) for n, x, unit in vectors}
+    values = context.params | {
+        n: options.numbers(n, x, (3,), unit) for n, x, unit in vectors
+    }
     values["mesh_prefix"] = MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))]
     values["fluid_density"] = options.fluid_density(fluid)
     values["corrections"] = options.correction_names(corrections)
@@ -113,13 +160,17 @@ def generate(
         check_outputs((), output=(output, (".urdf", ".xml")))
         meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
         written = {output: files[main]}
-        written |= {output.parent / "meshes" / name: mesh for name, mesh in meshes.items()}
+        written |= {
+            output.parent / "meshes" / name: mesh for name, mesh in meshes.items()
+        }
     elif output.is_file():
         raise OutputError(output, "it is a file; this format needs a folder")
     else:
         written = {output / name: content for name, content in files.items()}
     atomic_write_all(written)
-    for folder in dict.fromkeys(path.parent for path in written if not is_stream(output)):
+    for folder in dict.fromkeys(
+        path.parent for path in written if not is_stream(output)
+    ):
         inside = ", ".join(path.name for path in written if path.parent == folder)
         options.say(f"wrote in {folder}: {inside}")
     return 0

@@ -26,8 +26,12 @@ _LINK = "'THETA D A ALPHA SIGMA'"
 
 def workspace(
     plot: options.Plot = None,
-    self_collision: Annotated[bool, Option("--self-collision", help=HELP["touching"])] = False,
-    samples: Annotated[int, Option(help="Points that --self-collision tries.")] = 20_000,
+    self_collision: Annotated[
+        bool, Option("--self-collision", help=HELP["touching"])
+    ] = False,
+    samples: Annotated[
+        int, Option(help="Points that --self-collision tries.")
+    ] = 20_000,
     as_json: options.Json = False,
 ) -> None:
     """The exact workspace, and how much of the published one is wrong.
@@ -41,14 +45,23 @@ def workspace(
             share = space.sampled_share(without_self_collision, samples)
     if plot is not None:
         with options.spinner("drawing"):
-            page = draw.self_collision_figure(samples=samples) if share else draw.workspace_figure()
+            page = (
+                draw.self_collision_figure(samples=samples)
+                if share
+                else draw.workspace_figure()
+            )
             figures.write_figure(page, plot, dpi=150)
     farthest = sensitivity(reach)
     record: dict[str, Any] = {} if share is None else {"without_self_collision": share}
     record["errors_of_the_published_region"] = space.published_errors()
-    record["cross_section_area"] = {side: space.cross_section_area(side) for side in space.SIDES}
+    record["cross_section_area"] = {
+        side: space.cross_section_area(side) for side in space.SIDES
+    }
     record["reach"] = {"value": farthest.nominal, "digits": farthest.half_width}
-    record["volume"], record["volume_without_limits"] = space.volume(), space.volume(limits=False)
+    record["volume"], record["volume_without_limits"] = (
+        space.volume(),
+        space.volume(limits=False),
+    )
     record["boundary"] = {side: space.boundary(side) for side in space.SIDES}
     record["published_tori"] = space.published_tori()
     record["singular_theta_2"] = space.singular_elbow_angles()
@@ -56,14 +69,20 @@ def workspace(
 
 
 def _regions(record: dict[str, Any]) -> options.Lines:
-    e, share = record["errors_of_the_published_region"], record.get("without_self_collision")
+    e, share = (
+        record["errors_of_the_published_region"],
+        record.get("without_self_collision"),
+    )
     words = options.WORDS["workspace"]
     rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
     for part, name in words["regions"].items():
         area, volume = vars(e)[f"{part}_area"], vars(e)[f"{part}_volume"]
         rows.append([name, f"{area * 1e4:.2f}", f"{volume * 1e3:.3f}"])
     yield from table(rows)
-    area, volume = e.unreachable_area / e.published_area, e.unreachable_volume / e.published_volume
+    area, volume = (
+        e.unreachable_area / e.published_area,
+        e.unreachable_volume / e.published_volume,
+    )
     yield words["outside"].format(area=area, volume=volume)
     value, half = (1e3 * x for x in record["reach"].values())
     yield f"The tcp gets {value:.1f} mm ±{half:.1f} from the shoulder, by the digits of Table 1."
@@ -80,13 +99,19 @@ def _regions(record: dict[str, Any]) -> options.Lines:
         hit, error, litres = 1 - share.share, share.standard_error, 1e3 * share.total
         volumes = {"free": share.share * litres, "litres": hit * litres}
         volumes["error_litres"] = error * litres
-        yield words["collision"].format(share=hit, error=error, samples=share.samples, **volumes)
+        yield words["collision"].format(
+            share=hit, error=error, samples=share.samples, **volumes
+        )
 
 
 def dh(
-    q: Annotated[list[str] | None, Argument(help=HELP["position"], metavar="[Q]...")] = None,
+    q: Annotated[
+        list[str] | None, Argument(help=HELP["position"], metavar="[Q]...")
+    ] = None,
     link: Annotated[list[str] | None, Option("--link", help=HELP["link"])] = None,
-    urdf: Annotated[Path | None, Option(help="Assign the frames to the arm of this URDF.")] = None,
+    urdf: Annotated[
+        Path | None, Option(help="Assign the frames to the arm of this URDF.")
+    ] = None,
     frame: Annotated[str | None, Option(help="End effector in the URDF.")] = None,
     as_json: options.Json = False,
 ) -> None:
@@ -97,12 +122,25 @@ def dh(
     """
     chain = _chain(link, urdf, frame)
     each = f"one number for each of {', '.join(chain.joint_names)}"
-    position = options.numbers("q", " ".join(q), (chain.n,), "rad or m", each) if q else chain.home
+    position = (
+        options.numbers("q", " ".join(q), (chain.n,), "rad or m", each)
+        if q
+        else chain.home
+    )
     kind, task = arm_types.classify(chain), arm_types.task_capability(chain)
     names = [*(f"{{{j}}}" for j in range(chain.n + 1)), "tool"]
-    links = [{"joint": n, **vars(k)} for n, k in zip(chain.joint_names, chain.links, strict=True)]
+    links = [
+        {"joint": n, **vars(k)}
+        for n, k in zip(chain.joint_names, chain.links, strict=True)
+    ]
     record: dict[str, Any] = {"name": chain.name, "links": links}
-    record |= {"base": chain.base, "tool": chain.tool, "type": kind, "tasks": task, "q": position}
+    record |= {
+        "base": chain.base,
+        "tool": chain.tool,
+        "type": kind,
+        "tasks": task,
+        "q": position,
+    }
     record["frames"] = dict(zip(names, chain.frames(position), strict=True))
     options.show(as_json, record, _frames(chain, record))
 
@@ -114,14 +152,30 @@ def _chain(link: list[str] | None, urdf: Path | None, frame: str | None) -> DHCh
         raise InputError("--frame", frame, "--urdf with it")
     if urdf is not None:
         return DHChain.from_urdf(urdf, frame)
-    rows = (options.numbers("--link", text, (), "rad or m", _LINK) for text in link or ())
+    rows = (
+        options.numbers("--link", text, (), "rad or m", _LINK) for text in link or ()
+    )
     return DHChain(tuple(map(DHLink.from_vector, rows))) if link else DHChain.alpha5()
 
 
 def _frames(chain: DHChain, record: dict[str, Any]) -> options.Lines:
-    rows = [["joint", "theta (rad)", "d (m)", "a (m)", "alpha (rad)", "sigma", "lower", "upper"]]
+    rows = [
+        [
+            "joint",
+            "theta (rad)",
+            "d (m)",
+            "a (m)",
+            "alpha (rad)",
+            "sigma",
+            "lower",
+            "upper",
+        ]
+    ]
     for name, row in zip(chain.joint_names, chain.links, strict=True):
-        cells = [*(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)), str(row.sigma)]
+        cells = [
+            *(f"{x:.6f}" for x in (row.theta, row.d, row.a, row.alpha)),
+            str(row.sigma),
+        ]
         cells[0 if row.revolute else 1] = f"q{row.offset:+.6f}" if row.offset else "q"
         rows.append([name, *cells, f"{row.lower:.5g}", f"{row.upper:.5g}"])
     yield from table(rows)
@@ -140,8 +194,12 @@ def _frames(chain: DHChain, record: dict[str, Any]) -> options.Lines:
 
 def planar(
     lengths: Annotated[list[float], Argument(help="Link lengths, base to tip (m).")],
-    joints: Annotated[str | None, Option(help="R (turns) or P (slides) per link; all R.")] = None,
-    limits: Annotated[list[str] | None, Option("--limits", "-l", help=HELP["limits"])] = None,
+    joints: Annotated[
+        str | None, Option(help="R (turns) or P (slides) per link; all R.")
+    ] = None,
+    limits: Annotated[
+        list[str] | None, Option("--limits", "-l", help=HELP["limits"])
+    ] = None,
     radius: Annotated[float | None, Option(help="Of the pinned tip, l_4 (m).")] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
@@ -162,24 +220,43 @@ def planar(
 def _result(arm: library.PlanarArm, radius: float | None) -> dict[str, Any]:
     space, needed = arm.workspace(), library.necessary_conditions(arm)
     result: dict[str, Any] = {"joints": arm.joints, "lengths": arm.lengths}
-    result["workspace"] = {"shape": space.shape, "radii": space.radii, "area": space.area}
-    result["necessary_conditions"] = {"satisfied": needed.satisfied, "missing": needed.reasons}
+    result["workspace"] = {
+        "shape": space.shape,
+        "radii": space.radii,
+        "area": space.area,
+    }
+    result["necessary_conditions"] = {
+        "satisfied": needed.satisfied,
+        "missing": needed.reasons,
+    }
     result |= {"dexterous_workspace": None, "theorem": None, "at_radius": None}
     if arm.length_ranges is not None:
         radii, area = library.dexterous_radii(arm), library.dexterous_area(arm)
-        result["dexterous_workspace"] = {"radii": radii, "area": area, "resolution": None}
+        result["dexterous_workspace"] = {
+            "radii": radii,
+            "area": area,
+            "resolution": None,
+        }
         three = arm.joints == "RRR"
-        result["theorem"] = {"l_4": library.theorem_radii(*arm.lengths)} if three else None
+        result["theorem"] = (
+            {"l_4": library.theorem_radii(*arm.lengths)} if three else None
+        )
         if radius is not None:
             holds = library.lecture_theorem(*(*arm.lengths, radius)) if three else None
             exact = library.turns_fully(arm, radius)
             result["at_radius"] = {"radius": radius, "theorem": holds, "exact": exact}
     elif radius is not None:
-        raise InputError("--radius", radius, "an arm without limits on its revolute joints")
+        raise InputError(
+            "--radius", radius, "an arm without limits on its revolute joints"
+        )
     elif arm.n == 3 and arm.joints[-1] == "R":
         found = library.dexterity_map(arm)
         grid = {"spacing": found.spacing, "orientations": found.orientations}
-        result["dexterous_workspace"] = {"radii": None, "area": found.area, "resolution": grid}
+        result["dexterous_workspace"] = {
+            "radii": None,
+            "area": found.area,
+            "resolution": grid,
+        }
     return result
 
 
@@ -192,15 +269,24 @@ def _answers(result: dict[str, Any]) -> options.Lines:
     if dexterous is None:
         text = options.WORDS["planar"]["unknown"]
     elif grid := dexterous["resolution"]:
-        text = options.WORDS["planar"]["enumerated"].format(area=dexterous["area"], **grid)
+        text = options.WORDS["planar"]["enumerated"].format(
+            area=dexterous["area"], **grid
+        )
     elif dexterous["radii"]:
-        spans = [f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}" for a, b in dexterous["radii"]]
-        text = f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
+        spans = [
+            f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}"
+            for a, b in dexterous["radii"]
+        ]
+        text = (
+            f"{' and '.join(spans)} m from the base, area {dexterous['area']:.6g} m^2"
+        )
     yield f"dexterous workspace  {text}"
     missing = result["necessary_conditions"]["missing"]
     yield f"necessary conditions {'; '.join(missing) or 'satisfied'}"
     if theorem := result["theorem"]:
-        span = "{:.6g} to {:.6g} m".format(*theorem["l_4"]) if theorem["l_4"] else "no l_4"
+        span = (
+            "{:.6g} to {:.6g} m".format(*theorem["l_4"]) if theorem["l_4"] else "no l_4"
+        )
         yield f"the notes' theorem   holds for {span} (sufficient, not necessary)"
     if at := result["at_radius"]:
         words = {True: "yes", False: "no", None: "for 3R only"}
@@ -211,5 +297,7 @@ def _answers(result: dict[str, Any]) -> options.Lines:
 def _range(text: str) -> tuple[float, float] | None:
     if text.strip().lower() == "none":
         return None
-    lower, upper = options.numbers("--limits", text, (2,), "rad or m", "'LOWER UPPER' or none")
+    lower, upper = options.numbers(
+        "--limits", text, (2,), "rad or m", "'LOWER UPPER' or none"
+    )
     return lower, upper

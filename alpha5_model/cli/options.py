@@ -37,9 +37,15 @@ Lines: TypeAlias = Iterable[str]
 FLUID = "sea (1025), fresh (1000), air (0) or a density (kg/m^3)."
 Fluid = Annotated[str, Option(help=FLUID)]
 DOWN = "0 0 -9.81"
-Gravity = Annotated[str, Option(help="In base_link (m/s^2); with --mount in the world.")]
-Gripper = Annotated[str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")]
-Mount = Annotated[str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")]
+Gravity = Annotated[
+    str, Option(help="In base_link (m/s^2); with --mount in the world.")
+]
+Gripper = Annotated[
+    str, Option(help="locked (4 joints) or jaws (adds the jaw rod axis_a).")
+]
+Mount = Annotated[
+    str, Option(help="Roll, pitch, yaw of base_link in the world, z up (rad).")
+]
 Payload = Annotated[str | None, Option(help=HELP["payload"])]
 Current = Annotated[str | None, Option(help=HELP["current"])]
 Constants = Annotated[str, Option(help=HELP["constants"])]
@@ -51,7 +57,12 @@ _FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
 _MOST = {"current": 100.0, "gravity": 1e4, "fluid": 1e5}
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 #: Unit behind a number -> what it measures, and its size in SI units.
-_UNITS = {"deg": ("rad", math.pi / 180), "mm": ("m", 1e-3), "rad": ("rad", 1.0), "m": ("m", 1.0)}
+_UNITS = {
+    "deg": ("rad", math.pi / 180),
+    "mm": ("m", 1e-3),
+    "rad": ("rad", 1.0),
+    "m": ("m", 1.0),
+}
 #: Unit -> what is plausible of a number in it.
 _PLAUSIBLE = {
     "m": plausibility.POSITION,
@@ -63,10 +74,22 @@ _NUMBER = rf"[-+−]?(?:\d+\.?\d*|\.\d+|inf|nan)(?:e[-+]?\d+)?(?:{'|'.join(_UNIT
 _NUMBERS = re.compile(rf"\s*{_NUMBER}(?:[\s,]+{_NUMBER})*[\s,]*", re.IGNORECASE)
 #: Options with vectors -> how many numbers they take at most; those with 0 take whatever stands
 #: before the next option, since their commands have no arguments.
-_VECTORS = {"--link": 5, "--limits": 2, "-l": 2, "--gravity": 9, "--current": 9, "--mount": 9}
+_VECTORS = {
+    "--link": 5,
+    "--limits": 2,
+    "-l": 2,
+    "--gravity": 9,
+    "--current": 9,
+    "--mount": 9,
+}
 _VECTORS |= {"--payload": 9, "--q": 0, "--v": 0, "--a": 0, "--xyz": 0, "--rpy": 0}
 _VECTORS |= {"--target": 0, "--pose": 0}
-_COLOURS = {"agrees": "green", "passed": "green", "differs": "yellow", "not run": "yellow"}
+_COLOURS = {
+    "agrees": "green",
+    "passed": "green",
+    "differs": "yellow",
+    "not run": "yellow",
+}
 _COLOURS |= {"impossible": "red", "failed": "red", "✗": "red", "·": "yellow"}
 _FIRST = re.compile(rf"( *)({'|'.join(_COLOURS)})(?= )")
 #: Where another unit seems meant: said beside the error or after the result.
@@ -85,7 +108,9 @@ def one_syntax(words: Iterable[str]) -> list[str]:
         if most is not None:
             out.append(left.pop(0))
         run: list[str] = []
-        while left and (_NUMBERS.fullmatch(left[0]) or (most == 0 and left[0][:1] != "-")):
+        while left and (
+            _NUMBERS.fullmatch(left[0]) or (most == 0 and left[0][:1] != "-")
+        ):
             run.append(left.pop(0))
             if most and (len(run) == most or len(_split(run[0])) > 1):
                 break
@@ -120,7 +145,9 @@ def numbers(
     """
     kinds = ("rad", "m") if " m" in unit else (unit.partition("/")[0],)
     allowed = {u: size for u, (kind, size) in _UNITS.items() if kind in kinds}
-    words = " or ".join(f"{_COUNTS.get(n, n)} numbers" if n > 1 else "one number" for n in counts)
+    words = " or ".join(
+        f"{_COUNTS.get(n, n)} numbers" if n > 1 else "one number" for n in counts
+    )
     values = []
     try:
         for part in _split(text):
@@ -137,7 +164,9 @@ def numbers(
     return values
 
 
-def joint_numbers(name: str, text: str, unit: str, counts: Sequence[int]) -> list[float]:
+def joint_numbers(
+    name: str, text: str, unit: str, counts: Sequence[int]
+) -> list[float]:
     """One number for each joint, base to tip; a unit apart behind them is not the jaw rod's."""
     words = " or ".join(_COUNTS[n] for n in sorted({*counts}))
     expected = f"{words} numbers ({unit}{', jaw rod m' if 5 in counts else ''})"
@@ -190,7 +219,9 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def arm_in(fluid: str, gravity: str, gripper: str, mount: str, payload: str | None) -> Arm:
+def arm_in(
+    fluid: str, gravity: str, gripper: str, mount: str, payload: str | None
+) -> Arm:
     """The arm, from the text of the options."""
     from alpha5_model.dynamics.load import load
 
@@ -235,7 +266,11 @@ def say(*lines: str) -> None:
         if sys.stdout.isatty():
             shown = re.sub(r"(?<![\w.,=-])-(?=[\d.])", "−", shown)
         for part in wrapped(shown, width()):
-            echo(_FIRST.sub(lambda m: m[1] + style(m[2], fg=_COLOURS[m[2]]), part, count=1))
+            echo(
+                _FIRST.sub(
+                    lambda m: m[1] + style(m[2], fg=_COLOURS[m[2]]), part, count=1
+                )
+            )
 
 
 def width() -> int:

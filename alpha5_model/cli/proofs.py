@@ -16,7 +16,11 @@ from typer import Argument, Option, style
 from alpha5_model._support.files import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options
-from alpha5_model.description.verification import FileCheck, verify_generated, verify_urdf
+from alpha5_model.description.verification import (
+    FileCheck,
+    verify_generated,
+    verify_urdf,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.proofs.audit.run import audit
@@ -35,9 +39,13 @@ _RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 
 
 def check(
-    urdf: Annotated[Path | None, Option(help="Check this file alone.", metavar="FILE")] = None,
+    urdf: Annotated[
+        Path | None, Option(help="Check this file alone.", metavar="FILE")
+    ] = None,
     corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
-    verbose: Annotated[bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])] = False,
+    verbose: Annotated[
+        bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])
+    ] = False,
     as_json: options.Json = False,
 ) -> int:
     """Check the manufacturer's document against itself and the generated files against it.
@@ -61,7 +69,9 @@ def check(
     return 1 if failed else 0
 
 
-def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool) -> options.Lines:
+def _report(
+    claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool
+) -> options.Lines:
     yield _summary(claims, files)
     by_heading = _grouped(claims, _heading)
     for heading, title in options.WORDS["check"].items():
@@ -70,7 +80,9 @@ def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: boo
         if not shown:
             continue
         yield f"\n{title}"
-        lines: list[Any] = [(same[0].verdict, sentence(same, verbose)) for same in alike(shown)]
+        lines: list[Any] = [
+            (same[0].verdict, sentence(same, verbose)) for same in alike(shown)
+        ]
         yield from table(lines, "<", 2, options.width())
     yield "\nThe files against the documents"
     for file, checks in _grouped(files, lambda row: row.file).items():
@@ -78,7 +90,10 @@ def _report(claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: boo
         yield f"  {file}: {', '.join(f'{n} {verdict}' for verdict, n in count.items())}"
         found = [row for row in checks if verbose or row.verdict != "passed"]
         off = (f"{row.measured:.1e}" if row.measured else "" for row in found)
-        cells = [[x.verdict, x.check, far, x.finding] for x, far in zip(found, off, strict=True)]
+        cells = [
+            [x.verdict, x.check, far, x.finding]
+            for x, far in zip(found, off, strict=True)
+        ]
         yield from table(cells, "<", 4, options.width()) if cells else ()
     if not verbose:
         yield "\n--verbose adds the rows in agreement, the claims' words and all reasons"
@@ -95,7 +110,9 @@ def _heading(row: AuditRow) -> str:
 
 def alike(rows: Iterable[AuditRow]) -> Iterable[Sequence[AuditRow]]:
     """Rows that read the same, together."""
-    return _grouped(rows, lambda row: (row.topic, row.verdict, _figures(row), _asked(row))).values()
+    return _grouped(
+        rows, lambda row: (row.topic, row.verdict, _figures(row), _asked(row))
+    ).values()
 
 
 def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
@@ -107,11 +124,15 @@ def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
     row = rows[0]
     # the common beginning of the places, comma by comma
     parts = zip(*(r.place.split(", ") for r in rows), strict=False)
-    place = ", ".join(part[0] for part in takewhile(lambda part: len({*part}) == 1, parts))
+    place = ", ".join(
+        part[0] for part in takewhile(lambda part: len({*part}) == 1, parts)
+    )
     place += f", {_subjects(rows)}" if len(rows) > 1 else ""
     if not verbose:
         return f"{place}: {_asked(row)}: {_figures(row)}"
-    claims, found = (dict.fromkeys(getattr(r, k) for r in rows) for k in ("says", "finding"))
+    claims, found = (
+        dict.fromkeys(getattr(r, k) for r in rows) for k in ("says", "finding")
+    )
     worth = f", worth {row.effect:.3g} {row.effect_unit}" if row.effect else ""
     return f'{place}, "{"; ".join(claims)}": {"; ".join(found)}: {_figures(row)}{worth}'
 
@@ -159,16 +180,24 @@ def _summary(document: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
     parts = [documents(document)] if document else []
     verdicts = Counter({"passed": 0, "failed": 0})
     verdicts.update(row.verdict for row in files)
-    parts.append("files " + ", ".join(f"{count} {word}" for word, count in verdicts.items()))
+    parts.append(
+        "files " + ", ".join(f"{count} {word}" for word, count in verdicts.items())
+    )
     return "; ".join(parts).capitalize()
 
 
 def compare(
     other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
-    joints: Annotated[str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")] = "",
-    base: Annotated[str | None, Option(help="First link of an arm on a vehicle.")] = None,
+    joints: Annotated[
+        str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")
+    ] = "",
+    base: Annotated[
+        str | None, Option(help="First link of an arm on a vehicle.")
+    ] = None,
     xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
-    package: Annotated[list[str] | None, Option(help="With --xacro: NAME=FOLDER.")] = None,
+    package: Annotated[
+        list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
+    ] = None,
     arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
     samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
     as_json: options.Json = False,
@@ -200,25 +229,39 @@ def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
     pairs: dict[str, str] = {}
     for part in filter(None, (p.strip() for p in parts)):
         name, equals, value = part.partition(sign)
-        if not name or not equals or (not value and option != "arg") or name.strip() in pairs:
-            expected = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+        if (
+            not name
+            or not equals
+            or (not value and option != "arg")
+            or name.strip() in pairs
+        ):
+            expected = (
+                "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+            )
             raise InputError(option, ",".join(parts), f"{expected} with each name once")
         pairs[name.strip()] = value.strip()
     return pairs
 
 
 def _differences(comparison: Comparison) -> options.Lines:
-    joints = ", ".join(f"{ours} = {theirs}" for ours, theirs in comparison.joints.items())
+    joints = ", ".join(
+        f"{ours} = {theirs}" for ours, theirs in comparison.joints.items()
+    )
     yield f"{comparison.name}: {joints or comparison.verdict}"
     if not joints:
         return
-    rows = [["body", "", "mass", "COM x", "COM y", "COM z", *(f"moment {n}" for n in "123")]]
+    rows = [
+        ["body", "", "mass", "COM x", "COM y", "COM z", *(f"moment {n}" for n in "123")]
+    ]
     rows.append(["", "", "[g]", *["[mm]"] * 3, *["[kg mm²]"] * 3])
     for body in comparison.bodies:
         both = body.as_dict()
         theirs, ours = _row(both), _row(both["ours"])
         apart = (_cell(a - b, "+") for a, b in zip(theirs, ours, strict=True))
-        rows += [[body.name, "theirs", *map(_cell, theirs)], ["", "ours", *map(_cell, ours)]]
+        rows += [
+            [body.name, "theirs", *map(_cell, theirs)],
+            ["", "ours", *map(_cell, ours)],
+        ]
         rows.append(["", "diff", *apart])
     yield from table(rows, "<<>", 1)
     yield _largest(comparison)

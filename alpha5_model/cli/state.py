@@ -42,9 +42,18 @@ def fk(
     position = options.joint_numbers("q", " ".join(q), "rad", (4, 5))
     gripper = "locked" if len(position) == 4 else "jaws"
     arm = options.arm_in("sea", options.DOWN, gripper, "0 0 0", None)
-    rows = [["frame", "x", "y", "z", "roll", "pitch", "yaw"], ["", *["mm"] * 3, *["deg"] * 3]]
-    record: dict[str, Any] = {"q": position, "beyond_limits": _beyond(arm, position), "frames": {}}
-    for name in (f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"):
+    rows = [
+        ["frame", "x", "y", "z", "roll", "pitch", "yaw"],
+        ["", *["mm"] * 3, *["deg"] * 3],
+    ]
+    record: dict[str, Any] = {
+        "q": position,
+        "beyond_limits": _beyond(arm, position),
+        "frames": {},
+    }
+    for name in (
+        f.name for f in arm.model.frames if f.name == "tcp" or f.type.name == "BODY"
+    ):
         pose = arm.forward_kinematics(position, name)
         record["frames"][name] = pose.homogeneous
         place = *1e3 * pose.translation, *np.degrees(rpy_from_rotation(pose.rotation))
@@ -63,7 +72,9 @@ def ik(
     x: Annotated[float, Argument(help="tcp in base_link (m).", parser=options.metres)],
     y: Annotated[float, Argument(help="(m)", parser=options.metres)],
     z: Annotated[float, Argument(help="(m)", parser=options.metres)],
-    wrist: Annotated[float, Option(help="theta_3 (rad).", parser=options.radians)] = 0.0,
+    wrist: Annotated[
+        float, Option(help="theta_3 (rad).", parser=options.radians)
+    ] = 0.0,
     as_json: options.Json = False,
 ) -> None:
     """All inverse kinematics solutions of a tcp position.
@@ -79,7 +90,13 @@ def ik(
     rows = [["branch", *(joint.name for joint in parameters().joints[:4]), "limits"]]
     for i, (name, q) in enumerate(zip(BRANCHES, solutions.q, strict=True)):
         exists, within = solutions.exists[i], solutions.within_limits[i]
-        row = {"name": name, "exists": exists, "within_limits": within, "q": None, "same_as": None}
+        row = {
+            "name": name,
+            "exists": exists,
+            "within_limits": within,
+            "q": None,
+            "same_as": None,
+        }
         angles, said = ["-"] * 4, "out of reach"
         if exists:
             angles, row["q"] = [f"{angle:.6f}" for angle in q], q
@@ -92,9 +109,13 @@ def ik(
         record["branches"].append(row)
         rows.append([name, *angles, said])
     text = ["joint positions (rad)", *table(rows, "<>>>><")]
-    text.append(f"nearest to mid-range: --q={','.join(f'{angle:.9g}' for angle in best)}")
+    text.append(
+        f"nearest to mid-range: --q={','.join(f'{angle:.9g}' for angle in best)}"
+    )
     if solutions.singular:
-        text.append("The target is singular: on the yaw axis, or the arm is stretched or folded.")
+        text.append(
+            "The target is singular: on the yaw axis, or the arm is stretched or folded."
+        )
     options.show(as_json, record, text)
 
 
@@ -102,7 +123,9 @@ def torque(
     q: Annotated[str, Option("--q", help=f"Positions: {_JOINTS} (rad).")],
     v: Annotated[str, Option("--v", help="Velocities (rad/s).")] = "0 0 0 0",
     a: Annotated[str, Option("--a", help="Accelerations (rad/s^2).")] = "0 0 0 0",
-    degrees: Annotated[bool, Option("--degrees", help="--q, --v, --a in degrees.")] = False,
+    degrees: Annotated[
+        bool, Option("--degrees", help="--q, --v, --a in degrees.")
+    ] = False,
     fluid: options.Fluid = "sea",
     gravity: options.Gravity = options.DOWN,
     gripper: options.Gripper = "locked",
@@ -130,8 +153,14 @@ def torque(
     flow = options.current_vector(current)
     n = len(arm.joint_names)
     state: list[Any] = []
-    for name, text, unit in (("--q", q, "rad"), ("--v", v, "rad/s"), ("--a", a, "rad/s^2")):
-        row = options.joint_numbers(name, f"{text} deg" if degrees else text, unit, (4, n))
+    for name, text, unit in (
+        ("--q", q, "rad"),
+        ("--v", v, "rad/s"),
+        ("--a", a, "rad/s^2"),
+    ):
+        row = options.joint_numbers(
+            name, f"{text} deg" if degrees else text, unit, (4, n)
+        )
         closed = arm.limits.lower[4:].tolist() if name == "--q" else [0.0]
         state.append([*row, *closed] if len(row) < n else row)
     result = _result(arm, constants, efficiency, flow, *state)
@@ -143,7 +172,9 @@ def torque(
     options.show(as_json, result, _text(result), plot)
 
 
-def _result(arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: Any, a: Any) -> Any:
+def _result(
+    arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: Any, a: Any
+) -> Any:
     """The result as it goes to JSON, SI units."""
     from alpha5_model.dynamics.batch import torque_terms, water_terms
     from alpha5_model.studies.uncertainty.effects import torque_margin
@@ -151,13 +182,22 @@ def _result(arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: 
     total, terms = arm.inverse_dynamics(q, v, a), torque_terms(arm, q, v, a, threads=1)
     wrench, load = arm.base_wrench(q, v, a).vector, {}
     around = {"fluid_density": arm.fluid_density, "gravity": arm.model.gravity.linear}
-    columns = {"joint": arm.joint_names, "position": q, "velocity": v, "acceleration": a}
+    columns = {
+        "joint": arm.joint_names,
+        "position": q,
+        "velocity": v,
+        "acceleration": a,
+    }
     columns |= {term: getattr(terms, term)[0] for term in TERMS}
     if current is not None:
         water = water_terms(arm, np.array([q]), np.array([v]), np.array([a]), current)
         levels, around["water_current"] = water.torque[0], current
         total, wrench = total + levels[1], wrench + water.wrench[0, 1]
-        load = {"moving_water": dict(zip(LEVELS, map(_wrench, water.wrench[0]), strict=True))}
+        load = {
+            "moving_water": dict(
+                zip(LEVELS, map(_wrench, water.wrench[0]), strict=True)
+            )
+        }
         # All numbers low to all high.
         interval = np.stack([levels.min(axis=0), levels.max(axis=0)], axis=1)
         columns |= {"moving_water": levels[1], "moving_water_range": interval}
@@ -165,10 +205,19 @@ def _result(arm: Arm, constants: str, efficiency: str, current: Any, q: Any, v: 
     for name, torque, speed in zip(arm.joint_names, total, v, strict=True):
         motor = actuator(name, constants, efficiency=efficiency)
         flows.append((None, None))
-        with suppress(MissingParameterError):  # the jaw rod's screw lead is not published
-            held = motor.current_interval(torque, speed) if speed else motor.holding_current(torque)
+        with suppress(
+            MissingParameterError
+        ):  # the jaw rod's screw lead is not published
+            held = (
+                motor.current_interval(torque, speed)
+                if speed
+                else motor.holding_current(torque)
+            )
             flows[-1] = motor.current(torque, speed), [*held]
-    columns |= {"torque": total, "torque_range": (total + torque_margin(arm, q, v, a)).T}
+    columns |= {
+        "torque": total,
+        "torque_range": (total + torque_margin(arm, q, v, a)).T,
+    }
     columns |= zip(("current", "current_range"), zip(*flows, strict=True), strict=True)
     beyond = _beyond(arm, q)
     columns["within_limits"] = [name not in beyond for name in arm.joint_names]
@@ -189,7 +238,9 @@ def _wrench(vector: FloatArray) -> dict[str, Any]:
 
 def _text(result: Any) -> options.Lines:
     joints, water = result["joints"], result.get("water_current")
-    rows = [["", "inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range"]]
+    rows = [
+        ["", "inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range"]
+    ]
     for unit, group in (("N m", joints[:4]), ("N", joints[4:])):
         rows += [["", *[unit] * 5, *["A"] * 2]] if group else []
         for joint in group:
@@ -200,7 +251,9 @@ def _text(result: Any) -> options.Lines:
     mount = result["mount"]
     said = {part: ", ".join(map(_cell, mount[part])) for part in ("force", "moment")}
     said["gravity"] = ", ".join(f"{round(g, 6) + 0.0:g}" for g in result["gravity"])
-    said["digits"] = ", ".join(_cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4])
+    said["digits"] = ", ".join(
+        _cell(np.ptp(joint["torque_range"]) / 2) for joint in joints[:4]
+    )
     said["water"] = " + water" if water else ""
     yield options.WORDS["torque"]["notes"].format(**result | said)
     if water:

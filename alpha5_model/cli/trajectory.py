@@ -37,8 +37,12 @@ _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 def trajectory(
     file: Annotated[Path, Argument(help=options.HELP["file"])],
     topic: Annotated[str | None, Option(help="Of a bag with several arms.")] = None,
-    prefix: Annotated[str | None, Option(help="Before the joints' names: left_.")] = None,
-    output: Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")] = None,
+    prefix: Annotated[
+        str | None, Option(help="Before the joints' names: left_.")
+    ] = None,
+    output: Annotated[
+        Path | None, Option("--output", "-o", help="Table, .csv or .json.")
+    ] = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
     fluid: options.Fluid = "sea",
@@ -47,14 +51,26 @@ def trajectory(
     payload: options.Payload = None,
     current: options.Current = None,
     gripper: Annotated[str, Option(help=options.HELP["gripper"])] = "auto",
-    smoothing: Annotated[str, Option(help="spline, savgol or interpolate (no noise).")] = "spline",
-    bandwidth: Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")] = 2.0,
-    velocities: Annotated[str, Option(help="file, positions (their slope) or auto.")] = "auto",
+    smoothing: Annotated[
+        str, Option(help="spline, savgol or interpolate (no noise).")
+    ] = "spline",
+    bandwidth: Annotated[
+        float, Option(help="-3 dB frequency of the smoothing (Hz).")
+    ] = 2.0,
+    velocities: Annotated[
+        str, Option(help="file, positions (their slope) or auto.")
+    ] = "auto",
     constants: options.Constants = "printed",
     efficiency: options.Efficiency = "gearbox",
-    supply_voltage: Annotated[float | None, Option(help="For limits (V); not published.")] = None,
-    current_limit: Annotated[float | None, Option(help="Of each motor (A); not published.")] = None,
-    screw_lead: Annotated[float | None, Option(help="Jaw rod (m per turn); not published.")] = None,
+    supply_voltage: Annotated[
+        float | None, Option(help="For limits (V); not published.")
+    ] = None,
+    current_limit: Annotated[
+        float | None, Option(help="Of each motor (A); not published.")
+    ] = None,
+    screw_lead: Annotated[
+        float | None, Option(help="Jaw rod (m per turn); not published.")
+    ] = None,
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 
@@ -87,7 +103,11 @@ def trajectory(
                 raise InputError("screw-lead", screw_lead, expected)
         arm = options.arm_in(fluid, gravity, gripper, mount, payload)
         how: dict[str, Any] = {"method": smoothing, "bandwidth": bandwidth}
-        how |= {"use_velocity": use_velocity, "constants": constants, "actuators": motors}
+        how |= {
+            "use_velocity": use_velocity,
+            "constants": constants,
+            "actuators": motors,
+        }
         how |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
         how |= {"efficiency": efficiency}
         analysis = library.analyse(motion, arm, progress=progress, current=flow, **how)
@@ -105,10 +125,18 @@ def trajectory(
 
 
 def sweep(
-    study: Annotated[Path, Argument(help="TOML: axes and outputs; see the guide on studies.")],
-    output: Annotated[Path, Option("--output", "-o", help="Folder; goes on with what is there.")],
-    workers: Annotated[int, Option(help="Processes here; 0 for this one alone.", min=0)] = 0,
-    scheduler: Annotated[str | None, Option(help="Of a Dask cluster: tcp://host:8786.")] = None,
+    study: Annotated[
+        Path, Argument(help="TOML: axes and outputs; see the guide on studies.")
+    ],
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder; goes on with what is there.")
+    ],
+    workers: Annotated[
+        int, Option(help="Processes here; 0 for this one alone.", min=0)
+    ] = 0,
+    scheduler: Annotated[
+        str | None, Option(help="Of a Dask cluster: tcp://host:8786.")
+    ] = None,
     as_json: options.Json = False,
 ) -> int:
     """Torques, currents, loads over all that a study varies: extremes, maps, quantiles, tables.
@@ -117,9 +145,13 @@ def sweep(
 
     Example: alpha5 sweep study.toml --output results
     """
-    os.environ.setdefault("DASK_LOGGING", _QUIET)  # read when Dask is imported, by the workers, too
+    os.environ.setdefault(
+        "DASK_LOGGING", _QUIET
+    )  # read when Dask is imported, by the workers, too
     with _progress() as progress:
-        found = computed(study, output, workers=workers, scheduler=scheduler, progress=progress)
+        found = computed(
+            study, output, workers=workers, scheduler=scheduler, progress=progress
+        )
     units = {name: found.study.outputs[name].unit for name in found.outputs}
     record = {"rows": found.rows, "failures": found.failures, "units": units}
     record["outputs"] = found.outputs
@@ -133,8 +165,12 @@ def _text(record: dict[str, Any]) -> options.Lines:
         count = max(map(len, columns.values()))
         more = f": the first {_PRINTED} of {count}" if count > _PRINTED else ""
         yield f"\n{name} [{record['units'][name]}]{more}"
-        shown = {key: x[:_PRINTED] for key, x in columns.items() if not key.endswith("_row")}
-        yield from table([[key, *map(_cell, x.tolist())] for key, x in shown.items()], "<>", 2)
+        shown = {
+            key: x[:_PRINTED] for key, x in columns.items() if not key.endswith("_row")
+        }
+        yield from table(
+            [[key, *map(_cell, x.tolist())] for key, x in shown.items()], "<>", 2
+        )
     for recording, problem in record["failures"].items():
         yield f"\nnot used: {recording}: {problem}"
 
@@ -148,7 +184,9 @@ def _cell(x: Any) -> str:
 @contextmanager
 def _progress() -> Iterator[Callable[[str, float], None]]:
     console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Progress(
+        console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
 
         def progress(stage: str, done: float) -> None:
             if stage not in (task.description for task in bar.tasks):

@@ -40,7 +40,9 @@ BASE_PARAMETERS = {"link_0.n": "kg"} | {f"link_0.n{axis}": "kg m" for axis in "x
 for _i in (1, 2, 3, 4):
     _names = ("izz", "xz", "yz") if _i == 1 else tuple(SECOND)
     BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m^2" for name in _names}
-    BASE_PARAMETERS |= {f"link_{_i}.{name}": "kg m" for name in ("hx", "hy", "nx", "ny")}
+    BASE_PARAMETERS |= {
+        f"link_{_i}.{name}": "kg m" for name in ("hx", "hy", "nx", "ny")
+    }
 BASE_PARAMETERS |= {f"gravity.{axis}": "m/s^2" for axis in "xyz"}
 
 #: Entries of B; C has those of second moments.
@@ -51,13 +53,17 @@ _STRIP = dict.fromkeys(("x", "y", "z", "half"), "m")
 _STRIP |= dict.fromkeys(("across", "along"), "N s^2/m^2")
 #: Name -> unit, in order: B and C of each link, then of each strip its middle, half its length, drag across and along.
 WATER_PARAMETERS = {f"link_{i}.b{name}": "kg" for i in (1, 2, 3, 4) for name in _B}
-WATER_PARAMETERS |= {f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in SECOND}
+WATER_PARAMETERS |= {
+    f"link_{i}.c{name}": "kg m" for i in (1, 2, 3, 4) for name in SECOND
+}
 for _k in range(len(STRIPS)):
     WATER_PARAMETERS |= {f"strip_{_k}.{name}": unit for name, unit in _STRIP.items()}
 
 
 def base_parameters(
-    links: Sequence[RigidBody], fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+    links: Sequence[RigidBody],
+    fluid_density: float = SEA_WATER,
+    gravity: ArrayLike = GRAVITY,
 ) -> FloatArray:
     """Values of `BASE_PARAMETERS`.
 
@@ -70,13 +76,19 @@ def base_parameters(
     Returns:
         (41,).
     """
-    bodies = [moments(x.mass, x.com, x.inertia, x.volume, x.cob, fluid_density) for x in links]
+    bodies = [
+        moments(x.mass, x.com, x.inertia, x.volume, x.cob, fluid_density) for x in links
+    ]
     return regrouped(np.array(bodies), gravity)
 
 
-def regrouped(moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike) -> FloatArray:
+def regrouped(
+    moments: Sequence[FloatArray] | FloatArray, gravity: ArrayLike
+) -> FloatArray:
     """Values of `BASE_PARAMETERS`, linear in what each link has of mass and net mass, (2, 4, 4) each."""
-    values = dict(zip((f"gravity.{axis}" for axis in "xyz"), np.asarray(gravity), strict=True))
+    values = dict(
+        zip((f"gravity.{axis}" for axis in "xyz"), np.asarray(gravity), strict=True)
+    )
     rows, handed = parameters().dh, np.zeros((2, 4, 4))
     for i in (4, 3, 2, 1, 0):
         mass, net = left = handed + moments[i]
@@ -106,7 +118,9 @@ def moments(*body: Any, stack: Any = np.append) -> tuple[Any, Any]:
     centre, centroid = stack(com, 1.0).reshape((4, 1)), stack(cob, 1.0).reshape((4, 1))
     total = mass * (centre @ centre.T)
     net = total - density * volume * (centroid @ centroid.T)
-    total[:3, :3] += (inertia[0, 0] + inertia[1, 1] + inertia[2, 2]) / 2 * np.eye(3) - inertia
+    total[:3, :3] += (inertia[0, 0] + inertia[1, 1] + inertia[2, 2]) / 2 * np.eye(
+        3
+    ) - inertia
     return total, net
 
 
@@ -149,7 +163,9 @@ def water_parameters(
         for strip in strips[link - 1]:
             ends = np.abs(strip.end - strip.start) / 2
             kind, half = (link, int(ends.argmax()), gauss_count(strip)), ends.max()
-            place = next((k for k, free_kind in free.items() if free_kind == kind), None)
+            place = next(
+                (k for k, free_kind in free.items() if free_kind == kind), None
+            )
             if place is None or np.count_nonzero(ends) > 1:
                 return None
             del free[place]

@@ -20,7 +20,12 @@ import casadi
 import numpy as np
 from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 
-from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND, STRIPS, WATER_PARAMETERS
+from alpha5_model.codegen.base_parameters import (
+    BASE_PARAMETERS,
+    SECOND,
+    STRIPS,
+    WATER_PARAMETERS,
+)
 from alpha5_model.codegen.program import named
 from alpha5_model.numbers.parameters import parameters
 
@@ -48,13 +53,17 @@ class Turn(NamedTuple):
         """A vector in the axes of the link."""
         x, y, z = vertsplit(vector)
         y, z = self.along * y + self.across * z, self.along * z - self.across * y
-        return vertcat(self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z)
+        return vertcat(
+            self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z
+        )
 
     def inward(self, vector: SX) -> SX:
         """A vector of the link in the axes of the frame before."""
         x, y, z = vertsplit(vector)
         x, y = self.cosine * x - self.sine * y, self.sine * x + self.cosine * y
-        return vertcat(x, self.along * y - self.across * z, self.across * y + self.along * z)
+        return vertcat(
+            x, self.along * y - self.across * z, self.across * y + self.along * z
+        )
 
     def pose(self) -> SX:
         """Of the link in the frame before, (4, 4)."""
@@ -65,12 +74,19 @@ class Turn(NamedTuple):
 def turns(q: SX) -> list[Turn]:
     """Base to link 1, ..., link 3 to link 4, and link 4 to the tcp."""
     out, origin, alpha = [], [0.0, 0.0, 0.0], 0.0
-    turned = [*((casadi.cos(x), casadi.sin(x)) for x in vertsplit(q)), (SX(1.0), SX(0.0))]
+    turned = [
+        *((casadi.cos(x), casadi.sin(x)) for x in vertsplit(q)),
+        (SX(1.0), SX(0.0)),
+    ]
     for row, (c, s) in zip(parameters().dh, turned, strict=True):
         # cos(q + offset) from cos(q) and sin(q): q + offset would round large angles.
         cosine, sine = (_exact(f(row.theta_offset)) for f in (math.cos, math.sin))
         across, along = round(math.sin(alpha)), round(math.cos(alpha))
-        out.append(Turn(SX(origin), cosine * c - sine * s, sine * c + cosine * s, across, along))
+        out.append(
+            Turn(
+                SX(origin), cosine * c - sine * s, sine * c + cosine * s, across, along
+            )
+        )
         origin, alpha = [row.a, 0.0, row.d], row.alpha
     return out
 
@@ -81,7 +97,12 @@ def _exact(value: float) -> float:
 
 
 def newton_euler(
-    q: SX, v: SX, a: SX, base_parameters: SX, current: SX | None = None, load: Load | None = None
+    q: SX,
+    v: SX,
+    a: SX,
+    base_parameters: SX,
+    current: SX | None = None,
+    load: Load | None = None,
 ) -> tuple[SX, SX]:
     """Joint torques (4, 1), and force above moment on the mount in base_link (6, 1).
 
@@ -95,7 +116,12 @@ def newton_euler(
         return [p.get(f"link_{link}.{name}", SX(0.0)) for name in names]
 
     gravity = g = vertcat(*(p[f"gravity.{axis}"] for axis in "xyz"))
-    omega, alpha, acceleration, u = SX.zeros(3), SX.zeros(3), SX.zeros(3), SX.zeros(3, 3)
+    omega, alpha, acceleration, u = (
+        SX.zeros(3),
+        SX.zeros(3),
+        SX.zeros(3),
+        SX.zeros(3, 3),
+    )
     steps, forces, moments = turns(q)[:JOINTS], [], []
     velocity = SX.zeros(3) if current is None else -current
     for i, step in enumerate(steps):
@@ -105,7 +131,10 @@ def newton_euler(
         alpha += vertcat(omega[1] * v[i], -omega[0] * v[i], a[i])
         omega += vertcat(0.0, 0.0, v[i])
         u = _rates(omega, alpha)
-        h, n = vertcat(*of(i + 1, "hx", "hy", "hz")), vertcat(*of(i + 1, "nx", "ny", "nz"))
+        h, n = (
+            vertcat(*of(i + 1, "hx", "hy", "hz")),
+            vertcat(*of(i + 1, "nx", "ny", "nz")),
+        )
         second = of(i + 1, "xx", "yy", "xy", "xz", "yz")
         force, moment = SX.zeros(3), cross(h, acceleration)
         if load is not None:
@@ -129,7 +158,11 @@ def _rates(omega: SX, alpha: SX) -> SX:
     x, y, z = vertsplit(omega)
     a, b, c = vertsplit(alpha)
     xx, yy, zz, xy, xz, yz = -x * x, -y * y, -z * z, x * y, x * z, y * z
-    rows = (yy + zz, xy - c, xz + b), (xy + c, xx + zz, yz - a), (xz - b, yz + a, xx + yy)
+    rows = (
+        (yy + zz, xy - c, xz + b),
+        (xy + c, xx + zz, yz - a),
+        (xz - b, yz + a, xx + yy),
+    )
     return vertcat(*(horzcat(*row) for row in rows))
 
 
@@ -138,7 +171,11 @@ def _turning(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
     return vertcat(
         u[2, 0] * xy + u[2, 1] * yy + (u[2, 2] - u[1, 1]) * yz - u[1, 0] * xz,
         (u[0, 0] - u[2, 2]) * xz + u[0, 1] * yz - u[2, 0] * xx - u[2, 1] * xy,
-        u[1, 0] * xx - u[0, 1] * yy + (u[1, 1] - u[0, 0]) * xy + u[1, 2] * xz - u[0, 2] * yz,
+        u[1, 0] * xx
+        - u[0, 1] * yy
+        + (u[1, 1] - u[0, 0]) * xy
+        + u[1, 2] * xz
+        - u[0, 2] * yz,
     )
 
 
@@ -159,7 +196,9 @@ def weightless(base_parameters: SX) -> SX:
 def in_air(base_parameters: SX) -> SX:
     """The same without fluid around the moving links: their net first moments are those of the mass."""
     index = {name: i for i, name in enumerate(BASE_PARAMETERS)}
-    return base_parameters[[index.get(name.replace(".n", ".h"), i) for name, i in index.items()]]
+    return base_parameters[
+        [index.get(name.replace(".n", ".h"), i) for name, i in index.items()]
+    ]
 
 
 def _mass_matrix(torque: SX, a: SX) -> SX:
@@ -181,13 +220,20 @@ def dynamics() -> tuple[casadi.Function, ...]:
     coriolis, _ = newton_euler(q, v, still, weightless(p))
     # From the outputs, row by row, where that takes fewer operations: of four torques, not of six of a wrench.
     rows = {"helper_options": {"ad_weight": 1}}
-    by = {k: (jacobian(torque, inputs[k], rows), jacobian(wrench, inputs[k])) for k in "qva"}
+    by = {
+        k: (jacobian(torque, inputs[k], rows), jacobian(wrench, inputs[k]))
+        for k in "qva"
+    }
     mass = _mass_matrix(newton_euler(q, still, a, weightless(p))[0], a)
     factors = casadi.ldl(mass, False)
     acceleration = casadi.ldl_solve(tau - bias, *factors)
     mobility = casadi.tril2symm(casadi.tril(casadi.ldl_solve(SX.eye(JOINTS), *factors)))
     pushed = casadi.substitute(by["q"][0], a, acceleration)
-    slopes = {"a_q": -mobility @ pushed, "a_v": -mobility @ by["v"][0], "a_tau": mobility}
+    slopes = {
+        "a_q": -mobility @ pushed,
+        "a_v": -mobility @ by["v"][0],
+        "a_tau": mobility,
+    }
     every = {
         "forward_kinematics": {"tcp": tip},
         "link_poses": {f"link_{i}": pose for i, pose in enumerate(links, 1)},
@@ -201,7 +247,11 @@ def dynamics() -> tuple[casadi.Function, ...]:
         "coriolis_matrix": {"coriolis": jacobian(coriolis, v) / 2},
         "nonlinear_effects": {"tau": bias},
         "inverse_dynamics": {"tau": torque},
-        "inverse_dynamics_derivatives": {"tau_q": by["q"][0], "tau_v": by["v"][0], "tau_a": mass},
+        "inverse_dynamics_derivatives": {
+            "tau_q": by["q"][0],
+            "tau_v": by["v"][0],
+            "tau_a": mass,
+        },
         "base_wrench": {"wrench": wrench},
         "inverse_dynamics_with_base_wrench": {"tau": torque, "wrench": wrench},
         "base_wrench_derivatives": {f"wrench_{name}": by[name][1] for name in "qva"},
@@ -233,11 +283,15 @@ def in_moving_water() -> tuple[casadi.Function, ...]:
     load = partial(_load, water)
     torque, _ = newton_euler(q, v, a, base, current, load)
     bias, _ = newton_euler(q, v, still, base, current, load)
-    mass = _mass_matrix(newton_euler(q, still, a, weightless(base), SX.zeros(3), load)[0], a)
+    mass = _mass_matrix(
+        newton_euler(q, still, a, weightless(base), SX.zeros(3), load)[0], a
+    )
     acceleration = casadi.ldl_solve(tau - bias, *casadi.ldl(mass, False))
     inputs = {"q": q, "v": v, "a": a, "tau": tau, "current": current, "parameters": p}
     results = {"inverse": {"tau": torque}, "forward": {"a": acceleration}}
-    return tuple(named(f"{k}_dynamics_in_current", inputs, out) for k, out in results.items())
+    return tuple(
+        named(f"{k}_dynamics_in_current", inputs, out) for k, out in results.items()
+    )
 
 
 def _load(
@@ -261,7 +315,9 @@ def _load(
         Force and moment about its origin, in its axes.
     """
     p = dict(zip(WATER_PARAMETERS, vertsplit(parameters), strict=True))
-    entries = ([p.get(f"link_{link}.{block}{at}", SX(0)) for at in SECOND] for block in "bc")
+    entries = (
+        [p.get(f"link_{link}.{block}{at}", SX(0)) for at in SECOND] for block in "bc"
+    )
     b, c = (_symmetric(*each) for each in entries)
     c[2, 2] = c[0, 0] + c[1, 1]
     d = 2 * (c - c[2, 2] * SX.eye(3))
@@ -272,7 +328,9 @@ def _load(
     moment += cross(omega, d @ velocity) + cross(velocity, momentum)
     for k, (carrier, axis, points) in enumerate(STRIPS):
         if carrier == link:
-            numbers = [p[name] for name in WATER_PARAMETERS if name.startswith(f"strip_{k}.")]
+            numbers = [
+                p[name] for name in WATER_PARAMETERS if name.startswith(f"strip_{k}.")
+            ]
             drag, about = _strip(axis, points, velocity, omega, u, numbers)
             force, moment = force + drag, moment + about
     return force, moment
@@ -280,10 +338,14 @@ def _load(
 
 def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
     """Without zz."""
-    return vertcat(*(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, SX(0)))))
+    return vertcat(
+        *(horzcat(*row) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, SX(0))))
+    )
 
 
-def _strip(axis: int, points: int, velocity: SX, omega: SX, u: SX, p: list[SX]) -> tuple[SX, SX]:
+def _strip(
+    axis: int, points: int, velocity: SX, omega: SX, u: SX, p: list[SX]
+) -> tuple[SX, SX]:
     """Force of a strip along an axis of its link, and moment about the origin.
 
     At a distance x from its middle the velocity across is ``there + x w``: the sums of the speeds, times x and times
@@ -300,7 +362,9 @@ def _strip(axis: int, points: int, velocity: SX, omega: SX, u: SX, p: list[SX]) 
         if t > 0:  # and its mirror image
             x, share = t * half, weight / 2 * across
             even, odd = square - x**2 * u[axis, axis], 2 * x * mixed
-            ahead, behind = (casadi.sqrt(casadi.fabs(y)) for y in (even + odd, even - odd))
+            ahead, behind = (
+                casadi.sqrt(casadi.fabs(y)) for y in (even + odd, even - odd)
+            )
             both = share * (ahead + behind)
             speeds, second = speeds + both, second + x**2 * both
             first += x * share * (ahead - behind)

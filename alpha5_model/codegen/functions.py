@@ -45,7 +45,9 @@ def _with_payload() -> casadi.Function:
     given = {name: casadi.SX.sym(name, *shape) for name, shape in shapes.items()}
     p, nothing = casadi.SX.sym("parameters", len(BASE_PARAMETERS)), np.zeros((2, 4, 4))
     units = (tip @ unit @ tip.T for unit in np.eye(32).reshape(32, 2, 4, 4))
-    shares = np.array([regrouped([nothing] * 4 + [unit], np.zeros(3)) for unit in units])
+    shares = np.array(
+        [regrouped([nothing] * 4 + [unit], np.zeros(3)) for unit in units]
+    )
     body = casadi.veccat(*moments(*given.values(), stack=casadi.vertcat))
     out = {"parameters_with_payload": p + casadi.DM(shares.T.round(15)) @ body}
     return named("with_payload", {"parameters": p, **given}, out)

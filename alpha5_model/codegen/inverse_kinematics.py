@@ -53,7 +53,9 @@ def inverse_kinematics() -> casadi.Function:
     back = g.phi_offset + g.middle[1]
     cos, sin = math.cos(back), math.sin(back)
     branches: dict[int, tuple[SX, ...]] = {}
-    for pair, (r, half_turn) in enumerate(((radius - g.a_0, 0.0), (-radius - g.a_0, math.pi))):
+    for pair, (r, half_turn) in enumerate(
+        ((radius - g.a_0, 0.0), (-radius - g.a_0, math.pi))
+    ):
         theta_0 = _shifted(azimuth, half_turn - g.azimuth_offset, -math.pi, math.pi, 0)
         theta_0, _, fits_0 = _in_range(theta_0, 0, azimuth_slack)
         theta_0, fits_0 = if_else(free, g.middle[0], theta_0), logic_or(free, fits_0)
@@ -74,13 +76,20 @@ def inverse_kinematics() -> casadi.Function:
         slack = t.limit + t.elbow / fmax(sine, t.least_sine)
         for branch, sign in ((pair, 1.0), (pair + 2, -1.0)):
             side, (low, high) = sign * s, sorted((0.0, sign * math.pi))
-            off = casadi.atan2(ahead_h * c - ahead_r * side, ahead_r * c + ahead_h * side)
+            off = casadi.atan2(
+                ahead_h * c - ahead_r * side, ahead_r * c + ahead_h * side
+            )
             theta_1, slid, fits_1 = _in_range(g.middle[1] + off, 1, slack)
             theta_2 = _shifted(sign * gamma, -g.gamma_offset, low, high, 2)
             # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
-            theta_2, _, fits_2 = _in_range(theta_2 - g.longest / g.l_2 * slid, 2, t.limit)
+            theta_2, _, fits_2 = _in_range(
+                theta_2 - g.longest / g.l_2 * slid, 2, t.limit
+            )
             fits = reduce(logic_and, (reached, fits_0, fits_1, fits_2, wrist_fits))
-            q = (if_else(reached, a, math.nan) for a in (theta_0, theta_1, theta_2, theta_3))
+            q = (
+                if_else(reached, a, math.nan)
+                for a in (theta_0, theta_1, theta_2, theta_3)
+            )
             branches[branch] = casadi.horzcat(*q), reached, fits
     columns = zip(*(branches[i] for i in range(4)), strict=True)
     q, exists, fits = (casadi.vertcat(*column) for column in columns)
@@ -94,7 +103,11 @@ def _shifted(angle: SX, offset: float, low: float, high: float, joint: int) -> S
     end = arm_plane().middle[joint] + math.pi
     offset += math.tau * math.floor((end - low - offset) / math.tau)
     shifted = angle + offset
-    return shifted if high + offset <= end else shifted - if_else(end < shifted, math.tau, 0.0)
+    return (
+        shifted
+        if high + offset <= end
+        else shifted - if_else(end < shifted, math.tau, 0.0)
+    )
 
 
 def _in_range(angle: SX, joint: int, slack: Any) -> tuple[SX, SX, SX]:

@@ -20,13 +20,21 @@ with needing("making code of the equations", "pip install casadi"):
 
 #: What goes in and comes out, and what computes it, by name; how languages write an operation.
 WORDS = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
-_LANGUAGES = tomllib.loads(Path(__file__).with_name("languages.toml").read_text("utf-8"))
-_TABLES = {language: {**_LANGUAGES["double"], **own} for language, own in _LANGUAGES.items()}
+_LANGUAGES = tomllib.loads(
+    Path(__file__).with_name("languages.toml").read_text("utf-8")
+)
+_TABLES = {
+    language: {**_LANGUAGES["double"], **own} for language, own in _LANGUAGES.items()
+}
 #: Operations that make truth values, 0 or 1; two ``if_else_zero`` become an ``if_else``, which CasADi has not.
 TRUTHS = ("lt", "le", "and", "or", "not")
-OPERATIONS = [name for name in _LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")]
+OPERATIONS = [
+    name for name in _LANGUAGES["double"] if hasattr(casadi, f"OP_{name.upper()}")
+]
 _OTHERS = ("const", "input", "output", "assign")
-_NAMES = {getattr(casadi, f"OP_{name.upper()}"): name for name in (*OPERATIONS, *_OTHERS)}
+_NAMES = {
+    getattr(casadi, f"OP_{name.upper()}"): name for name in (*OPERATIONS, *_OTHERS)
+}
 _COMMUTATIVE = ("add", "mul")
 
 
@@ -84,7 +92,11 @@ class Program:
         for title, slots in (("Inputs", self.inputs), ("Outputs", self.outputs)):
             lines += ["", f"{title}:"]
             for slot in slots:
-                shape = "" if slot.shape == (1,) else f" ({', '.join(map(str, slot.shape))})"
+                shape = (
+                    ""
+                    if slot.shape == (1,)
+                    else f" ({', '.join(map(str, slot.shape))})"
+                )
                 lines.append(f"    {slot.name}{shape}: {slot.text}")
         return "\n".join(lines)
 
@@ -103,15 +115,24 @@ def program(function: casadi.Function) -> Program:
     Raises:
         InputError: A sparse input or output, or an instruction that emitters do not know.
     """
-    inputs = tuple(_slot(name, function.sparsity_in(name)) for name in function.name_in())
-    outputs = tuple(_slot(name, function.sparsity_out(name)) for name in function.name_out())
+    inputs = tuple(
+        _slot(name, function.sparsity_in(name)) for name in function.name_in()
+    )
+    outputs = tuple(
+        _slot(name, function.sparsity_out(name)) for name in function.name_out()
+    )
     steps: dict[tuple[object, ...], Step] = {}
     arguments: tuple[int, ...]
-    register: dict[int, int] = {}  # CasADi's work elements, which it writes again and again
+    register: dict[
+        int, int
+    ] = {}  # CasADi's work elements, which it writes again and again
     for i in range(function.n_instructions()):
         op = _NAMES.get(function.instruction_id(i))
         if op is None:
-            name, known = f"instruction {i} of {function.name()}", ", ".join(_NAMES.values())
+            name, known = (
+                f"instruction {i} of {function.name()}",
+                ", ".join(_NAMES.values()),
+            )
             raise InputError(name, function.instruction_id(i), f"one of {known}")
         read, written = function.instruction_input(i), function.instruction_output(i)
         value = None
@@ -128,10 +149,14 @@ def program(function: casadi.Function) -> Program:
             register[written[0]] = arguments[0]
             continue
         same = tuple(sorted(arguments)) if op in _COMMUTATIVE else arguments
-        step = steps.setdefault((op, same, str(value)), Step(op, len(steps), arguments, value))
+        step = steps.setdefault(
+            (op, same, str(value)), Step(op, len(steps), arguments, value)
+        )
         if op != "output":
             register[written[0]] = step.result
-    return Program(function.name(), inputs, outputs, _paired(_selecting([*steps.values()])))
+    return Program(
+        function.name(), inputs, outputs, _paired(_selecting([*steps.values()]))
+    )
 
 
 def _selecting(steps: list[Step]) -> list[Step]:
@@ -154,7 +179,9 @@ def _paired(steps: Iterable[Step]) -> tuple[Step, ...]:
     angles: dict[tuple[int, ...], list[Step]] = {}
     out: list[list[Step]] = []
     for step in steps:
-        group = angles.setdefault(step.arguments, []) if step.op in ("sin", "cos") else []
+        group = (
+            angles.setdefault(step.arguments, []) if step.op in ("sin", "cos") else []
+        )
         if not group:
             out.append(group)
         group.append(step)
@@ -164,7 +191,9 @@ def _paired(steps: Iterable[Step]) -> tuple[Step, ...]:
 def _slot(name: str, sparsity: casadi.Sparsity) -> Slot:
     rows, columns = sparsity.shape
     if not sparsity.is_dense():
-        raise InputError(name, f"{sparsity.nnz()} of {rows * columns} elements", "a dense matrix")
+        raise InputError(
+            name, f"{sparsity.nnz()} of {rows * columns} elements", "a dense matrix"
+        )
     shape = (rows,) if columns == 1 else (rows, columns)
     return Slot(name, rows * columns, WORDS["quantities"].get(name, ""), shape)
 
@@ -175,7 +204,9 @@ def _by_rows(shape: tuple[int, ...], element: int) -> int:
     return row * shape[-1] + column if len(shape) == 2 else element
 
 
-def named(name: str, inputs: dict[str, casadi.SX], out: dict[str, casadi.SX]) -> casadi.Function:
+def named(
+    name: str, inputs: dict[str, casadi.SX], out: dict[str, casadi.SX]
+) -> casadi.Function:
     """A function of those inputs that the outputs, made dense, depend on."""
     dense = [casadi.densify(x) for x in out.values()]
     used = {str(x) for x in casadi.symvar(casadi.veccat(*dense))}
@@ -186,10 +217,14 @@ def named(name: str, inputs: dict[str, casadi.SX], out: dict[str, casadi.SX]) ->
 def folded(function: casadi.Function, **values: Any) -> casadi.Function:
     """The same function with numbers in place of some inputs: fewer operations."""
     names = function.name_in()
-    free = {k: casadi.SX.sym(k, function.sparsity_in(k)) for k in names if k not in values}
+    free = {
+        k: casadi.SX.sym(k, function.sparsity_in(k)) for k in names if k not in values
+    }
     given = [free[k] if k in free else casadi.DM(values[k]) for k in names]
     outputs = [casadi.densify(out) for out in function.call(given)]
-    return casadi.Function(function.name(), [*free.values()], outputs, [*free], function.name_out())
+    return casadi.Function(
+        function.name(), [*free.values()], outputs, [*free], function.name_out()
+    )
 
 
 def constant(value: float, language: str) -> str:
@@ -200,7 +235,10 @@ def constant(value: float, language: str) -> str:
 
 
 def statements(
-    program: Program, language: str, element: Callable[[Slot, int], str], reuse: bool = False
+    program: Program,
+    language: str,
+    element: Callable[[Slot, int], str],
+    reuse: bool = False,
 ) -> tuple[list[str], list[list[str]]]:
     """A program's statements, and what stands for the elements of each output.
 
@@ -238,7 +276,9 @@ def statements(
             free += [name for name in done if name.startswith("r")]
             names[register] = name = free.pop() if free else f"r{register}"
             flags |= {register} if op in TRUTHS else set()
-            lines.append(table["truth" if op in TRUTHS else "number"].format(name, text))
+            lines.append(
+                table["truth" if op in TRUTHS else "number"].format(name, text)
+            )
     return lines, results
 
 

@@ -11,7 +11,14 @@ from alpha5_model._support.checks import LARGEST
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS
 from alpha5_model.codegen.dynamics import upright
 from alpha5_model.codegen.functions import functions, products
-from alpha5_model.codegen.program import Program, Slot, Step, element, program, statements
+from alpha5_model.codegen.program import (
+    Program,
+    Slot,
+    Step,
+    element,
+    program,
+    statements,
+)
 
 #: Name of the input that a compiled kernel makes constants of.
 PARAMETERS = "parameters"
@@ -48,7 +55,10 @@ def generated_sources() -> dict[str, str]:
         "numbers.py": python_source([program(known["inverse_kinematics"])], "numbers"),
         **kernels(programs, [program(upright(known[name])) for name in UPRIGHT]),
     }
-    made = {f"alpha5_model/codegen/kernels/generated/{name}": text for name, text in files.items()}
+    made = {
+        f"alpha5_model/codegen/kernels/generated/{name}": text
+        for name, text in files.items()
+    }
     return {**made, "alpha5_model/viewer/formulas.js": javascript()}
 
 
@@ -61,11 +71,15 @@ def python_source(programs: Iterable[Program], language: str = "arrays") -> str:
     functions, table = [], []
     for one in programs:
         again = language == "arrays"
-        lines, results = statements(one, language, lambda slot, i: f"{slot.name}[{i}]", again)
+        lines, results = statements(
+            one, language, lambda slot, i: f"{slot.name}[{i}]", again
+        )
         returned = ", ".join(f"({', '.join(elements)},)" for elements in results)
         head = f"def {one.name}({', '.join(slot.name for slot in one.inputs)}, m):"
         functions.append("\n    ".join([head, *lines, f"return ({returned},)"]))
-        shapes = (tuple(slot.shape for slot in slots) for slots in (one.inputs, one.outputs))
+        shapes = (
+            tuple(slot.shape for slot in slots) for slots in (one.inputs, one.outputs)
+        )
         table.append(f'    "{one.name}": ({one.name}, {", ".join(map(str, shapes))}),')
     comment = "#: Name -> formula, shapes of its inputs and of its outputs."
     kernels = "\n".join([comment, "KERNELS = {", *table, "}"])
@@ -79,21 +93,36 @@ def javascript() -> str:
     with several an object that holds them.
     """
     methods = ""
-    for name in ("forward_kinematics", "link_poses", "hydrostatic_torque", "inverse_kinematics"):
+    for name in (
+        "forward_kinematics",
+        "link_poses",
+        "hydrostatic_torque",
+        "inverse_kinematics",
+    ):
         one = program(functions()[name])
         lines, results = statements(one, "javascript", element)
         outputs = {}
         for slot, result in zip(one.outputs, results, strict=True):
             values = np.reshape(result, slot.shape).tolist()  # rows in brackets
-            outputs[slot.name] = str(values if slot.size > 1 else values[0]).replace("'", "")
+            outputs[slot.name] = str(values if slot.size > 1 else values[0]).replace(
+                "'", ""
+            )
         only, *others = outputs.values()
-        value = f"{{ {', '.join(f'{k}: {v}' for k, v in outputs.items())} }}" if others else only
+        value = (
+            f"{{ {', '.join(f'{k}: {v}' for k, v in outputs.items())} }}"
+            if others
+            else only
+        )
         body = "".join(f"    {line}\n" for line in [*lines, f"return {value};"])
-        methods += f"  {name}({', '.join(slot.name for slot in one.inputs)}) {{\n{body}  }},\n"
+        methods += (
+            f"  {name}({', '.join(slot.name for slot in one.inputs)}) {{\n{body}  }},\n"
+        )
     return _JAVASCRIPT + methods + "};\n"
 
 
-def kernels(programs: Sequence[Program], more: Sequence[Program] = ()) -> dict[str, str]:
+def kernels(
+    programs: Sequence[Program], more: Sequence[Program] = ()
+) -> dict[str, str]:
     """C of the compiled kernels: one body for one state and for vectors of states, and a table of them.
 
     More bodies, ``NAME_upright``, compute a kernel where gravity has no x and y.
@@ -114,7 +143,11 @@ def prepared(program: Program) -> tuple[Program, Program]:
     rest: list[Step] = []
     for step in program.steps:
         of_parameters = step.op != "input" or step.arguments[0] == place
-        if step.op != "output" and of_parameters and all(r in constant for r in step.read):
+        if (
+            step.op != "output"
+            and of_parameters
+            and all(r in constant for r in step.read)
+        ):
             constant[step.result] = step
             continue
         for r in step.read:
@@ -130,7 +163,9 @@ def prepared(program: Program) -> tuple[Program, Program]:
     out = [Step("output", 0, (0, i, r)) for r, i in handed_over.items()]
     return (
         Program(program.name, program.inputs, (k,), (*constant.values(), *out)),
-        Program(program.name, tuple(inputs), program.outputs, tuple(dict.fromkeys(rest))),
+        Program(
+            program.name, tuple(inputs), program.outputs, tuple(dict.fromkeys(rest))
+        ),
     )
 
 
@@ -156,7 +191,9 @@ def _table(split: Sequence[tuple[Program, Program]], known: int) -> str:
         inputs = [slot for slot in body.inputs if slot.name != "k"]
         slots = (*inputs, *body.outputs)
         pairs = ((s, ", ".join(map(str, s.shape))) for s in slots)
-        shapes = ", ".join(f"{{{s.size}, {len(s.shape)}, {{{shape}}}}}" for s, shape in pairs)
+        shapes = ", ".join(
+            f"{{{s.size}, {len(s.shape)}, {{{shape}}}}}" for s, shape in pairs
+        )
         counts = f"{parameters}, {len(inputs)}, {len(body.outputs)}"
         upright = places.get(f"{body.name}_upright", 0)
         rows += f"    ENTRY({body.name}, {upright}, {counts}, {shapes}),\n"
@@ -164,7 +201,9 @@ def _table(split: Sequence[tuple[Program, Program]], known: int) -> str:
         sizes.append((*lengths, parameters, len(results), len(slots)))
     names = ("INPUTS", "OUTPUTS", "PARAMETERS", "CONSTANTS", "SLOTS")
     columns = zip(names, zip(*sizes, strict=True), strict=True)
-    defines = "".join(f"#define MOST_{name} {max(counts)}\n" for name, counts in columns)
+    defines = "".join(
+        f"#define MOST_{name} {max(counts)}\n" for name, counts in columns
+    )
     each = " ".join(f"X({i}, {name})" for name, i in places.items() if i < known)
     defines += f"#define KERNELS {known}\n#define EACH_KERNEL(X) {each}\n"
     defines += f"#define GRAVITY {[*BASE_PARAMETERS].index('gravity.x')}\n"

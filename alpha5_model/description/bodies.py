@@ -23,7 +23,12 @@ from alpha5_model._support.spatial import Placement, Triple
 from alpha5_model.errors import MissingFileError, PublishedDataError
 from alpha5_model.geometry.collision_shapes import Primitive, collision_primitives
 from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
-from alpha5_model.numbers.parameters import Alpha5Parameters, DHParameters, JointRange, RigidBody
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    DHParameters,
+    JointRange,
+    RigidBody,
+)
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.tables import BODY_NAMES
 
@@ -73,11 +78,19 @@ def arm_bodies(
     for hung, joint in zip(jaws.bodies[1:], jaws.joints, strict=True):
         x, y, z = hung.origin.tolist()
         # Closed, the joint is at its lower limit; rod and fingers have +z along -z or across link_4's.
-        hinges[hung.name] = Placement("link_4", (x, y, z + joint.lower), (hung.roll, 0.0, 0.0))
+        hinges[hung.name] = Placement(
+            "link_4", (x, y, z + joint.lower), (hung.roll, 0.0, 0.0)
+        )
     records = (*parameters.links[:4], *jaws.bodies) if moving else parameters.links
-    placements = (base_placement(parameters), *joint_placements(parameters), *hinges.values())
+    placements = (
+        base_placement(parameters),
+        *joint_placements(parameters),
+        *hinges.values(),
+    )
     joints = (None, *parameters.joints[:4], *jaws.joints)
-    there = {name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)}
+    there = {
+        name.removesuffix(".obj") for name in (MESHES if meshes is None else meshes)
+    }
     shapes = collision_primitives(gripper)
     bodies = []
     for record, placement, moved in zip(records, placements, joints, strict=False):
@@ -87,7 +100,9 @@ def arm_bodies(
         own = {field.name: getattr(record, field.name) for field in fields(RigidBody)}
         seen = {name: at for name, at in drawn.items() if name in there}
         touched = shapes.get(record.name, ())
-        bodies.append(Body(**own, placement=placement, joint=moved, meshes=seen, shapes=touched))
+        bodies.append(
+            Body(**own, placement=placement, joint=moved, meshes=seen, shapes=touched)
+        )
     return tuple(bodies)
 
 
@@ -99,7 +114,9 @@ def base_placement(parameters: Alpha5Parameters) -> Placement:
 def joint_placements(parameters: Alpha5Parameters) -> tuple[Placement, ...]:
     """Pose of each child link at joint position zero, ``axis_e`` to ``axis_b``."""
     dh = parameters.dh
-    first = Placement("link_0", rpy=_turn(0.0, dh[0].theta_offset - parameters.base_yaw))
+    first = Placement(
+        "link_0", rpy=_turn(0.0, dh[0].theta_offset - parameters.base_yaw)
+    )
     return (first, *(_after(i - 1, dh[i - 1], dh[i].theta_offset) for i in (1, 2, 3)))
 
 
@@ -107,15 +124,21 @@ def tcp_placement(parameters: Alpha5Parameters) -> Placement:
     """Pose of the TCP, DH frame {5}, in link_4."""
     wrist, last = parameters.dh[3], parameters.dh[4]
     if last.variable is not None or any((last.d, last.a, last.alpha)):
-        raise PublishedDataError("Table 1, link 4", "expected a fixed rotation about z only")
+        raise PublishedDataError(
+            "Table 1, link 4", "expected a fixed rotation about z only"
+        )
     return _after(3, wrist, last.theta_offset)
 
 
 def fixed_frames(parameters: Alpha5Parameters) -> dict[str, Placement]:
     """Frames that stand still in their parents: link_0, tcp, and the DH frames, ``dh_1`` to ``dh_5``."""
     frames = {"link_0": base_placement(parameters), "tcp": tcp_placement(parameters)}
-    frames |= {f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])}
-    return frames | {"dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset))}
+    frames |= {
+        f"dh_{i + 1}": _after(i, row, 0.0) for i, row in enumerate(parameters.dh[:4])
+    }
+    return frames | {
+        "dh_5": Placement("dh_4", rpy=(0.0, 0.0, parameters.dh[4].theta_offset))
+    }
 
 
 def _after(i: int, row: DHParameters, angle: float) -> Placement:
@@ -132,7 +155,9 @@ def _turn(alpha: float, beta: float) -> Triple:
     """
     sine, cosine = round(math.sin(alpha)), round(math.cos(alpha))
     if abs(sine) + abs(cosine) != 1:
-        raise PublishedDataError("Table 1", f"alpha = {alpha} rad is not a multiple of pi/2")
+        raise PublishedDataError(
+            "Table 1", f"alpha = {alpha} rad is not a multiple of pi/2"
+        )
     return (alpha, -sine * beta + 0.0, cosine * beta + 0.0)
 
 
@@ -141,23 +166,35 @@ def provenance(parameters: Alpha5Parameters) -> dict[str, str]:
     source = published().table_2.source
     edition = f"{source.publisher}, {source.document}, version {source.version}, {source.date}"
     names = ", ".join(parameters.corrections) or "none"
-    return {"document": edition, "package": f"alpha5_model {__version__}", "corrections": names}
+    return {
+        "document": edition,
+        "package": f"alpha5_model {__version__}",
+        "corrections": names,
+    }
 
 
 def text_of(value: str | float | Iterable[float]) -> str:
     """A text as it is; numbers separated by spaces, each so that it reads back as the same double."""
     if isinstance(value, str):
         return value
-    return " ".join(repr(float(x)) for x in (value if isinstance(value, Iterable) else (value,)))
+    return " ".join(
+        repr(float(x)) for x in (value if isinstance(value, Iterable) else (value,))
+    )
 
 
-def add(parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value) -> ET.Element:
+def add(
+    parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value
+) -> ET.Element:
     """A new child element with these attributes, ``class`` first."""
     given = {"class": class_, **attributes}
-    return ET.SubElement(parent, tag, {k: text_of(v) for k, v in given.items() if v is not None})
+    return ET.SubElement(
+        parent, tag, {k: text_of(v) for k, v in given.items() if v is not None}
+    )
 
 
-def document(values: Alpha5Parameters, tag: str, *more: str, **attributes: str) -> ET.Element:
+def document(
+    values: Alpha5Parameters, tag: str, *more: str, **attributes: str
+) -> ET.Element:
     """A root element with comments that say where the numbers are from, and more."""
     root, source = ET.Element(tag, attributes), provenance(values)
     by = f"By: {source['package']}. Corrections: {source['corrections']}."
@@ -184,7 +221,9 @@ def mesh_assets(*suffixes: str) -> dict[str, bytes]:
         MissingFileError: There are none.
     """
     folder = Path(REPOSITORY_PATH) / "meshes"
-    files = {p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes}
+    files = {
+        p.name: p.read_bytes() for p in sorted(folder.glob("*")) if p.suffix in suffixes
+    }
     if not files:
         raise MissingFileError(folder, f"mesh files ({', '.join(suffixes)})")
     return files

@@ -58,7 +58,11 @@ def generated_files() -> dict[str, bytes]:
         texts |= generated_sources()
     drawn = {} if "manifold3d" in lacking else mesh_files()
     meshes = {f"meshes/{name}": content for name, content in drawn.items()}
-    return {path: text.encode("utf-8") for path, text in texts.items()} | meshes | _menagerie(drawn)
+    return (
+        {path: text.encode("utf-8") for path, text in texts.items()}
+        | meshes
+        | _menagerie(drawn)
+    )
 
 
 def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -68,7 +72,11 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
     files["README.md"] = b"\n\n".join((title, _PICTURE, said))
     files["alpha5_jaws.xml"] = jaws["alpha5.xml"]
     files["scene_jaws.xml"] = files["scene.xml"].replace(b"alpha5", b"alpha5_jaws")
-    texts = {path: content for path, content in files.items() if not path.startswith("assets/")}
+    texts = {
+        path: content
+        for path, content in files.items()
+        if not path.startswith("assets/")
+    }
     assets = {f"assets/{name}": drawn[name] for name in drawn if name.endswith(".obj")}
     return {f"mjcf/{path}": content for path, content in (texts | assets).items()}
 
@@ -76,7 +84,9 @@ def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
 def not_generated() -> tuple[str, ...]:
     """Why some files are not generated here, one line for each package that is not installed."""
     lacking = ((name, _NEEDED[name]) for name in _lacking())
-    return tuple(f"{n} is not installed: the {x} anew (pip install {n})" for n, x in lacking)
+    return tuple(
+        f"{n} is not installed: the {x} anew (pip install {n})" for n, x in lacking
+    )
 
 
 def _lacking() -> list[str]:
@@ -110,7 +120,9 @@ def stale_files(
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     """Write the generated files into the repository; returns the paths that changed."""
     fresh = generated_files()
-    changed = {Path(repository, s.path): fresh[s.path] for s in stale_files(repository, fresh)}
+    changed = {
+        Path(repository, s.path): fresh[s.path] for s in stale_files(repository, fresh)
+    }
     atomic_write_all(changed)
     return list(changed)
 
@@ -146,7 +158,9 @@ def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:
     if committed is None:
         return f"{path}: missing\n"
     try:
-        old, new = (text.decode("utf-8").splitlines(True) for text in (committed, fresh))
+        old, new = (
+            text.decode("utf-8").splitlines(True) for text in (committed, fresh)
+        )
     except UnicodeDecodeError:
         return f"{path}: {len(committed)} bytes differ from {len(fresh)} fresh ones\n"
     return "".join(difflib.unified_diff(old, new, f"committed/{path}", f"fresh/{path}"))

@@ -38,7 +38,13 @@ from alpha5_model.numbers.parameters import JointRange, parameters
 ACTUATORS = ("position", "velocity", "motor")
 BUOYANCIES = ("bodies", "none")
 #: Servo stiffness [N m/rad, N/m]: tuned, not from the document.
-_STIFFNESS = {"axis_e": 200.0, "axis_d": 200.0, "axis_c": 200.0, "axis_b": 5.0, "axis_a": 500.0}
+_STIFFNESS = {
+    "axis_e": 200.0,
+    "axis_d": 200.0,
+    "axis_c": 200.0,
+    "axis_b": 5.0,
+    "axis_a": 500.0,
+}
 #: MuJoCo would take the critical damping of the rod from the rod alone; the fingers weigh more [N s/m].
 _ROD_DAMPING = 8.0
 #: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
@@ -117,12 +123,22 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
 
 def _readme(options: MjcfOptions) -> str:
     source = tree.provenance(parameters(options.corrections))
-    drag = "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
+    drag = (
+        "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
+    )
     water = tree.template("mjcf_moving_water.md") if options.hydrodynamics else ""
     jaws = tree.template(f"mjcf_gripper_{options.gripper}.md").rstrip()
-    said = {**vars(options), **source, "drag": drag, "moving_water": water, "jaws": jaws}
+    said = {
+        **vars(options),
+        **source,
+        "drag": drag,
+        "moving_water": water,
+        "jaws": jaws,
+    }
     dilution = f"{DILUTION:.0e}".replace("+0", "")
-    return tree.template("mjcf_readme.md").format(**said, inertia=INERTIA, dilution=dilution)
+    return tree.template("mjcf_readme.md").format(
+        **said, inertia=INERTIA, dilution=dilution
+    )
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -141,13 +157,19 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     root.append(compiler)
     fluid: dict[str, Value] = {}
     if chosen.drag:
-        root.append(ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. "))
+        root.append(
+            ET.Comment(" Density and viscosity: MuJoCo's drag, not from the document. ")
+        )
         fluid = {"density": chosen.fluid_density, "viscosity": VISCOSITY}
     if chosen.hydrodynamics:
-        root.append(ET.Comment(" Density: drag of the strips, estimated, not published. "))
+        root.append(
+            ET.Comment(" Density: drag of the strips, estimated, not published. ")
+        )
         fluid = {"density": chosen.fluid_density}
     # Alike without forces that depend on speed, and brax knows no other.
-    integrator = "Euler" if chosen.actuators == "motor" and not fluid else "implicitfast"
+    integrator = (
+        "Euler" if chosen.actuators == "motor" and not fluid else "implicitfast"
+    )
     add(root, "option", integrator=integrator, gravity=GRAVITY, **fluid)
     root.extend([visual, defaults])
     asset = add(root, "asset")
@@ -179,19 +201,33 @@ def _worldbody(root: ET.Element, bodies: Iterable[Body], options: MjcfOptions) -
     elements = {"base_link": base}
     for body in bodies:
         parent = elements[body.placement.parent]
-        element = elements[body.name] = add(parent, "body", name=body.name, **_pose(body.placement))
+        element = elements[body.name] = add(
+            parent, "body", name=body.name, **_pose(body.placement)
+        )
         if (joint := body.joint) is not None:
             # limits of a follower would fight its equality
-            limits = None if isinstance(joint, FingerJoint) else (joint.lower, joint.upper)
+            limits = (
+                None if isinstance(joint, FingerJoint) else (joint.lower, joint.upper)
+            )
             kind = "hinge" if joint.kind == "revolute" else "slide"
-            add(element, "joint", name=joint.name, axis="0 0 1", type=kind, range=limits)
+            add(
+                element, "joint", name=joint.name, axis="0 0 1", type=kind, range=limits
+            )
         buoyant = body.volume > 0 and options.buoyancy == "bodies"
         moments, quat = _principal(body.inertia)
         inertial: dict[str, Value] = {"pos": body.com, "quat": quat, "mass": body.mass}
         if joint is None and options.buoyancy == "none":
             # brax melts a body without joint into the world, which must not have an inertial
             size = np.sqrt(1.5 / body.mass * (moments.sum() - 2.0 * moments))
-            add(element, "geom", **_UNTOUCHED, type="box", size=size, group="4", **inertial)
+            add(
+                element,
+                "geom",
+                **_UNTOUCHED,
+                type="box",
+                size=size,
+                group="4",
+                **inertial,
+            )
         else:
             own = moments - INERTIA if buoyant else moments
             add(element, "inertial", **inertial, diaginertia=own)
@@ -200,13 +236,20 @@ def _worldbody(root: ET.Element, bodies: Iterable[Body], options: MjcfOptions) -
             add(element, "geom", "visual", **look, **_pose(at))
         for shape in body.shapes if options.collision == "primitives" else ():
             size = [s * h for s, h in zip(shape.size, _HALVES[shape.kind], strict=True)]
-            add(element, "geom", "collision", type=shape.kind, size=size, **_pose(shape))
-        for piece in chain(*map(ellipsoids, water[body.name].strips if body.name in water else ())):
+            add(
+                element, "geom", "collision", type=shape.kind, size=size, **_pose(shape)
+            )
+        for piece in chain(
+            *map(ellipsoids, water[body.name].strips if body.name in water else ())
+        ):
             add(element, "geom", "strip", **piece)
         if water and body.name not in water:
             add(element, "geom", "no_drag")
         if buoyant:
-            compensation, name = options.fluid_density * DILUTION + 1.0, f"{body.name}_buoyancy"
+            compensation, name = (
+                options.fluid_density * DILUTION + 1.0,
+                f"{body.name}_buoyancy",
+            )
             child = add(element, "body", name=name, pos=body.cob, gravcomp=compensation)
             mass = body.volume / DILUTION
             add(child, "inertial", pos="0 0 0", mass=mass, diaginertia=[INERTIA] * 3)
@@ -224,10 +267,14 @@ def _actuators(root: ET.Element, joints: list[JointRange], kind: str) -> None:
         speed = -joint.velocity, joint.velocity
         ranges = {"motor": effort, "position": limits, "velocity": speed}
         servo: dict[str, Value] = {"kp": _STIFFNESS[joint.name], "forcerange": effort}
-        servo |= {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
+        servo |= (
+            {"kv": _ROD_DAMPING} if joint.kind == "prismatic" else {"dampratio": "1"}
+        )
         # A position servo whose target moves at the speed asked for: it holds against weight.
         tag, within = ("intvelocity", limits) if kind == "velocity" else (kind, None)
-        given = {"name": joint.name, "joint": joint.name} | ({} if kind == "motor" else servo)
+        given = {"name": joint.name, "joint": joint.name} | (
+            {} if kind == "motor" else servo
+        )
         add(actuator, tag, **given, ctrlrange=ranges[kind], actrange=within)
     target = {"position": "ctrl", "velocity": "act"}.get(kind)
     for name, pose in sorted(NAMED_POSES.items()):  # home first: tools take the first
@@ -275,7 +322,10 @@ def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Any]]:
         length = 2 * float(np.linalg.norm(half))
         radius, needle = _FLAT_RADIUS * length, _NEEDLE_RADIUS * length
         share = strip.diameter * length / 2 / (np.pi * radius**2)
-        blunt, slender = strip.along, (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS)
+        blunt, slender = (
+            strip.along,
+            (strip.across - _FLATNESS * strip.along) / (1 - _FLATNESS),
+        )
         short = 2 * _FLATNESS * _FLAT_RADIUS * half
         flat = np.concatenate([middle - short, middle + short])
         drag = share * blunt, share * slender, 0.0, 0.0, 0.0
@@ -283,4 +333,8 @@ def ellipsoids(strip: DragStrip) -> Iterator[dict[str, Any]]:
         share = strip.diameter / (np.pi * needle)
         turning, lift = 15 / 32 * strip.across, _LIFT * (strip.across - strip.along)
         turn = 0.0, 0.0, share * turning, share * lift, 0.0
-        yield {"fromto": np.concatenate([start, end]), "size": needle, "fluidcoef": turn}
+        yield {
+            "fromto": np.concatenate([start, end]),
+            "size": needle,
+            "fluidcoef": turn,
+        }

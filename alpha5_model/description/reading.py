@@ -34,7 +34,11 @@ MOST_LINKS = 10_000
 LIMITS = ("lower", "upper", "velocity", "effort")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 #: Kind of shape -> its attributes, and how many numbers each holds.
-_SIZES: dict[str, dict[str, int]] = {"box": {"size": 3}, "sphere": {"radius": 1}, "mesh": {}}
+_SIZES: dict[str, dict[str, int]] = {
+    "box": {"size": 3},
+    "sphere": {"radius": 1},
+    "mesh": {},
+}
 _SIZES |= {kind: {"radius": 1, "length": 1} for kind in ("cylinder", "capsule")}
 
 
@@ -183,16 +187,24 @@ class _Reader:
             raise self.fail(element, f"<{element.tag}> has no attribute {name!r}")
         return value
 
-    def numbers(self, element: ET.Element, name: str, count: int, default: str = "") -> list[float]:
+    def numbers(
+        self, element: ET.Element, name: str, count: int, default: str = ""
+    ) -> list[float]:
         text = element.get(name, default) if default else self.attribute(element, name)
         values: list[float] = []
-        if text.isascii() and "_" not in text:  # Python reads more as numbers, URDF readers do not
+        if (
+            text.isascii() and "_" not in text
+        ):  # Python reads more as numbers, URDF readers do not
             with suppress(ValueError):
                 values = [float(part) for part in text.split()]
-        if len(values) != count or not all(v == 0 or TINY < abs(v) < ABSURD for v in values):
+        if len(values) != count or not all(
+            v == 0 or TINY < abs(v) < ABSURD for v in values
+        ):
             expected = "a finite number" if count == 1 else f"{count} finite numbers"
             shown = text if len(text) < 40 else text[:37] + "..."
-            raise self.fail(element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}")
+            raise self.fail(
+                element, f"<{element.tag} {name}>: expected {expected}, got {shown!r}"
+            )
         return values
 
     def number(self, element: ET.Element, name: str) -> float:
@@ -203,14 +215,18 @@ class _Reader:
         origin = element.find("origin")
         if origin is None:
             return np.eye(4)
-        return pose(*(self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy")))
+        return pose(
+            *(self.numbers(origin, name, 3, "0 0 0") for name in ("xyz", "rpy"))
+        )
 
     def robot(self) -> UrdfRobot:
         if self.top.tag != "robot":
             raise self.fail(self.top, f"expected <robot>, got <{self.top.tag}>")
         count = len(self.top.findall("link"))
         if count > MOST_LINKS:
-            raise self.fail(self.top, f"expected at most {MOST_LINKS} links, got {count}")
+            raise self.fail(
+                self.top, f"expected at most {MOST_LINKS} links, got {count}"
+            )
         links: dict[str, UrdfLink] = {}
         for element in self.top.findall("link"):
             link = self.link(element)
@@ -235,7 +251,11 @@ class _Reader:
             raise self.fail(self.top, "there is no <link>")
         roots = [name for name in links if name not in parents]
         if len(roots) != 1:
-            words = f"{len(roots)} root links: {', '.join(roots[:4])}" if roots else "no root link"
+            words = (
+                f"{len(roots)} root links: {', '.join(roots[:4])}"
+                if roots
+                else "no root link"
+            )
             raise self.fail(self.top, f"expected one tree of links, found {words}")
         ordered, outwards = {}, [roots[0]]
         for link_name in outwards:
@@ -263,11 +283,19 @@ class _Reader:
                 raise self.fail(inertial, "<inertial> needs <mass> and <inertia>")
             mass = self.number(mass_element, "value")
             pose = self.pose(inertial)
-            six = [self.number(tensor, f"i{axes}") for axes in ("xx", "xy", "xz", "yy", "yz", "zz")]
+            six = [
+                self.number(tensor, f"i{axes}")
+                for axes in ("xx", "xy", "xz", "yy", "yz", "zz")
+            ]
             rotation, com = pose[:3, :3], pose[:3, 3]
-            inertia = rotation @ np.take(six, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]) @ rotation.T
+            inertia = (
+                rotation @ np.take(six, [[0, 1, 2], [1, 3, 4], [2, 4, 5]]) @ rotation.T
+            )
         files = tuple(self.attribute(mesh, "filename") for mesh in element.iter("mesh"))
-        name, meshes = self.attribute(element, "name"), tuple(file for *_, file in shapes if file)
+        name, meshes = (
+            self.attribute(element, "name"),
+            tuple(file for *_, file in shapes if file),
+        )
         return UrdfLink(name, mass, com, inertia, volume, centre, meshes, files)
 
     def geometry(self, element: ET.Element) -> tuple[str, list[float], str]:
@@ -278,8 +306,16 @@ class _Reader:
         if shape.tag not in _SIZES:
             raise self.fail(shape, f"unknown shape <{shape.tag}>")
         sizes = _SIZES[shape.tag].items()
-        size = [number for name, count in sizes for number in self.numbers(shape, name, count)]
-        return shape.tag, size, self.attribute(shape, "filename") if shape.tag == "mesh" else ""
+        size = [
+            number
+            for name, count in sizes
+            for number in self.numbers(shape, name, count)
+        ]
+        return (
+            shape.tag,
+            size,
+            self.attribute(shape, "filename") if shape.tag == "mesh" else "",
+        )
 
     def shapes(self, element: str) -> Iterator[UrdfShape]:
         for link in self.top.findall("link"):
@@ -288,7 +324,9 @@ class _Reader:
                 color = item.find("material/color")
                 rgba = [] if color is None else self.numbers(color, "rgba", 4)
                 name, placement = self.attribute(link, "name"), self.pose(item)
-                yield UrdfShape(name, index, kind, tuple(size), file, placement, tuple(rgba))
+                yield UrdfShape(
+                    name, index, kind, tuple(size), file, placement, tuple(rgba)
+                )
 
     def joint(self, element: ET.Element) -> UrdfJoint:
         name, kind = self.attribute(element, "name"), self.attribute(element, "type")
@@ -302,13 +340,18 @@ class _Reader:
             more[tag] = self.attribute(end, "link")
         axis = np.array([1.0, 0.0, 0.0])
         line = element.find("axis")
-        if line is not None and kind not in ("fixed", "floating"):  # those have none: often 0 0 0
+        if line is not None and kind not in (
+            "fixed",
+            "floating",
+        ):  # those have none: often 0 0 0
             axis = np.array(self.numbers(line, "xyz", 3))
             length = float(np.linalg.norm(axis))
             if not 0 < length < math.inf:
                 raise self.fail(line, f"joint {name!r}: the axis has no direction")
             axis = axis / length
-        limit, mimic, origin = (element.find(tag) for tag in ("limit", "mimic", "origin"))
+        limit, mimic, origin = (
+            element.find(tag) for tag in ("limit", "mimic", "origin")
+        )
         if limit is not None:
             for key in LIMITS[2 if kind == "continuous" else 0 :]:
                 if key in limit.attrib and not NO_LIMIT.match(limit.attrib[key]):

@@ -93,7 +93,9 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     meshes = tree.mesh_assets(".obj", ".mtl")
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
-        "model.config": tree.template("model.config").format(version=chosen.version).encode(),
+        "model.config": tree.template("model.config")
+        .format(version=chosen.version)
+        .encode(),
         "world.sdf": sdf_world(chosen, meshes).encode(),
         **{f"meshes/{name}": data for name, data in meshes.items()},
     }
@@ -118,24 +120,32 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     chosen = options or SdfOptions()
     root, arm = _document(chosen, meshes)
     root.remove(arm)
-    frame = ET.fromstring(tree.template("world.sdf").format(density=text_of(chosen.fluid_density)))
+    frame = ET.fromstring(
+        tree.template("world.sdf").format(density=text_of(chosen.fluid_density))
+    )
     frame[-1].insert(0, arm)  # into the model that is mounted
     root.append(frame)
     return tree.XML_HEAD + tree.serialized(root)
 
 
-def _document(options: SdfOptions, meshes: Iterable[str]) -> tuple[ET.Element, ET.Element]:
+def _document(
+    options: SdfOptions, meshes: Iterable[str]
+) -> tuple[ET.Element, ET.Element]:
     values = parameters(options.corrections)
     water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
     said = "estimated, not published: published/estimated_hydrodynamics.toml of the package"
     start = "start elsewhere, such as at home of the SRDF"
     comments = [f"Added mass and drag: {said}."] if options.hydrodynamics else []
-    comments.append(f"At zero, where Gazebo starts, joints are beyond their limits: {start}.")
+    comments.append(
+        f"At zero, where Gazebo starts, joints are beyond their limits: {start}."
+    )
     root = tree.document(values, "sdf", *comments, version=options.version)
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)
-    _frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0)))
+    _frame(
+        model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0))
+    )
     for body in tree.arm_bodies(values, options.gripper, meshes):
         moved = water.get(body.name)
         inertial = _link(model, body, values)
@@ -161,7 +171,10 @@ def _buoyancy_box(body: Body, values: Alpha5Parameters) -> tuple[float, float, f
 
 
 def _frame(model: ET.Element, name: str, placement: Placement) -> None:
-    _fill(add(model, "frame", name=name, attached_to=placement.parent), pose=_pose(placement))
+    _fill(
+        add(model, "frame", name=name, attached_to=placement.parent),
+        pose=_pose(placement),
+    )
 
 
 def _added_mass(water: BodyHydrodynamics, density: float) -> dict[str, float]:
@@ -170,7 +183,9 @@ def _added_mass(water: BodyHydrodynamics, density: float) -> dict[str, float]:
     return {_ADDED[i] + _ADDED[j]: matrix[i, j] for i, j in pairs}
 
 
-def _drag(model: ET.Element, link: str, water: BodyHydrodynamics, density: float) -> None:
+def _drag(
+    model: ET.Element, link: str, water: BodyHydrodynamics, density: float
+) -> None:
     """Quadratic damping about and in the link's frame: force i is ``D[i, j, k] nu_j |nu_k|``.
 
     Exact for each component of the velocity alone, linear before angular; never adds energy.
@@ -181,16 +196,23 @@ def _drag(model: ET.Element, link: str, water: BodyHydrodynamics, density: float
         line = strip.end - strip.start
         length = float(np.linalg.norm(line))
         along = np.outer(line, line) / length**2
-        for point, share in gauss_points(strip, 8):  # in a file, where more cost nothing
+        for point, share in gauss_points(
+            strip, 8
+        ):  # in a file, where more cost nothing
             velocity = np.hstack([np.eye(3), -cross_matrix(point)])
             for part, drag in ((np.eye(3) - along, strip.across), (along, strip.along)):
                 slip = part @ velocity
                 face = density / 2 * drag * strip.diameter * length * share
                 sizes = np.linalg.norm(slip, axis=0)
                 out -= face * (slip.T @ slip)[:, :, None] * sizes * mix
-    system = {"filename": "gz-sim-hydrodynamics-system", "name": "gz::sim::systems::Hydrodynamics"}
+    system = {
+        "filename": "gz-sim-hydrodynamics-system",
+        "name": "gz::sim::systems::Hydrodynamics",
+    }
     felt = np.argwhere(np.abs(out) > 1e-9 * np.abs(out).max()).tolist()
-    named = {f"{_FORCE[i]}{_VELOCITY[j]}abs{_VELOCITY[k]}": out[i, j, k] for i, j, k in felt}
+    named = {
+        f"{_FORCE[i]}{_VELOCITY[j]}abs{_VELOCITY[k]}": out[i, j, k] for i, j, k in felt
+    }
     off = dict.fromkeys(("disable_added_mass", "disable_coriolis"), "true")
     _fill(add(model, "plugin", **system), link_name=link, **named, **off)
 
@@ -206,22 +228,35 @@ def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> ET.Element
     _fill(inertial, pose=com, mass=body.mass, inertia=body.moments)
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
-        _fill(collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}})
+        _fill(
+            collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}}
+        )
     for mesh, at in body.meshes.items():
         look = dict.fromkeys(("ambient", "diffuse"), material_of(mesh).rgba)
         shape = {"mesh": {"uri": f"meshes/{mesh}.obj"}}
-        _fill(add(link, "visual", name=mesh), pose=_pose(at), geometry=shape, material=look)
+        _fill(
+            add(link, "visual", name=mesh),
+            pose=_pose(at),
+            geometry=shape,
+            material=look,
+        )
     return inertial
 
 
 def _joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:
     element = add(model, "joint", name=joint.name, type=joint.kind)
-    limit = {name: getattr(joint, name) for name in ("lower", "upper", "effort", "velocity")}
+    limit = {
+        name: getattr(joint, name) for name in ("lower", "upper", "effort", "velocity")
+    }
     _fill(element, parent=body.placement.parent, child=body.name)
     axis = add(element, "axis")
     _fill(axis, xyz="0 0 1", limit=limit)
     if isinstance(joint, FingerJoint) and version != SDF_VERSIONS[0]:
-        line = {"multiplier": joint.multiplier, "offset": joint.offset, "reference": 0.0}
+        line = {
+            "multiplier": joint.multiplier,
+            "offset": joint.offset,
+            "reference": 0.0,
+        }
         _fill(add(axis, "mimic", joint=joint.leader), **line)
 
 

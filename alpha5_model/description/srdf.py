@@ -26,13 +26,25 @@ NAMED_POSES: dict[str, tuple[float, float, float, float]] = {
 
 Pairs = tuple[tuple[str, str], ...]
 #: Pairs that turn against each other at a joint; their collision bodies overlap there.
-ADJACENT_PAIRS: Pairs = (*pairwise(BODY_NAMES), ("link_4", "finger_1"), ("link_4", "finger_2"))
+ADJACENT_PAIRS: Pairs = (
+    *pairwise(BODY_NAMES),
+    ("link_4", "finger_1"),
+    ("link_4", "finger_2"),
+)
 #: Fingers that touch when the jaws close.
 CLOSING_PAIRS: Pairs = (("finger_1", "finger_2"),)
 #: Pairs that no joint position brings together: links 1 and 3 are held apart by link 2.
-NEVER_PAIRS: Pairs = (("link_1", "link_3"), ("link_3", "finger_1"), ("link_3", "finger_2"))
+NEVER_PAIRS: Pairs = (
+    ("link_1", "link_3"),
+    ("link_3", "finger_1"),
+    ("link_3", "finger_2"),
+)
 #: All of them: reason in the words of SRDF -> pairs.
-UNCHECKED_PAIRS = {"Adjacent": ADJACENT_PAIRS, "Default": CLOSING_PAIRS, "Never": NEVER_PAIRS}
+UNCHECKED_PAIRS = {
+    "Adjacent": ADJACENT_PAIRS,
+    "Default": CLOSING_PAIRS,
+    "Never": NEVER_PAIRS,
+}
 
 
 def named_pose(name: str) -> FloatArray:

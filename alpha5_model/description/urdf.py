@@ -27,7 +27,12 @@ from alpha5_model.description.bodies import (
     text_of,
 )
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.errors import FileFormatError, InputError, MissingFileError, ShapeError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingFileError,
+    ShapeError,
+)
 from alpha5_model.geometry.formats import MATERIALS
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -84,12 +89,20 @@ class Variant:
             text = getattr(self, name)
             # xacro would evaluate ${...} and $(...), names would hide XML escapes, and some unprintable
             # characters do not exist in UTF-8 or XML
-            if not (isinstance(text, str) and text.isprintable()) or set(text) & set("${}<>&\"'"):
-                allowed = "a text without any of $ { } < > & quotes or unprintable characters"
+            if not (isinstance(text, str) and text.isprintable()) or set(text) & set(
+                "${}<>&\"'"
+            ):
+                allowed = (
+                    "a text without any of $ { } < > & quotes or unprintable characters"
+                )
                 raise InputError(name, text, allowed)
             if name in ("prefix", "parent") and " " in text:
                 raise InputError(name, text, "a name without spaces")
-            if name == "ros2_control_plugin" and text != _PLUGIN and not self.ros2_control:
+            if (
+                name == "ros2_control_plugin"
+                and text != _PLUGIN
+                and not self.ros2_control
+            ):
                 raise InputError(name, text, "ros2_control with it")
 
 
@@ -104,11 +117,15 @@ def urdf(variant: Variant | None = None) -> str:
     with tempfile.TemporaryDirectory() as folder:
         # From the tables, never from the committed YAML: that one may be stale.
         values = Path(folder) / "parameters.yaml"
-        values.write_text(parameter_yaml(parameters(chosen.corrections)), encoding="utf-8")
+        values.write_text(
+            parameter_yaml(parameters(chosen.corrections)), encoding="utf-8"
+        )
         arguments = {"parameters": str(values)}
         for name, x in vars(chosen).items():
             if name != "corrections":
-                arguments[name] = str(x).lower() if isinstance(x, bool | np.bool_) else text_of(x)
+                arguments[name] = (
+                    str(x).lower() if isinstance(x, bool | np.bool_) else text_of(x)
+                )
         text = expand_xacro(XACRO_PATH, arguments)
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
@@ -129,12 +146,16 @@ def parameter_yaml(parameters: Alpha5Parameters) -> str:
         "provenance": source,
         "materials": {m.name: list(m.rgba) for m in MATERIALS},
         **_tree(locked),
-        "frames": {name: asdict(frame) for name, frame in fixed_frames(parameters).items()},
+        "frames": {
+            name: asdict(frame) for name, frame in fixed_frames(parameters).items()
+        },
         "jaws": _tree(jaws),
         # where mock hardware starts; at zero the arm is out of its limits and in collision
         "home": {joint.name: position for joint, position in home},
     }
-    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110)
+    text: str = yaml.safe_dump(
+        content, sort_keys=False, default_flow_style=None, width=110
+    )
     return template("parameters_head.yaml").format(**source) + text
 
 

@@ -108,7 +108,10 @@ def verify_generated() -> tuple[FileCheck, ...]:
     for path in (URDF_PATH, JAWS_URDF_PATH):
         try:
             rows += verify_urdf(path)
-        except (FileFormatError, MissingFileError) as error:  # it is not the caller's input
+        except (
+            FileFormatError,
+            MissingFileError,
+        ) as error:  # it is not the caller's input
             rows.append(FileCheck(Path(path).name, "readable", "failed", str(error)))
     finding = "; ".join(not_generated())
     verdict: Verdict = "not run" if finding else "passed"
@@ -139,8 +142,14 @@ def verify_urdf(
     """
     text = Subject.read(path, parameters(corrections))
     q = configurations(text.expected, samples)
-    rows, few = [_listed(text, k, *how) for k, how in CHECKS.items()], max(1, len(q) // 100)
-    rows += [_check_urdf(text), _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND)]
+    rows, few = (
+        [_listed(text, k, *how) for k, how in CHECKS.items()],
+        max(1, len(q) // 100),
+    )
+    rows += [
+        _check_urdf(text),
+        _frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND),
+    ]
     rows.append(_frames("yourdfpy", text, q[::few], yourdfpy_frames, YOURDFPY_BOUND))
     if text.jaws:
         limits = _jaw_limit_differences, "rod and finger limits agree"
@@ -158,12 +167,16 @@ def _listed(text: Subject, check: str, find: Finder, claim: str) -> FileCheck:
 
 def _check_urdf(text: Subject) -> FileCheck:
     row = partial(FileCheck, text.path.name, "check_urdf")
-    beside = str(Path(sys.executable).parent)  # of an environment that may not be activated
+    beside = str(
+        Path(sys.executable).parent
+    )  # of an environment that may not be activated
     program = shutil.which("check_urdf") or shutil.which("check_urdf", path=beside)
     if program is None:
         return row("not run", "the program check_urdf is not installed")
     command = [program, str(text.path)]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+    done = subprocess.run(
+        command, capture_output=True, text=True, errors="replace", check=False
+    )
     if done.returncode == 0:
         return row("passed", "urdfdom reads it as one tree")
     words = " ".join((done.stderr + done.stdout).split())
@@ -178,7 +191,9 @@ logging.getLogger("yourdfpy").addHandler(logging.NullHandler())
 _Tool = Callable[[Subject, list[str], FloatArray], Iterator[list[FloatArray]]]
 
 
-def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: float) -> FileCheck:
+def _frames(
+    tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: float
+) -> FileCheck:
     """Forward kinematics of every frame by another tool against `dh_product`."""
     row = partial(FileCheck, text.path.name, f"frames, {tool}")
     expected = dh_product(text.expected, q)
@@ -186,16 +201,27 @@ def _frames(tool: str, text: Subject, q: FloatArray, compute: _Tool, bound: floa
     if absent := [n for n in wanted if text.prefix + n not in text.links]:
         return row("failed", f"no link {', '.join(absent)} to compute")
     try:
-        with np.errstate(all="ignore"):  # infinite numbers of the file; the row says what they do
+        with np.errstate(
+            all="ignore"
+        ):  # infinite numbers of the file; the row says what they do
             given = np.array(list(compute(text, wanted, q)))
     except ImportError:
         return row("not run", f"{tool} is not installed")
-    except Exception as error:  # other tools raise anything for a file that they cannot load
+    except (
+        Exception
+    ) as error:  # other tools raise anything for a file that they cannot load
         return row("failed", f"{tool}: {' '.join(str(error).split())[:200]}")
-    away = np.array([frame_error(given[:, k], expected[name]) for k, name in enumerate(wanted)])
-    count, largest = f"{len(wanted)} frames at {len(q)} joint positions", float(away.max())
+    away = np.array(
+        [frame_error(given[:, k], expected[name]) for k, name in enumerate(wanted)]
+    )
+    count, largest = (
+        f"{len(wanted)} frames at {len(q)} joint positions",
+        float(away.max()),
+    )
     finding = f"{count} against Table 1's DH product [m, rad]; largest at {wanted[away.argmax()]}"
-    return row("passed" if largest <= bound else "failed", finding, largest, bound, "m, rad")
+    return row(
+        "passed" if largest <= bound else "failed", finding, largest, bound, "m, rad"
+    )
 
 
 # --- the text against the printed digits
@@ -223,13 +249,21 @@ def _missing_names(text: Subject) -> Iterator[str]:
     """Links and joints of the arm that are not there."""
     links = ["base_link", *BODY_NAMES, "tcp", *(JAW_LINKS if text.jaws else ())]
     joints = JOINT_NAMES[: 5 if text.jaws else 4]
-    yield from (f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links)
-    yield from (f"no joint {text.prefix}{n}" for n in joints if text.prefix + n not in text.joints)
+    yield from (
+        f"no link {text.prefix}{n}" for n in links if text.prefix + n not in text.links
+    )
+    yield from (
+        f"no joint {text.prefix}{n}"
+        for n in joints
+        if text.prefix + n not in text.joints
+    )
 
 
 def _joint_differences(text: Subject) -> Iterator[str]:
     """Types, parents, children, axes and limits that are not the arm's."""
-    for i, (joint, child) in enumerate(zip(text.expected.joints, _CHILDREN, strict=True)):
+    for i, (joint, child) in enumerate(
+        zip(text.expected.joints, _CHILDREN, strict=True)
+    ):
         given = text.joints.get(text.prefix + joint.name)
         if given is None:
             continue
@@ -249,7 +283,9 @@ def _inertial_differences(text: Subject) -> Iterator[str]:
 
     With jaws, link 4 is in four parts and `_closed_jaws` compares their sum.
     """
-    for i, (mass, com, tensor, at_link) in enumerate(_table_2()[: 4 if text.jaws else 5]):
+    for i, (mass, com, tensor, at_link) in enumerate(
+        _table_2()[: 4 if text.jaws else 5]
+    ):
         name = f"{text.prefix}link_{i}"
         given = text.links.get(name)
         if given is None or given.mass is None:
@@ -280,7 +316,9 @@ def _stray_masses(text: Subject) -> Iterator[str]:
     for joint in text.joints.values():  # from the root outwards
         if joint.parent in mine:
             mine.add(joint.child)
-    heavy = {text.prefix + name for name in (*BODY_NAMES, *(JAW_LINKS if text.jaws else ()))}
+    heavy = {
+        text.prefix + name for name in (*BODY_NAMES, *(JAW_LINKS if text.jaws else ()))
+    }
     for name in sorted(mine - heavy):
         given = text.links.get(name)
         if given is None or given.mass is None:
@@ -303,7 +341,10 @@ def _impossible_links(text: Subject) -> Iterator[str]:
 CHECKS: dict[str, tuple[Finder, str]] = {
     "names": (_missing_names, "links and joints of the arm"),
     "joints": (_joint_differences, "parents, axes, types and limits"),
-    "inertias": (_inertial_differences, "masses, COMs and tensors are Table 2's, to the last bit"),
+    "inertias": (
+        _inertial_differences,
+        "masses, COMs and tensors are Table 2's, to the last bit",
+    ),
     "stray masses": (_stray_masses, "massless frames say that they are massless"),
     "physics": (_impossible_links, "every link with mass is a possible body"),
 }
@@ -321,18 +362,29 @@ def _closed_jaws(text: Subject) -> FileCheck:
         body, joint, placed = text.links.get(name), text.carriers.get(name), np.eye(4)
         carried = name == wrist or (joint is not None and joint.parent == wrist)
         if body is None or body.mass is None or not carried:
-            return row("failed", "wrist, rod and fingers are not all there, with their joints")
+            return row(
+                "failed", "wrist, rod and fingers are not all there, with their joints"
+            )
         if joint is not None and name != wrist:
             leader = text.joints.get(joint.source)
             closed = 0.0 if leader is None else leader.lower or 0.0
-            placed = joint.transform @ joint.motion(joint.multiplier * closed + joint.offset)
+            placed = joint.transform @ joint.motion(
+                joint.multiplier * closed + joint.offset
+            )
         total += placed @ pseudo_inertia(body.mass, body.com, body.inertia) @ placed.T
     mass, com, tensor, _ = _table_2()[4]
     printed = pseudo_inertia(mass, com, tensor)
     blocks = np.s_[:3, :3], np.s_[:3, 3], np.s_[3, 3]
-    away = max(float(np.abs((total - printed)[b]).max() / np.abs(printed[b]).max()) for b in blocks)
-    finding = "wrist, rod and fingers have link 4's mass, first and second moments (relative)"
-    return row("passed" if away <= FRAME_BOUND else "failed", finding, away, FRAME_BOUND)
+    away = max(
+        float(np.abs((total - printed)[b]).max() / np.abs(printed[b]).max())
+        for b in blocks
+    )
+    finding = (
+        "wrist, rod and fingers have link 4's mass, first and second moments (relative)"
+    )
+    return row(
+        "passed" if away <= FRAME_BOUND else "failed", finding, away, FRAME_BOUND
+    )
 
 
 def _jaw_limit_differences(text: Subject) -> Iterator[str]:
@@ -350,11 +402,15 @@ def _jaw_limit_differences(text: Subject) -> Iterator[str]:
         turn = finger.multiplier
         if abs(turn) != nominal:
             yield f"{finger.name}: {turn:g} rad/m, expected {nominal:g} rad/m"
-        lower, upper = sorted(turn * end + finger.offset for end in (rod.lower, rod.upper))
+        lower, upper = sorted(
+            turn * end + finger.offset for end in (rod.lower, rod.upper)
+        )
         made = {"lower": lower, "upper": upper, "velocity": abs(turn) * rod.velocity}
         for key, value in made.items():
             given = getattr(finger, key)
-            if given is None or not math.isclose(given, value, rel_tol=0, abs_tol=1e-12):
+            if given is None or not math.isclose(
+                given, value, rel_tol=0, abs_tol=1e-12
+            ):
                 yield f"{finger.name}: {key} {given}, the rod makes it {value:.12g}"
 
 
@@ -363,9 +419,13 @@ def _jaw_limit_differences(text: Subject) -> Iterator[str]:
 
 def configurations(p: Alpha5Parameters, count: int) -> FloatArray:
     """Seeded random joint positions within the limits, and every corner of the limits, (N, 4)."""
-    lower, upper = (np.array([getattr(j, k) for j in p.joints[:4]]) for k in ("lower", "upper"))
+    lower, upper = (
+        np.array([getattr(j, k) for j in p.joints[:4]]) for k in ("lower", "upper")
+    )
     corners = np.where(np.indices((2,) * 4).reshape(4, -1).T == 0, lower, upper)
-    return np.vstack([corners, np.random.default_rng(5).uniform(lower, upper, (count, 4))])
+    return np.vstack(
+        [corners, np.random.default_rng(5).uniform(lower, upper, (count, 4))]
+    )
 
 
 def dh_product(p: Alpha5Parameters, q: FloatArray) -> dict[str, FloatArray]:
@@ -395,20 +455,28 @@ def frame_error(given: FloatArray, expected: FloatArray) -> float:
     shift = np.linalg.norm(given[:, :3, 3] - expected[:, :3, 3], axis=-1).max()
     relative = np.swapaxes(expected[:, :3, :3], -1, -2) @ given[:, :3, :3]
     # |R - R^T| / 2 is sin(angle): exact for small angles, where acos of the trace is blind.
-    sine = np.linalg.norm(relative - np.swapaxes(relative, -1, -2), axis=(-2, -1)) / np.sqrt(8)
+    sine = np.linalg.norm(
+        relative - np.swapaxes(relative, -1, -2), axis=(-2, -1)
+    ) / np.sqrt(8)
     cosine = (np.trace(relative, axis1=-2, axis2=-1) - 1) / 2
     return float(max(shift, np.arctan2(sine, cosine).max()))
 
 
-def pinocchio_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator[list[FloatArray]]:
+def pinocchio_frames(
+    text: Subject, links: list[str], q: FloatArray
+) -> Iterator[list[FloatArray]]:
     """Poses of the links by Pinocchio; see `_Tool`."""
     import pinocchio as pin
 
     model = urdf_model(text.path)
     data = model.createData()
-    if absent := [n for n in JOINT_NAMES[:4] if not model.existJointName(text.prefix + n)]:
+    if absent := [
+        n for n in JOINT_NAMES[:4] if not model.existJointName(text.prefix + n)
+    ]:
         raise ValueError(f"no movable joint {', '.join(absent)}")
-    columns = [model.joints[model.getJointId(text.prefix + n)].idx_q for n in JOINT_NAMES[:4]]
+    columns = [
+        model.joints[model.getJointId(text.prefix + n)].idx_q for n in JOINT_NAMES[:4]
+    ]
     frames = [model.getFrameId(text.prefix + n, pin.FrameType.BODY) for n in links]
     position = pin.neutral(model)
     for row in q:
@@ -418,12 +486,18 @@ def pinocchio_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator
         yield [(home * data.oMf[frame]).homogeneous for frame in frames]
 
 
-def yourdfpy_frames(text: Subject, links: list[str], q: FloatArray) -> Iterator[list[FloatArray]]:
+def yourdfpy_frames(
+    text: Subject, links: list[str], q: FloatArray
+) -> Iterator[list[FloatArray]]:
     """Poses of the links by yourdfpy; see `_Tool`."""
     import yourdfpy
 
-    robot = yourdfpy.URDF.load(str(text.path), load_meshes=False, build_scene_graph=True)
+    robot = yourdfpy.URDF.load(
+        str(text.path), load_meshes=False, build_scene_graph=True
+    )
     names = [text.prefix + n for n in JOINT_NAMES[:4]]
     for row in q:
         robot.update_cfg(dict(zip(names, row, strict=True)))
-        yield [robot.get_transform(text.prefix + n, text.prefix + links[0]) for n in links]
+        yield [
+            robot.get_transform(text.prefix + n, text.prefix + links[0]) for n in links
+        ]

@@ -43,7 +43,10 @@ def parse_xml(text: str | bytes, origin: str) -> XmlTree:
         problem = f"expected at most {most} MiB, got {len(text) / 2**20:.0f} MiB"
         raise FileFormatError(origin, problem)
     try:
-        if isinstance(text, bytes) and text[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        if isinstance(text, bytes) and text[:2] in (
+            codecs.BOM_UTF16_LE,
+            codecs.BOM_UTF16_BE,
+        ):
             text = text.decode("utf-16")  # whatever its declaration says
         return _Builder(origin).parse(text)
     except expat.ExpatError as error:

@@ -194,7 +194,10 @@ class Actuator:
     # Torque and current ---------------------------------------------------------------------
 
     def current(
-        self, torque: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None
+        self,
+        torque: ArrayLike,
+        velocity: ArrayLike = 0.0,
+        acceleration: ArrayLike | None = None,
     ) -> FloatArray:
         """Motor current that gives a joint torque.
 
@@ -209,19 +212,26 @@ class Actuator:
         Raises:
             MissingParameterError: An acceleration without a rotor inertia.
         """
-        tau, v, _ = _numbers(torque=torque, velocity=velocity, acceleration=acceleration)
+        tau, v, _ = _numbers(
+            torque=torque, velocity=velocity, acceleration=acceleration
+        )
         shaft = self._gear_input(tau, v) + self.parameters.friction * np.sign(v)
         return (shaft + self._rotor_torque(acceleration)) / self.torque_constant
 
     def torque(
-        self, current: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None
+        self,
+        current: ArrayLike,
+        velocity: ArrayLike = 0.0,
+        acceleration: ArrayLike | None = None,
     ) -> FloatArray:
         """Joint torque that a motor current gives: the inverse of `current`.
 
         Returns:
             [N m].
         """
-        i, v, _ = _numbers(current=current, velocity=velocity, acceleration=acceleration)
+        i, v, _ = _numbers(
+            current=current, velocity=velocity, acceleration=acceleration
+        )
         shaft = self.torque_constant * i - self.parameters.friction * np.sign(v)
         shaft = shaft - self._rotor_torque(acceleration)
         loss = self.gear_efficiency ** np.sign(shaft * v)
@@ -237,7 +247,9 @@ class Actuator:
         eta, friction = self.gear_efficiency, self.parameters.friction
         ends = np.stack([tau * eta, tau / eta]) / self.ratio
         k = self.torque_constant
-        return Interval((ends.min(axis=0) - friction) / k, (ends.max(axis=0) + friction) / k)
+        return Interval(
+            (ends.min(axis=0) - friction) / k, (ends.max(axis=0) + friction) / k
+        )
 
     def holding_torque(self, current: ArrayLike = 0.0) -> Interval:
         """Loads [N m] under which the joint stays still at a current: inverts `holding_current`."""
@@ -245,12 +257,17 @@ class Actuator:
         shaft, friction = self.torque_constant * i, self.parameters.friction
         low, high = shaft - friction, shaft + friction
         eta, ratio = self.gear_efficiency, self.ratio
-        return Interval(low * ratio * eta ** np.sign(low), high * ratio * eta ** -np.sign(high))
+        return Interval(
+            low * ratio * eta ** np.sign(low), high * ratio * eta ** -np.sign(high)
+        )
 
     # Voltage and speed ----------------------------------------------------------------------
 
     def voltage(
-        self, current: ArrayLike, velocity: ArrayLike = 0.0, current_rate: ArrayLike = 0.0
+        self,
+        current: ArrayLike,
+        velocity: ArrayLike = 0.0,
+        current_rate: ArrayLike = 0.0,
     ) -> FloatArray:
         """Voltage at the winding, ``R i + L di/dt + K_e w``.
 
@@ -262,14 +279,22 @@ class Actuator:
         Returns:
             [V].
         """
-        i, v, rate = _numbers(current=current, velocity=velocity, current_rate=current_rate)
+        i, v, rate = _numbers(
+            current=current, velocity=velocity, current_rate=current_rate
+        )
         p = self.parameters
-        return p.resistance * i + p.inductance * rate + self.back_emf_constant * self.ratio * v
+        return (
+            p.resistance * i
+            + p.inductance * rate
+            + self.back_emf_constant * self.ratio * v
+        )
 
     def speed(self, voltage: ArrayLike, current: ArrayLike = 0.0) -> FloatArray:
         """Steady joint velocity at a voltage and a current: the inverse of `voltage`."""
         u, i = _numbers(voltage=voltage, current=current)
-        return (u - self.parameters.resistance * i) / (self.back_emf_constant * self.ratio)
+        return (u - self.parameters.resistance * i) / (
+            self.back_emf_constant * self.ratio
+        )
 
     # Limits ---------------------------------------------------------------------------------
 
@@ -315,16 +340,23 @@ class Actuator:
         for sign in (-1.0, 1.0):
             i = self.current(tau, sign)
             speed = self.speed(sign * supply, i)
-            ends.append(np.where((np.abs(i) <= limit) & (sign * speed >= 0), speed, np.nan))
+            ends.append(
+                np.where((np.abs(i) <= limit) & (sign * speed >= 0), speed, np.nan)
+            )
         return Interval(*ends)
 
     # Power ----------------------------------------------------------------------------------
 
     def power(
-        self, torque: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike | None = None
+        self,
+        torque: ArrayLike,
+        velocity: ArrayLike,
+        acceleration: ArrayLike | None = None,
     ) -> ActuatorPower:
         """Electrical and mechanical power, and where the difference goes (``di/dt`` left out)."""
-        tau, v, _ = _numbers(torque=torque, velocity=velocity, acceleration=acceleration)
+        tau, v, _ = _numbers(
+            torque=torque, velocity=velocity, acceleration=acceleration
+        )
         i = self.current(tau, v, acceleration)
         w = self.ratio * v
         mechanical = tau * v
@@ -348,14 +380,20 @@ class Actuator:
         return low, high
 
     def current_interval(
-        self, torque: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None
+        self,
+        torque: ArrayLike,
+        velocity: ArrayLike = 0.0,
+        acceleration: ArrayLike | None = None,
     ) -> Interval:
         """`current` over the printed tolerance of the friction, [A]."""
         ends = [a.current(torque, velocity, acceleration) for a in self.extremes()]
         return Interval(*np.sort(ends, axis=0))
 
     def torque_interval(
-        self, current: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike | None = None
+        self,
+        current: ArrayLike,
+        velocity: ArrayLike = 0.0,
+        acceleration: ArrayLike | None = None,
     ) -> Interval:
         """`torque` over the printed tolerance of the friction, [N m]."""
         ends = [a.torque(current, velocity, acceleration) for a in self.extremes()]
@@ -414,5 +452,7 @@ def _drive(supply_voltage: float, current_limit: float) -> tuple[float, float]:
 
 def _numbers(**values: ArrayLike | None) -> list[FloatArray]:
     """Checked arrays that broadcast with one another; None, which is left out, as zero."""
-    given = {name: (0.0 if value is None else value, ()) for name, value in values.items()}
+    given = {
+        name: (0.0 if value is None else value, ()) for name, value in values.items()
+    }
     return [bounded(*named) for named in zip(given, fitting(**given), strict=True)]

@@ -26,7 +26,13 @@ from alpha5_model.dynamics import buoyancy as hydrostatics
 from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
 from alpha5_model.dynamics.buoyancy import Displacement, Vehicle, on_free_flyer
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
-from alpha5_model.dynamics.states import Embedding, Partials, expanded, forces, state_check
+from alpha5_model.dynamics.states import (
+    Embedding,
+    Partials,
+    expanded,
+    forces,
+    state_check,
+)
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.kinematics.pose import ApproachDirections, approach_directions
 from alpha5_model.numbers.fluids import SEA_WATER
@@ -89,12 +95,19 @@ class Arm:
     """
 
     def __init__(
-        self, model: Any, displacements: Iterable[Displacement], fluid_density: float = SEA_WATER
+        self,
+        model: Any,
+        displacements: Iterable[Displacement],
+        fluid_density: float = SEA_WATER,
     ) -> None:
-        if not isinstance(model, pin.Model) or not any(i.mass for i in list(model.inertias)[1:]):
+        if not isinstance(model, pin.Model) or not any(
+            i.mass for i in list(model.inertias)[1:]
+        ):
             raise InputError("model", model, "a pin.Model with moving masses")
         bodies = listed("displacements", displacements, "Displacements")
-        self.displacements = tuple(instance("displacements", b, Displacement) for b in bodies)
+        self.displacements = tuple(
+            instance("displacements", b, Displacement) for b in bodies
+        )
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
         hydrostatics.check_inertias(model)
         self._model = model.copy()
@@ -137,7 +150,12 @@ class Arm:
     def limits(self) -> Limits:
         """What the joints may do, in the order of `joint_names`."""
         m, n = self._model, len(self.joint_names)
-        ends = (m.lowerPositionLimit, m.upperPositionLimit, m.velocityLimit, m.effortLimit)
+        ends = (
+            m.lowerPositionLimit,
+            m.upperPositionLimit,
+            m.velocityLimit,
+            m.effortLimit,
+        )
         return Limits(*(frozen(end[-n:]) for end in ends))
 
     def forward_kinematics(self, q: ArrayLike, frame: str = "tcp") -> Any:
@@ -161,7 +179,10 @@ class Arm:
         return own.placements[self._frame(frame)].copy()
 
     def jacobian(
-        self, q: ArrayLike, frame: str = "tcp", reference_frame: Any = pin.LOCAL_WORLD_ALIGNED
+        self,
+        q: ArrayLike,
+        frame: str = "tcp",
+        reference_frame: Any = pin.LOCAL_WORLD_ALIGNED,
     ) -> FloatArray:
         """Geometric Jacobian of a frame.
 
@@ -238,7 +259,9 @@ class Arm:
         q = self._clean_q(q)
         own = self._own
         # Not of the net weights: Pinocchio joins bodies here, which takes positive masses.
-        out: FloatArray = pin.computeGeneralizedGravityDerivatives(self._model, own.data, q)
+        out: FloatArray = pin.computeGeneralizedGravityDerivatives(
+            self._model, own.data, q
+        )
         out -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
         return out
 
@@ -260,7 +283,9 @@ class Arm:
         up = -self._model.gravity
         for joint, body in enumerate(self._fluid.inertias):
             if body.mass:
-                out[joint] = body * data.oMi[joint].actInv(up)  # rho V g, acting at the centre
+                out[joint] = body * data.oMi[joint].actInv(
+                    up
+                )  # rho V g, acting at the centre
         return out
 
     def potential_energy(self, q: ArrayLike) -> float:
@@ -268,7 +293,9 @@ class Arm:
 
         Its gradient is `hydrostatic_torque`. link_0 counts, on a fixed base as a constant.
         """
-        moving = pin.computePotentialEnergy(self._net, self._own.net_data, self._clean_q(q))
+        moving = pin.computePotentialEnergy(
+            self._net, self._own.net_data, self._clean_q(q)
+        )
         return float(moving) + self._fixed_potential
 
     def center_of_mass(self, q: ArrayLike) -> FloatArray:
@@ -384,7 +411,9 @@ class Arm:
         total = tau + _gravity(self._fluid, own.fluid_data, q)
         return _aba(self._model, own.data, q, v, total, *outside)
 
-    def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
+    def inverse_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> Partials:
         """Analytic derivatives of `inverse_dynamics` [Carpentier2018], water included.
 
         [Carpentier2018] Carpentier, Mansard: Analytical derivatives of rigid body dynamics
@@ -405,7 +434,9 @@ class Arm:
         water = pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, q)
         return dq - water, dv.copy(), da.copy()  # Pinocchio hands out views of its data
 
-    def forward_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Partials:
+    def forward_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike
+    ) -> Partials:
         """Analytic derivatives of `forward_dynamics`, from those of its inverse.
 
         Args:
@@ -422,7 +453,9 @@ class Arm:
         inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return -inverse @ dq, -inverse @ dv, inverse
 
-    def base_wrench(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None) -> Any:
+    def base_wrench(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
+    ) -> Any:
         """Wrench that the arm exerts on its mount, weight and buoyancy of link_0 included.
 
         At rest it is the weight minus the buoyancy of the whole arm. With a floating base it is the
@@ -451,7 +484,9 @@ class Arm:
         load = self._link_0_load + own.data.liMi[1].act(load)
         return outside[0][0] - load if outside else -load
 
-    def base_wrench_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
+    def base_wrench_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> Partials:
         """Analytic derivatives of `base_wrench`.
 
         Args:
@@ -545,7 +580,9 @@ class Arm:
                 another unit, such as 500 g or 20 mm.
         """
         model, volumes, *rest = self._arguments
-        model, displaced = hydrostatics.with_body(model, frame, mass, com, inertia, volume, cob)
+        model, displaced = hydrostatics.with_body(
+            model, frame, mass, com, inertia, volume, cob
+        )
         return type(self)(model, (*volumes, displaced), *rest)
 
     def with_hydrodynamics(
@@ -595,8 +632,14 @@ class Arm:
         if self.floating_base:
             return self._embedded
         tree, fluid, (g, g_q, g_0) = self._embedded
-        g, g_q = (np.vstack([np.zeros((n, x.shape[1])), x]) for n, x in ((6, g), (7, g_q)))
-        return on_free_flyer(tree), on_free_flyer(fluid), (g, g_q, np.append(_HOME, g_0))
+        g, g_q = (
+            np.vstack([np.zeros((n, x.shape[1])), x]) for n, x in ((6, g), (7, g_q))
+        )
+        return (
+            on_free_flyer(tree),
+            on_free_flyer(fluid),
+            (g, g_q, np.append(_HOME, g_0)),
+        )
 
     def _frame(self, name: str) -> int:
         try:

@@ -56,7 +56,9 @@ class Scratch(threading.local):
     """
 
     def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
-        self.data, self.fluid_data, self.net_data = (m.createData() for m in (model, fluid, net))
+        self.data, self.fluid_data, self.net_data = (
+            m.createData() for m in (model, fluid, net)
+        )
         self.placements = [self.data.oMf[i] for i in range(model.nframes)]
         self._model, self._callers = model, callers
         self._pools: dict[int, Any] = {}
@@ -79,7 +81,9 @@ class Scratch(threading.local):
         return pool
 
 
-def rnea(model: Any, own: Scratch, threads: int, q: FloatArray, *rates: FloatArray) -> FloatArray:
+def rnea(
+    model: Any, own: Scratch, threads: int, q: FloatArray, *rates: FloatArray
+) -> FloatArray:
     """Pinocchio's RNEA of each row of q, v, a on one model, (N, nv); rates that are not given are 0."""
     tau, still = np.empty((len(q), model.nv)), np.zeros((len(q), model.nv))
     v, a = (*rates, still, still)[:2]
@@ -133,7 +137,12 @@ _PINOCCHIO: dict[str, Callable[..., FloatArray]] = {
 
 
 def solved_rows(
-    arm: Any, q: ArrayLike, v: ArrayLike, tau: ArrayLike, threads: int | None, **current: Any
+    arm: Any,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    threads: int | None,
+    **current: Any,
 ) -> FloatArray:
     """Forward dynamics of each row by an arm's mass matrix and its inverse dynamics, (N, nv)."""
     q, v, tau = rows(arm._model, q=q, v=v, tau=tau)
@@ -170,7 +179,9 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     model, none = arm._model, np.zeros(3)
     if not _known(model):
         return None
-    bodies = [moments(x.mass, x.lever, x.inertia, 0.0, none, 0.0) for x in model.inertias]
+    bodies = [
+        moments(x.mass, x.lever, x.inertia, 0.0, none, 0.0) for x in model.inertias
+    ]
     links = np.array(bodies)
     for x in arm.displacements:
         water = moments(0.0, none, np.zeros((3, 3)), x.volume, x.cob, arm.fluid_density)
@@ -186,7 +197,9 @@ def _known(model: Any) -> bool:
         return False
     frame = model.frames[tip]
     ours = [pose(at.xyz, at.rpy) for at in (*joint_placements(arm), tcp_placement(arm))]
-    theirs = [at.homogeneous for at in (*list(model.jointPlacements)[1:], frame.placement)]
+    theirs = [
+        at.homogeneous for at in (*list(model.jointPlacements)[1:], frame.placement)
+    ]
     return bool(
         frame.parentJoint == 4
         and np.abs(np.subtract(ours, theirs)).max() < _ROUNDING
@@ -214,7 +227,9 @@ def kernel_rows(
     out = None
     states: list[Any] = [*given.values()]
     if type(states[0]) is np.ndarray and states[0].ndim == 2:
-        with suppress(KernelError):  # not plainly rows: they are converted, or refused, below
+        with suppress(
+            KernelError
+        ):  # not plainly rows: they are converted, or refused, below
             out = _computed(name, parameters, columns, states)
     if out is None:
         out = _computed(name, parameters, columns, rows(arm._model, **given))
@@ -270,7 +285,9 @@ def regressor(arm: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Regressor:
     return Regressor(matrix[0] if single else matrix, parameters[:-3], NAMES, units)
 
 
-def regressor_rows(q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLike) -> FloatArray:
+def regressor_rows(
+    q: FloatArray, v: FloatArray, a: FloatArray, gravity: ArrayLike
+) -> FloatArray:
     """Of joint torques, then force and moment on the mount in base_link, (N, 10, 38).
 
     Args:
@@ -331,7 +348,9 @@ def torque_terms(
 
     inertia = term("inverse_dynamics", v=v, a=a) - term("nonlinear_effects", v=v)
     coriolis = term("coriolis_torque", v=v)
-    return TorqueTerms(inertia, coriolis, term("gravity_torque"), -term("buoyancy_torque"))
+    return TorqueTerms(
+        inertia, coriolis, term("gravity_torque"), -term("buoyancy_torque")
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,13 +80,19 @@ def displacements(
     return tuple(displacement(model, b.name, b.name, b.volume, b.cob) for b in bodies)
 
 
-def displacement(model: Any, body: str, frame: str, volume: float, cob: FloatArray) -> Displacement:
+def displacement(
+    model: Any, body: str, frame: str, volume: float, cob: FloatArray
+) -> Displacement:
     """A volume whose centre is given in a frame, moved to the joint that carries the frame."""
     carrier = model.frames[model.getFrameId(frame)]
-    return Displacement(body, model.names[carrier.parentJoint], volume, carrier.placement.act(cob))
+    return Displacement(
+        body, model.names[carrier.parentJoint], volume, carrier.placement.act(cob)
+    )
 
 
-def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density: float) -> Any:
+def displaced_fluid_model(
+    model: Any, displaced: Iterable[Displacement], density: float
+) -> Any:
     """The displaced-fluid model: point masses ``rho V`` at the centres of buoyancy.
 
     ``pin.computeGeneralizedGravity`` of it is the torque that the water applies. It has no
@@ -113,7 +119,9 @@ def displaced_fluid_model(model: Any, displaced: Iterable[Displacement], density
         mass = density * body.volume
         if mass:
             point = pin.Inertia(mass, np.array(body.cob), np.zeros((3, 3)))
-            fluid.appendBodyToJoint(fluid.getJointId(body.joint), point, pin.SE3.Identity())
+            fluid.appendBodyToJoint(
+                fluid.getJointId(body.joint), point, pin.SE3.Identity()
+            )
     return fluid
 
 
@@ -191,7 +199,9 @@ def with_body(
     name = name if count == 1 else f"{name}_{count}"
     solid, kind = pin.Inertia(m, centre, tensor), pin.FrameType.BODY
     # This adds the inertia to the joint, too.
-    loaded.addFrame(pin.Frame(name, carrier.parentJoint, index, carrier.placement, kind, solid))
+    loaded.addFrame(
+        pin.Frame(name, carrier.parentJoint, index, carrier.placement, kind, solid)
+    )
     return loaded, displacement(loaded, name, name, displaced, centroid)
 
 
@@ -240,7 +250,9 @@ class Vehicle:
     transform_vehicle_to_base: FloatArray = field(default_factory=lambda: np.eye(4))
 
     def __post_init__(self) -> None:
-        clean: dict[str, Any] = {k: real(k, getattr(self, k), 0.0) for k in ("mass", "volume")}
+        clean: dict[str, Any] = {
+            k: real(k, getattr(self, k), 0.0) for k in ("mass", "volume")
+        }
         shapes = {"com": (3,), "cob": (3,), "inertia": (3, 3), "linear_damping": (6,)}
         for name, shape in (shapes | {"quadratic_damping": (6,)}).items():
             clean[name] = frozen(array(name, getattr(self, name), *shape))
@@ -249,7 +261,9 @@ class Vehicle:
         given = float_array("added_mass", self.added_mass, ())
         matrix = np.diag(given) if given.shape == (6,) else given
         clean["added_mass"] = frozen(added_mass(matrix))
-        placement = rigid_transform("transform_vehicle_to_base", self.transform_vehicle_to_base)
+        placement = rigid_transform(
+            "transform_vehicle_to_base", self.transform_vehicle_to_base
+        )
         clean["transform_vehicle_to_base"] = placement
         for name, value in clean.items():
             object.__setattr__(self, name, value)
@@ -285,7 +299,9 @@ def afloat(still: Any) -> Any:
     if still.floating_base:
         return still
     model, volumes, *rest = still._arguments
-    volumes = [replace(v, joint="root_joint") if v.joint == "universe" else v for v in volumes]
+    volumes = [
+        replace(v, joint="root_joint") if v.joint == "universe" else v for v in volumes
+    ]
     return getattr(still, "_afloat", type(still))(on_free_flyer(model), volumes, *rest)
 
 

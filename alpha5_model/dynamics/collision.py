@@ -23,7 +23,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array, frozen
+from alpha5_model._support.checks import (
+    BoolArray,
+    FloatArray,
+    count,
+    float_array,
+    frozen,
+)
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import srdf
@@ -70,7 +76,9 @@ class CollisionModel:
         self.data = self.geometry.createData()
         # Pinocchio has each search start where the last one ended: then the answer at q depends, by
         # a micrometre, on what was asked before. coal's own request starts afresh.
-        self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(self.data.distanceRequests)
+        self.data.distanceRequests[:] = [coal.DistanceRequest()] * len(
+            self.data.distanceRequests
+        )
 
     def in_collision(self, q: FloatArray) -> bool:
         """Whether two links that are not neighbours touch at q, (nq,)."""
@@ -79,21 +87,30 @@ class CollisionModel:
     def colliding_links(self, q: FloatArray) -> tuple[tuple[str, str], ...]:
         """Every pair of links that touch at q, (nq,), each once."""
         self._closest_pair(q)
-        results = zip(self.geometry.collisionPairs, self.data.distanceResults, strict=True)
-        pairs = [self._links(pair) for pair, result in results if result.min_distance <= 0.0]
+        results = zip(
+            self.geometry.collisionPairs, self.data.distanceResults, strict=True
+        )
+        pairs = [
+            self._links(pair) for pair, result in results if result.min_distance <= 0.0
+        ]
         return tuple(dict.fromkeys(pairs))
 
     def clearance(self, q: FloatArray) -> Clearance:
         """The closest place at q, (nq,), to a micrometre."""
         index = self._closest_pair(q)
-        result, pair = self.data.distanceResults[index], self.geometry.collisionPairs[index]
+        result, pair = (
+            self.data.distanceResults[index],
+            self.geometry.collisionPairs[index],
+        )
         points = frozen([result.getNearestPoint1(), result.getNearestPoint2()])
         return Clearance(float(result.min_distance), self._links(pair), points)
 
     def _closest_pair(self, q: FloatArray) -> int:
         # Distances, not coal's quicker yes or no: that one starts from the contact of the last call
         # and was seen to miss an overlap of 0.03 mm.
-        pin.updateGeometryPlacements(self._model, self._data, self.geometry, self.data, q)
+        pin.updateGeometryPlacements(
+            self._model, self._data, self.geometry, self.data, q
+        )
         return int(pin.computeDistances(self.geometry, self.data))
 
     def _links(self, pair: Any) -> tuple[str, str]:
@@ -111,7 +128,10 @@ def collision_geometry(model: Any) -> Any:
         InputError: A model with other dimensions than those that the bodies are drawn for.
     """
     check_dimensions(model, "its bodies", DRAWN)
-    gripper, kind = "jaws" if model.existFrame("finger_1") else "locked", pin.GeometryType.COLLISION
+    gripper, kind = (
+        "jaws" if model.existFrame("finger_1") else "locked",
+        pin.GeometryType.COLLISION,
+    )
     geometry = pin.buildGeomFromUrdfString(model, _urdf(gripper), kind)
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairsFromXML(model, geometry, srdf(gripper))
@@ -176,7 +196,9 @@ def _pairs(geometry: Any) -> list[Any]:
     The elements of ``geometry.collisionPairs`` are references into Pinocchio's vector:
     removing one of them makes the others refer to the pairs that follow.
     """
-    return [pin.CollisionPair(pair.first, pair.second) for pair in geometry.collisionPairs]
+    return [
+        pin.CollisionPair(pair.first, pair.second) for pair in geometry.collisionPairs
+    ]
 
 
 def _moved_by(joint: int, pair: Any, geometry: Any) -> bool:
@@ -190,6 +212,12 @@ def _collides(model: Any, geometry: Any, q: FloatArray) -> BoolArray:
     """Whether any pair touches at q, (N, 4)."""
     data, objects = model.createData(), geometry.createData()
     # A search that starts where the last one ended was seen to miss overlaps.
-    objects.collisionRequests[:] = [coal.CollisionRequest()] * len(objects.collisionRequests)
-    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, geometry, objects)
-    return np.array([pin.computeCollisions(model, data, tree, row, True) for row in q], np.bool_)
+    objects.collisionRequests[:] = [coal.CollisionRequest()] * len(
+        objects.collisionRequests
+    )
+    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
+        model, geometry, objects
+    )
+    return np.array(
+        [pin.computeCollisions(model, data, tree, row, True) for row in q], np.bool_
+    )

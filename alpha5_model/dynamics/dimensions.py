@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
+from alpha5_model.description.bodies import (
+    base_placement,
+    joint_placements,
+    tcp_placement,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import parameters
 
@@ -41,9 +45,13 @@ def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> N
     if distance <= tolerance:
         return
     found = (
-        f"an arm without {name}" if np.isinf(distance) else f"{name} {distance * 1e3:.3g} mm off"
+        f"an arm without {name}"
+        if np.isinf(distance)
+        else f"{name} {distance * 1e3:.3g} mm off"
     )
-    raise InputError("arm", found, f"the dimensions of Table 1, for which {needed_for} was made")
+    raise InputError(
+        "arm", found, f"the dimensions of Table 1, for which {needed_for} was made"
+    )
 
 
 def check_limits(model: Any, needed_for: str) -> None:
@@ -74,7 +82,8 @@ def _farthest(model: Any) -> tuple[str, float]:
             return name, np.inf
 
     base, first, *rest = (
-        pose(at.xyz, at.rpy) for at in (base_placement(p), *joint_placements(p), tcp_placement(p))
+        pose(at.xyz, at.rpy)
+        for at in (base_placement(p), *joint_placements(p), tcp_placement(p))
     )
     ours = [base @ first, *rest]
 

@@ -44,7 +44,9 @@ def mimicking(tree: Any, mimics: Iterable[UrdfJoint]) -> Any:
     model = tree.copy()
     for m in mimics:
         leader, joint = model.getJointId(m.mimic), model.getJointId(m.name)
-        model = pin.transformJointIntoMimic(model, leader, joint, m.multiplier, m.offset)
+        model = pin.transformJointIntoMimic(
+            model, leader, joint, m.multiplier, m.offset
+        )
     return model
 
 
@@ -67,16 +69,22 @@ class JawArm(Arm):
         self._g, self._expand = embedding[0], partial(expanded, embedding)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        return self._project(self._tree.coriolis_matrix(*self._expand(*self._clean_qv(q, v))))
+        return self._project(
+            self._tree.coriolis_matrix(*self._expand(*self._clean_qv(q, v)))
+        )
 
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Forces = None
     ) -> FloatArray:
         q, v, tau = self._clean_qvtau(q, v, tau)
         bias = self.inverse_dynamics(q, v, np.zeros_like(v), fext)
-        return np.asarray(np.linalg.solve(self.mass_matrix(q), tau - bias), dtype=np.float64)
+        return np.asarray(
+            np.linalg.solve(self.mass_matrix(q), tau - bias), dtype=np.float64
+        )
 
-    def inverse_dynamics_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Partials:
+    def inverse_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike
+    ) -> Partials:
         state = self._expand(*self._clean_qva(q, v, a))
         dq, dv, da = map(self._project, self._tree.inverse_dynamics_derivatives(*state))
         return dq, dv, da
@@ -102,11 +110,18 @@ class JawArm(Arm):
 
 def _expansion(model: Any, tree: Any, mimics: Iterable[UrdfJoint]) -> Embedding:
     """G (tree.nv, nv), its form for positions (tree.nq, nq) and g_0 (tree.nq,)."""
-    g, g_q, g_0 = np.zeros((tree.nv, model.nv)), np.zeros((tree.nq, model.nq)), np.zeros(tree.nq)
+    g, g_q, g_0 = (
+        np.zeros((tree.nv, model.nv)),
+        np.zeros((tree.nq, model.nq)),
+        np.zeros(tree.nq),
+    )
     following = {m.name: (m.mimic, m.multiplier, m.offset) for m in mimics}
     for name in tree.names[1:]:
         leader, scale, offset = following.get(name, (name, 1.0, 0.0))
-        inner, joint = tree.joints[tree.getJointId(name)], model.joints[model.getJointId(leader)]
+        inner, joint = (
+            tree.joints[tree.getJointId(name)],
+            model.joints[model.getJointId(leader)],
+        )
         n, n_q = np.arange(inner.nv), np.arange(inner.nq)
         g[inner.idx_v + n, joint.idx_v + n] = scale
         g_q[inner.idx_q + n_q, joint.idx_q + n_q] = scale
@@ -129,15 +144,23 @@ class KernelArm(Arm):
         super().__init__(model, displacements, fluid_density)
         parameters, bind = self._kernel_parameters, kernels.module().bind
         if parameters is None:
-            raise InputError("model", model, "the joints of a Reach Alpha 5 on a fixed base")
+            raise InputError(
+                "model", model, "the joints of a Reach Alpha 5 on a fixed base"
+            )
         names = " ".join(_METHODS.values()).split()
-        self._kernels = {name: bind(name, parameters) for name in [*names, "base_wrench"]}
+        self._kernels = {
+            name: bind(name, parameters) for name in [*names, "base_wrench"]
+        }
         # Of another object: a circle through this one would keep its memory for long.
         plain = object.__new__(type(self))
         plain.__dict__ |= self.__dict__
-        self.__dict__ |= {name: bind(name, parameters, getattr(plain, name)) for name in names}
+        self.__dict__ |= {
+            name: bind(name, parameters, getattr(plain, name)) for name in names
+        }
 
-    def base_wrench(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None) -> Any:
+    def base_wrench(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None
+    ) -> Any:
         if fext is not None:
             return super().base_wrench(q, v, a, fext)
         kernel, wrench = self._kernels["base_wrench"], _NO_FORCE.copy()
@@ -159,7 +182,9 @@ def _strict(name: str, inputs: Sequence[str]) -> Callable[..., Any]:
         if len(given) > len(inputs) or named.keys() != {*inputs[len(given) :]}:
             return method(self, *given, **named)
         state = dict(zip(inputs, given, strict=False), **named)
-        return self._kernels[name](*self._converted(**{key: state[key] for key in inputs}))
+        return self._kernels[name](
+            *self._converted(**{key: state[key] for key in inputs})
+        )
 
     return strict
 

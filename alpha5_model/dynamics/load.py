@@ -14,7 +14,11 @@ from alpha5_model._support.checks import array, choice, flag
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.bodies import base_placement, joint_placements, tcp_placement
+from alpha5_model.description.bodies import (
+    base_placement,
+    joint_placements,
+    tcp_placement,
+)
 from alpha5_model.description.reading import UrdfJoint, parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
@@ -71,7 +75,9 @@ def load(
     density = density_of(fluid_density)
     g = array("gravity", gravity, 3)
     plausibility.check_gravity(gravity, g)
-    parsed, mimics, displaced = _parsed(gripper, flag("floating_base", floating_base), chosen)
+    parsed, mimics, displaced = _parsed(
+        gripper, flag("floating_base", floating_base), chosen
+    )
     tree = parsed.copy()
     tree.gravity.linear = g
     if mimics:
@@ -80,7 +86,9 @@ def load(
 
 
 def arm_of(
-    parameters: Alpha5Parameters, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+    parameters: Alpha5Parameters,
+    fluid_density: float = SEA_WATER,
+    gravity: ArrayLike = GRAVITY,
 ) -> Arm:
     """The arm of a parameter set, Table 1 and limits included, on a fixed base with locked jaws.
 
@@ -130,7 +138,9 @@ def robot_wrapper(
     chosen = check_corrections(corrections)
     choice("gripper", gripper, GRIPPERS)
     text, folder = _urdf(gripper, chosen), str(Path(URDF_PATH).parent)
-    model = mimicking(*_parsed(gripper, flag("floating_base", floating_base), chosen)[:2])
+    model = mimicking(
+        *_parsed(gripper, flag("floating_base", floating_base), chosen)[:2]
+    )
     collision, visual = (
         pin.buildGeomFromUrdfString(model, text, kind, package_dirs=[folder])
         for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)

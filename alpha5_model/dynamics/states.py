@@ -36,13 +36,20 @@ def state_check(model: Any, *rates: str) -> Callable[..., Any]:
 
     It returns them, converted if need be: q alone, or all of them.
     """
-    nq, nv, fixed, plain = model.nq, model.nv, model.nq == model.nv, kernels.module().is_state
+    nq, nv, fixed, plain = (
+        model.nq,
+        model.nv,
+        model.nq == model.nv,
+        kernels.module().is_state,
+    )
 
     def check(*state: Any) -> Any:
         good = plain(nq, nv, *state)
         if good and (fixed or pin.isNormalized(model, state[0], ROTATION_TOLERANCE)):
             return state if rates else state[0]
-        clean = state_vectors(model, state[0], **dict(zip(rates, state[1:], strict=True)))
+        clean = state_vectors(
+            model, state[0], **dict(zip(rates, state[1:], strict=True))
+        )
         return clean if rates else clean[0]
 
     return check
@@ -93,7 +100,9 @@ def _check_quaternions(q: FloatArray) -> None:
     norms = np.linalg.norm(q[..., 3:7], axis=-1)
     for row in np.argwhere(np.abs(norms - 1.0) > ROTATION_TOLERANCE):
         place, norm = ", ".join([*map(str, row), "3:7"]), norms[tuple(row)]
-        raise InputError(f"q[{place}]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)")
+        raise InputError(
+            f"q[{place}]", f"norm {norm:.6g}", "a unit quaternion (x, y, z, w)"
+        )
 
 
 def forces(fext: Any, njoints: int) -> Any:
@@ -108,7 +117,9 @@ def forces(fext: Any, njoints: int) -> Any:
     """
     expected = f"{njoints} pin.Force, one for each joint and the universe"
     given = listed("fext", fext, expected)
-    if len(given) != njoints or not all(isinstance(force, pin.Force) for force in given):
+    if len(given) != njoints or not all(
+        isinstance(force, pin.Force) for force in given
+    ):
         raise InputError("fext", fext, expected)
     for joint, force in enumerate(given):
         if not isfinite(sum(force.vector.tolist())):
@@ -117,7 +128,9 @@ def forces(fext: Any, njoints: int) -> Any:
     return fext if isinstance(fext, pin.StdVec_Force) else pin.StdVec_Force(given)
 
 
-def expanded(embedding: Embedding, q: FloatArray, *rates: FloatArray) -> list[FloatArray]:
+def expanded(
+    embedding: Embedding, q: FloatArray, *rates: FloatArray
+) -> list[FloatArray]:
     """States (..., n) of a tree in which an arm is embedded: ``G_q q + g_0``, then ``G v`` of each rate.
 
     Args:

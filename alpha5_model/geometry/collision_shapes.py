@@ -13,7 +13,16 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import Triple, pose, rpy_from_rotation
 from alpha5_model.geometry import parts as meshing
-from alpha5_model.geometry.parts import BASE, FINGER, JAWS, RADIUS, SHELL, UPPER_ARM, WRIST, ribbon
+from alpha5_model.geometry.parts import (
+    BASE,
+    FINGER,
+    JAWS,
+    RADIUS,
+    SHELL,
+    UPPER_ARM,
+    WRIST,
+    ribbon,
+)
 from alpha5_model.geometry.solid import AXES
 from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -57,7 +66,12 @@ def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ..
     shell, blade, jaws = _shell(), _finger(), split_link_4(parameters(()))
     end = JAWS.collar_base + WRIST.collar_height
     wrist = [_cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
-    shapes = {"link_0": _base(), "link_1": shell, "link_2": _upper_arm(), "link_3": shell}
+    shapes = {
+        "link_0": _base(),
+        "link_1": shell,
+        "link_2": _upper_arm(),
+        "link_3": shell,
+    }
     shapes |= {"link_4": wrist, "finger_1": blade, "finger_2": blade}
     for name, frame in meshing.frames_in_links().items():
         shapes[name] = [_moved(shape, frame) for shape in shapes[name]]
@@ -76,20 +90,32 @@ def _moved(shape: Primitive, frame: FloatArray) -> Primitive:
 
 def _as_written(shape: Primitive) -> Primitive:
     """In metres, to a nanometre and 1e-12 rad: a URDF does not show the last bits of a sine."""
-    size, xyz = (tuple(round(c * 1e-3, 9) + 0.0 for c in mm) for mm in (shape.size, shape.xyz))
-    return Primitive(shape.kind, size, xyz, tuple(round(a, 12) + 0.0 for a in shape.rpy))
+    size, xyz = (
+        tuple(round(c * 1e-3, 9) + 0.0 for c in mm) for mm in (shape.size, shape.xyz)
+    )
+    return Primitive(
+        shape.kind, size, xyz, tuple(round(a, 12) + 0.0 for a in shape.rpy)
+    )
 
 
-def _cylinder(r: float, low: float, high: float, axis: str, at: Triple = (0, 0, 0)) -> Primitive:
+def _cylinder(
+    r: float, low: float, high: float, axis: str, at: Triple = (0, 0, 0)
+) -> Primitive:
     """A cylinder between two heights along x, y or z through a point."""
-    xyz = tuple(a + (low + high) / 2 * (n == axis) for a, n in zip(at, "xyz", strict=True))
-    return Primitive("cylinder", (r, high - low), xyz, tuple(np.radians(AXES[axis]).tolist()))
+    xyz = tuple(
+        a + (low + high) / 2 * (n == axis) for a, n in zip(at, "xyz", strict=True)
+    )
+    return Primitive(
+        "cylinder", (r, high - low), xyz, tuple(np.radians(AXES[axis]).tolist())
+    )
 
 
 def _box(low: Triple, high: Triple) -> Primitive:
     """A box between two corners."""
     ends = list(zip(low, high, strict=True))
-    return Primitive("box", tuple(b - a for a, b in ends), tuple((a + b) / 2 for a, b in ends))
+    return Primitive(
+        "box", tuple(b - a for a, b in ends), tuple((a + b) / 2 for a, b in ends)
+    )
 
 
 def _slabs(heights: Iterable[float]) -> Iterator[tuple[float, float, float]]:
@@ -110,7 +136,10 @@ def _base() -> list[Primitive]:
         _cylinder(d.plug_radius, d.rear, d.cap, "x"),
         _cylinder(1.6 * d.plug_radius, d.cap - 5.0, d.cap, "x"),
         _cylinder(RADIUS, d.hub_low, d.hub_high, "z"),
-        *(_box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high))) for y, z in d.neck),
+        *(
+            _box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high)))
+            for y, z in d.neck
+        ),
         _box((d.foot_rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
         _box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
         Primitive("box", (slope, depth, 2 * half), (x, y, 0.0), (0.0, 0.0, angle)),
@@ -123,8 +152,14 @@ def _shell() -> list[Primitive]:
     inner = [math.sqrt((RADIUS + 0.5) ** 2 - b**2) for b in y[1:3]]
     slabs = []
     for low, high, half in _slabs(sorted([*d.slabs, d.cheek_inner])):
-        near = inner[0] if high <= 0 else d.axes_apart + (0.5 if low < d.cheek_inner else -half)
-        slabs.append(_box((near, d.mitre - high, low), (d.axes_apart + half, d.floor, high)))
+        near = (
+            inner[0]
+            if high <= 0
+            else d.axes_apart + (0.5 if low < d.cheek_inner else -half)
+        )
+        slabs.append(
+            _box((near, d.mitre - high, low), (d.axes_apart + half, d.floor, high))
+        )
     beside, top = d.axes_apart + 1.0, d.cheek_inner
     return [
         _cylinder(RADIUS, d.cheek_inner, d.cheek_outer, "z"),
@@ -142,8 +177,14 @@ def _upper_arm() -> list[Primitive]:
     middle, start = d.drop / 2, d.mitre + d.slabs[-1]
     near = [_cylinder(RADIUS, d.barrel_low, d.barrel_high, "z")]
     for low, high, half in _slabs(d.slabs):
-        near.append(_box((d.mitre + low, middle - half, low), (start + 1.0, middle + half, high)))
-    near.append(_box((14.0, 2.1, 3.0), (d.mitre + d.barrel_high, d.neck, d.barrel_high)))
+        near.append(
+            _box(
+                (d.mitre + low, middle - half, low), (start + 1.0, middle + half, high)
+            )
+        )
+    near.append(
+        _box((14.0, 2.1, 3.0), (d.mitre + d.barrel_high, d.neck, d.barrel_high))
+    )
     opposite = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
     tube = _cylinder(RADIUS, start, d.reach - start, "x", (0.0, middle, 0.0))
     return [tube, *near, *(_moved(shape, opposite) for shape in near)]
@@ -152,7 +193,10 @@ def _upper_arm() -> list[Primitive]:
 def _finger() -> list[Primitive]:
     thick, limits = JAWS.finger_width / 2, (JAWS.pivot_offset, JAWS.finger_length)
     shapes = [_cylinder(FINGER.lug_radius, -thick, thick, "z")]
-    pieces = [*((start, stop, 0.0) for start, stop in pairwise(FINGER.boxes)), *FINGER.tip_boxes]
+    pieces = [
+        *((start, stop, 0.0) for start, stop in pairwise(FINGER.boxes)),
+        *FINGER.tip_boxes,
+    ]
     for start, stop, side in pieces:
         # Near the tip, the half below the middle stops short of the plane where the fingers meet.
         outline, limit = ribbon(start, stop), np.add(limits, (side * FINGER.hook, 0.0))
@@ -166,7 +210,9 @@ def _finger() -> list[Primitive]:
     return shapes
 
 
-def _around(outline: FloatArray, span: tuple[float, float], direction: FloatArray) -> Primitive:
+def _around(
+    outline: FloatArray, span: tuple[float, float], direction: FloatArray
+) -> Primitive:
     """Box around an outline in the x-y plane, its long side in a given direction."""
     along = direction / np.linalg.norm(direction)
     axes = np.array([along, [-along[1], along[0]]])

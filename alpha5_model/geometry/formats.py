@@ -109,19 +109,30 @@ def glb(nodes: Sequence[Node]) -> bytes:
     children: dict[str, list[int]] = {}
     for i, node in enumerate(nodes):
         children.setdefault(node.at.parent, []).append(i)
-    scene: dict[str, Any] = {"asset": {"version": "2.0", "generator": "alpha5-model"}, "scene": 0}
+    scene: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "alpha5-model"},
+        "scene": 0,
+    }
     scene |= {"scenes": [{"nodes": children[""]}], "nodes": [], "meshes": []}
-    scene |= {"materials": [_material(m) for m in MATERIALS], "accessors": [], "bufferViews": []}
+    scene |= {
+        "materials": [_material(m) for m in MATERIALS],
+        "accessors": [],
+        "bufferViews": [],
+    }
     blob = bytearray()
 
     def append(array: NDArray[Any], kind: str, **bounds: list[float]) -> int:
         """An array, and what is where; returns the number of its accessor."""
         blob.extend(b"\0" * (-len(blob) % 4))
         number, view = len(scene["accessors"]), {"buffer": 0, "byteOffset": len(blob)}
-        scene["bufferViews"].append({**view, "byteLength": array.nbytes, "target": _TARGETS[kind]})
+        scene["bufferViews"].append(
+            {**view, "byteLength": array.nbytes, "target": _TARGETS[kind]}
+        )
         blob.extend(array.tobytes())
         place = {"bufferView": number, "componentType": _COMPONENTS[array.dtype.str]}
-        scene["accessors"].append({**place, "count": len(array), "type": kind, **bounds})
+        scene["accessors"].append(
+            {**place, "count": len(array), "type": kind, **bounds}
+        )
         return number
 
     for node in nodes:
@@ -143,7 +154,9 @@ def glb(nodes: Sequence[Node]) -> bytes:
             primitive["material"] = MATERIALS.index(material_of(node.name))
             entry["mesh"] = len(scene["meshes"])
             scene["meshes"].append({"name": node.name, "primitives": [primitive]})
-        scene["nodes"].append({key: value for key, value in entry.items() if value is not None})
+        scene["nodes"].append(
+            {key: value for key, value in entry.items() if value is not None}
+        )
     scene["buffers"] = [{"byteLength": len(blob)}]
     text = json.dumps(scene, separators=(",", ":")).encode("ascii")
     chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", bytes(blob), b"\0")
@@ -164,9 +177,13 @@ def _material(material: Material) -> dict[str, Any]:
     return {"name": material.name, "pbrMetallicRoughness": look}
 
 
-def _split_at_creases(surface: Surface) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def _split_at_creases(
+    surface: Surface,
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Points, normals and corners of a surface; glTF has one normal per point."""
-    corners = np.column_stack([surface.faces.reshape(-1), surface.corner_normals.reshape(-1)])
+    corners = np.column_stack(
+        [surface.faces.reshape(-1), surface.corner_normals.reshape(-1)]
+    )
     pairs, place = np.unique(corners, axis=0, return_inverse=True)
     normals = surface.normals[pairs[:, 1]]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -17,7 +17,16 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose, transform
 from alpha5_model.errors import InputError
-from alpha5_model.geometry.solid import Solid, box, circle_of, cylinder, kernel, loft, prism, union
+from alpha5_model.geometry.solid import (
+    Solid,
+    box,
+    circle_of,
+    cylinder,
+    kernel,
+    loft,
+    prism,
+    union,
+)
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
@@ -43,19 +52,29 @@ class Dimension(float):
 
 def _dimensions() -> dict[str, SimpleNamespace]:
     """Part -> its dimensions, by the names of ``dimensions.toml``; the jaws' have their status as source."""
-    table = tomllib.loads(Path(__file__).with_name("dimensions.toml").read_text(encoding="utf-8"))
+    table = tomllib.loads(
+        Path(__file__).with_name("dimensions.toml").read_text(encoding="utf-8")
+    )
     document: Any = published()
     row, elbow = document.table_1.rows[0], document.elbow
     table["shell"]["printed"] = {"axes_apart": row.a.value, "shoulder": row.d.value}
-    table["upper_arm"]["printed"] = {"reach": elbow.adjacent.value, "drop": elbow.opposite.value}
+    table["upper_arm"]["printed"] = {
+        "reach": elbow.adjacent.value,
+        "drop": elbow.opposite.value,
+    }
     table["jaws"] = {}
     for name, jaw in document.supplementary.jaws.items():
         table["jaws"].setdefault(jaw.status, {})[name] = jaw.quantity.value
     parts = {}
     for part, kinds in table.items():
-        named = [(name, value, kind) for kind in kinds for name, value in kinds[kind].items()]
+        named = [
+            (name, value, kind) for kind in kinds for name, value in kinds[kind].items()
+        ]
         parts[part] = SimpleNamespace(
-            **{n: tuple(v) if isinstance(v, list) else Dimension(v, kind) for n, v, kind in named}
+            **{
+                n: tuple(v) if isinstance(v, list) else Dimension(v, kind)
+                for n, v, kind in named
+            }
         )
     return parts
 
@@ -74,7 +93,9 @@ def frames_in_links() -> dict[str, FloatArray]:
         "link_1": transform(across, (SHELL.axes_apart, 0.0, SHELL.shoulder))[:3],
         "link_2": pose((0.0, 0.0, 0.0), (0.0, 0.0, slant))[:3],
         "link_3": np.diag([1.0, -1.0, -1.0, 1.0])[:3],
-        "finger_2": np.diag([-1.0, -1.0, 1.0, 1.0])[:3],  # the same part, turned about its hinge
+        "finger_2": np.diag([-1.0, -1.0, 1.0, 1.0])[
+            :3
+        ],  # the same part, turned about its hinge
     }
 
 
@@ -85,15 +106,25 @@ def base() -> Part:
     """The base in link_0; free: the depth of the bore under link 1."""
     d = BASE
     ring = (d.hub_high - 4, 1.6, 0.8)
-    hub = cylinder(RADIUS, d.hub_low, d.hub_high, edges=(d.hub_edge, 0.6), grooves=[ring])
+    hub = cylinder(
+        RADIUS, d.hub_low, d.hub_high, edges=(d.hub_edge, 0.6), grooves=[ring]
+    )
     rings = [(d.tube_front - x, 1.6, 0.8) for x in (6.0, 16.0)]
-    tube = cylinder(RADIUS, d.cap, d.tube_front, axis="x", edges=(d.cap_edge, 0.8), grooves=rings)
+    tube = cylinder(
+        RADIUS, d.cap, d.tube_front, axis="x", edges=(d.cap_edge, 0.8), grooves=rings
+    )
     neck = cylinder(RADIUS - 0.2, d.tube_front - 2, 0.0, axis="x")
     neck -= box((d.tube_front, -40, d.hub_high), (1, 40, 40))
-    nut = cylinder(1.6 * d.plug_radius, d.cap - 5, d.cap + 2, axis="x", edges=(0.8, 0), segments=6)
+    nut = cylinder(
+        1.6 * d.plug_radius, d.cap - 5, d.cap + 2, axis="x", edges=(0.8, 0), segments=6
+    )
     thread = [(d.rear + x, 2.0, 0.6) for x in (5.0, 8.0, 11.0)]
-    plug = cylinder(d.plug_radius, d.rear, d.cap, axis="x", edges=(1.2, 0), grooves=thread)
-    bolts = circle_of(cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 10.5, 30.0)
+    plug = cylinder(
+        d.plug_radius, d.rear, d.cap, axis="x", edges=(1.2, 0), grooves=thread
+    )
+    bolts = circle_of(
+        cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 10.5, 30.0
+    )
     # A saddle under the tube, flat on y = foot_face, sloped towards the hub, with bolt holes.
     low = [(d.foot_rear, d.foot_face), (d.foot_front, d.foot_face)]
     high = [(d.foot_slope, d.foot_edge), (d.foot_slope, -8.0), (d.foot_rear, -8.0)]
@@ -117,10 +148,16 @@ def shell() -> Part:
     """The shell in its own frame; free: the half-shell's bore about the collar's axis, above its floor."""
     d = SHELL
     groove = (d.floor + 1.6, 1.6, 0.8)
-    collar = cylinder(RADIUS, -RADIUS, d.collar_face, axis="y", edges=(0, 0.6), grooves=[groove])
+    collar = cylinder(
+        RADIUS, -RADIUS, d.collar_face, axis="y", edges=(0, 0.6), grooves=[groove]
+    )
     collar = collar.trim_by_plane((0, 1, 1), d.mitre / math.sqrt(2))
     notch = box((-2.0, -1.0, 0.0), (2.0, 1.0, 5.0)).translate([RADIUS + 1.2, 0, 0])
-    teeth = circle_of(notch, 24, 0.0).rotate([-90, 0, 0]).translate([0, d.collar_face - 5.0, 0])
+    teeth = (
+        circle_of(notch, 24, 0.0)
+        .rotate([-90, 0, 0])
+        .translate([0, d.collar_face - 5.0, 0])
+    )
     body = (collar - teeth).translate([d.axes_apart, 0, 0])
     body -= cylinder(RADIUS + 0.6, -40, d.cheek_inner)
     body -= box((-40, -40, -40), (d.inside, d.floor, d.cheek_inner))
@@ -146,7 +183,9 @@ def upper_arm() -> Part:
     d = UPPER_ARM
     rings = [(x, 1.6, 0.8) for x in (38.0, 48.0, d.reach - 48.0, d.reach - 38.0)]
     tube = cylinder(RADIUS, -RADIUS, d.reach + RADIUS, axis="x", grooves=rings)
-    tube = tube.translate([0, d.drop / 2, 0]).trim_by_plane((1, 0, -1), d.mitre / math.sqrt(2))
+    tube = tube.translate([0, d.drop / 2, 0]).trim_by_plane(
+        (1, 0, -1), d.mitre / math.sqrt(2)
+    )
     tube = tube.trim_by_plane((-1, 0, -1), (d.mitre - d.reach) / math.sqrt(2))
     barrel = cylinder(RADIUS, d.barrel_low, d.barrel_high, edges=(d.barrel_edge, 0.6))
     bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 11.5)
@@ -182,8 +221,13 @@ def wrist() -> Part:
     waist = (-(near + far) / 2, far - near, d.waist_depth)
     grooves = [*((-z, 1.6, 0.8) for z in d.rings), waist, (0.6 - collar, 1.2, 1.0)]
     outside = cylinder(RADIUS, -end, -d.tube_start, edges=(2.5, 0.8), grooves=grooves)
-    slot = box((-40, -d.slot_half_width, -end - 1), (40, d.slot_half_width, -end + d.slot_depth))
-    rod = cylinder(d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36)
+    slot = box(
+        (-40, -d.slot_half_width, -end - 1),
+        (40, d.slot_half_width, -end + d.slot_depth),
+    )
+    rod = cylinder(
+        d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36
+    )
     pin = cylinder(1.5, -40, 40, axis="y", segments=24)
     pins = union(pin.translate([x, 0, -pivot]) for x in (-across, across))
     slotted = outside - slot - rod - pins
@@ -227,8 +271,12 @@ def finger() -> Part:
     half = np.array(d.outline)
     section = kernel().CrossSection([np.vstack([half * [1, -1], half[::-1]])])
     for rounding in (-d.corner, d.corner):
-        section = section.offset(rounding, kernel().JoinType.Round, circular_segments=32)
-    across = np.array([[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float)  # along y, z and x
+        section = section.offset(
+            rounding, kernel().JoinType.Round, circular_segments=32
+        )
+    across = np.array(
+        [[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float
+    )  # along y, z and x
     blade ^= section.extrude(200).transform(across)
     thick = JAWS.finger_width / 2
     lug = cylinder(d.lug_radius, -thick, thick, edges=(0.5, 0.5), segments=36)
@@ -240,7 +288,9 @@ def finger() -> Part:
 
     def perforated(radius: float) -> Solid:
         return outside - union(
-            cylinder(share * radius, -50, 50, axis="x", segments=40).translate([0, y, 0])
+            cylinder(share * radius, -50, 50, axis="x", segments=40).translate(
+                [0, y, 0]
+            )
             for y, share in d.holes
         )
 
@@ -292,7 +342,9 @@ def bodies() -> dict[str, DrawnBody]:
 
 
 @cache
-def _solved(part: Callable[[], Part], volume: float, low: float, high: float) -> list[Solid]:
+def _solved(
+    part: Callable[[], Part], volume: float, low: float, high: float
+) -> list[Solid]:
     """The part with a volume [mm^3], and its outside; drawn once for links of one part."""
     outside, cut = part()
     return [solve_volume(cut, volume, low, high)[0], outside]

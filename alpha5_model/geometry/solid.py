@@ -63,10 +63,14 @@ def cylinder(
         outline += [(radius, middle - half), (radius - depth, middle - half + slope)]
         outline += [(radius - depth, middle + half - slope), (radius, middle + half)]
     outline += [*reversed(_corner(radius, high, edges[1], 1.0)), (0.0, high)]
-    return kernel().CrossSection([np.array(outline)]).revolve(segments).rotate(AXES[axis])
+    return (
+        kernel().CrossSection([np.array(outline)]).revolve(segments).rotate(AXES[axis])
+    )
 
 
-def _corner(radius: float, height: float, edge: float, side: float) -> list[tuple[float, float]]:
+def _corner(
+    radius: float, height: float, edge: float, side: float
+) -> list[tuple[float, float]]:
     """Points of the outline's corner, from the face outwards."""
     if edge == 0.0:
         return [(radius, height)]
@@ -87,7 +91,9 @@ def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
     section = k.CrossSection([np.asarray(outline, float)])
     outer = section.extrude(high - low - 2 * edge).translate([0, 0, low + edge])
     inner = section.offset(-edge, k.JoinType.Miter, 2.0)
-    return k.Manifold.batch_hull([outer, inner.extrude(high - low).translate([0, 0, low])])
+    return k.Manifold.batch_hull(
+        [outer, inner.extrude(high - low).translate([0, 0, low])]
+    )
 
 
 def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
@@ -98,7 +104,9 @@ def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
     caps, top = (np.asarray(k.triangulate([outlines[i]])) + n * i for i in (0, last))
     here = np.arange(n)
     there = (here + 1) % n
-    side = np.column_stack([here, there, there + n, here, there + n, here + n]).reshape(-1, 3)
+    side = np.column_stack([here, there, there + n, here, there + n, here + n]).reshape(
+        -1, 3
+    )
     faces = np.vstack([caps[:, ::-1], top, *(side + n * i for i in range(last))])
     return k.Manifold(k.Mesh64(vertices, faces.astype(np.uint64)))
 
@@ -154,7 +162,11 @@ def surface(solid: Solid) -> Surface:
 
 def _edges(faces: Indices) -> tuple[Indices, Indices]:
     """A number for each directed edge, and for its reverse, (3 m,) each."""
-    start, stop, n = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1), faces.max() + 1
+    start, stop, n = (
+        faces.reshape(-1),
+        np.roll(faces, -1, axis=1).reshape(-1),
+        faces.max() + 1,
+    )
     return start * n + stop, stop * n + start
 
 
@@ -162,7 +174,9 @@ def check_closed(faces: Indices) -> None:
     """Every directed edge once, and once in the other direction."""
     here, there = map(np.sort, _edges(faces))
     if (here[1:] == here[:-1]).any() or (here != there).any():
-        raise Alpha5Error("a surface is no longer closed after rounding its coordinates")
+        raise Alpha5Error(
+            "a surface is no longer closed after rounding its coordinates"
+        )
 
 
 def _smooth_normals(vertices: FloatArray, faces: Indices) -> tuple[FloatArray, Indices]:
@@ -182,7 +196,9 @@ def _smooth_normals(vertices: FloatArray, faces: Indices) -> tuple[FloatArray, I
         raise Alpha5Error("a surface has a triangle without area")
     flat = cross / double_area
     unit = sides / np.linalg.norm(sides, axis=2, keepdims=True)
-    weight = np.arccos(np.clip(-np.einsum("fcx,fcx->fc", unit, np.roll(unit, 1, axis=1)), -1, 1))
+    weight = np.arccos(
+        np.clip(-np.einsum("fcx,fcx->fc", unit, np.roll(unit, 1, axis=1)), -1, 1)
+    )
 
     # Directed edge (a, b) of one face is (b, a) of its neighbour.
     here, there = _edges(faces)
@@ -193,7 +209,9 @@ def _smooth_normals(vertices: FloatArray, faces: Indices) -> tuple[FloatArray, I
     # The corner at the edge's start is the twin's end, which is the corner after the twin's.
     after = 3 * other + (twin % 3 + 1) % 3
     edges = np.flatnonzero(smooth)
-    graph = coo_array((np.ones(len(edges)), (edges, after[edges])), shape=(len(here), len(here)))
+    graph = coo_array(
+        (np.ones(len(edges)), (edges, after[edges])), shape=(len(here), len(here))
+    )
     _, group = connected_components(graph, directed=False)
 
     total = np.zeros((group.max() + 1, 3))

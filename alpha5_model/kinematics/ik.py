@@ -29,7 +29,12 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import BoolArray, FloatArray, float_array
 from alpha5_model.codegen.kernels.choice import module
 from alpha5_model.errors import InputError, JointLimitError, UnreachableError
-from alpha5_model.kinematics.plane import LIMIT_TOLERANCE, arm_plane, on_axis, solve_batch
+from alpha5_model.kinematics.plane import (
+    LIMIT_TOLERANCE,
+    arm_plane,
+    on_axis,
+    solve_batch,
+)
 from alpha5_model.numbers.parameters import parameters
 
 #: The plane faces the target (underarm) or faces away (overarm); flipped is the other elbow.
@@ -113,25 +118,35 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
     return solutions
 
 
-def nearest(q: FloatArray, q_reference: ArrayLike, valid: BoolArray, free: BoolArray) -> FloatArray:
+def nearest(
+    q: FloatArray, q_reference: ArrayLike, valid: BoolArray, free: BoolArray
+) -> FloatArray:
     """The valid solution of q (..., 4, 4) nearest to a reference, its theta_0 where free, (..., 4)."""
     reference, shape = float_array("q_reference", q_reference, (4,)), (*q.shape[:-2], 4)
     try:
         reference = np.broadcast_to(reference, shape)
     except ValueError:
-        raise InputError("q_reference", reference.shape, f"shape (4,) or {shape}") from None
+        raise InputError(
+            "q_reference", reference.shape, f"shape (4,) or {shape}"
+        ) from None
     if free.any():
         g, q = arm_plane(), q.copy()
         kept = np.clip(reference[..., 0], g.lower[0], g.upper[0])
-        q[..., 0] = np.where(free[..., None] & ~np.isnan(q[..., 0]), kept[..., None], q[..., 0])
+        q[..., 0] = np.where(
+            free[..., None] & ~np.isnan(q[..., 0]), kept[..., None], q[..., 0]
+        )
     with np.errstate(over="ignore"):
         travel = np.square(q - reference[..., None, :]).sum(axis=-1)
     travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
     index = np.where(valid, travel, np.inf).argmin(axis=-1)
-    return np.ascontiguousarray(np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :])
+    return np.ascontiguousarray(
+        np.take_along_axis(q, index[..., None, None], axis=-2)[..., 0, :]
+    )
 
 
-def require_solution(q: FloatArray, within_limits: BoolArray, position: FloatArray) -> None:
+def require_solution(
+    q: FloatArray, within_limits: BoolArray, position: FloatArray
+) -> None:
     """Raise for the first target that has no solution within the limits.
 
     Raises:
@@ -188,7 +203,9 @@ def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
         out[..., 1, 0] = np.arctan2(y, x)
         out[..., 1, 1] = 3 * np.pi / 2 - overarm
         # The rest is printed alike for both.
-        l_3 = np.sqrt(np.stack([R - a_0, R + a_0], axis=-1) ** 2 + (z - d_0)[..., None] ** 2)
+        l_3 = np.sqrt(
+            np.stack([R - a_0, R + a_0], axis=-1) ** 2 + (z - d_0)[..., None] ** 2
+        )
         out[..., 1] -= np.arccos((l_1**2 + l_3**2 - l_2**2) / (2 * l_1 * l_3))
         out[..., 1] -= np.arcsin(2 * a_2 / l_1)
         out[..., 2] = np.arccos((l_1**2 + l_2**2 - l_3**2) / (2 * l_1 * l_2))

@@ -71,13 +71,18 @@ def inverse_kinematics_path(
         raise ShapeError("positions", target.shape, "shape (N, 3)")
     start = np.full(4, np.nan) if q_start is None else shaped("q_start", q_start, (4,))
     max_step = real("max_step", max_step, minimum=0.0, strict=True)
-    angle = float_array("wrist", np.nan_to_num(start[3]) if wrist is None else wrist, ())
+    angle = float_array(
+        "wrist", np.nan_to_num(start[3]) if wrist is None else wrist, ()
+    )
     if angle.shape not in ((), (len(target),)):
         raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
     solutions = inverse_kinematics(target, angle)
     off_axis = np.append(np.flatnonzero(~on_axis(target)), len(target))
 
-    at, travel = start[None], np.zeros(1)  # where the path may be, NaN before a free start
+    at, travel = (
+        start[None],
+        np.zeros(1),
+    )  # where the path may be, NaN before a free start
     stages: list[tuple[int, FloatArray, NDArray[np.intp]]] = []
     k = 0
     while k < len(target):
@@ -96,7 +101,9 @@ def inverse_kinematics_path(
     return out
 
 
-def _step(found: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step: float) -> _Ways:
+def _step(
+    found: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step: float
+) -> _Ways:
     """From joint positions (M, 4) to the solutions of point k; travel so far (M,)."""
     options = _options(found, k)
     size, largest = _sizes(options[:, None, :] - at)
@@ -105,12 +112,19 @@ def _step(found: Solutions, k: int, at: FloatArray, travel: FloatArray, max_step
     cost = cost[np.arange(len(options)), parent]
     kept = np.isfinite(cost)
     if not kept.any():
-        raise DiscontinuousPathError(k, found.position[k], float(largest.min()), max_step)
+        raise DiscontinuousPathError(
+            k, found.position[k], float(largest.min()), max_step
+        )
     return options[kept][:, None], cost[kept], parent[kept]
 
 
 def _along_axis(
-    solutions: Solutions, k: int, stop: int, starts: FloatArray, travel: FloatArray, max_step: float
+    solutions: Solutions,
+    k: int,
+    stop: int,
+    starts: FloatArray,
+    travel: FloatArray,
+    max_step: float,
 ) -> _Ways:
     """The same along the axis, points k to stop - 1, to the solutions of point stop."""
     g = arm_plane()
@@ -122,7 +136,9 @@ def _along_axis(
     elbows, parents = [starts[:, 1:]], []
     length = np.where(np.eye(len(starts)), 0.0, np.inf)
     for i in range(k, stop):
-        elbows.append(_options(solutions, i)[::2, 1:])  # facing and turning its back are the same
+        elbows.append(
+            _options(solutions, i)[::2, 1:]
+        )  # facing and turning its back are the same
         size, largest = _sizes(elbows[-1] - elbows[-2][:, None])
         if i == k:
             largest = np.maximum(largest, gap[:, None])
@@ -146,7 +162,9 @@ def _along_axis(
         for j, end in enumerate(ends):
             joints = np.array([*way, end[1:]])
             size, largest = _sizes(np.diff(joints, axis=0))
-            first = next(a for a in (starts[start, 0], end[0], g.middle[0]) if not np.isnan(a))
+            first = next(
+                a for a in (starts[start, 0], end[0], g.middle[0]) if not np.isnan(a)
+            )
             last = end[0] if leaves else np.clip(first, g.lower[0], g.upper[0])
             turn = abs(last - first)
             needed = max(float(largest[-1]), turn - max_step * (len(size) - 1))
@@ -156,7 +174,9 @@ def _along_axis(
             step = shared_turn(size, turn, gap[start], max_step)
             cost = float(travel[start] + np.sqrt(size**2 + step**2).sum())
             if j not in found or cost < found[j][0]:
-                theta_0 = first + np.copysign(np.append(0.0, np.cumsum(step)), last - first)
+                theta_0 = first + np.copysign(
+                    np.append(0.0, np.cumsum(step)), last - first
+                )
                 theta_0[-1] = last
                 theta_0 = np.clip(theta_0, g.lower[0], g.upper[0])  # rounding
                 rows = np.column_stack([theta_0, joints])[1:]
@@ -211,5 +231,7 @@ def _options(solutions: Solutions, k: int) -> FloatArray:
     options: FloatArray = solutions.q[k][solutions.within_limits[k]]
     if not len(options):
         end = slice(k + 1)
-        require_solution(solutions.q[end], solutions.within_limits[end], solutions.position[end])
+        require_solution(
+            solutions.q[end], solutions.within_limits[end], solutions.position[end]
+        )
     return options

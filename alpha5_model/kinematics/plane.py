@@ -108,7 +108,10 @@ def arm_plane() -> ArmPlane:
         raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
     l_1, l_2 = upper.a, math.hypot(fore.a, wrist.d)
     elbow = fore.theta_offset + math.pi - math.atan2(-wrist.d, fore.a)
-    lengths, offsets = (base.a, base.d, l_1, l_2), (base.theta_offset, upper.theta_offset, elbow)
+    lengths, offsets = (
+        (base.a, base.d, l_1, l_2),
+        (base.theta_offset, upper.theta_offset, elbow),
+    )
     low, high = zip(*((j.lower, j.upper) for j in p.joints[:4]), strict=True)
     middle = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
     return ArmPlane(*lengths, *offsets, low, high, middle, l_1 + l_2, abs(l_1 - l_2))
@@ -118,7 +121,9 @@ def on_axis(position: FloatArray) -> BoolArray:
     """Targets on the yaw axis, where theta_0 is free, (...)."""
     x, y = position[..., 0], position[..., 1]
     with np.errstate(over="ignore"):
-        return np.asarray(np.sqrt(x * x + y * y) <= AXIS_TOLERANCE)  # as the formula has it
+        return np.asarray(
+            np.sqrt(x * x + y * y) <= AXIS_TOLERANCE
+        )  # as the formula has it
 
 
 def solve_batch(

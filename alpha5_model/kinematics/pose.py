@@ -88,7 +88,9 @@ class PoseSolutions(NamedTuple):
         require_solution(self.q, self.within_limits, self.position)
         error = np.where(self.within_limits, self.rotation_error, np.inf)
         least = error <= error.min(axis=-1, keepdims=True) + TIE
-        return nearest(self.q, q_reference, least & self.within_limits, np.zeros((), np.bool_))
+        return nearest(
+            self.q, q_reference, least & self.within_limits, np.zeros((), np.bool_)
+        )
 
 
 def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
@@ -106,7 +108,9 @@ def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
     Raises:
         InputError: Not real numbers of that shape, or not a rigid transform.
     """
-    target = float_array("transform", getattr(transform, "homogeneous", transform), (4, 4))
+    target = float_array(
+        "transform", getattr(transform, "homogeneous", transform), (4, 4)
+    )
     rigid = is_rigid(target)
     if not rigid.all():
         index = tuple(int(i) for i in np.argwhere(~rigid)[0])
@@ -147,12 +151,17 @@ def _turn_wrist(q: FloatArray, rotation: FloatArray) -> tuple[FloatArray, FloatA
     (chain, axis), g, q = _hand(), arm_plane(), q.copy()
     q[..., 3] = 0.0
     # Rotation that is left over, in the axes of the tcp: a turn about the wrist axis, and a swing.
-    rest = np.swapaxes(chain.forward_kinematics(q)[..., :3, :3], -1, -2) @ rotation[..., None, :, :]
+    rest = (
+        np.swapaxes(chain.forward_kinematics(q)[..., :3, :3], -1, -2)
+        @ rotation[..., None, :, :]
+    )
     swung = rest @ axis
     along = swung @ axis
     swing = np.arctan2(np.linalg.norm(np.cross(axis, swung), axis=-1), along)
     sine = np.einsum("...ij,ij->...", rest, cross_matrix(axis))
-    wanted = wrap(np.arctan2(sine, np.trace(rest, axis1=-2, axis2=-1) - along), g.middle[3])
+    wanted = wrap(
+        np.arctan2(sine, np.trace(rest, axis1=-2, axis2=-1) - along), g.middle[3]
+    )
     q[..., 3] = np.clip(wanted, g.lower[3], g.upper[3])
     # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small angles.
     s, m = np.sin(swing / 2) ** 2, np.sin((q[..., 3] - wanted) / 2) ** 2
@@ -167,7 +176,9 @@ def _yaw_candidates(q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
     limit.
     """
     (chain, axis), g = _hand(), arm_plane()
-    target, hand = (r @ axis for r in (rotation, chain.forward_kinematics(q)[..., :3, :3]))
+    target, hand = (
+        r @ axis for r in (rotation, chain.forward_kinematics(q)[..., :3, :3])
+    )
     azimuth = np.arctan2(target[:, 1], target[:, 0])[:, None]
     turns = [azimuth - np.arctan2(hand[..., 1], hand[..., 0])]
     for end in (g.lower[3], g.upper[3]):
@@ -176,7 +187,10 @@ def _yaw_candidates(q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
         # The turn about z that is nearest to the rotation left over.
         reached = chain.forward_kinematics(at_end)[..., :3, :3]
         left = rotation[:, None] @ np.swapaxes(reached, -1, -2)
-        sine, cosine = left[..., 1, 0] - left[..., 0, 1], left[..., 0, 0] + left[..., 1, 1]
+        sine, cosine = (
+            left[..., 1, 0] - left[..., 0, 1],
+            left[..., 0, 0] + left[..., 1, 1],
+        )
         turns.append(np.arctan2(sine, cosine))
     wanted = [wrap(q[..., 0] + turn, g.middle[0]) for turn in turns]
     ends = [np.full(q.shape[:-1], end) for end in (g.lower[0], g.upper[0])]
@@ -218,5 +232,8 @@ def approach_directions(position: ArrayLike) -> ApproachDirections:
     _, axes = chain.joint_axes(np.where(exists[..., None], q, chain.home))
     # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
     outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
-    directions, roll = np.where(exists[..., None], outwards, np.nan), (g.lower[3], g.upper[3])
+    directions, roll = (
+        np.where(exists[..., None], outwards, np.nan),
+        (g.lower[3], g.upper[3]),
+    )
     return ApproachDirections(directions, exists, within_limits, on_axis(target), roll)

@@ -28,7 +28,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray, choice, flag, float_array, together
+from alpha5_model._support.checks import (
+    BoolArray,
+    FloatArray,
+    choice,
+    flag,
+    float_array,
+    together,
+)
 from alpha5_model._support.spatial import wrap
 from alpha5_model.errors import InputError
 from alpha5_model.kinematics.plane import BLOCK, arm_plane, on_axis, solve_batch
@@ -115,7 +122,9 @@ def in_half_plane(
     for pair, name in enumerate(SIDES[:2]):
         if side in (name, "both"):
             azimuth = _middle_azimuth(name)
-            target = np.stack([radius * math.cos(azimuth), radius * math.sin(azimuth), z], axis=-1)
+            target = np.stack(
+                [radius * math.cos(azimuth), radius * math.sin(azimuth), z], axis=-1
+            )
             out |= _solved(target, limits)[1][..., pair::2].any(axis=-1)
     return out
 
@@ -127,7 +136,10 @@ def critical_arcs(side: str, limits: bool = True) -> list[Arc]:
     held = [("stretched", turn, (0.0, 0.0)), ("folded", turn, (math.pi, math.pi))]
     if limits:
         phi = g.lower[1] + g.phi_offset, g.upper[1] + g.phi_offset
-        bend = math.pi - (g.upper[2] + g.gamma_offset), math.pi - (g.lower[2] + g.gamma_offset)
+        bend = (
+            math.pi - (g.upper[2] + g.gamma_offset),
+            math.pi - (g.lower[2] + g.gamma_offset),
+        )
         held = [("stretched", phi, (0.0, 0.0))]
         for name, first, still in zip(("lower", "upper"), phi, bend[::-1], strict=True):
             held.append((f"theta_2 at its {name} limit", phi, (still, still)))
@@ -158,12 +170,16 @@ def trace(arcs: Sequence[Arc], contains: Region) -> tuple[Arc, ...]:
     tolerance, step = RELATIVE_TOLERANCE * size, RELATIVE_STEP * size
     curves: list[planar.Curve] = [*map(planar_arc, arcs)]
     curves.append(planar.Segment((0.0, -size), math.pi / 2, 2 * size))
-    edges, _ = bounds(curves, lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step)
+    edges, _ = bounds(
+        curves, lambda p: (p[:, 0] > 0.0) & contains(*p.T), tolerance, step
+    )
     out = []
     for edge in edges:
         if isinstance(curve := edge.curve, planar.Arc):
             ring, near = (*curve.center, curve.radius), 2 * tolerance
-            arc = next(a for a in arcs if math.dist((*a.center, a.radius), ring) <= near)
+            arc = next(
+                a for a in arcs if math.dist((*a.center, a.radius), ring) <= near
+            )
             start, end = curve.interval
             turn = math.tau * round((start + end) / (2 * math.tau))
             filled = 1 if edge.inside_left else -1
@@ -176,7 +192,9 @@ def planar_arc(arc: Arc) -> planar.Arc:
     return planar.Arc(arc.center, arc.radius, arc.start, arc.end - arc.start)
 
 
-def reachable(positions: ArrayLike, limits: bool = True, accept: Accept | None = None) -> BoolArray:
+def reachable(
+    positions: ArrayLike, limits: bool = True, accept: Accept | None = None
+) -> BoolArray:
     """Whether the tcp reaches a point: any branch of the inverse kinematics does.
 
     The wrist angle moves no point and plays no part.
@@ -225,9 +243,13 @@ def _accepted(rows: FloatArray, limits: bool, accept: Accept) -> BoolArray:
     return found
 
 
-def _solved(target: FloatArray, limits: bool, angles: bool = False) -> tuple[FloatArray, BoolArray]:
+def _solved(
+    target: FloatArray, limits: bool, angles: bool = False
+) -> tuple[FloatArray, BoolArray]:
     """q (..., 4, 4) if asked for, theta_3 in mid-range, and which branches reach, (..., 4)."""
-    q, exists, within, _ = solve_batch(target, np.asarray(arm_plane().middle[3]), angles)
+    q, exists, within, _ = solve_batch(
+        target, np.asarray(arm_plane().middle[3]), angles
+    )
     return q, within if limits else exists
 
 
@@ -245,7 +267,9 @@ def distance_to_reach(positions: ArrayLike, limits: bool = True) -> FloatArray:
     with np.errstate(over="ignore"):
         distance = np.asarray(np.hypot(np.hypot(x, y), z))
     if not np.isfinite(distance).all():
-        raise InputError("positions", float(np.abs(target).max()), "a distance that is a number")
+        raise InputError(
+            "positions", float(np.abs(target).max()), "a distance that is a number"
+        )
     return distance
 
 
@@ -289,7 +313,9 @@ def _project(points: FloatArray, limits: bool) -> FloatArray:
             offset, span = found[0] - arc.center, arc.end - arc.start
             along = (np.arctan2(offset[:, 1], offset[:, 0]) - arc.start) % math.tau
             # Beyond the arc: its nearer end.
-            along = np.where(along - span < math.tau - along, np.minimum(along, span), 0.0)
+            along = np.where(
+                along - span < math.tau - along, np.minimum(along, span), 0.0
+            )
             found.append(arc.points(arc.start + along))
         R, up = np.moveaxis(np.array(found), -1, 0)
         distance = (R - radius) ** 2 + (up - z) ** 2 + beside**2

@@ -46,10 +46,29 @@ from alpha5_model.kinematics.reach import (
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.numbers.printed import published
 
-__all__ = ["SIDES", "Arc", "PublishedErrors", "SampledShare", "Singularities", "Torus", "boundary"]
-__all__ += ["cross_section_area", "distance_to_reach", "in_half_plane", "in_tori", "manipulability"]
+__all__ = [
+    "SIDES",
+    "Arc",
+    "PublishedErrors",
+    "SampledShare",
+    "Singularities",
+    "Torus",
+    "boundary",
+]
+__all__ += [
+    "cross_section_area",
+    "distance_to_reach",
+    "in_half_plane",
+    "in_tori",
+    "manipulability",
+]
 __all__ += ["nearest_reachable", "published_but_unreachable", "published_errors"]
-__all__ += ["published_reachable", "published_tori", "reachable", "reachable_but_unpublished"]
+__all__ += [
+    "published_reachable",
+    "published_tori",
+    "reachable",
+    "reachable_but_unpublished",
+]
 __all__ += ["sampled_share", "singular_elbow_angles", "singularities", "volume"]
 
 
@@ -176,7 +195,10 @@ def volume(limits: bool = True) -> float:
 
 
 def sampled_share(
-    accept: reach.Accept, samples: int = 20_000, seed: int = 0, azimuth: float | None = None
+    accept: reach.Accept,
+    samples: int = 20_000,
+    seed: int = 0,
+    azimuth: float | None = None,
 ) -> SampledShare:
     """Share of the reachable volume that is reached in accepted joint positions.
 
@@ -208,7 +230,9 @@ def sampled_share(
     if fixed is None:
         total = volume()
     else:
-        open_to = [side for side in SIDES[:2] if abs(reach.azimuth_beyond(fixed, side)) < 1e-6]
+        open_to = [
+            side for side in SIDES[:2] if abs(reach.azimuth_beyond(fixed, side)) < 1e-6
+        ]
         total = cross_section_area(open_to[0] if len(open_to) == 1 else "both")
     smoothed = (hits + 1) / (number + 2)
     error = math.sqrt(smoothed * (1 - smoothed) / number)
@@ -221,7 +245,12 @@ def published_errors() -> PublishedErrors:
     printed = reach.trace(_printed_arcs(), in_tori)
     wrong = {side: published_but_unreachable(side) for side in SIDES}
     missed = {side: reachable_but_unpublished(side) for side in SIDES}
-    areas = area(printed), cross_section_area(), area(wrong["both"]), area(missed["both"])
+    areas = (
+        area(printed),
+        cross_section_area(),
+        area(wrong["both"]),
+        area(missed["both"]),
+    )
     volumes = volume(), _revolved(wrong), _revolved(missed)
     return PublishedErrors(*areas, 2 * math.pi * first_moment(printed), *volumes)
 
@@ -247,16 +276,22 @@ def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
 @cache
 def _difference(side: str, published: bool) -> tuple[Arc, ...]:
     """Boundary of what one of the two has, published or reached, and the other lacks."""
-    arcs = _printed_arcs() + [arc for pose in SIDES[:2] for arc in reach.critical_arcs(pose)]
+    arcs = _printed_arcs() + [
+        arc for pose in SIDES[:2] for arc in reach.critical_arcs(pose)
+    ]
     return reach.trace(
         arcs,
-        lambda R, z: (in_tori(R, z) == published) & (in_half_plane(R, z, side) != published),
+        lambda R, z: (
+            (in_tori(R, z) == published) & (in_half_plane(R, z, side) != published)
+        ),
     )
 
 
 def _printed_arcs() -> list[Arc]:
     tori = published_tori()
-    return [Arc(t.center, t.radius, 0.0, math.tau, 0, t.name, "published") for t in tori]
+    return [
+        Arc(t.center, t.radius, 0.0, math.tau, 0, t.name, "published") for t in tori
+    ]
 
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
@@ -266,7 +301,9 @@ def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
     for torus in published_tori():
         with np.errstate(over="ignore"):  # infinitely far is outside as well
             squared = (radius - torus.center[0]) ** 2 + (z - torus.center[1]) ** 2
-        inside &= squared <= torus.radius**2 if torus.inside else squared >= torus.radius**2
+        inside &= (
+            squared <= torus.radius**2 if torus.inside else squared >= torus.radius**2
+        )
     return inside
 
 
@@ -294,7 +331,10 @@ class Singularities(NamedTuple):
 
     def near(self, angle: float = 1e-6, distance: float = 1e-6) -> BoolArray:
         """Closer than ``angle`` [rad] or ``distance`` [m] to any of the three sets, (...)."""
-        angle, distance = checks.real("angle", angle, 0.0), checks.real("distance", distance, 0.0)
+        angle, distance = (
+            checks.real("angle", angle, 0.0),
+            checks.real("distance", distance, 0.0),
+        )
         elbow = np.minimum(np.abs(self.stretched), np.abs(self.folded))
         return np.asarray((elbow < angle) | (np.abs(self.yaw_axis) < distance))
 

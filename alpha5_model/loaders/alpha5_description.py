@@ -12,7 +12,11 @@ from alpha5_model._support import paths
 from alpha5_model.description.srdf import NAMED_POSES
 
 REPOSITORY_PATH = paths.REPOSITORY_PATH
-URDF_PATH, JAWS_URDF_PATH, XACRO_PATH = paths.URDF_PATH, paths.JAWS_URDF_PATH, paths.XACRO_PATH
+URDF_PATH, JAWS_URDF_PATH, XACRO_PATH = (
+    paths.URDF_PATH,
+    paths.JAWS_URDF_PATH,
+    paths.XACRO_PATH,
+)
 #: The collection's loaders find relative mesh paths from here, yourdfpy's from nowhere else.
 PACKAGE_PATH = str(Path(URDF_PATH).parent)
 #: Collision pairs and the postures below, for ``URDF_PATH``.

@@ -24,7 +24,9 @@ def robot_files() -> dict[str, bytes]:
     files = {
         "README.md": Path(__file__).with_name("readme.md").read_bytes(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
-        **{f"meshes/{name}": data for name, data in mesh_assets(".obj", ".mtl").items()},
+        **{
+            f"meshes/{name}": data for name, data in mesh_assets(".obj", ".mtl").items()
+        },
     }
     for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
         variant = Variant(gripper=gripper, mesh_prefix=_MESHES)

@@ -34,7 +34,9 @@ class Correction:
 
 _RECORDED = Path(__file__).with_suffix(".toml").read_text("utf-8")
 #: Every correction by its name.
-CORRECTIONS = {name: Correction(name, **text) for name, text in tomllib.loads(_RECORDED).items()}
+CORRECTIONS = {
+    name: Correction(name, **text) for name, text in tomllib.loads(_RECORDED).items()
+}
 #: Applied where nothing else is asked for.
 DEFAULT_CORRECTIONS: tuple[str, ...] = ("base_frame",)
 

@@ -55,5 +55,7 @@ def gravity_in_base(rotation: ArrayLike, gravity: ArrayLike = GRAVITY) -> FloatA
     r = shaped("rotation", rotation, (3, 3))
     g = array("gravity", gravity, 3)
     if not is_rotation(r):
-        raise InputError("rotation", r.tolist(), "a rotation: orthonormal rows, determinant +1")
+        raise InputError(
+            "rotation", r.tolist(), "a rotation: orthonormal rows, determinant +1"
+        )
     return r.T @ g

@@ -13,7 +13,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, array, choice, frozen, instance, listed, real
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    choice,
+    frozen,
+    instance,
+    listed,
+    real,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.jaws import GRIPPERS
@@ -84,7 +92,9 @@ class BodyHydrodynamics:
     def __post_init__(self) -> None:
         object.__setattr__(self, "added_mass", frozen(added_mass(self.added_mass)))
         strips = listed("strips", self.strips, "DragStrips")
-        object.__setattr__(self, "strips", tuple(instance("strips", s, DragStrip) for s in strips))
+        object.__setattr__(
+            self, "strips", tuple(instance("strips", s, DragStrip) for s in strips)
+        )
 
 
 _legendre = cache(np.polynomial.legendre.leggauss)
@@ -150,7 +160,12 @@ def hydrodynamics(
     for link in (*BODY_NAMES, "finger_1", "finger_2") if moving else BODY_NAMES:
         row = rows.get("wrist" if moving and link == "link_4" else link)
         if row is not None:
-            strips = ((s.start, s.end, s.diameter, s.across[at], s.along[at]) for s in row.strips)
+            strips = (
+                (s.start, s.end, s.diameter, s.across[at], s.along[at])
+                for s in row.strips
+            )
             matrix = np.array(in_si(row.added_mass)) * row.added_mass_factor[at].si
-            out[link] = BodyHydrodynamics(matrix, [DragStrip(*in_si(strip)) for strip in strips])
+            out[link] = BodyHydrodynamics(
+                matrix, [DragStrip(*in_si(strip)) for strip in strips]
+            )
     return out

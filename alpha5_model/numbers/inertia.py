@@ -66,7 +66,9 @@ def point_mass_tensor(mass: ArrayLike, position: ArrayLike) -> FloatArray:
     return np.asarray(m * (square * np.eye(3) - p[..., :, None] * p[..., None, :]))
 
 
-def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+def tensor_at_origin(
+    mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike
+) -> FloatArray:
     """Parallel-axis theorem, from the COM to the origin of the frame.
 
     Args:
@@ -81,7 +83,9 @@ def tensor_at_origin(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) ->
     return tensor + point_mass_tensor(m, c)
 
 
-def tensor_at_com(mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike) -> FloatArray:
+def tensor_at_com(
+    mass: ArrayLike, com: ArrayLike, inertia_origin: ArrayLike
+) -> FloatArray:
     """Parallel-axis theorem, from the origin of the frame to the COM; see `tensor_at_origin`."""
     m, c, tensor = _together(mass=mass, com=com, inertia_origin=inertia_origin)
     return tensor - point_mass_tensor(m, c)
@@ -102,7 +106,9 @@ def rotate_tensor(rotation_a_to_b: ArrayLike, inertia: ArrayLike) -> FloatArray:
     """
     r, tensor = _together(rotation_a_to_b=rotation_a_to_b, inertia=inertia)
     if not is_rotation(r).all():
-        raise InputError("rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1")
+        raise InputError(
+            "rotation_a_to_b", r.tolist(), "rotations: orthonormal, determinant +1"
+        )
     return r @ tensor @ np.swapaxes(r, -1, -2)
 
 
@@ -149,7 +155,9 @@ def second_moments(inertia: ArrayLike) -> FloatArray:
     return np.asarray(trace / 2 * np.eye(3) - tensor)
 
 
-def pseudo_inertia(mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike) -> FloatArray:
+def pseudo_inertia(
+    mass: ArrayLike, com: ArrayLike, inertia_com: ArrayLike
+) -> FloatArray:
     """The 4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the origin [Wensing2018, eq. 7].
 
     A body is physically possible exactly when it is positive definite.
@@ -187,7 +195,9 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> FloatArray:
     m, tensor = _together(mass=mass, inertia=inertia)
     diagonal = np.diagonal(tensor, axis1=-2, axis2=-1)
     if not ((m >= 1 / LARGEST).all() and (diagonal >= 0).all()):
-        raise InputError("mass, inertia", (m, diagonal), "masses above 0, moments of at least 0")
+        raise InputError(
+            "mass, inertia", (m, diagonal), "masses above 0, moments of at least 0"
+        )
     return np.sqrt(diagonal / m[..., None])
 
 
@@ -229,7 +239,8 @@ def inconsistencies(
     conditions = {
         f"mass {mass:g} kg is not positive": mass <= 0,
         "the inertia tensor is not symmetric": asymmetric,
-        f"the smallest principal moment {small:.4g} kg m^2 is not positive": small <= slack,
+        f"the smallest principal moment {small:.4g} kg m^2 is not positive": small
+        <= slack,
         f"the largest principal moment {large:.4g} kg m^2 exceeds the sum of the others, "
         f"{others:.4g}": large > others * (1 + tolerance),
     }
@@ -238,19 +249,30 @@ def inconsistencies(
         found.append("the pseudo-inertia is not positive definite")
     if bounds is not None:
         box = array("bounds", bounds, 3, 2)
-        variances = np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
-        for axis, (low, high), position, variance in zip("xyz", box, c, variances, strict=True):
+        variances = (
+            np.diagonal(second_moments(tensor)) / mass if mass > 0 else np.zeros(3)
+        )
+        for axis, (low, high), position, variance in zip(
+            "xyz", box, c, variances, strict=True
+        ):
             if not low <= position <= high:
-                at, span = f"{position * 1e3:.1f} mm", f"{low * 1e3:.1f} to {high * 1e3:.1f} mm"
+                at, span = (
+                    f"{position * 1e3:.1f} mm",
+                    f"{low * 1e3:.1f} to {high * 1e3:.1f} mm",
+                )
                 found.append(f"the COM's {axis} = {at} is outside the body, {span}")
             elif variance > (high - position) * (position - low) * (1 + tolerance):
                 limit = f"{np.sqrt((high - position) * (position - low)) * 1e3:.1f} mm"
-                spread = f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}"
+                spread = (
+                    f"the mass spreads {np.sqrt(variance) * 1e3:.1f} mm along {axis}"
+                )
                 found.append(f"{spread}, more than a body of this size can, {limit}")
     return tuple(found)
 
 
-def check_possible(name: str, mass: float, com: FloatArray, inertia: FloatArray) -> None:
+def check_possible(
+    name: str, mass: float, com: FloatArray, inertia: FloatArray
+) -> None:
     """Check one body; one without mass and inertia is possible.
 
     Args:

@@ -112,22 +112,33 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
         mass = jaws.finger_density * volume
         inertia = frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2]))
         centre = frozen([-side * jaws.pivot_offset / 2, -side * y / 2, 0.0])
-        origin = frozen([side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)])
+        origin = frozen(
+            [side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)]
+        )
         roll = side * math.pi / 2
-        fingers.append(JawBody(name, mass, centre, inertia, volume, centre, roll, origin))
-        joint = FingerJoint(f"{name}_joint", 0.0, upper, velocity, effort, slide.name, turn, offset)
+        fingers.append(
+            JawBody(name, mass, centre, inertia, volume, centre, roll, origin)
+        )
+        joint = FingerJoint(
+            f"{name}_joint", 0.0, upper, velocity, effort, slide.name, turn, offset
+        )
         hinges.append(joint)
     moving = [rod, *fingers]
     placed = [pose(body.origin, (body.roll, 0.0, 0.0)) for body in moving]
     coms = map(moved, placed, [body.com for body in moving])
     cobs = map(moved, placed, [body.cob for body in moving])
-    tensors = [rotate_tensor(at[:3, :3], b.inertia) for at, b in zip(placed, moving, strict=True)]
+    tensors = [
+        rotate_tensor(at[:3, :3], b.inertia)
+        for at, b in zip(placed, moving, strict=True)
+    ]
     masses = [link.mass, *(-body.mass for body in moving)]
     inertias = [link.inertia, *(-tensor for tensor in tensors)]
     mass, com, inertia = combine(masses, [link.com, *coms], inertias)
     volumes = [body.volume for body in moving]
     volume = link.volume - sum(volumes)
-    cob = frozen((link.volume * link.cob - sum(map(operator.mul, volumes, cobs))) / volume)
+    cob = frozen(
+        (link.volume * link.cob - sum(map(operator.mul, volumes, cobs))) / volume
+    )
     inertia = frozen((inertia + inertia.T) / 2)
     wrist = JawBody("link_4", mass, frozen(com), inertia, volume, cob, 0.0, zero)
     return Jaws(wrist, rod, fingers[0], fingers[1], (slide, hinges[0], hinges[1]))

@@ -13,7 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray, array, frozen, instance, listed, real
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    frozen,
+    instance,
+    listed,
+    real,
+)
 from alpha5_model.errors import InputError, PublishedDataError
 from alpha5_model.numbers import plausibility, tables
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
@@ -157,7 +164,9 @@ class JointRange:
         plausibility.check(f"{self.name}.lower", lower, limits)
         plausibility.check(f"{self.name}.upper", upper, limits)
         if turns:
-            plausibility.check(f"{self.name}.velocity", velocity, plausibility.ANGULAR_SPEED)
+            plausibility.check(
+                f"{self.name}.velocity", velocity, plausibility.ANGULAR_SPEED
+            )
 
     @property
     def kind(self) -> str:
@@ -340,23 +349,33 @@ def parameters(corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> Alpha5Parame
 _converted = cache(lambda corrections: convert(published(), corrections))
 
 
-def convert(printed: tables.Published, corrections: tuple[str, ...]) -> Alpha5Parameters:
+def convert(
+    printed: tables.Published, corrections: tuple[str, ...]
+) -> Alpha5Parameters:
     """Printed tables to SI units and URDF convention, with the named corrections."""
     extra = printed.supplementary
-    links = (LinkParameters(**numbers) for numbers in link_numbers(printed, corrections))
+    links = (
+        LinkParameters(**numbers) for numbers in link_numbers(printed, corrections)
+    )
     return Alpha5Parameters(
         dh=_dh(printed),
         theta_c=_theta_c(printed),
         links=tuple(links),
         joints=tuple(_record(JointParameters, row) for row in extra.joints),
-        actuators=tuple(_record(ActuatorParameters, row) for row in printed.table_4.rows),
-        jaws=JawParameters(**{name: in_si(value) for name, value in extra.jaws.items()}),
+        actuators=tuple(
+            _record(ActuatorParameters, row) for row in printed.table_4.rows
+        ),
+        jaws=JawParameters(
+            **{name: in_si(value) for name, value in extra.jaws.items()}
+        ),
         base_yaw=0.0 if "base_frame" in corrections else math.pi,
         corrections=corrections,
     )
 
 
-def link_numbers(printed: tables.Published, corrections: tuple[str, ...]) -> list[dict[str, Any]]:
+def link_numbers(
+    printed: tables.Published, corrections: tuple[str, ...]
+) -> list[dict[str, Any]]:
     """Fields of `LinkParameters` of each link; not checked, the numbers need not be of a body."""
     bodies = printed.table_2.rows, printed.table_3.rows, printed.supplementary.bodies
     dh = _dh(printed)
@@ -368,7 +387,12 @@ def _theta_c(printed: tables.Published) -> float:
 
 
 def _dh(printed: tables.Published) -> tuple[DHParameters, ...]:
-    angles = {"theta_c": _theta_c(printed), "pi": math.pi, "pi/2": math.pi / 2, "0": 0.0}
+    angles = {
+        "theta_c": _theta_c(printed),
+        "pi": math.pi,
+        "pi/2": math.pi / 2,
+        "0": 0.0,
+    }
     a_1 = math.hypot(printed.elbow.opposite.si, printed.elbow.adjacent.si)
     return tuple(_dh_row(row, angles, a_1) for row in printed.table_1.rows)
 
@@ -381,7 +405,9 @@ def _dh_row(row: tables.DHRow, angles: dict[str, float], a_1: float) -> DHParame
     return DHParameters(row.d.si, offset, a, alpha, variable)
 
 
-def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple[str | None, float]:
+def _split_angle(
+    expression: str, angles: dict[str, float], place: str
+) -> tuple[str | None, float]:
     """Split ``theta_1 + theta_c - pi/2`` into its joint variable and its constant part [rad]."""
     variable, constant = None, 0.0
     for term in expression.replace("-", "+-").replace(" ", "").strip("+").split("+"):
@@ -391,12 +417,16 @@ def _split_angle(expression: str, angles: dict[str, float], place: str) -> tuple
         elif name.startswith("theta_") and variable is None and sign > 0:
             variable = name
         else:
-            problem = f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
+            problem = (
+                f"cannot read {term!r} in {expression!r}; known are {', '.join(angles)}"
+            )
             raise PublishedDataError(place, problem)
     return variable, constant
 
 
-def _link(rows: Any, dh: Sequence[DHParameters], corrections: tuple[str, ...]) -> dict[str, Any]:
+def _link(
+    rows: Any, dh: Sequence[DHParameters], corrections: tuple[str, ...]
+) -> dict[str, Any]:
     """Fields from its rows of Tables 2 and 3 and its bounds."""
     inertial, buoyancy, body = rows
     cob = in_si(buoyancy.cob)

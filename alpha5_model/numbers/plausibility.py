@@ -69,7 +69,9 @@ GRAVITY = Plausible(
 )
 #: 20 kg at the arm's reach of 0.5 m take 98 N m: the shoulder stalls at about that, from 24 V and
 #: without any limit of its current.
-MASS = Plausible(unit="kg", ranges=((0.0, 20.0),), expected="at most 20 on this arm", units=_MASSES)
+MASS = Plausible(
+    unit="kg", ranges=((0.0, 20.0),), expected="at most 20 on this arm", units=_MASSES
+)
 #: Four times the arm's reach: the middle of a pole of 4 m.
 POSITION = Plausible(
     unit="m", ranges=((0.0, 2.0),), expected="at most 2 on this arm", units=_LENGTHS
@@ -86,7 +88,9 @@ GYRATION = Plausible(
     units={"kg mm^2": 1e-3, "g cm^2": 1e-7**0.5, "g mm^2": 1e-9**0.5},
 )
 #: Of a body as a whole: the lightest foam has 10 kg/m^3, osmium 22590.
-BODY_DENSITY = Plausible(unit="kg/m^3", ranges=((10.0, 23000.0),), expected="10 to 23000")
+BODY_DENSITY = Plausible(
+    unit="kg/m^3", ranges=((10.0, 23000.0),), expected="10 to 23000"
+)
 #: Of a part of one material, from balsa to osmium.
 SOLID_DENSITY = Plausible(
     unit="kg/m^3",
@@ -96,10 +100,16 @@ SOLID_DENSITY = Plausible(
 )
 #: The heaviest remotely operated vehicles have about 10 t and displace their own weight.
 VEHICLE_MASS = Plausible(
-    unit="kg", ranges=((0.0, 2e4),), expected="at most 20000 for a vehicle", units=_MASSES
+    unit="kg",
+    ranges=((0.0, 2e4),),
+    expected="at most 20000 for a vehicle",
+    units=_MASSES,
 )
 VEHICLE_VOLUME = Plausible(
-    unit="m^3", ranges=((0.0, 20.0),), expected="at most 20 for a vehicle", units=_VOLUMES
+    unit="m^3",
+    ranges=((0.0, 20.0),),
+    expected="at most 20 for a vehicle",
+    units=_VOLUMES,
 )
 #: Neutral is 1000 kg/m^3: a frame of steel with nothing in it, or a boat, is within a factor of 10.
 VEHICLE_DENSITY = Plausible(
@@ -111,7 +121,10 @@ VEHICLE_POSITION = Plausible(
 )
 #: Two turns either way.
 ANGLE = Plausible(
-    unit="rad", ranges=((0.0, 4 * math.pi),), expected="at most two turns", units=_ANGLES
+    unit="rad",
+    ranges=((0.0, 4 * math.pi),),
+    expected="at most two turns",
+    units=_ANGLES,
 )
 #: Two turns a second; the arm's joints are rated at a twelfth of a turn.
 ANGULAR_SPEED = Plausible(
@@ -136,10 +149,16 @@ RESISTANCE = Plausible(
     unit="Ohm", ranges=((0.0, 4000.0),), expected="at most 4000", units={"mOhm": 1e-3}
 )
 INDUCTANCE = Plausible(
-    unit="H", ranges=((0.0, 0.13),), expected="at most 0.13", units={"mH": 1e-3, "uH": 1e-6}
+    unit="H",
+    ranges=((0.0, 0.13),),
+    expected="at most 0.13",
+    units={"mH": 1e-3, "uH": 1e-6},
 )
 MOTOR_FRICTION = Plausible(
-    unit="N m", ranges=((0.0, 0.4),), expected="at most 0.4 at a motor", units={"mN m": 1e-3}
+    unit="N m",
+    ranges=((0.0, 0.4),),
+    expected="at most 0.4 at a motor",
+    units={"mN m": 1e-3},
 )
 MOTOR_CONSTANT = Plausible(
     unit="N m/A", ranges=((0.0, 2.7),), expected="at most 2.7", units={"mN m/A": 1e-3}
@@ -234,7 +253,9 @@ def _check_volume(prefix: str, mass: float, volume: float, on_vehicle: bool) -> 
     density = mass / volume
     if densities.holds(density):
         return
-    message = f"{prefix}volume: {volume:.6g} m^3 of {mass:.6g} kg is {density:.4g} kg/m^3"
+    message = (
+        f"{prefix}volume: {volume:.6g} m^3 of {mass:.6g} kg is {density:.4g} kg/m^3"
+    )
     message += f", implausible, expected {densities.expected}"
     sizes = [("volume", unit, size, 1 / size) for unit, size in _VOLUMES.items()]
     sizes += [("mass", unit, size, size) for unit, size in _MASSES.items()]
@@ -246,7 +267,9 @@ def _check_volume(prefix: str, mass: float, volume: float, on_vehicle: bool) -> 
     warn(message)
 
 
-def _check_inertia(prefix: str, mass: float, inertia: FloatArray, limits: Plausible) -> None:
+def _check_inertia(
+    prefix: str, mass: float, inertia: FloatArray, limits: Plausible
+) -> None:
     """Warn of an inertia whose radius of gyration is implausible."""
     radius = math.sqrt(np.trace(inertia) / 2 / mass) if mass > 0 else 0.0
     if limits.holds(radius):
@@ -302,7 +325,10 @@ def warn(message: str) -> None:
     if _silent.get():
         return
     level, frame = 1, sys._getframe()
-    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in _PASSED:
+    while (
+        frame.f_back
+        and frame.f_globals.get("__name__", "").partition(".")[0] in _PASSED
+    ):
         level, frame = level + 1, frame.f_back
     warnings.warn(message, ImplausibleWarning, stacklevel=level)
 

@@ -38,12 +38,16 @@ def parse(document_text: str, supplementary_text: str) -> t.Published:
     document = _root(_DOCUMENT, document_text)
     document.table("document", "table_1", "workspace", "table_2", "table_3", "table_4")
     head = document["document"].table(*_HEAD)
-    numbers = document["workspace"].table("number", "section", "caption", "units", "values")
+    numbers = document["workspace"].table(
+        "number", "section", "caption", "units", "values"
+    )
     _check_units(numbers["units"], _units(t.WorkspaceNumbers))
     return t.Published(
         table_1=_table(head, document["table_1"], t.DHRow, "elbow"),
         elbow=_record(t.Elbow, document["table_1"]["elbow"]),
-        workspace=_record(t.WorkspaceNumbers, numbers["values"], source=_source(head, numbers)),
+        workspace=_record(
+            t.WorkspaceNumbers, numbers["values"], source=_source(head, numbers)
+        ),
         table_2=_table(head, document["table_2"], t.InertialRow),
         table_3=_table(head, document["table_3"], t.BuoyancyRow),
         table_4=_table(head, document["table_4"], t.ActuatorRow, "origins"),
@@ -115,7 +119,9 @@ class _Node:
         if not levels:
             return Quantity.parse(self.value, unit, self.place)
         count, what = levels[0]
-        return tuple(item.numbers(unit, *levels[1:]) for item in self.items(what, count))
+        return tuple(
+            item.numbers(unit, *levels[1:]) for item in self.items(what, count)
+        )
 
     def text(self) -> str:
         if not isinstance(self.value, str) or not self.value.strip():
@@ -130,10 +136,14 @@ class _Node:
 def _root(file: str, text: str) -> _Node:
     try:
         return _Node(tomllib.loads(text), file)
-    except ValueError as error:  # TOMLDecodeError, or an integer of more than 4300 digits
+    except (
+        ValueError
+    ) as error:  # TOMLDecodeError, or an integer of more than 4300 digits
         raise PublishedDataError(file, str(error)) from None
     except RecursionError:
-        raise PublishedDataError(file, "expected fewer brackets inside one another") from None
+        raise PublishedDataError(
+            file, "expected fewer brackets inside one another"
+        ) from None
 
 
 def _units(record: type[Any], rod: bool = False) -> dict[str, str]:
@@ -158,7 +168,9 @@ def _record(record: type[Any], node: _Node, rod: bool = False, **known: Any) -> 
 
 
 def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
-    rows: t.Matrix = node.numbers(unit, (size, f"{word} rows"), (size, f"{word} numbers"))
+    rows: t.Matrix = node.numbers(
+        unit, (size, f"{word} rows"), (size, f"{word} numbers")
+    )
     for i, j in combinations(range(size), 2):
         one, other = rows[i][j], rows[j][i]
         if one.value != other.value:
@@ -169,7 +181,10 @@ def _symmetric(node: _Node, unit: str, size: int, word: str) -> t.Matrix:
 
 def _added_mass(node: _Node, unit: str) -> t.Matrix:
     return tuple(
-        tuple(Quantity(x.text, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)]) for j, x in enumerate(row))
+        tuple(
+            Quantity(x.text, t.ADDED_MASS_UNITS[(i > 2) + (j > 2)])
+            for j, x in enumerate(row)
+        )
         for i, row in enumerate(_symmetric(node, "kg", 6, "six"))
     )
 
@@ -212,7 +227,9 @@ _THREE = (3, "three numbers")
 #: Type of a field, as annotated -> how it is read.
 _READ: dict[str, Callable[[_Node, Any], Any]] = {
     "Quantity": _Node.numbers,
-    "Quantity | str": lambda node, unit: "a_1" if node.value == "a_1" else node.numbers(unit),
+    "Quantity | str": lambda node, unit: (
+        "a_1" if node.value == "a_1" else node.numbers(unit)
+    ),
     "Triple": lambda node, unit: node.numbers(unit, _THREE),
     "Tensor": lambda node, unit: _symmetric(node, unit, 3, "three"),
     "Interval": _interval,
@@ -254,10 +271,15 @@ def _source(head: _Node, node: _Node) -> t.Source:
 
 def _supplementary(root: _Node) -> t.Supplementary:
     root.table("joints", "jaws", "bodies")
-    joints, jaws = root["joints"].table(*t.JOINT_NAMES), root["jaws"].table(*t.JAW_UNITS)
+    joints, jaws = (
+        root["joints"].table(*t.JOINT_NAMES),
+        root["jaws"].table(*t.JAW_UNITS),
+    )
     rows = []
     for name in t.JOINT_NAMES:
-        row: t.JointRow = _record(t.JointRow, joints[name], rod=name == "axis_a", name=name)
+        row: t.JointRow = _record(
+            t.JointRow, joints[name], rod=name == "axis_a", name=name
+        )
         lower, upper = row.lower.quantity, row.upper.quantity
         if lower.value >= upper.value:
             raise joints[name]["upper"].fail(f"{upper} is not above lower, {lower}")
@@ -268,5 +290,7 @@ def _supplementary(root: _Node) -> t.Supplementary:
     return t.Supplementary(
         joints=tuple(rows),
         jaws={key: _sourced(jaws[key], unit) for key, unit in t.JAW_UNITS.items()},
-        bodies=tuple(t.BodyBounds(name, _bounds(bodies[name]), *said) for name in t.BODY_NAMES),
+        bodies=tuple(
+            t.BodyBounds(name, _bounds(bodies[name]), *said) for name in t.BODY_NAMES
+        ),
     )

@@ -17,7 +17,13 @@ RowT = TypeVar("RowT")
 
 STATUSES = ("supplementary", "measured", "placeholder", "estimated")
 JOINT_NAMES = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
-_LENGTHS = ("collar_base", "pivot_height", "pivot_offset", "finger_length", "finger_width")
+_LENGTHS = (
+    "collar_base",
+    "pivot_height",
+    "pivot_offset",
+    "finger_length",
+    "finger_width",
+)
 #: Quantity of the jaws -> its unit.
 JAW_UNITS: dict[str, str] = {
     **dict.fromkeys((*_LENGTHS, "rod_length", "rod_diameter"), "mm"),
@@ -58,7 +64,9 @@ class Source:
 
     def __str__(self) -> str:
         table = f", Table {self.table}" if self.table else ""
-        edition = f"{self.publisher}, {self.document}, version {self.version}, {self.date}"
+        edition = (
+            f"{self.publisher}, {self.document}, version {self.version}, {self.date}"
+        )
         return f"{edition}, Section {self.section}{table}"
 
 
@@ -241,7 +249,9 @@ class BodyBounds:
     """
 
     name: str
-    bounds: tuple[tuple[Quantity, Quantity], tuple[Quantity, Quantity], tuple[Quantity, Quantity]]
+    bounds: tuple[
+        tuple[Quantity, Quantity], tuple[Quantity, Quantity], tuple[Quantity, Quantity]
+    ]
     status: str
     source: str
 

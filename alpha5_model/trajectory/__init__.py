@@ -10,5 +10,13 @@ from alpha5_model.trajectory.report import columns, summary, text, write
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
 from alpha5_model.trajectory.tables import MotionWarning
 
-__all__ = ["Analysis", "Motion", "MotionWarning", "SmoothMotion", "analyse", "columns", "motion"]
+__all__ = [
+    "Analysis",
+    "Motion",
+    "MotionWarning",
+    "SmoothMotion",
+    "analyse",
+    "columns",
+    "motion",
+]
 __all__ += ["read_motion", "smooth", "summary", "text", "write"]

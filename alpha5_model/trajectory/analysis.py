@@ -23,7 +23,14 @@ if TYPE_CHECKING:
     from alpha5_model.dynamics.batch import WaterTerms
 
 #: Attributes of an analysis that need a motor's constants: NaN without.
-BY_MOTOR = ("friction", "current", "current_lower", "current_upper", "voltage", "electrical_power")
+BY_MOTOR = (
+    "friction",
+    "current",
+    "current_lower",
+    "current_upper",
+    "voltage",
+    "electrical_power",
+)
 #: Rows computed between two reports of progress.
 _CHUNK = 25_000
 
@@ -87,7 +94,10 @@ class Analysis:
 
     def causes(self) -> dict[str, FloatArray]:
         """Torques by cause, (N, n) each: those of the joint, then ``friction`` at the motor."""
-        out = {name: getattr(self, name) for name in ("inertia", "coriolis", "weight", "buoyancy")}
+        out = {
+            name: getattr(self, name)
+            for name in ("inertia", "coriolis", "weight", "buoyancy")
+        }
         if self.moving_water is not None:
             out["moving_water"] = self.moving_water.torque[:, 1]
         return {**out, "friction": self.friction}
@@ -130,7 +140,12 @@ def analyse(
         InputError: An arm with other joints than the motion, or one limit without the other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
-    from alpha5_model.dynamics.batch import WaterTerms, frame_positions, torque_terms, water_terms
+    from alpha5_model.dynamics.batch import (
+        WaterTerms,
+        frame_positions,
+        torque_terms,
+        water_terms,
+    )
 
     if arm is None:
         from alpha5_model.dynamics.load import load
@@ -144,14 +159,18 @@ def analyse(
     given: Any = supply_voltage, current_limit
     if (supply_voltage is None) != (current_limit is None):
         raise InputError("supply_voltage and current_limit", given, "both or neither")
-    by_joint = {name: actuator(name, constants, efficiency=efficiency) for name in motion.joints}
+    by_joint = {
+        name: actuator(name, constants, efficiency=efficiency) for name in motion.joints
+    }
     own = (actuators or {}).items()
     by_joint |= {choice("joint", name, motion.joints): motor for name, motor in own}
     motors = tuple(by_joint.values())
     s = smooth(motion, method, bandwidth, use_velocity)
     parts: list[dict[str, FloatArray]] = []
     for start in range(0, s.time.size, _CHUNK):
-        q, v, a = (x[start : start + _CHUNK] for x in (s.position, s.velocity, s.acceleration))
+        q, v, a = (
+            x[start : start + _CHUNK] for x in (s.position, s.velocity, s.acceleration)
+        )
         parts.append({**vars(torque_terms(arm, q, v, a, threads))})
         parts[-1]["base_wrench"] = arm.base_wrench_batch(q, v, a, threads)
         parts[-1]["tcp"] = frame_positions(arm, q)
@@ -174,20 +193,26 @@ def analyse(
     columns: dict[str, Any] = {name: frozen(x) for name, x in (out | by_motor).items()}
     columns |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
     columns["warnings"] = motion.warnings + _velocity_warnings(motion)
-    return Analysis(motion, s, motors, arm, **columns, torque_limits=limits, moving_water=moving)
+    return Analysis(
+        motion, s, motors, arm, **columns, torque_limits=limits, moving_water=moving
+    )
 
 
 def _for_arm(motion: Motion, arm: Arm) -> Motion:
     """The motion of the joints that the arm has; a locked gripper leaves the jaw rod out."""
     if arm.floating_base or arm.model.nv not in (4, 5):
-        raise InputError("arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base")
+        raise InputError(
+            "arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base"
+        )
     wanted = tables.JOINTS[: arm.model.nv]
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
     if len(wanted) == len(motion.joints):
         return motion
-    arrays = {name: getattr(motion, name) for name in ("position", "velocity", "effort")}
+    arrays = {
+        name: getattr(motion, name) for name in ("position", "velocity", "effort")
+    }
     fewer: dict[str, Any] = {k: x[:, :4] for k, x in arrays.items() if x is not None}
     warnings = tuple(w for w in motion.warnings if "axis_a" not in w.text)
     ignored = (*motion.ignored, "axis_a")
@@ -195,7 +220,10 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
 
 
 def motor_side(
-    motors: Sequence[Actuator], s: SmoothMotion, torque: FloatArray, drive: Sequence[float] | None
+    motors: Sequence[Actuator],
+    s: SmoothMotion,
+    torque: FloatArray,
+    drive: Sequence[float] | None,
 ) -> tuple[dict[str, FloatArray], Interval | None]:
     """`BY_MOTOR`, and what the drive can give while the joint moves and hold where it rests."""
     out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
@@ -216,8 +244,12 @@ def motor_side(
                 supply, limit = drive
                 moving = motor.torque_limits(v, supply, limit)  # checks both
                 most = min(limit, supply / motor.parameters.resistance)
-                lower[:, k] = np.where(rest, motor.holding_torque(-most).lower, moving.lower)
-                upper[:, k] = np.where(rest, motor.holding_torque(most).upper, moving.upper)
+                lower[:, k] = np.where(
+                    rest, motor.holding_torque(-most).lower, moving.lower
+                )
+                upper[:, k] = np.where(
+                    rest, motor.holding_torque(most).upper, moving.upper
+                )
     limits = None if drive is None else Interval(frozen(lower), frozen(upper))
     return dict(zip(BY_MOTOR, out, strict=True)), limits
 
@@ -228,7 +260,9 @@ def _velocity_warnings(motion: Motion) -> tuple[tables.MotionWarning, ...]:
         return ()
     rate = 1 / float(np.median(np.diff(motion.time)))
     bandwidth = max(min(0.5, 0.1 * rate), smoothing.LEAST_BANDWIDTH * rate)
-    slope, given = (smooth(motion, "spline", bandwidth, use).velocity for use in (False, True))
+    slope, given = (
+        smooth(motion, "spline", bandwidth, use).velocity for use in (False, True)
+    )
     found = []
     for k, joint in enumerate(parameters().joints[: len(motion.joints)]):
         power = float(np.mean(slope[:, k] ** 2))

@@ -96,7 +96,9 @@ def limited(path: PathLike) -> Iterator[Budget]:
 
 def _size(file: Path) -> int:
     if file.is_dir():
-        return sum(inside.stat().st_size for inside in file.iterdir() if inside.is_file())
+        return sum(
+            inside.stat().st_size for inside in file.iterdir() if inside.is_file()
+        )
     return file.stat().st_size
 
 
@@ -142,7 +144,9 @@ def _install() -> None:
     except AttributeError as error:
         needed = f"limiting what a bag expands to ({error})"
         remedy = "python -m pip install 'alpha5-model[bags]'"
-        raise MissingDependencyError("a known version of rosbags", needed, remedy) from None
+        raise MissingDependencyError(
+            "a known version of rosbags", needed, remedy
+        ) from None
 
 
 def _counted(name: str, plain: Callable[..., bytes]) -> Callable[..., bytes]:
@@ -202,7 +206,9 @@ def _file_opener(zstd: Any) -> Callable[..., Any]:
             return content
 
     def opened(file: Any, mode: str) -> Any:
-        return zstd.open(file, mode) if _current.get() is None else CountedFile(file, mode)
+        return (
+            zstd.open(file, mode) if _current.get() is None else CountedFile(file, mode)
+        )
 
     return opened
 

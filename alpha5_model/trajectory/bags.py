@@ -65,9 +65,15 @@ def bag_table(
 
     def warn(kind: str, at: Any, text: str) -> None:
         if len(at):
-            warnings.append(MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text))
+            warnings.append(
+                MotionWarning(kind, len(at), f"message {min(at)} of {topic}", text)
+            )
 
-    warn("missing_joints", partial, f"no position of each of {', '.join(wanted)}, message left out")
+    warn(
+        "missing_joints",
+        partial,
+        f"no position of each of {', '.join(wanted)}, message left out",
+    )
     warn("not_finite", holes, "positions that are not finite, message left out")
     warn("no_stamp", unstamped, "no stamp; all times are those of recording")
     warn("out_of_order", back, "time runs back, messages sorted")
@@ -85,9 +91,13 @@ def bag_table(
         return columns[:, [*needed, *efforts]], "s"
 
     def place(row: int, column: int) -> str:
-        return f"message {numbers[row]} of {topic}" + (f" ({header[column]})" if column else "")
+        return f"message {numbers[row]} of {topic}" + (
+            f" ({header[column]})" if column else ""
+        )
 
-    return Table(header, read, place, "", tuple(warnings), tuple(sorted(unused))), before
+    return Table(
+        header, read, place, "", tuple(warnings), tuple(sorted(unused))
+    ), before
 
 
 def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _Streams:
@@ -103,10 +113,15 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
         # The message is the same in every release: no need for the definitions in the bag.
         store = get_typestore(Stores.ROS1_NOETIC if first else Stores.LATEST)
         decode = store.deserialize_ros1 if first else store.deserialize_cdr
-        with limited(path) as budget, (rosbag1 if first else rosbag2).Reader(file) as bag:
+        with (
+            limited(path) as budget,
+            (rosbag1 if first else rosbag2).Reader(file) as bag,
+        ):
             here = [c for c in bag.connections if c.msgtype == _JOINT_STATE]
             if not here:
-                got = ", ".join(sorted(f"{c.topic} ({c.msgtype})" for c in bag.connections))
+                got = ", ".join(
+                    sorted(f"{c.topic} ({c.msgtype})" for c in bag.connections)
+                )
                 problem = f"no sensor_msgs/JointState, but {got or 'nothing'}"
                 raise errors.FileFormatError(path, problem)
             if topic is not None:
@@ -126,16 +141,28 @@ def _streams(path: PathLike, topic: str | None, progress: Progress | None) -> _S
     return streams
 
 
-def _chosen(path: PathLike, streams: _Streams, asked: str | None) -> tuple[str, str, list[str]]:
+def _chosen(
+    path: PathLike, streams: _Streams, asked: str | None
+) -> tuple[str, str, list[str]]:
     """The only topic of the arm's joints, their only prefix, and the joints in most messages."""
-    named = Counter((topic, tuple(m.name)) for topic, got in streams.items() for *_, m in got)
+    named = Counter(
+        (topic, tuple(m.name)) for topic, got in streams.items() for *_, m in got
+    )
     pairs = ((key, before) for key in named for before in prefixes(key[1], asked=asked))
     found = {(*key, before): named[key] for key, before in pairs}
     if not found:
-        got = "; ".join(sorted(f"{topic}: {', '.join(names)}" for topic, names in named))[:400]
+        got = "; ".join(
+            sorted(f"{topic}: {', '.join(names)}" for topic, names in named)
+        )[:400]
         joints = ", ".join((asked or "") + joint for joint in JOINTS[:4])
         raise errors.FileFormatError(path, f"no message has all of {joints}, but {got}")
     topic = only("topic", sorted({topic for topic, *_ in found}))
     before = only("prefix", sorted({before for t, _, before in found if t == topic}))
-    most = max((key for key in found if key[::2] == (topic, before)), key=found.__getitem__)
-    return topic, before, [before + joint for joint in JOINTS if before + joint in most[1]]
+    most = max(
+        (key for key in found if key[::2] == (topic, before)), key=found.__getitem__
+    )
+    return (
+        topic,
+        before,
+        [before + joint for joint in JOINTS if before + joint in most[1]],
+    )

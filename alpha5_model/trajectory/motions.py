@@ -99,9 +99,13 @@ def motion(
         raise ShapeError("time", t.shape, "shape (N,)")
     q = float_array("position", position, ())
     if q.ndim != 2 or q.shape[0] != t.size or q.shape[1] not in (4, 5):
-        raise ShapeError("position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a")
+        raise ShapeError(
+            "position", q.shape, f"shape ({t.size}, 4), or ({t.size}, 5) with axis_a"
+        )
     wanted = JOINTS[: q.shape[1]]
-    names = wanted if joints is None else tuple(listed("joints", joints, "names of joints"))
+    names = (
+        wanted if joints is None else tuple(listed("joints", joints, "names of joints"))
+    )
     more: dict[str, Any] = {}
     for name, value in {"velocity": velocity, "effort": effort}.items():
         if value is not None:
@@ -201,7 +205,10 @@ def read_motion(
         velocity=velocity,
         warnings=tuple(warnings),
         source=str(path),
-        ignored=(*(x for k, x in enumerate(table.header) if k not in used), *table.ignored),
+        ignored=(
+            *(x for k, x in enumerate(table.header) if k not in used),
+            *table.ignored,
+        ),
         time_unit=unit,
         effort=effort,
     )
@@ -260,7 +267,9 @@ def _roles(path: PathLike, table: tables.Table, asked: str | None) -> _Roles:
             missing = f"{why}: expected {wanted}"
             if meaning == POSITION and (reasons := explained(found, joint)):
                 missing += f"; {reasons}"
-            chosen.append(only(names(joint, meaning), f"the {meaning} of {joint}", missing))
+            chosen.append(
+                only(names(joint, meaning), f"the {meaning} of {joint}", missing)
+            )
         return chosen
 
     warnings = []
@@ -314,7 +323,9 @@ def _likely_unit(time: FloatArray, position: FloatArray) -> str:
     steps = steps[steps > 0]
     if not steps.size or float(np.median(steps)) < 1.0:
         return "s"
-    unit = next((u for u, n in tables.PER_SECOND.items() if float(np.median(steps)) < n), "ns")
+    unit = next(
+        (u for u, n in tables.PER_SECOND.items() if float(np.median(steps)) < n), "ns"
+    )
     rated = np.array([joint.velocity for joint in parameters().joints[: path.size]])
     fast = path / (steps / tables.PER_SECOND[unit]).sum() > 2 * rated
     return "s" if fast.any() else unit
@@ -325,7 +336,9 @@ def _sample(sample: int, joint: str | None) -> str:
 
 
 def _checked(
-    raw: Motion, path: PathLike | None = None, place: Callable[[int, str | None], str] = _sample
+    raw: Motion,
+    path: PathLike | None = None,
+    place: Callable[[int, str | None], str] = _sample,
 ) -> Motion:
     """Check finite samples in joint order; times that repeat are dropped and counted.
 
@@ -334,14 +347,18 @@ def _checked(
         place: (sample, joint or None for the time) -> the place of that number, for messages.
     """
 
-    def refuse(sample: int, joint: str | None, value: float, expected: str) -> Alpha5Error:
+    def refuse(
+        sample: int, joint: str | None, value: float, expected: str
+    ) -> Alpha5Error:
         if path is None:
             return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
         return FileFormatError(path, f"expected {expected}", place(sample, joint))
 
     def warn(kind: str, bad: Any, joint: str | None, text: str) -> None:
         if bad.size:
-            found.append(MotionWarning(kind, int(bad.size), place(int(bad[0]), joint), text))
+            found.append(
+                MotionWarning(kind, int(bad.size), place(int(bad[0]), joint), text)
+            )
 
     time, effort, found = raw.time, raw.effort, list(raw.warnings)
     if effort is not None:
@@ -351,17 +368,25 @@ def _checked(
         why = f" ({'; '.join(map(str, found))})" if found else ""
         name = "time" if path is None else raw.source + why
         raise InputError(name, time.size, f"at least {MINIMUM_SAMPLES} samples")
-    rates = {"position": raw.position, "velocity": raw.velocity, "recorded effort": effort}
+    rates = {
+        "position": raw.position,
+        "velocity": raw.velocity,
+        "recorded effort": effort,
+    }
     for what, table in {"time": time[:, None], **rates}.items():
         most = 1e12 if what == "time" else 1e9  # derivatives of more would overflow
         if table is not None and (beyond := np.argwhere(np.abs(table) > most)).size:
             sample, k = (int(i) for i in beyond[0])
             joint = None if what == "time" else raw.joints[k]
-            raise refuse(sample, joint, table[sample, k], f"a {what} of at most {most:g} in size")
+            raise refuse(
+                sample, joint, table[sample, k], f"a {what} of at most {most:g} in size"
+            )
     steps = np.diff(time)
     if (steps < 0).any():
         k = int(np.argmax(steps < 0)) + 1
-        raise refuse(k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back")
+        raise refuse(
+            k, None, time[k], f"a time of at least {time[k - 1]:.9g} s: time runs back"
+        )
     keep = np.concatenate([[True], steps >= 1e-9])  # [s]; nearer times are the same
     samples = np.flatnonzero(keep)
     warn("repeated_time", np.flatnonzero(~keep), None, "time repeated, sample dropped")
@@ -371,18 +396,36 @@ def _checked(
         raise refuse(0, None, time[0], expected)
     steps = np.diff(t)
     gap = GAP_FACTOR * float(np.median(steps))
-    warn("gap", samples[1:][steps > gap], None, f"more than {gap:.3g} s without a sample, bridged")
+    warn(
+        "gap",
+        samples[1:][steps > gap],
+        None,
+        f"more than {gap:.3g} s without a sample, bridged",
+    )
     for column, bound in enumerate(parameters().joints[: len(raw.joints)]):
         name, span = bound.name, bound.upper - bound.lower
         unit = "m" if name == "axis_a" else "rad"
-        jump = np.abs(np.diff(q[:, column])) > JUMP_SHARE * span + 2 * bound.velocity * steps
+        jump = (
+            np.abs(np.diff(q[:, column]))
+            > JUMP_SHARE * span + 2 * bound.velocity * steps
+        )
         warn("jump", samples[1:][jump], name, f"{name} jumps farther than it can move")
         slack = LIMIT_SLACK * span
-        outside = (q[:, column] < bound.lower - slack) | (q[:, column] > bound.upper + slack)
+        outside = (q[:, column] < bound.lower - slack) | (
+            q[:, column] > bound.upper + slack
+        )
         text = f"{name} outside its range {bound.lower:.6g} to {bound.upper:.6g} {unit}"
         if np.abs(q[:, column]).max() > 4 * bound.upper:
             text += f" (is it in {'mm' if unit == 'm' else 'degrees'}?)"
         warn("outside_limits", samples[outside], name, text)
-    v, e = (None if table is None else frozen(table[keep]) for table in (raw.velocity, effort))
-    state: dict[str, Any] = {"time": frozen(t), "position": frozen(q), "velocity": v, "effort": e}
+    v, e = (
+        None if table is None else frozen(table[keep])
+        for table in (raw.velocity, effort)
+    )
+    state: dict[str, Any] = {
+        "time": frozen(t),
+        "position": frozen(q),
+        "velocity": v,
+        "effort": e,
+    }
     return replace(raw, **state, warnings=tuple(found))

@@ -63,7 +63,9 @@ _WORDS = {
     "environment": "depth humidity leak pressure",
     "angle in degrees": "deg degree degrees degs",
 }
-_MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words.split()}
+_MEANING = {
+    word: meaning for meaning, words in _WORDS.items() for word in words.split()
+}
 #: What may be a position all the same, if the caller names what stands before the joint.
 _ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
 _QUANTITIES = {POSITION, VELOCITY, EFFORT}
@@ -122,8 +124,12 @@ def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
         if column.meaning == POSITION:
             found.setdefault(column.group, set()).add(column.joint)
     if asked is not None:
-        found = {group: joints for group, joints in found.items() if group == _group(asked)}
-    return sorted(group for group, joints in found.items() if joints.issuperset(JOINT_NAMES[:4]))
+        found = {
+            group: joints for group, joints in found.items() if group == _group(asked)
+        }
+    return sorted(
+        group for group, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])
+    )
 
 
 def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
@@ -137,7 +143,9 @@ def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
         parts = _JOINT.fullmatch(name)
         if parts and not parts[3]:
             found.setdefault(parts[1], set()).add(parts[2])
-    whole = [before for before, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])]
+    whole = [
+        before for before, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])
+    ]
     if asked is not None:
         return [before for before in whole if before == asked]
     allowed = {POSITION, NAME, MEASURED, UNKNOWN}
@@ -174,7 +182,9 @@ def _meaning(before: str, after: str, asked: bool) -> str:
     ahead = _meanings(before)
     behind = _meanings(after)
     if asked:
-        named = {*_ON_REQUEST, MEASURED, POSITION} if behind else {*_ON_REQUEST, MEASURED}
+        named = (
+            {*_ON_REQUEST, MEASURED, POSITION} if behind else {*_ON_REQUEST, MEASURED}
+        )
         ahead = [meaning for meaning in ahead if meaning not in named]
     every = ahead + behind
     if COMMAND in every:

@@ -137,9 +137,13 @@ def smooth(
         spline, reached = CubicSpline(t, signals), None
         value, slope, bend = signals, spline(t, 1), spline(t, 2)
     n = len(joints)
-    velocity, acceleration = (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
+    velocity, acceleration = (
+        (value[:, n:], slope[:, n:]) if use_velocity else (slope, bend)
+    )
     mean = slope[:, :n]
-    if method != "interpolate":  # over a window: its sign changes only where the motion reverses
+    if (
+        method != "interpolate"
+    ):  # over a window: its sign changes only where the motion reverses
         ends = t - DIRECTION_WINDOW / 2, t + DIRECTION_WINDOW / 2
         early, late = (end.clip(t[0], t[-1]) for end in ends)
         mean = _columns(late, t, motion.position) - _columns(early, t, motion.position)
@@ -149,7 +153,9 @@ def smooth(
     deviation = np.abs(value[:, :n] - motion.position).max(axis=0)
     moving = value[:, :n], velocity, acceleration, direction, deviation
     q, v, a, direction, deviation = map(frozen, moving)
-    return SmoothMotion(t, joints, q, v, a, direction, method, reached, use_velocity, deviation)
+    return SmoothMotion(
+        t, joints, q, v, a, direction, method, reached, use_velocity, deviation
+    )
 
 
 def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) -> _Fit:
@@ -178,7 +184,9 @@ def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) ->
     inverse = lam / weight
     bands = np.zeros((3, h.size - 1))  # upper form of R + lam Q^T W^-1 Q
     bands[2] = (h[:-1] + h[1:]) / 3
-    bands[2] += inverse[:-2] * below**2 + inverse[1:-1] * middle**2 + inverse[2:] * above**2
+    bands[2] += (
+        inverse[:-2] * below**2 + inverse[1:-1] * middle**2 + inverse[2:] * above**2
+    )
     bands[1, 1:] = inverse[1:-2] * middle[:-1] * below[1:]
     bands[1, 1:] += inverse[2:-1] * above[:-1] * middle[1:]
     bands[1, 1:] += h[1:-1] / 6
@@ -199,7 +207,9 @@ def smoothing_spline(time: FloatArray, signals: FloatArray, bandwidth: float) ->
     return value, slope, bend
 
 
-def savitzky_golay(time: FloatArray, signals: FloatArray, bandwidth: float) -> tuple[*_Fit, float]:
+def savitzky_golay(
+    time: FloatArray, signals: FloatArray, bandwidth: float
+) -> tuple[*_Fit, float]:
     """Savitzky-Golay filter of third degree, its window chosen for the bandwidth.
 
     Returns:
@@ -227,10 +237,15 @@ def savitzky_golay(time: FloatArray, signals: FloatArray, bandwidth: float) -> t
     window = near[reached]
     grid = np.arange(time[0], time[-1] + dt, dt)
     if window > grid.size:
-        most = f"a window of at most the motion's {grid.size} samples (it takes {window})"
+        most = (
+            f"a window of at most the motion's {grid.size} samples (it takes {window})"
+        )
         raise InputError("bandwidth", bandwidth, most)
     even = _columns(grid, time, signals)
-    by_order = (savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0) for k in range(3))
+    by_order = (
+        savgol_filter(even, window, _DEGREE, deriv=k, delta=dt, axis=0)
+        for k in range(3)
+    )
     value, slope, bend = (_columns(time, grid, even) for even in by_order)
     return value, slope, bend, reached / dt
 

@@ -116,7 +116,9 @@ def parquet_table(path: PathLike) -> Table:
         names = [header[k] for k in (*needed, *efforts)]
         most = LEAST_PARQUET + EXPANSION * len(content)
         if _expanded(file.metadata, names) > most:
-            problem = f"expands to more than {most / 1e6:.3g} MB, {EXPANSION} times its size"
+            problem = (
+                f"expands to more than {most / 1e6:.3g} MB, {EXPANSION} times its size"
+            )
             raise errors.FileFormatError(path, problem)
         with library(path, "parquet"):
             data = file.read(names)
@@ -135,7 +137,9 @@ def _expanded(metadata: Any, names: list[str]) -> int:
     for number in range(metadata.num_row_groups):
         group = metadata.row_group(number)
         columns = (group.column(k) for k in range(group.num_columns))
-        stated += sum(x.total_uncompressed_size for x in columns if x.path_in_schema in names)
+        stated += sum(
+            x.total_uncompressed_size for x in columns if x.path_in_schema in names
+        )
     return int(max(stated, 8 * metadata.num_rows * len(names)))
 
 
@@ -143,7 +147,9 @@ def _expanded(metadata: Any, names: list[str]) -> int:
 def library(path: PathLike, extra: str) -> Iterator[None]:
     """What a library raises, or its lack, as an error about the file."""
     try:
-        with errors.needing(f"reading {path}", f"python -m pip install 'alpha5-model[{extra}]'"):
+        with errors.needing(
+            f"reading {path}", f"python -m pip install 'alpha5-model[{extra}]'"
+        ):
             yield
     except errors.Alpha5Error:
         raise
@@ -168,14 +174,24 @@ def csv_table(path: PathLike, progress: Progress | None) -> Table:
     """
     content = read_named(path, "a CSV file of joint motion (or Parquet, or a ROS bag)")
     try:
-        text = content.decode("utf-8-sig").rstrip().replace("\r\n", "\n").replace("\r", "\n")
+        text = (
+            content.decode("utf-8-sig")
+            .rstrip()
+            .replace("\r\n", "\n")
+            .replace("\r", "\n")
+        )
     except UnicodeDecodeError:
-        raise errors.FileFormatError(path, "is not UTF-8 text, a CSV file is expected") from None
+        raise errors.FileFormatError(
+            path, "is not UTF-8 text, a CSV file is expected"
+        ) from None
     every = [line.strip() for line in text.split("\n")]
     if not every[0]:
         problem = "is empty" if len(every) == 1 else "no column names in line 1"
         raise errors.FileFormatError(path, problem, "line 1")
-    lines, numbers = [*filter(None, every)], [*compress(range(1, len(every) + 1), every)]
+    lines, numbers = (
+        [*filter(None, every)],
+        [*compress(range(1, len(every) + 1), every)],
+    )
     header = _header(path, lines[0])
 
     def read(needed: list[int], efforts: list[int]) -> tuple[FloatArray, None]:
@@ -208,17 +224,23 @@ def _fields(path: PathLike, line: str, place: str) -> list[str]:
     try:
         return [text.strip() for text in next(csv.reader([line]))]
     except csv.Error as error:  # a field of more than 131 072 characters
-        raise errors.FileFormatError(path, f"is not a table of numbers: {error}", place) from None
+        raise errors.FileFormatError(
+            path, f"is not a table of numbers: {error}", place
+        ) from None
 
 
 def _header(path: PathLike, line: str) -> list[str]:
     others = {";": "';'", "\t": "a tab", " ": "a space"}.items()
-    if found := [name for separator, name in others if separator in line and "," not in line]:
+    if found := [
+        name for separator, name in others if separator in line and "," not in line
+    ]:
         problem = f"columns are separated by {found[0]}, expected ','"
         raise errors.FileFormatError(path, problem, "line 1")
     header = _fields(path, line, "line 1")
     if _number(header[0]) is not None:
-        raise errors.FileFormatError(path, "starts with numbers, expected column names", "line 1")
+        raise errors.FileFormatError(
+            path, "starts with numbers, expected column names", "line 1"
+        )
     seen: set[str] = set()
     for k, name in enumerate(header):
         if name and name in seen:
@@ -228,12 +250,16 @@ def _header(path: PathLike, line: str) -> list[str]:
     return header
 
 
-def _parse(lines: list[str], used: list[int], width: int, progress: Progress | None) -> FloatArray:
+def _parse(
+    lines: list[str], used: list[int], width: int, progress: Progress | None
+) -> FloatArray:
     blocks = [np.empty((0, len(used)))]
     for start in range(0, len(lines), CHUNK):
         block = lines[max(1, start) : start + CHUNK]
         quoted = any('"' in line for line in block)
-        widths = map(len, csv.reader(block)) if quoted else (x.count(",") + 1 for x in block)
+        widths = (
+            map(len, csv.reader(block)) if quoted else (x.count(",") + 1 for x in block)
+        )
         if any(found != width for found in widths):
             raise ValueError
         if block:

@@ -30,7 +30,16 @@ from alpha5_model.numbers.parameters import parameters
 from alpha5_model.trajectory import Motion, analyse, motion
 from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
 from alpha5_model.viewer import scene
-from alpha5_model.viewer.scene import Label, Load, Mean, MotionTrack, Rigid, Scene, Shape, Stream
+from alpha5_model.viewer.scene import (
+    Label,
+    Load,
+    Mean,
+    MotionTrack,
+    Rigid,
+    Scene,
+    Shape,
+    Stream,
+)
 from alpha5_model.viewer.shapes import arrow, ball, drawn, triad
 from alpha5_model.viewer.workspace_plot import workspace_shapes
 
@@ -78,35 +87,66 @@ def build_scene(
     goal = None if target is None else shaped("target", target, (3,))
     home = named["home"].copy()
     if goal is not None:
-        home[:4] = ik.inverse_kinematics(reach.nearest_reachable(goal), home[3]).best(home[:4])
+        home[:4] = ik.inverse_kinematics(reach.nearest_reachable(goal), home[3]).best(
+            home[:4]
+        )
     position = shaped("q", with_base(arm, home) if q is None else q, (arm.model.nq,))
     poses = link_poses(arm, tree, position)
     water: ArrayLike = (1.0, 0.0, 0.0) if current is None else current
     flow = array("current", water, 3)
-    inside = np.clip(position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit)
+    inside = np.clip(
+        position, arm.model.lowerPositionLimit, arm.model.upperPositionLimit
+    )
     beyond = (np.abs(position - inside) > 1e-9)[-len(sliders) :].tolist()
     frames = _frames(tree, dict(zip(sliders, beyond, strict=True)))
     loads, gravity = tuple(_loads(arm, tree)), np.array(arm.model.gravity.linear)
     if show is None:
         given = {"ghosts": target, "current": current}
-        show = (*scene.DEFAULT_SHOW, *(name for name, value in given.items() if value is not None))
+        show = (
+            *scene.DEFAULT_SHOW,
+            *(name for name, value in given.items() if value is not None),
+        )
     shown = tuple(choice("group", group, tuple(scene.GROUPS)) for group in show)
     bodies = list(_bodies(text, folder, "visual"))
     things: list[Shape | Label] = [*bodies, *frames, *_centers(gravity, loads)]
-    things += [*_bodies(text, folder, "collision"), *workspace_shapes(), *_current(flow)]
+    things += [
+        *_bodies(text, folder, "collision"),
+        *workspace_shapes(),
+        *_current(flow),
+    ]
     if goal is not None:
         things += _ghosts(arm, tree, bodies, position, goal)
     shapes = tuple(thing for thing in things if isinstance(thing, Shape))
     labels = tuple(thing for thing in things if isinstance(thing, Label))
-    weight, lift = sum(load.weight for load in loads), sum(load.buoyancy for load in loads)
+    weight, lift = (
+        sum(load.weight for load in loads),
+        sum(load.buoyancy for load in loads),
+    )
     wet = f"In water of {arm.fluid_density:g} kg/m\u00b3: weight {weight:.2f} N, buoyancy {lift:.2f} N."
     dry = f"In air: weight {weight:.2f} N."
     scale = f"Arrows: {1e3 * ARROW_SCALE:g} mm per newton. Torque: what each joint holds at rest."
-    notes, joints = (wet if arm.fluid_density else dry, scale), position[-len(sliders) :]
+    notes, joints = (
+        (wet if arm.fluid_density else dry, scale),
+        position[-len(sliders) :],
+    )
     statics, streams = _statics(arm, loads, tree[0].parent), tuple(_streams(arm))
     track = None if motion is None else motion_track(motion, arm, position, current)
-    fields = notes, tree, sliders, joints, poses, shapes, labels, loads, statics, shown, named
-    return scene.framed(Scene(*fields, motion=track, current=flow, streams=streams, target=goal))
+    fields = (
+        notes,
+        tree,
+        sliders,
+        joints,
+        poses,
+        shapes,
+        labels,
+        loads,
+        statics,
+        shown,
+        named,
+    )
+    return scene.framed(
+        Scene(*fields, motion=track, current=flow, streams=streams, target=goal)
+    )
 
 
 def _bodies(text: str, folder: str, element: str) -> Iterator[Shape]:
@@ -126,8 +166,12 @@ def _loads(arm: Arm, tree: Sequence[UrdfJoint]) -> Iterator[Load]:
     """Weight and buoyancy on each joint of the model, payloads included."""
     carrier = {joint.name: joint.child for joint in tree}
     strength = float(np.linalg.norm(arm.model.gravity.linear))
-    water = displaced_fluid_model(arm.model, arm.displacements, 1.0)  # its masses are volumes
-    for name, body, fluid in zip(arm.model.names, arm.model.inertias, water.inertias, strict=True):
+    water = displaced_fluid_model(
+        arm.model, arm.displacements, 1.0
+    )  # its masses are volumes
+    for name, body, fluid in zip(
+        arm.model.names, arm.model.inertias, water.inertias, strict=True
+    ):
         if body.mass or fluid.mass:
             # The universe and the free-flyer carry the base.
             link = carrier.get(name, tree[0].parent)
@@ -153,7 +197,9 @@ def _statics(arm: Arm, loads: Sequence[Load], base: str) -> dict[str, Any]:
     return {"parameters": parameters, "share": share, "beyond": beyond}
 
 
-def _frames(tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]) -> Iterator[Shape | Label]:
+def _frames(
+    tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]
+) -> Iterator[Shape | Label]:
     """Axes of every link frame, over the bodies; names of joints, frames and the tcp."""
     axes = triad(_AXES, 0.0013)
     beside = transform(translation=(_AXES, 0.0, 0.0))  # the tip of x
@@ -166,7 +212,9 @@ def _frames(tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]) -> Iterator[S
         if joint.name in beyond or link == "tcp":
             out = beyond.get(joint.name, False)
             text = "tcp" if link == "tcp" else joint.name + ", beyond its limit" * out
-            yield Label("bodies", text, Rigid(link), _COLORS["red"] if out else Label.color)
+            yield Label(
+                "bodies", text, Rigid(link), _COLORS["red"] if out else Label.color
+            )
 
 
 def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
@@ -176,11 +224,15 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
     for kind, (name, carried) in product(scene.LOOK["centers"], named.items()):
         center, share, force, text, *colors, sense = kind
         one, other, ink, color = (_COLORS[name] for name in colors)
-        points = tuple(p for p in map(attrgetter("link", share, center), carried) if p[1])
+        points = tuple(
+            p for p in map(attrgetter("link", share, center), carried) if p[1]
+        )
         if not points:
             continue
         at, whole = Mean(points), name == "arm"
-        yield Shape(center, name, at, _ball(0.0095 if whole else 0.0048, one, other), on_top=2)
+        yield Shape(
+            center, name, at, _ball(0.0095 if whole else 0.0048, one, other), on_top=2
+        )
         if whole:
             yield Label(center, text, at, ink)
         if strength := sum(getattr(load, force) for load in carried):
@@ -189,7 +241,9 @@ def _centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Lab
             mesh = arrow(tip, 0.004 if whole else 0.0022)
             yield Shape(force, name, at, mesh, (r, g, b), on_top=1)
             if whole:
-                yield Label(force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b))
+                yield Label(
+                    force, f"{force} {strength:.2f} N", Mean(points, tip), (r, g, b)
+                )
 
 
 def _current(flow: FloatArray) -> Iterator[Shape | Label]:
@@ -204,19 +258,27 @@ def _current(flow: FloatArray) -> Iterator[Shape | Label]:
 
 def _streams(arm: Arm) -> Iterator[Stream]:
     """What a current does to each link, at the arm's fluid density."""
-    for link, water in hydrodynamics("jaws" if "axis_a" in arm.joint_names else "locked").items():
+    for link, water in hydrodynamics(
+        "jaws" if "axis_a" in arm.joint_names else "locked"
+    ).items():
         strips = []
         for s in water.strips:
             line = s.end - s.start
             length = float(np.linalg.norm(line))
             face = arm.fluid_density / 2 * s.diameter * length
-            strips.append(((s.start + s.end) / 2, line / length, face * s.across, face * s.along))
+            strips.append(
+                ((s.start + s.end) / 2, line / length, face * s.across, face * s.along)
+            )
         added = water.added_mass[:3, :3] * (arm.fluid_density / WATER_DENSITY)
         yield Stream(link, tuple(strips), added)
 
 
 def _ghosts(
-    arm: Arm, tree: Sequence[UrdfJoint], bodies: Sequence[Shape], q: FloatArray, target: FloatArray
+    arm: Arm,
+    tree: Sequence[UrdfJoint],
+    bodies: Sequence[Shape],
+    q: FloatArray,
+    target: FloatArray,
 ) -> Iterator[Shape | Label]:
     """Every solution of the inverse kinematics for a target, as ghosts of the moving links."""
     solutions = ik.inverse_kinematics(target)
@@ -225,15 +287,22 @@ def _ghosts(
         solution[len(q) - len(arm.joint_names) :][:4] = solutions.q[i]
         poses = link_poses(arm, tree, solution)
         for body in bodies:
-            if isinstance(body.anchor, Rigid) and body.anchor.link not in ("base_link", "link_0"):
+            if isinstance(body.anchor, Rigid) and body.anchor.link not in (
+                "base_link",
+                "link_0",
+            ):
                 at = Rigid(scene.WORLD, poses[body.anchor.link])
-                yield Shape("ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3)
+                yield Shape(
+                    "ghosts", f"{branch}/{body.name}", at, body.mesh, color, opacity=0.3
+                )
         limits = "" if solutions.within_limits[i] else ", beyond the limits"
         elbow = Rigid(scene.WORLD, transform(translation=poses["link_3"][:3, 3]))
         yield Label("ghosts", branch.replace("_", " ") + limits, elbow, color)
     base = arm.forward_kinematics(q, frame="base_link")
     at = Rigid(scene.WORLD, transform(translation=base.act(target)))
-    yield Shape("ghosts", "target", at, ball(0.008, _COLORS["pink"], _COLORS["white"]), on_top=2)
+    yield Shape(
+        "ghosts", "target", at, ball(0.008, _COLORS["pink"], _COLORS["white"]), on_top=2
+    )
     away = float(reach.distance_to_reach(target))
     text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
     yield Label("ghosts", text, at, (0.75, 0.05, 0.4))
@@ -262,13 +331,22 @@ def pose_of(arm: Arm, text: str) -> FloatArray:
 
 def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
     """Joint positions (n,) as the arm's q (nq,): a floating base stands at the world's origin."""
-    return np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints]) if arm.floating_base else joints
+    return (
+        np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joints])
+        if arm.floating_base
+        else joints
+    )
 
 
-def link_poses(arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray) -> dict[str, FloatArray]:
+def link_poses(
+    arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray
+) -> dict[str, FloatArray]:
     """Pose of every link in the world by Pinocchio, (4, 4), and of the world itself."""
     links = [tree[0].parent, *(joint.child for joint in tree)]
-    poses = {link: np.array(arm.forward_kinematics(q, frame=link).homogeneous) for link in links}
+    poses = {
+        link: np.array(arm.forward_kinematics(q, frame=link).homogeneous)
+        for link in links
+    }
     return {scene.WORLD: np.eye(4), **poses}
 
 
@@ -278,7 +356,9 @@ def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
     return replace(scene, q=q[len(q) - len(scene.sliders) :], poses=poses)
 
 
-def resampled(arm: Arm, time: FloatArray, q: FloatArray, rate: float) -> Iterator[FloatArray]:
+def resampled(
+    arm: Arm, time: FloatArray, q: FloatArray, rate: float
+) -> Iterator[FloatArray]:
     """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
     at = time[0] + np.arange(0.0, time[-1] - time[0] + 0.999 / rate, 1.0 / rate)
     for place in np.interp(at, time, np.arange(float(len(time)))):
@@ -291,7 +371,9 @@ def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
     tree = tuple(parse_urdf(urdf).joints.values())
     poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
     inv = np.linalg.inv
-    placed = [inv(poses[j.parent]) @ poses[j.child] @ inv(j.motion(j.offset)) for j in tree]
+    placed = [
+        inv(poses[j.parent]) @ poses[j.child] @ inv(j.motion(j.offset)) for j in tree
+    ]
     return tuple(replace(j, transform=at) for j, at in zip(tree, placed, strict=True))
 
 
@@ -310,8 +392,14 @@ def motion_track(
         known, rest = moved.velocity, ((0, 0), (0, n - both))
         velocity = None if known is None else np.pad(known[:, :both], rest)
         # Too few samples a second for a bandwidth.
-        method = "spline" if np.median(np.diff(time)) < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
-        analysis = analyse(motion(time, track, velocity), arm, method=method, current=current)
+        method = (
+            "spline"
+            if np.median(np.diff(time)) < 0.5 / DEFAULT_BANDWIDTH
+            else "interpolate"
+        )
+        analysis = analyse(
+            motion(time, track, velocity), arm, method=method, current=current
+        )
         loads = {**analysis.causes(), "mount": analysis.base_wrench}
         del loads["friction"]  # at the motor
     return MotionTrack(Path(moved.source).name, time, track, loads)

@@ -69,7 +69,11 @@ def style(**changes: Mapping[str, Any]) -> Iterator[None]:
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    changed = {f"{group}.{key}": v for group, some in changes.items() for key, v in some.items()}
+    changed = {
+        f"{group}.{key}": v
+        for group, some in changes.items()
+        for key, v in some.items()
+    }
     with _matplotlib().rc_context(changed, Path(__file__).with_suffix(".mplstyle")):
         yield
 
@@ -122,9 +126,17 @@ def plot_comparison(comparison: Comparison, path: PathLike) -> Path:
     if not comparison.joints:
         raise InputError("comparison", comparison.verdict, "one of a Reach Alpha 5")
     rows = [(b.mass_error, b.com_error, b.inertia_error) for b in comparison.bodies]
-    errors = [*(np.array(rows).T * [[1e3], [1e3], [1e6]]), np.array(comparison.gravity_error)]
+    errors = [
+        *(np.array(rows).T * [[1e3], [1e3], [1e6]]),
+        np.array(comparison.gravity_error),
+    ]
     bodies = [body.name for body in comparison.bodies]
-    heads = ("mass", "g"), ("COM", "mm"), ("inertia", "kg·mm²"), ("gravity torque", "N·m")
+    heads = (
+        ("mass", "g"),
+        ("COM", "mm"),
+        ("inertia", "kg·mm²"),
+        ("gravity torque", "N·m"),
+    )
     names = (bodies, bodies, bodies, [*comparison.joints])
     figure = new_figure(11, 3.4)
     panels = zip(figure.subplots(1, 4), heads, names, errors, strict=True)
@@ -138,7 +150,9 @@ def plot_comparison(comparison: Comparison, path: PathLike) -> Path:
         axes.axvline(0, color="black", linewidth=0.8)
         axes.set_title(f"{title}, up to {number(np.abs(values).max())} {unit}")
     verdict = "agrees with" if comparison.agrees else "differs from"
-    figure.suptitle(f"The arm in {comparison.name} {verdict} the tables: errors", fontsize=11)
+    figure.suptitle(
+        f"The arm in {comparison.name} {verdict} the tables: errors", fontsize=11
+    )
     return write_figure(figure, path, dpi=150)
 
 
@@ -157,26 +171,36 @@ def mount_load_figure(arm: Arm, q: ArrayLike, speed: float) -> Any:
     flow = speed * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
     wets = [arm.with_hydrodynamics(level=level) for level in LEVELS]
     wrenches = np.array([[wet.current_load(q, u)[1] for u in flow] for wet in wets])
-    sizes = np.linalg.norm(wrenches.reshape(3, _DIRECTIONS, 2, 3), axis=3).transpose(2, 0, 1)
+    sizes = np.linalg.norm(wrenches.reshape(3, _DIRECTIONS, 2, 3), axis=3).transpose(
+        2, 0, 1
+    )
     page = new_figure(10.5, 5.4)
     panels = page.subplots(1, 2, subplot_kw={"projection": "polar"})
     heads = ("force", "N", Color.BLUE), ("moment", "N·m", Color.VERMILION)
-    for axes, (name, unit, color), (low, nominal, high) in zip(panels, heads, sizes, strict=True):
+    for axes, (name, unit, color), (low, nominal, high) in zip(
+        panels, heads, sizes, strict=True
+    ):
         look = {"color": color, "alpha": 0.2, "linewidth": 0}
         axes.fill_between(angle, low, high, label="all numbers low to all high", **look)
         axes.plot(angle, nominal, color=color, linewidth=1.6, label="nominal")
         least, most = number(nominal.min()), number(nominal.max())
         axes.set(title=f"{name}, {least} to {most} {unit}", rmin=0.0)
-        axes.set_xticks(np.arange(0, 2 * np.pi, np.pi / 2), ["x", "y", "\u2212x", "\u2212y"])
+        axes.set_xticks(
+            np.arange(0, 2 * np.pi, np.pi / 2), ["x", "y", "\u2212x", "\u2212y"]
+        )
         axes.tick_params(axis="y", labelsize=8)
         for text in axes.get_yticklabels():
-            text.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 1})
+            text.set_bbox(
+                {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 1}
+            )
         axes.legend(loc="lower left", bbox_to_anchor=(-0.12, -0.12))
     pose = ", ".join(f"{x:.2f}" for x in np.asarray(q)).replace("-", "\u2212")
     force, moment = map(number, sizes[:, 1].max(axis=1))
     load = f"at most {force} N and {moment} N·m by where it flows to; estimated, not published"
     title = f"A current of {speed:g} m/s loads the mount with {load}"
-    page.suptitle(f"{title}\nq = ({pose}), fluid {arm.fluid_density:g} kg/m³", fontsize=10)
+    page.suptitle(
+        f"{title}\nq = ({pose}), fluid {arm.fluid_density:g} kg/m³", fontsize=10
+    )
     return page
 
 
@@ -219,8 +243,14 @@ def motion_figure(analysis: Analysis) -> Any:
         most = f"at most {number(sizes.max())} {unit} ({a.smooth.joints[int(sizes.argmax())]})"
         panels[0, column].set_title(f"{what}, {most}{note}")
         # What is small beside another joint's stays small to see: noise fills no panel.
-        alike = [axes for axes in panels[:-1, column] if axes.get_ylabel().endswith(f"[{unit}]")]
-        low, high = zip(*(axes.get_ylim() for axes in alike if axes.has_data()), strict=True)
+        alike = [
+            axes
+            for axes in panels[:-1, column]
+            if axes.get_ylabel().endswith(f"[{unit}]")
+        ]
+        low, high = zip(
+            *(axes.get_ylim() for axes in alike if axes.has_data()), strict=True
+        )
         for axes in alike:
             axes.set_ylim(min(low), max(high))
     handles, names = panels[0, 1].get_legend_handles_labels()
@@ -259,9 +289,15 @@ def _torque(axes: Any, a: Analysis, k: int) -> None:
     from alpha5_model.studies.uncertainty.effects import torque_margin
 
     causes = a.causes()
-    for width, (cause, color) in zip((3.8, 3.2, 2.9, 1.3, 1.3), CAUSES.items(), strict=True):
+    for width, (cause, color) in zip(
+        (3.8, 3.2, 2.9, 1.3, 1.3), CAUSES.items(), strict=True
+    ):
         if cause in causes:
-            line = {"color": color, "linewidth": width, "label": cause.replace("_", " ")}
+            line = {
+                "color": color,
+                "linewidth": width,
+                "label": cause.replace("_", " "),
+            }
             _curve(axes, a, causes[cause][:, k], **line)
     if a.moving_water is not None:
         _band(axes, a, *a.moving_water.torque[:, [0, 2], k].T)
@@ -298,17 +334,26 @@ def _current(axes: Any, a: Analysis, k: int) -> None:
 
 
 def _power(axes: Any, a: Analysis) -> None:
-    electrical, mechanical = np.nansum(a.electrical_power, axis=1), a.mechanical_power.sum(axis=1)
+    electrical, mechanical = (
+        np.nansum(a.electrical_power, axis=1),
+        a.mechanical_power.sum(axis=1),
+    )
     _curve(axes, a, electrical, color=Color.BLUE, linewidth=1.1, label="electrical")
-    _curve(axes, a, mechanical, color=Color.VERMILION, linewidth=1.1, label="mechanical")
-    most = f"at most {number(electrical.max())} W, {number(mechanical.max())} W mechanical"
+    _curve(
+        axes, a, mechanical, color=Color.VERMILION, linewidth=1.1, label="mechanical"
+    )
+    most = (
+        f"at most {number(electrical.max())} W, {number(mechanical.max())} W mechanical"
+    )
     axes.set(title=f"power of all motors, {most}", ylabel="power [W]")
 
 
 def _mount(axes: Any, a: Analysis) -> None:
     force, moment = np.linalg.norm(a.base_wrench[:, :3], axis=1), a.base_wrench[:, 3:].T
     colors = (Color.VERMILION, Color.GREEN, Color.BLUE)
-    for name, color, width, values in zip("xyz", colors, (2.6, 1.8, 1.0), moment, strict=True):
+    for name, color, width, values in zip(
+        "xyz", colors, (2.6, 1.8, 1.0), moment, strict=True
+    ):
         _curve(axes, a, values, color=color, linewidth=width, label=f"moment {name}")
     most = f"{number(np.linalg.norm(moment, axis=0).max())} N·m (force {number(force.max())} N)"
     axes.set(title=f"moment on the mount, at most {most}", ylabel="moment [N·m]")
@@ -319,7 +364,14 @@ def _path(axes: Any, a: Analysis) -> None:
     axes.plot(x, z, color=Color.BLUE, linewidth=1.2, label="side (x, z)")
     axes.plot(x, y, color=Color.ORANGE, linewidth=1.2, label="top (x, y)")
     for other in (z, y):
-        axes.plot(x[0], other[0], "o", color="white", markeredgecolor=Color.BLACK, markersize=6)
+        axes.plot(
+            x[0],
+            other[0],
+            "o",
+            color="white",
+            markeredgecolor=Color.BLACK,
+            markersize=6,
+        )
         axes.plot(x[-1], other[-1], "o", color=Color.BLACK, markersize=5)
     axes.plot(0, 0, "+", color=Color.VERMILION, markersize=10, label="base_link")
     axes.set_aspect("equal", adjustable="datalim")
@@ -346,7 +398,11 @@ def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
     value = values[at]
     axes.margins(y=0.18)
     axes.plot(time[at], value, "o", color=Color.BLACK, markersize=4)
-    look = {"xytext": (0, 6 if value > 0 else -14), "textcoords": "offset points", "fontsize": 8}
+    look = {
+        "xytext": (0, 6 if value > 0 else -14),
+        "textcoords": "offset points",
+        "fontsize": 8,
+    }
     box = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.5}
     axes.annotate(number(value), (time[at], value), ha="center", bbox=box, **look)
 
@@ -366,6 +422,8 @@ def thin(time: Any, values: Any) -> tuple[Any, Any]:
     whole = len(time) // stretch * stretch
     rows = np.asarray(values[:whole]).reshape(-1, stretch)
     start = np.arange(0, whole, stretch)
-    picked = np.sort(np.stack([start + rows.argmin(axis=1), start + rows.argmax(axis=1)], axis=1))
+    picked = np.sort(
+        np.stack([start + rows.argmin(axis=1), start + rows.argmax(axis=1)], axis=1)
+    )
     index = np.append(picked.ravel(), len(time) - 1)
     return time[index], values[index]

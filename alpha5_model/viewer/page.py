@@ -21,7 +21,15 @@ from numpy.typing import NDArray
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics import ik, plane
 from alpha5_model.viewer import scene as scenes
-from alpha5_model.viewer.scene import DRAWN, GROUPS, Mean, MotionTrack, Rigid, Scene, Shape
+from alpha5_model.viewer.scene import (
+    DRAWN,
+    GROUPS,
+    Mean,
+    MotionTrack,
+    Rigid,
+    Scene,
+    Shape,
+)
 
 #: Fields of a scene that go to the page unchanged.
 _AS_IT_STANDS = "notes sliders labels statics current streams camera target"
@@ -52,7 +60,11 @@ def shape_path(shape: Shape) -> str:
 
 def _anchors(scene: Scene) -> dict[str, Rigid | Mean]:
     """Path -> anchor of every shape that does not move with the node of its link."""
-    return {shape_path(s): s.anchor for s in scene.shapes if s.group not in ("bodies", "ghosts")}
+    return {
+        shape_path(s): s.anchor
+        for s in scene.shapes
+        if s.group not in ("bodies", "ghosts")
+    }
 
 
 def scene_commands(scene: Scene) -> Iterator[Command]:
@@ -73,14 +85,18 @@ def scene_commands(scene: Scene) -> Iterator[Command]:
 def pose_commands(scene: Scene) -> Iterator[Command]:
     """Commands that move everything to where the scene has it."""
     placed = {f"{ROOT}/bodies/{link}": pose for link, pose in scene.poses.items()}
-    placed |= {path: anchor.transform(scene.poses) for path, anchor in _anchors(scene).items()}
+    placed |= {
+        path: anchor.transform(scene.poses) for path, anchor in _anchors(scene).items()
+    }
     for path, pose in placed.items():
         yield Command(type="set_transform", path=path, matrix=pose.T.ravel().tolist())
 
 
 def set_visible(group: str, visible: bool) -> Command:
     """Show or hide a group."""
-    return Command(type="set_property", path=f"{ROOT}/{group}", property="visible", value=visible)
+    return Command(
+        type="set_property", path=f"{ROOT}/{group}", property="visible", value=visible
+    )
 
 
 def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
@@ -102,7 +118,12 @@ def _set_object(shape: Shape, sent: dict[int, str]) -> Command:
         "depthWrite": shape.opacity == 1.0,
         "vertexColors": colored,
     }
-    mesh = {"uuid": name, "type": "Mesh", "geometry": geometry, "material": material["uuid"]}
+    mesh = {
+        "uuid": name,
+        "type": "Mesh",
+        "geometry": geometry,
+        "material": material["uuid"],
+    }
     parts = {
         "metadata": {"version": 4.5, "type": "Object"},
         "geometries": [{"uuid": geometry, "type": "BufferGeometry", **content}],
@@ -136,8 +157,14 @@ def static_page(scene: Scene, commands: Iterable[bytes] | None = None) -> str:
         scene: What to show.
         commands: Packed meshcat commands to draw instead of the scene's own.
     """
-    packed = (c.packed() for c in scene_commands(scene)) if commands is None else commands
-    return _page(scene, live=False, commands=[base64.b64encode(c).decode("ascii") for c in packed])
+    packed = (
+        (c.packed() for c in scene_commands(scene)) if commands is None else commands
+    )
+    return _page(
+        scene,
+        live=False,
+        commands=[base64.b64encode(c).decode("ascii") for c in packed],
+    )
 
 
 def live_page(scene: Scene) -> str:
@@ -153,18 +180,34 @@ def page_data(scene: Scene) -> dict[str, Any]:
     out["root"] = pose_message(scene)["root"]
     out["q"] = dict(zip(scene.sliders, scene.q.tolist(), strict=True))
     out["links"] = {link: f"{ROOT}/bodies/{link}" for link in scene.poses}
-    out["anchors"] = [{"path": path, "anchor": at} for path, at in _anchors(scene).items()]
-    titles = {name: x for name, x in GROUPS.items() if name in drawn or name not in DRAWN}
-    out["groups"] = [{"name": k, "title": x, "shown": k in scene.show} for k, x in titles.items()]
-    out |= {"seeThrough": scenes.SEE_THROUGH, "branches": ik.BRANCHES, "poses": scene.named_poses}
-    out |= {"views": scenes.VIEWS, "plane": plane.arm_plane()._asdict(), "arrows": scenes.ARROWS}
+    out["anchors"] = [
+        {"path": path, "anchor": at} for path, at in _anchors(scene).items()
+    ]
+    titles = {
+        name: x for name, x in GROUPS.items() if name in drawn or name not in DRAWN
+    }
+    out["groups"] = [
+        {"name": k, "title": x, "shown": k in scene.show} for k, x in titles.items()
+    ]
+    out |= {
+        "seeThrough": scenes.SEE_THROUGH,
+        "branches": ik.BRANCHES,
+        "poses": scene.named_poses,
+    }
+    out |= {
+        "views": scenes.VIEWS,
+        "plane": plane.arm_plane()._asdict(),
+        "arrows": scenes.ARROWS,
+    }
     return out | {"motion": scene.motion and _track(scene.motion)}
 
 
 def pose_message(scene: Scene) -> Command:
     """What a page is told of a pose: the joints, and the links that no joint carries."""
     moved = {joint.child for joint in scene.tree}
-    root = {link: pose.tolist() for link, pose in scene.poses.items() if link not in moved}
+    root = {
+        link: pose.tolist() for link, pose in scene.poses.items() if link not in moved
+    }
     return Command(type="pose", q=scene.q.tolist(), root=root)
 
 
@@ -173,14 +216,19 @@ def _track(motion: MotionTrack) -> dict[str, Any]:
     count = len(motion.time)
     rows = np.linspace(0, count - 1, min(count, _SAMPLES)).round().astype(int)
     columns = {"time": motion.time, "q": motion.q, **motion.loads}
-    return {"name": motion.name} | {key: one[rows].round(6) for key, one in columns.items()}
+    return {"name": motion.name} | {
+        key: one[rows].round(6) for key, one in columns.items()
+    }
 
 
 @cache
 def meshcat_script() -> str:
     """meshcat's viewer with three.js inside, from the installed package."""
     found = find_spec("meshcat")
-    script = Path(found.origin if found and found.origin else "").parent / "viewer/dist/main.min.js"
+    script = (
+        Path(found.origin if found and found.origin else "").parent
+        / "viewer/dist/main.min.js"
+    )
     if not script.is_file():
         raise MissingDependencyError("meshcat", "the viewer", "pip install meshcat")
     return script.read_text(encoding="utf-8")
@@ -192,11 +240,15 @@ def _page(scene: Scene, live: bool, commands: list[str]) -> str:
         "connect": "; connect-src 'self' ws: wss:" if live else "",
         "meshcat": meshcat_script(),
         # "<" cannot close the script element that holds the data.
-        "data": json.dumps(data, separators=(",", ":"), default=_plain).replace("<", "\\u003c"),
+        "data": json.dumps(data, separators=(",", ":"), default=_plain).replace(
+            "<", "\\u003c"
+        ),
     }
     # A part, or a file.
     named = re.compile(r"{{(?:(\w+)|([\w/.]+))}}")
-    return named.sub(lambda at: parts[at[1]] if at[1] else _read(at[2]), _read("web/page.html"))
+    return named.sub(
+        lambda at: parts[at[1]] if at[1] else _read(at[2]), _read("web/page.html")
+    )
 
 
 def _plain(part: Any) -> Any:

@@ -18,7 +18,14 @@ from numpy.typing import ArrayLike, NDArray
 from alpha5_model._support.checks import FloatArray, real
 from alpha5_model._support.files import PathLike, atomic_write, output_format
 from alpha5_model.errors import InputError, needing
-from alpha5_model.viewer.scene import ARROWS, SEE_THROUGH, Camera, Scene, Shape, check_size
+from alpha5_model.viewer.scene import (
+    ARROWS,
+    SEE_THROUGH,
+    Camera,
+    Scene,
+    Shape,
+    check_size,
+)
 from alpha5_model.viewer.shapes import Mesh
 
 VIDEO_FORMATS = (".mp4", ".gif")
@@ -32,7 +39,10 @@ _INK = (38, 43, 51)
 #: Least distance from an edge that counts, in pixels, and twice the least area of a triangle.
 _EDGE, _SLIVER = 1e-7, 1e-9
 #: Towards the lights, in the camera's axes (right, up, backwards), and their strengths.
-_LIGHTS, _STRENGTHS = np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]]), np.array([0.80, 0.45])
+_LIGHTS, _STRENGTHS = (
+    np.array([[-0.35, 0.75, 0.56], [0.85, 0.1, 0.52]]),
+    np.array([0.80, 0.45]),
+)
 _AMBIENT = 0.68
 
 
@@ -56,12 +66,17 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> Pixels:
     canvas, layer = Canvas(scene.camera, _FINER * width, _FINER * height), 0
     veiled = "bodies" if "see-through" in scene.show else None
     there, poses = [s for s in scene.shapes if s.group in scene.show], scene.poses
-    shown = [(s, s.placed(poses), SEE_THROUGH if s.group == veiled else s.opacity) for s in there]
+    shown = [
+        (s, s.placed(poses), SEE_THROUGH if s.group == veiled else s.opacity)
+        for s in there
+    ]
 
     def order(entry: tuple[Shape, Mesh, float]) -> tuple[float, ...]:
         """Layers on top last; bodies before the rest of what is seen through, from far to near."""
         shape, mesh, opacity = entry
-        distance = float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
+        distance = (
+            float(canvas.project(mesh.vertices)[:, 2].mean()) if opacity < 1.0 else 0.0
+        )
         return shape.on_top, opacity < 1.0, shape.group != "bodies", -distance
 
     for shape, mesh, opacity in sorted(shown, key=order):
@@ -80,7 +95,9 @@ def picture(scene: Scene, size: tuple[int, int] = (1600, 1000)) -> Pixels:
 
 
 @contextmanager
-def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels], None]]]:
+def video(
+    path: PathLike, fps: float
+) -> Iterator[tuple[float, Callable[[Pixels], None]]]:
     """Frames per second, and a function that adds pictures to a video; it is there whole, or not at all.
 
     Args:
@@ -96,7 +113,11 @@ def video(path: PathLike, fps: float) -> Iterator[tuple[float, Callable[[Pixels]
     rate = real("fps", fps, minimum=1.0)
     rate = 100 / max(1, round(100 / rate)) if gif else rate
     # Of the whole, H.264 takes even sizes only.
-    form: Any = {"duration": 1e3 / rate, "loop": 0} if gif else {"fps": rate, "macro_block_size": 2}
+    form: Any = (
+        {"duration": 1e3 / rate, "loop": 0}
+        if gif
+        else {"fps": rate, "macro_block_size": 2}
+    )
     with needing("a video", "pip install 'alpha5-model[video]'"):
         import imageio_ffmpeg  # noqa: F401 (what imageio writes MP4 with)
         from imageio.v2 import get_writer
@@ -133,9 +154,15 @@ def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
         box = (left - 4, top, right + 4, top + step - 2)
         draw.rounded_rectangle(box, radius=4, fill=(255, 255, 255, 205))
         color = tuple(round(255 * c) for c in label.color)
-        draw.text((left, top + step / 2 - 1), label.text, fill=color, font=font, anchor="lm")
+        draw.text(
+            (left, top + step / 2 - 1), label.text, fill=color, font=font, anchor="lm"
+        )
     # How long things are, at the distance of the point that is looked at.
-    size = canvas.focal / float(np.linalg.norm(scene.camera.eye - scene.camera.target)) / _FINER
+    size = (
+        canvas.focal
+        / float(np.linalg.norm(scene.camera.eye - scene.camera.target))
+        / _FINER
+    )
     bars = {"100 mm": 0.1}
     if {"weight", "buoyancy"} & {*scene.show}:
         bars["force 5 N"] = 5 * ARROWS["force"]
@@ -143,10 +170,14 @@ def _labelled(pixels: Pixels, canvas: Canvas, scene: Scene) -> Pixels:
         bars["current 1 m/s"] = ARROWS["current"]
     for row, (text, length) in enumerate(bars.items()):
         x, y = step, canvas.height / _FINER - step * (len(bars) - row)
-        draw.line((x, y, x + length * size, y), fill=_INK, width=max(2, text_height // 6))
+        draw.line(
+            (x, y, x + length * size, y), fill=_INK, width=max(2, text_height // 6)
+        )
         for end in (x, x + length * size):
             draw.line((end, y - step / 4, end, y + step / 4), fill=_INK, width=2)
-        draw.text((x + length * size + step / 2, y), text, fill=_INK, font=font, anchor="lm")
+        draw.text(
+            (x + length * size + step / 2, y), text, fill=_INK, font=font, anchor="lm"
+        )
     return np.asarray(image)
 
 
@@ -162,7 +193,9 @@ class Canvas:
         self.width, self.height = width, height
         self._camera, self.axes = camera, camera.axes()
         self.focal = height / 2 / np.tan(np.deg2rad(camera.field_of_view) / 2)
-        backdrop = np.linspace((1.0, 1.0, 1.0), (0.80, 0.86, 0.90), height, dtype=np.float32)
+        backdrop = np.linspace(
+            (1.0, 1.0, 1.0), (0.80, 0.86, 0.90), height, dtype=np.float32
+        )
         self.color = np.repeat(backdrop, width, axis=0)
         self._depth = np.full(width * height, np.inf, dtype=np.float32)
 
@@ -171,7 +204,10 @@ class Canvas:
         local = (points - self._camera.eye) @ self.axes.T
         ahead = -local[:, 2]
         scale = self.focal / ahead
-        column, row = self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale
+        column, row = (
+            self.width / 2 + local[:, 0] * scale,
+            self.height / 2 - local[:, 1] * scale,
+        )
         return np.stack([column, row, ahead], axis=1)
 
     def clear_depth(self) -> None:
@@ -201,11 +237,15 @@ class Canvas:
         depth, layer = self._depth[part], self.color[part]
         if opacity < 1.0:
             depth, layer = depth.copy(), layer.copy()
-        for pixel, distance, corner, weight in self._fragments(screen, faces, two_sided):
+        for pixel, distance, corner, weight in self._fragments(
+            screen, faces, two_sided
+        ):
             at = pixel - part.start
             np.minimum.at(depth, at, distance)
             seen = depth[at] == distance
-            layer[at[seen]] = np.einsum("kn,nkc->nc", weight[:, seen], colors[corner[seen]])
+            layer[at[seen]] = np.einsum(
+                "kn,nkc->nc", weight[:, seen], colors[corner[seen]]
+            )
         if opacity < 1.0:
             self.color[part] += (layer - self.color[part]) * np.float32(opacity)
 
@@ -214,7 +254,9 @@ class Canvas:
     ) -> Iterator[tuple[IntArray, FloatArray, NDArray[np.uint32], FloatArray]]:
         """Pixels inside the triangles: index, distance, corners (N, 3) and their weights (3, N)."""
         corners = screen[faces]
-        affine = np.concatenate([corners[..., :2], np.ones_like(corners[..., :1])], axis=2)
+        affine = np.concatenate(
+            [corners[..., :2], np.ones_like(corners[..., :1])], axis=2
+        )
         area = np.linalg.det(affine)
         # Rows grow downwards: a triangle seen from outside has a negative area.
         wanted = (np.abs(area) if two_sided else -area) > _SLIVER
@@ -224,7 +266,9 @@ class Canvas:
         by_x, by_y, still = np.linalg.inv(affine[wanted]).swapaxes(0, 1)
         nearness = 1.0 / corners[..., 2]
         # Every row of pixels that a triangle crosses, and what it covers of it.
-        low, high = _spans(corners[..., 1].min(axis=1), corners[..., 1].max(axis=1), self.height)
+        low, high = _spans(
+            corners[..., 1].min(axis=1), corners[..., 1].max(axis=1), self.height
+        )
         t, row = _counted(low, high)
         rest = still[t] + by_y[t] * (row + 0.5)[:, None]
         slope = by_x[t]
@@ -250,18 +294,27 @@ class Canvas:
 def _spans(low: ArrayLike, high: ArrayLike, limit: int) -> tuple[IntArray, IntArray]:
     """First pixel whose centre is at or beyond ``low``, and first beyond ``high``, 0 to limit."""
     # A centre on a shared edge belongs to both sides, however it is rounded.
-    first, last = np.ceil(np.subtract(low, 0.5 + _EDGE)), np.floor(np.add(high, 0.5 + _EDGE))
-    return np.clip(first, 0, limit).astype(np.int64), np.clip(last, 0, limit).astype(np.int64)
+    first, last = (
+        np.ceil(np.subtract(low, 0.5 + _EDGE)),
+        np.floor(np.add(high, 0.5 + _EDGE)),
+    )
+    return np.clip(first, 0, limit).astype(np.int64), np.clip(last, 0, limit).astype(
+        np.int64
+    )
 
 
 def _counted(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
     """Every number from first (N,) up to last, each with the index of its range."""
     size = np.maximum(last - first, 0)
     which = np.repeat(np.arange(len(size)), size)
-    return which, np.arange(len(which)) + np.repeat(first - np.cumsum(size) + size, size)
+    return which, np.arange(len(which)) + np.repeat(
+        first - np.cumsum(size) + size, size
+    )
 
 
-def shade(normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: float) -> FloatArray:
+def shade(
+    normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: float
+) -> FloatArray:
     """Colours (N, 3) of lit surfaces: ambient, diffuse and a highlight after Blinn and Phong.
 
     Args:
@@ -273,6 +326,10 @@ def shade(normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: floa
     towards = _LIGHTS / np.linalg.norm(_LIGHTS, axis=1, keepdims=True)
     halfway = np.add(towards, (0.0, 0.0, 1.0))
     halfway /= np.linalg.norm(halfway, axis=1, keepdims=True)
-    light, facing = (np.maximum(normals @ axes.T @ v.T, 0.0) for v in (towards, halfway))
+    light, facing = (
+        np.maximum(normals @ axes.T @ v.T, 0.0) for v in (towards, halfway)
+    )
     lit = colors * (_AMBIENT + light @ _STRENGTHS)[:, None]
-    return np.asarray(np.clip(lit + 0.5 * shine * (facing**24 @ _STRENGTHS)[:, None], 0.0, 1.0))
+    return np.asarray(
+        np.clip(lit + 0.5 * shine * (facing**24 @ _STRENGTHS)[:, None], 0.0, 1.0)
+    )

@@ -76,8 +76,12 @@ class Mean:
     def transform(self, poses: Poses) -> FloatArray:
         """Pose in the world, (4, 4)."""
         links, weights, points = zip(*self.points, strict=True)
-        placed = [moved(poses[link], point) for link, point in zip(links, points, strict=True)]
-        return transform(translation=self.offset + np.average(placed, axis=0, weights=weights))
+        placed = [
+            moved(poses[link], point) for link, point in zip(links, points, strict=True)
+        ]
+        return transform(
+            translation=self.offset + np.average(placed, axis=0, weights=weights)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +251,10 @@ class Scene:
 
 
 def framed(
-    scene: Scene, size: Size = (1150, 950), view: str = "home", also: Iterable[Poses] = ()
+    scene: Scene,
+    size: Size = (1150, 950),
+    view: str = "home",
+    also: Iterable[Poses] = (),
 ) -> Scene:
     """A scene seen by the nearest camera that sees every corner of the bodies and of what is shown.
 
@@ -260,7 +267,9 @@ def framed(
     check_size(size)
     aspect = _ACROSS * size[0] / size[1]
     drawn = [shape for shape in scene.shapes if shape.group in {"bodies", *scene.show}]
-    points = np.concatenate([s.placed(at).vertices for at in (scene.poses, *also) for s in drawn])
+    points = np.concatenate(
+        [s.placed(at).vertices for at in (scene.poses, *also) for s in drawn]
+    )
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
     camera = Camera(center + sight, center)
@@ -269,7 +278,9 @@ def framed(
     # The centre of the corners in space is not their centre in the picture: correct it in steps.
     for _ in range(4):
         right, up, back = ((points - center) @ axes.T).T
-        distance = float(np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half))
+        distance = float(
+            np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half)
+        )
         for coordinate, axis in zip((right, up), axes, strict=False):
             tangent = coordinate / (distance - back)
             center = center + (tangent.max() + tangent.min()) / 2 * distance * axis

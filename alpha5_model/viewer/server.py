@@ -79,7 +79,13 @@ _DEEPEST_PATH, _LONGEST_PATH = 64, 4096
 #: How far beyond a limit rounding may put a joint [rad or m].
 _ROUNDING = 1e-9
 
-_COMMANDS = {b"set_object", b"set_transform", b"set_property", b"set_animation", b"delete"}
+_COMMANDS = {
+    b"set_object",
+    b"set_transform",
+    b"set_property",
+    b"set_animation",
+    b"delete",
+}
 _ERROR = b"error: "
 #: How meshcat's page begins the message that holds a picture.
 _PICTURE = '{"type":"img",'
@@ -286,11 +292,15 @@ class _HostCheck(HTTPMessageDelegate):
     as its host. A tunnel (``ssh -L``) may change the port, so that is free.
     """
 
-    def __init__(self, request: HTTPMessageDelegate, connection: HTTPConnection) -> None:
+    def __init__(
+        self, request: HTTPMessageDelegate, connection: HTTPConnection
+    ) -> None:
         self._request: HTTPMessageDelegate | None = request
         self._connection = connection
 
-    def headers_received(self, start_line: Any, headers: HTTPHeaders) -> Awaitable[None] | None:
+    def headers_received(
+        self, start_line: Any, headers: HTTPHeaders
+    ) -> Awaitable[None] | None:
         if self._request and _THIS_MACHINE.fullmatch(headers.get("Host", "")):
             return self._request.headers_received(start_line, headers)
         self._request = None
@@ -337,7 +347,9 @@ class _HTTPServer(tornado.httpserver.HTTPServer):
     def start_request(
         self, server_conn: object, request_conn: HTTPConnection
     ) -> HTTPMessageDelegate:
-        return _HostCheck(super().start_request(server_conn, request_conn), request_conn)
+        return _HostCheck(
+            super().start_request(server_conn, request_conn), request_conn
+        )
 
     def on_close(self, server_conn: Any) -> None:
         self._ends.pop(server_conn.stream).cancel()
@@ -381,7 +393,9 @@ class Server:
 
         ready = threading.Event()
         self._thread = threading.Thread(
-            target=lambda: asyncio.run(self._serve(ready)), name="alpha5-viewer", daemon=True
+            target=lambda: asyncio.run(self._serve(ready)),
+            name="alpha5-viewer",
+            daemon=True,
         )
         self._thread.start()
         ready.wait()
@@ -573,7 +587,9 @@ class Server:
 
         def give_up() -> None:
             if self._visits.pop(number, None):
-                answer(_ERROR + f"no page was opened within {PAGE_PATIENCE:g} s".encode())
+                answer(
+                    _ERROR + f"no page was opened within {PAGE_PATIENCE:g} s".encode()
+                )
 
         self._loop.call_later(PAGE_PATIENCE, give_up)
 
@@ -585,7 +601,10 @@ class Server:
 
         def give_up() -> None:
             if self._pictures.pop(number, None):
-                answer(_ERROR + f"no page sent a picture within {PAGE_PATIENCE:g} s".encode())
+                answer(
+                    _ERROR
+                    + f"no page sent a picture within {PAGE_PATIENCE:g} s".encode()
+                )
 
         self._loop.call_later(PAGE_PATIENCE, give_up)
 
@@ -622,6 +641,8 @@ def _listening(port: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortInUseError(port) from None
-        raise InputError("port", port, f"one that may be opened ({error.strerror})") from None
+        raise InputError(
+            "port", port, f"one that may be opened ({error.strerror})"
+        ) from None
     opened.setblocking(False)
     return opened

@@ -39,11 +39,15 @@ class Mesh:
     def moved(self, pose: FloatArray) -> Mesh:
         """The same mesh after a rigid motion (4, 4)."""
         turn, shift = pose[:3, :3].T, pose[:3, 3]
-        return replace(self, vertices=self.vertices @ turn + shift, normals=self.normals @ turn)
+        return replace(
+            self, vertices=self.vertices @ turn + shift, normals=self.normals @ turn
+        )
 
     def painted(self, color: ArrayLike) -> Mesh:
         """The same mesh in one colour (3,)."""
-        return replace(self, colors=np.tile(np.asarray(color, np.float64), (len(self.vertices), 1)))
+        return replace(
+            self, colors=np.tile(np.asarray(color, np.float64), (len(self.vertices), 1))
+        )
 
 
 def drawn(shape: UrdfShape, folder: str) -> Mesh:
@@ -72,12 +76,22 @@ def read_obj(path: str) -> Mesh:
     Raises:
         MissingFileError, FileFormatError: Not there, or not made of triangles with normals.
     """
-    lines = read_named(path, "a mesh named by the URDF").decode("utf-8", "replace").splitlines()
-    rows = ([line.split()[1:4] for line in lines if line.startswith(k)] for k in ("v ", "vn "))
+    lines = (
+        read_named(path, "a mesh named by the URDF")
+        .decode("utf-8", "replace")
+        .splitlines()
+    )
+    rows = (
+        [line.split()[1:4] for line in lines if line.startswith(k)]
+        for k in ("v ", "vn ")
+    )
     vertices, normals = (np.array(numbers, float) for numbers in rows)
     corners = [line.split()[1:] for line in lines if line.startswith("f ")]
     try:
-        index = np.array([[part.split("//") for part in corner] for corner in corners], int) - 1
+        index = (
+            np.array([[part.split("//") for part in corner] for corner in corners], int)
+            - 1
+        )
     except ValueError:
         index = np.empty(0)
     if index.ndim != 3 or index.shape[1:] != (3, 2):
@@ -89,10 +103,17 @@ def read_obj(path: str) -> Mesh:
 
 def join(meshes: list[Mesh]) -> Mesh:
     """Several meshes as one; colours are kept if all have them."""
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])], dtype=np.uint32)
+    starts = np.cumsum(
+        [0, *(len(mesh.vertices) for mesh in meshes[:-1])], dtype=np.uint32
+    )
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
-    parts = [(m.vertices, m.normals, m.faces + n) for m, n in zip(meshes, starts, strict=True)]
-    vertices, normals, faces = (np.concatenate(part) for part in zip(*parts, strict=True))
+    parts = [
+        (m.vertices, m.normals, m.faces + n)
+        for m, n in zip(meshes, starts, strict=True)
+    ]
+    vertices, normals, faces = (
+        np.concatenate(part) for part in zip(*parts, strict=True)
+    )
     painted = np.concatenate(colors) if len(colors) == len(meshes) else None
     return Mesh(vertices, normals, faces, painted)
 
@@ -129,7 +150,9 @@ def box(size: ArrayLike) -> Mesh:
     """A box about the origin with edges along the axes, (3,) [m]."""
     side = np.array([[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]]) / 2
     # Mirroring at the origin reverses the sense of a face, so its corners are reversed too.
-    corners = np.array([np.roll(s * side[::s], k, axis=1) for s in (1, -1) for k in range(3)])
+    corners = np.array(
+        [np.roll(s * side[::s], k, axis=1) for s in (1, -1) for k in range(3)]
+    )
     return quads(corners * np.asarray(size), 2.0 * corners.mean(axis=1))
 
 
@@ -138,16 +161,26 @@ def arrow(vector: ArrayLike, radius: float) -> Mesh:
     direction = np.asarray(vector, dtype=np.float64)
     length = float(np.linalg.norm(direction))
     neck = length - min(5.0 * radius, 0.6 * length)
-    outline = [(0.0, 0.0), (radius, 0.0), (radius, neck), (2.2 * radius, neck), (0.0, length)]
+    outline = [
+        (0.0, 0.0),
+        (radius, 0.0),
+        (radius, neck),
+        (2.2 * radius, neck),
+        (0.0, length),
+    ]
     return lathe(outline).moved(_z_towards(direction))
 
 
 def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) -> Mesh:
     """A sphere at the origin with octants of two colours, the usual symbol for a centre of mass."""
     angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
-    azimuth, polar = (angle.ravel() for angle in np.meshgrid(angles, angles, indexing="ij"))
+    azimuth, polar = (
+        angle.ravel() for angle in np.meshgrid(angles, angles, indexing="ij")
+    )
     across = np.sin(polar)
-    octant = np.column_stack([across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)])
+    octant = np.column_stack(
+        [across * np.cos(azimuth), across * np.sin(azimuth), np.cos(polar)]
+    )
     faces = _grid(len(angles), len(angles))
     parts = []
     for signs in product((1.0, -1.0), repeat=3):
@@ -188,7 +221,9 @@ def _triangles(first: NDArray[np.intp], b: int, c: int, d: int) -> NDArray[np.ui
     return (first[:, None, None].astype(np.uint32) + pair).reshape(-1, 3)
 
 
-def _z_towards(direction: FloatArray, origin: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
+def _z_towards(
+    direction: FloatArray, origin: ArrayLike = (0.0, 0.0, 0.0)
+) -> FloatArray:
     """Pose (4, 4) of a frame at a point with its z axis along a direction."""
     z = direction / np.linalg.norm(direction)
     x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)

@@ -48,4 +48,6 @@ def view(
     from alpha5_model.viewer.build import build_scene
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
-    return ArmVisualizer(arm, build_scene(arm, q, target=target, motion=motion, show=show), port)
+    return ArmVisualizer(
+        arm, build_scene(arm, q, target=target, motion=motion, show=show), port
+    )

@@ -109,7 +109,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.arm, self.scene = arm, scene
         self._listeners: list[Callable[[FloatArray], object]] = []
         self._news: queue.SimpleQueue[FloatArray | None] = queue.SimpleQueue()
-        self._video: tuple[float, tuple[int, int], Callable[[picture.Pixels], None]] | None = None
+        self._video: (
+            tuple[float, tuple[int, int], Callable[[picture.Pixels], None]] | None
+        ) = None
         super().__init__(window=Window(port, self))
         for command in page.scene_commands(scene):
             self.window.send(command)
@@ -136,7 +138,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         if mover and self._listeners:
             self._news.put(q)
 
-    def on_change(self, callback: Callable[[FloatArray], object]) -> Callable[[FloatArray], object]:
+    def on_change(
+        self, callback: Callable[[FloatArray], object]
+    ) -> Callable[[FloatArray], object]:
         """Call a function with q (nq,) whenever a page has moved the arm; also a decorator.
 
         Its joints are within the limits: pages send no others, and what else they send is refused.
@@ -144,7 +148,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         way to the newest.
         """
         if not self._listeners:
-            threading.Thread(target=self._listen, name="alpha5-on-change", daemon=True).start()
+            threading.Thread(
+                target=self._listen, name="alpha5-on-change", daemon=True
+            ).start()
         self._listeners.append(callback)
         return callback
 
@@ -230,7 +236,9 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
         self.window.server.call(lambda: self.window.server.tell(command))
 
     def _alter(self, **changes: Any) -> None:
-        self.window.server.call(lambda: setattr(self, "scene", replace(self.scene, **changes)))
+        self.window.server.call(
+            lambda: setattr(self, "scene", replace(self.scene, **changes))
+        )
 
     def captureImage(self, w: int = 1600, h: int = 1000) -> picture.Pixels:
         """The arm and its groups, drawn without a browser, (h, w, 3).

@@ -24,7 +24,13 @@ from alpha5_model.viewer.shapes import join, lathe, quads, read_obj, tube
 
 _FILL = "#E8EEF3"
 #: Colours of planar arms.
-REACHED, DEXTEROUS, EDGE, ARM, ALL = "#dbe7f3", "#5b9bd5", "#2f4b66", "#d9730d", "#b8860b"
+REACHED, DEXTEROUS, EDGE, ARM, ALL = (
+    "#dbe7f3",
+    "#5b9bd5",
+    "#2f4b66",
+    "#d9730d",
+    "#b8860b",
+)
 #: Colour of the shapes.
 _GREEN = (0.08, 0.60, 0.50)
 #: Longest chord of an arc in a picture, of a planar arm's, and of a shape [rad].
@@ -41,16 +47,27 @@ def workspace_shapes() -> tuple[Shape, ...]:
     """Section (turns with the arm: outwards underarm, behind the yaw axis overarm) and surface."""
     edges, strips = [], []
     for side, sign in (("underarm", 1.0), ("overarm", -1.0)):
-        in_plane = np.array([[sign, 0.0, 0.0], [0.0, 0.0, 1.0]])  # (R, z) to the axes of link_1
-        outline = [polyline(planar_arc(arc), _COARSE) for arc in workspace.boundary(side)]
+        in_plane = np.array(
+            [[sign, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        )  # (R, z) to the axes of link_1
+        outline = [
+            polyline(planar_arc(arc), _COARSE) for arc in workspace.boundary(side)
+        ]
         edges += [tube(points @ in_plane, _LINE) for points in outline]
         corners = _strips(side, np.concatenate(outline)) @ in_plane
         strips.append(quads(corners, [0.0, 1.0, 0.0]))
-    shell = [lathe(polyline(planar_arc(arc), _COARSE), 48) for arc in workspace.boundary("both")]
+    shell = [
+        lathe(polyline(planar_arc(arc), _COARSE), 48)
+        for arc in workspace.boundary("both")
+    ]
     plane, base = Rigid("link_1"), Rigid("base_link")
-    section = Shape("workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True)
+    section = Shape(
+        "workspace", "section", plane, join(strips), _GREEN, opacity=0.16, flat=True
+    )
     boundary = Shape("workspace", "boundary", plane, join(edges), _GREEN)
-    surface = Shape("surface", "shell", base, join(shell), _GREEN, opacity=0.10, flat=True)
+    surface = Shape(
+        "surface", "shell", base, join(shell), _GREEN, opacity=0.10, flat=True
+    )
     return section, boundary, surface
 
 
@@ -95,7 +112,9 @@ def _fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) ->
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
-    outlines = [Outline(np.vstack([_ORIGIN, line, _ORIGIN]), closed=True) for line in lines]
+    outlines = [
+        Outline(np.vstack([_ORIGIN, line, _ORIGIN]), closed=True) for line in lines
+    ]
     if outlines:
         whole = Outline.make_compound_path(*outlines)
         axes.add_patch(PathPatch(whole, facecolor=color, linewidth=0, **options))
@@ -109,7 +128,11 @@ def _legend(axes: Any, drop: float, **options: Any) -> None:
     axes.legend(unique.values(), unique.keys(), **where, **options)
 
 
-@style(axes={"grid": True}, grid={"color": "0.9", "linewidth": 0.5}, legend={"fontsize": 8.5})
+@style(
+    axes={"grid": True},
+    grid={"color": "0.9", "linewidth": 0.5},
+    legend={"fontsize": 8.5},
+)
 def workspace_figure() -> Any:
     """Plot the exact and the published reachable set in the half-plane, as a matplotlib Figure.
 
@@ -131,7 +154,13 @@ def _draw_exact(axes: Any) -> None:
     _fill_arcs(axes, workspace.boundary("both"), _FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
         for arc in workspace.boundary(side):
-            line = "-" if arc.cause == "stretched" else "--" if "theta_1" in arc.cause else ":"
+            line = (
+                "-"
+                if arc.cause == "stretched"
+                else "--"
+                if "theta_1" in arc.cause
+                else ":"
+            )
             points = polyline(planar_arc(arc), _CHORD) * 1e3
             axes.plot(*points.T, line, color=color, linewidth=1.8)
     plane = arm_plane()
@@ -154,22 +183,40 @@ def _draw_exact(axes: Any) -> None:
 
 def _draw_published(axes: Any) -> None:
     for torus in workspace.published_tori():
-        points = polyline(planar.Arc(torus.center, torus.radius, -math.pi), _CHORD) * 1e3
+        points = (
+            polyline(planar.Arc(torus.center, torus.radius, -math.pi), _CHORD) * 1e3
+        )
         points[points[:, 0] < 0] = np.nan
-        axes.plot(*points.T, color=Color.BLACK, linewidth=1.0, label="the three published tori")
+        axes.plot(
+            *points.T,
+            color=Color.BLACK,
+            linewidth=1.0,
+            label="the three published tori",
+        )
     e = workspace.published_errors()
     wrong = f"not reachable: {e.unreachable_area / e.published_area:.1%} of the published area"
-    missed = f"not published: {e.missed_area / e.reachable_area:.1%} of the reachable area"
-    beyond, left_out = workspace.published_but_unreachable(), workspace.reachable_but_unpublished()
-    _fill_arcs(axes, workspace.boundary("both"), _FILL, label="published, and reachable")
+    missed = (
+        f"not published: {e.missed_area / e.reachable_area:.1%} of the reachable area"
+    )
+    beyond, left_out = (
+        workspace.published_but_unreachable(),
+        workspace.reachable_but_unpublished(),
+    )
+    _fill_arcs(
+        axes, workspace.boundary("both"), _FILL, label="published, and reachable"
+    )
     _fill_arcs(axes, beyond, Color.VERMILION, alpha=0.55, label=wrong)
     _fill_arcs(axes, left_out, Color.GREEN, alpha=0.55, label=missed)
-    wrong = f"{e.unreachable_volume / e.published_volume:.1%} of its volume is not reached"
+    wrong = (
+        f"{e.unreachable_volume / e.published_volume:.1%} of its volume is not reached"
+    )
     missed = f"{e.missed_volume / e.reachable_volume:.1%} of what is reached is missing"
     axes.set_title(f"The document's workspace (Section 1.2):\n{wrong},\n{missed}")
 
 
-def _fill_arcs(axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any) -> None:
+def _fill_arcs(
+    axes: Any, arcs: Iterable[workspace.Arc], color: str, **options: Any
+) -> None:
     """Fill what arcs bound, in mm."""
     _fill(axes, [loop * 1e3 for loop in loops(arcs)], color, zorder=0.8, **options)
 
@@ -191,7 +238,9 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
     from alpha5_model.dynamics.load import load
 
     plane = arm_plane()
-    side, up = (math.ceil(far / cell) for far in (plane.a_0 + plane.longest, plane.longest))
+    side, up = (
+        math.ceil(far / cell) for far in (plane.a_0 + plane.longest, plane.longest)
+    )
     x, y, z = (cell * np.arange(-n, n + 1) for n in (side, side, up))
     z = z + plane.d_0
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
@@ -212,17 +261,31 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
             image = axes.pcolormesh(x * 1e3, rows * 1e3, cells, **look)
         faces: Any = base.vertices[base.faces][:, :, [0, 3 - along]] * 1e3
         axes.add_collection(PolyCollection(faces, color=Color.BLACK, linewidth=0.3))
-        axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)
+        axes.annotate(
+            "link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8
+        )
         span = (-390, 390)
-        axes.set(aspect="equal", xlim=span, ylim=span, xlabel="x [mm]", ylabel=f"{name} [mm]")
+        axes.set(
+            aspect="equal", xlim=span, ylim=span, xlabel="x [mm]", ylabel=f"{name} [mm]"
+        )
     views[0].set_title("from above: share of the reached heights")
     views[1].set_title("from the side: share of the reached widths")
     line = {"arrowstyle": "-", "lw": 0.6}
-    views[0].annotate("theta_0 stops", (-300, 20), (-385, 330), fontsize=8, arrowprops=line)
+    views[0].annotate(
+        "theta_0 stops", (-300, 20), (-385, 330), fontsize=8, arrowprops=line
+    )
     found = workspace.sampled_share(without_self_collision, samples)
     hit = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
-    page.suptitle(f"{hit} of the reachable volume is reached only in self-collision", fontsize=11)
-    page.colorbar(image, ax=views, shrink=0.8, pad=0.02, label="reached only in self-collision [%]")
+    page.suptitle(
+        f"{hit} of the reachable volume is reached only in self-collision", fontsize=11
+    )
+    page.colorbar(
+        image,
+        ax=views,
+        shrink=0.8,
+        pad=0.02,
+        label="reached only in self-collision [%]",
+    )
     return page
 
 
@@ -253,7 +316,10 @@ def plot_planar(
     """
     axes = new_axes() if axes is None else axes
     space = arm.workspace()
-    edges = [polyline(edge.curve, _FINE)[:: 1 if edge.inside_left else -1] for edge in space.edges]
+    edges = [
+        polyline(edge.curve, _FINE)[:: 1 if edge.inside_left else -1]
+        for edge in space.edges
+    ]
     _fill(axes, edges, REACHED, label="workspace", zorder=0)
     if dexterous and arm.length_ranges is not None:
         _dexterous_rings(axes, arm)
@@ -261,15 +327,22 @@ def plot_planar(
         _dexterity_map(axes, arm, resolution)
     lines = [polyline(curve, _FINE) for curve in space.curves]
     for curve, line in zip(space.curves, lines, strict=True):
-        whole = {"lw": 2.4, "label": "workspace"} if curve in space.thin else {"lw": 1.0}
+        whole = (
+            {"lw": 2.4, "label": "workspace"} if curve in space.thin else {"lw": 1.0}
+        )
         axes.plot(*line.T, color=EDGE, **whole)
     if q is None:  # in mid-range, free ones bent
         free = (0.5, 0.9, -0.7)
-        q = [free[min(j, 2)] if r is None else sum(r) / 2 for j, r in enumerate(arm.limits)]
+        q = [
+            free[min(j, 2)] if r is None else sum(r) / 2
+            for j, r in enumerate(arm.limits)
+        ]
     path = arm.poses(q)[:, :2]
     axes.plot(*path.T, color=ARM, lw=3, solid_capstyle="round", label="arm")
     for kind, place in zip(arm.joints, path[:-1], strict=True):
-        axes.plot(*place, "o" if kind == "R" else "s", ms=7, mfc="white", mec=ARM, mew=2)
+        axes.plot(
+            *place, "o" if kind == "R" else "s", ms=7, mfc="white", mec=ARM, mew=2
+        )
     axes.plot(*path[-1], ".", ms=9, color=ARM)
     # The same scale on both axes and the same shape for every picture.
     points = np.concatenate([*lines, path])
@@ -286,9 +359,15 @@ def plot_planar(
 def title(arm: planar.PlanarArm, space: planar.Workspace) -> str:
     """Kind and size of the workspace, in one line."""
     lengths = ", ".join(f"{x:g}" for x in arm.lengths)
-    limited = any(r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R")
+    limited = any(
+        r is not None for r, k in zip(arm.limits, arm.joints, strict=True) if k == "R"
+    )
     low, high = space.radii
-    size = f"area {space.area:.4g} m²" if space.edges else f"radii {low:.4g} to {high:.4g} m"
+    size = (
+        f"area {space.area:.4g} m²"
+        if space.edges
+        else f"radii {low:.4g} to {high:.4g} m"
+    )
     return f"{arm.joints}, l = ({lengths}){', joint limits' * limited}: {space.shape}, {size}"
 
 
@@ -316,7 +395,9 @@ def _dexterous_rings(axes: Any, arm: planar.PlanarArm) -> None:
     for low, high in planar.dexterous_radii(arm):
         inner, outer = (polyline(planar.Arc(_ORIGIN, r), _FINE) for r in (low, high))
         if high <= point:
-            axes.plot(0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous")
+            axes.plot(
+                0, 0, "o", ms=11, mfc="none", mec=DEXTEROUS, mew=2.5, label="dexterous"
+            )
         elif high - low <= point:
             axes.plot(*outer.T, color=DEXTEROUS, lw=2.5, ls="--", label="dexterous")
         else:

@@ -44,7 +44,9 @@ Rows = ArrayLike
 Flow = ArrayLike | None
 
 
-def in_moving_water(arm: Any, current: ArrayLike, level: str, numbers: str) -> HydrodynamicArm:
+def in_moving_water(
+    arm: Any, current: ArrayLike, level: str, numbers: str
+) -> HydrodynamicArm:
     """An arm in moving water: see `Arm.with_hydrodynamics`."""
     gripper = "jaws" if "finger_1" in arm._frames else "locked"
     bodies = hydrodynamics(gripper, level, numbers)
@@ -69,7 +71,10 @@ class HydrodynamicArm:
     """
 
     def __init__(
-        self, still: Any, bodies: Iterable[JointWater], current: ArrayLike = (0.0, 0.0, 0.0)
+        self,
+        still: Any,
+        bodies: Iterable[JointWater],
+        current: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self.still, self.bodies, self._model = still, tuple(bodies), still._model
         self.current = frozen(array("current", current, 3))
@@ -78,7 +83,9 @@ class HydrodynamicArm:
     def __getattr__(self, name: str) -> Any:
         # Moving water changes nothing of what this class does not define, or has no such thing.
         if name.startswith("_") or name in ("still", "with_hydrodynamics", "regressor"):
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            raise AttributeError(
+                f"{type(self).__name__!r} object has no attribute {name!r}"
+            )
         return getattr(self.still, name)
 
     def __dir__(self) -> list[str]:
@@ -104,17 +111,26 @@ class HydrodynamicArm:
         """C(q, v) in still water, (nv, nv), with ``dM/dt - 2 C`` skew-symmetric."""
         return self._tree.coriolis(*self._tree.expand(*self.still._clean_qv(q, v)))
 
-    def nonlinear_effects(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> FloatArray:
+    def nonlinear_effects(
+        self, q: ArrayLike, v: ArrayLike, current: Flow = None
+    ) -> FloatArray:
         """Inverse dynamics without acceleration: Coriolis, weight, buoyancy, drag, (nv,) [N m]."""
         still = np.zeros(self._model.nv)
         return self.inverse_dynamics(q, v, still, current=current)
 
     def inverse_dynamics(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Any = None, current: Flow = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        fext: Any = None,
+        current: Flow = None,
     ) -> FloatArray:
         """Joint torque for a motion, (nv,) [N m]; see `Arm.inverse_dynamics`."""
         flow = self.current if current is None else current
-        out: FloatArray | None = self._kernels[0](q, v, a, flow) if fext is None else None
+        out: FloatArray | None = (
+            self._kernels[0](q, v, a, flow) if fext is None else None
+        )
         if out is not None:
             return out
         state = self.still._clean_qva(q, v, a)
@@ -123,18 +139,27 @@ class HydrodynamicArm:
         return np.asarray(self._tree.g.T @ self._torque(state, fext, current))
 
     def forward_dynamics(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, fext: Any = None, current: Flow = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        tau: ArrayLike,
+        fext: Any = None,
+        current: Flow = None,
     ) -> FloatArray:
         """Joint acceleration under a torque, (nv,) [rad/s^2]; see `Arm.forward_dynamics`."""
         flow = self.current if current is None else current
-        out: FloatArray | None = self._kernels[1](q, v, tau, flow) if fext is None else None
+        out: FloatArray | None = (
+            self._kernels[1](q, v, tau, flow) if fext is None else None
+        )
         if out is not None:
             return out
         q, v, torque = self.still._clean_qvtau(q, v, tau)
         if fext is None and self._numbers is not None:
             return cast(FloatArray, self._kernels[1](q, v, torque, self._flow(current)))
         bias = self.inverse_dynamics(q, v, np.zeros_like(torque), fext, current)
-        return np.asarray(np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64)
+        return np.asarray(
+            np.linalg.solve(self.mass_matrix(q), torque - bias), dtype=np.float64
+        )
 
     def inverse_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
@@ -164,13 +189,22 @@ class HydrodynamicArm:
         """Derivative of `forward_dynamics` with respect to the current, (nv, 3)."""
         a = self.forward_dynamics(q, v, tau, current=current)
         change = self.inverse_dynamics_current_derivative(q, v, a, current)
-        return np.asarray(-np.linalg.solve(self.mass_matrix(q), change), dtype=np.float64)
+        return np.asarray(
+            -np.linalg.solve(self.mass_matrix(q), change), dtype=np.float64
+        )
 
     def base_wrench(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Any = None, current: Flow = None
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        fext: Any = None,
+        current: Flow = None,
     ) -> Any:
         """Wrench that the arm exerts on its mount, a pin.Force in base_link; see `Arm.base_wrench`."""
-        return pin.Force(-self._torque(self.still._clean_qva(q, v, a), fext, current)[:6])
+        return pin.Force(
+            -self._torque(self.still._clean_qva(q, v, a), fext, current)[:6]
+        )
 
     def base_wrench_derivatives(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
@@ -185,7 +219,9 @@ class HydrodynamicArm:
         """Derivative of `base_wrench` with respect to the current, (6, 3)."""
         return -self._derivatives(current, q, v, a)[3][:6]
 
-    def current_load(self, q: ArrayLike, current: Flow = None) -> tuple[FloatArray, FloatArray]:
+    def current_load(
+        self, q: ArrayLike, current: Flow = None
+    ) -> tuple[FloatArray, FloatArray]:
         """What a steady current alone loads an arm at rest with: weight and buoyancy are left out.
 
         Args:
@@ -196,7 +232,9 @@ class HydrodynamicArm:
             Torque that holds the joints, (nv,) [N m], and the wrench on the mount, in base_link, (6,).
         """
         still = np.zeros(self._model.nv)
-        change = self._water_torques(self.still._clean_q(q), still, still, self._flow(current))[0]
+        change = self._water_torques(
+            self.still._clean_q(q), still, still, self._flow(current)
+        )[0]
         return self._tree.g.T @ change, -change[:6]
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
@@ -206,13 +244,20 @@ class HydrodynamicArm:
         """
         return self._tree.kinetic_energy(self._moving(q, v), self._flow(current))
 
-    def dissipated_power(self, q: ArrayLike, v: ArrayLike, current: Flow = None) -> float:
+    def dissipated_power(
+        self, q: ArrayLike, v: ArrayLike, current: Flow = None
+    ) -> float:
         """Power that drag takes out of the motion relative to the water [W]; never negative."""
         nu, _ = self._tree.motion(self._moving(q, v), self._flow(current))
         return float(self._tree.water.dissipated_power(nu)[0])
 
     def inverse_dynamics_batch(
-        self, q: Rows, v: Rows, a: Rows, threads: int | None = None, current: Flow = None
+        self,
+        q: Rows,
+        v: Rows,
+        a: Rows,
+        threads: int | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`inverse_dynamics` of many states, (N, nv).
 
@@ -220,26 +265,42 @@ class HydrodynamicArm:
             q: (N, nq); v: (N, nv); a: (N, nv); threads: as in `Arm.inverse_dynamics_batch`.
             current: (3,), or (N, 3), one for each row.
         """
-        out = self._rows_of_kernel("inverse_dynamics_in_current", threads, current, q=q, v=v, a=a)
+        out = self._rows_of_kernel(
+            "inverse_dynamics_in_current", threads, current, q=q, v=v, a=a
+        )
         if out is not None:
             return out
         water = self._water_torques(q, v, a, current) @ self._tree.g
         return np.asarray(self.still.inverse_dynamics_batch(q, v, a, threads) + water)
 
     def base_wrench_batch(
-        self, q: Rows, v: Rows, a: Rows, threads: int | None = None, current: Flow = None
+        self,
+        q: Rows,
+        v: Rows,
+        a: Rows,
+        threads: int | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`base_wrench` of many states, (N, 6); arguments as `inverse_dynamics_batch`."""
         water = self._water_torques(q, v, a, current)[:, :6]
         return np.asarray(self.still.base_wrench_batch(q, v, a, threads) - water)
 
     def forward_dynamics_batch(
-        self, q: Rows, v: Rows, tau: Rows, threads: int | None = None, current: Flow = None
+        self,
+        q: Rows,
+        v: Rows,
+        tau: Rows,
+        threads: int | None = None,
+        current: Flow = None,
     ) -> FloatArray:
         """`forward_dynamics` of many states, (N, nv); arguments as `inverse_dynamics_batch`."""
         kernel = "forward_dynamics_in_current"
         out = self._rows_of_kernel(kernel, threads, current, q=q, v=v, tau=tau)
-        return solved_rows(self, q, v, tau, threads, current=current) if out is None else out
+        return (
+            solved_rows(self, q, v, tau, threads, current=current)
+            if out is None
+            else out
+        )
 
     def with_payload(
         self,
@@ -267,7 +328,9 @@ class HydrodynamicArm:
 
     def on_vehicle(self, vehicle: Vehicle) -> ArmOnVehicle:
         """This arm, afloat, with a vehicle in place of the mount."""
-        return ArmOnVehicle(HydrodynamicArm(afloat(self.still), self.bodies, self.current), vehicle)
+        return ArmOnVehicle(
+            HydrodynamicArm(afloat(self.still), self.bodies, self.current), vehicle
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.still, self.bodies, self.current)
@@ -283,16 +346,24 @@ class HydrodynamicArm:
         position, velocity = self.still._clean_qv(q, v)
         return self._tree.expand(position, velocity, np.zeros_like(velocity))
 
-    def _torque(self, state: Iterable[FloatArray], fext: Any, current: Flow) -> FloatArray:
+    def _torque(
+        self, state: Iterable[FloatArray], fext: Any, current: Flow
+    ) -> FloatArray:
         """Inverse dynamics of the tree, (tree nv,)."""
         outside = None
         if fext is not None:
             # On a fixed base the tree has one joint more, and link_0 hangs on it.
-            given = forces(fext, self._model.njoints)[1 if self.still.floating_base else 0 :]
+            given = forces(fext, self._model.njoints)[
+                1 if self.still.floating_base else 0 :
+            ]
             outside = np.array([one.vector for one in given])
-        return self._tree.torque(self._tree.expand(*state), self._flow(current), outside)
+        return self._tree.torque(
+            self._tree.expand(*state), self._flow(current), outside
+        )
 
-    def _water_torques(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow) -> FloatArray:
+    def _water_torques(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow
+    ) -> FloatArray:
         """What moving water adds to the tree's torques, of each row, (N, tree nv)."""
         flow = self.current if current is None else current
         *states, flows = rows(self._model, q=q, v=v, a=a, current=flow)
@@ -304,10 +375,16 @@ class HydrodynamicArm:
         """A kernel's output for each row, (N, 4), None where there is none for this arm."""
         if self._numbers is None:
             return None
-        flow = float_array("current", self.current if current is None else current, (3,))
+        flow = float_array(
+            "current", self.current if current is None else current, (3,)
+        )
         if flow.ndim == 1 and isinstance(q, np.ndarray) and q.ndim == 2:
-            flow = np.broadcast_to(flow, (len(q), 3))  # one row for all: kernels know it as such
-        return kernel_rows(self.still, name, 4, threads, self._numbers, q=q, **rates, current=flow)
+            flow = np.broadcast_to(
+                flow, (len(q), 3)
+            )  # one row for all: kernels know it as such
+        return kernel_rows(
+            self.still, name, 4, threads, self._numbers, q=q, **rates, current=flow
+        )
 
     @cached_property
     def _numbers(self) -> FloatArray | None:
@@ -316,7 +393,10 @@ class HydrodynamicArm:
         bodies = [body for body in self.bodies if body.joint in joints]
         if still is None or not all(body.plain for body in bodies):
             return None
-        strips = [[s for b in bodies if b.joint == name for s in b.data.strips] for name in joints]
+        strips = [
+            [s for b in bodies if b.joint == name for s in b.data.strips]
+            for name in joints
+        ]
         added = self._tree.water.added_mass[1:]
         water = water_parameters(added, strips, self.still.fluid_density)
         return None if water is None else np.concatenate([still + water[0], water[1]])
@@ -350,7 +430,9 @@ class ArmOnVehicle(HydrodynamicArm):
         body = joint_water(still, "vehicle", data, *damping)
         super().__init__(still, (*arm.bodies, body), arm.current)
 
-    def configuration(self, transform_vehicle_to_world: ArrayLike, q: ArrayLike) -> FloatArray:
+    def configuration(
+        self, transform_vehicle_to_world: ArrayLike, q: ArrayLike
+    ) -> FloatArray:
         """q of the system.
 
         Args:
@@ -362,7 +444,9 @@ class ArmOnVehicle(HydrodynamicArm):
         joints = array("q", q, self._model.nq - 7)
         return np.concatenate([pin.SE3ToXYZQUAT(base), joints])
 
-    def mount_load(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None) -> Any:
+    def mount_load(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, current: Flow = None
+    ) -> Any:
         """Wrench that the arm exerts on the vehicle through the motion, a pin.Force in base_link."""
         return self.arm.base_wrench(q, v, a, current=self._flow(current))
 
@@ -380,7 +464,9 @@ class ArmOnVehicle(HydrodynamicArm):
             Spatial acceleration of base_link in its axes, (6,), and the torque of the joints, (nv - 6,).
         """
         joints = array("a", a, self._model.nv - 6)
-        bias = self.inverse_dynamics(q, v, np.concatenate([np.zeros(6), joints]), current=current)
+        bias = self.inverse_dynamics(
+            q, v, np.concatenate([np.zeros(6), joints]), current=current
+        )
         mass = self.mass_matrix(q)
         base = np.asarray(np.linalg.solve(mass[:6, :6], -bias[:6]), dtype=np.float64)
         return base, bias[6:] + mass[6:, :6] @ base
@@ -405,7 +491,9 @@ class ArmOnVehicle(HydrodynamicArm):
         return type(self), (self.arm, self.vehicle)
 
 
-def joint_water(arm: Any, frame: str, data: BodyHydrodynamics, *damping: FloatArray) -> JointWater:
+def joint_water(
+    arm: Any, frame: str, data: BodyHydrodynamics, *damping: FloatArray
+) -> JointWater:
     """Moving water of a body in a frame of an arm, on the joint that carries the frame.
 
     ``damping`` is the `JointWater`'s, linear and quadratic.

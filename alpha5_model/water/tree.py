@@ -27,7 +27,11 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.dynamics.states import expanded
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.hydrodynamics import WATER_DENSITY, BodyHydrodynamics, gauss_points
+from alpha5_model.numbers.hydrodynamics import (
+    WATER_DENSITY,
+    BodyHydrodynamics,
+    gauss_points,
+)
 
 #: Two rows of a twist, linear and quadratic resistance.
 Resistance = tuple[FloatArray, FloatArray, float, float]
@@ -57,10 +61,14 @@ class HydrodynamicTree:
         """Twist of each of the tree's joints, in its frame, by the arm's velocities, (joints, 6, nv)."""
         data = self._own.data
         pin.computeJointJacobians(self._tree, data, q)
-        found = [pin.getJointJacobian(self._tree, data, i, pin.LOCAL) for i in self._joints]
+        found = [
+            pin.getJointJacobian(self._tree, data, i, pin.LOCAL) for i in self._joints
+        ]
         return np.asarray(np.array(found) @ self.g)
 
-    def motion(self, state: State, current: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def motion(
+        self, state: State, current: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Velocities of the tree's joints relative to the water, and their rates, (joints, 6, 1)."""
         own, (q, v, a) = self._own, state
         if current.any():
@@ -70,7 +78,9 @@ class HydrodynamicTree:
             v[:3] -= stream
             a[:3] += cross_matrix(v[3:6]) @ stream
         pin.forwardKinematics(self._tree, own.data, q, v, a)
-        return np.array(own.velocities)[..., None], np.array(own.accelerations)[..., None]
+        return np.array(own.velocities)[..., None], np.array(own.accelerations)[
+            ..., None
+        ]
 
     def mass(self, q: FloatArray) -> FloatArray:
         """Of the arm and of the water, in the arm's coordinates, (nv, nv)."""
@@ -85,9 +95,15 @@ class HydrodynamicTree:
         out = self.g.T @ pin.computeCoriolisMatrix(tree, data, q, v) @ self.g
         jacobians = self.jacobians(q)
         pin.computeJointJacobiansTimeVariation(tree, data, q, v)
-        rates = [pin.getJointJacobianTimeVariation(tree, data, i, pin.LOCAL) for i in self._joints]
+        rates = [
+            pin.getJointJacobianTimeVariation(tree, data, i, pin.LOCAL)
+            for i in self._joints
+        ]
         nu, _ = self.motion((q, v, np.zeros_like(v)), np.zeros(3))
-        inner = added @ (np.array(rates) @ self.g) + kirchhoff((added @ nu)[..., 0]) @ jacobians
+        inner = (
+            added @ (np.array(rates) @ self.g)
+            + kirchhoff((added @ nu)[..., 0]) @ jacobians
+        )
         return np.asarray(out + np.einsum("jai,jak->ik", jacobians, inner))
 
     def kinetic_energy(self, state: State, current: FloatArray) -> float:
@@ -125,7 +141,9 @@ class HydrodynamicTree:
     def _water_torques(self, *columns: FloatArray) -> FloatArray:
         """The same of columns of q, v, a and currents: twists down the tree, forces up, all states at once."""
         q, v, a, currents = columns
-        motion = np.empty((len(self._joints), 2, 6, q.shape[1]))  # twists and their rates
+        motion = np.empty(
+            (len(self._joints), 2, 6, q.shape[1])
+        )  # twists and their rates
         motion[0] = v[:6], a[:6]
         axis, w = q[3:6], q[6]
         aside = np.cross(axis, currents, axis=0)
@@ -136,12 +154,16 @@ class HydrodynamicTree:
         for i, (parent, terms, s, turns, at) in enumerate(self._links, 1):
             angle, rate, acceleration = q[at[0]], v[at[1]], a[at[1]]
             # exp(-angle [s]x): of a turn by Rodrigues' formula, of a slide its first two terms.
-            first, second = (np.sin(angle), 1 - np.cos(angle)) if turns else (angle, 0 * angle)
+            first, second = (
+                (np.sin(angle), 1 - np.cos(angle)) if turns else (angle, 0 * angle)
+            )
             weights.append(np.stack([np.ones_like(angle), first, second])[:, None])
             up = (terms @ motion[parent]).reshape(2, 3, 6, -1)
             motion[i] = up[:, 0] + first * up[:, 1] + second * up[:, 2]
             motion[i, 0] += s[:, None] * rate
-            motion[i, 1] += s[:, None] * acceleration + (cross_force(s).T @ motion[i, 0]) * rate
+            motion[i, 1] += (
+                s[:, None] * acceleration + (cross_force(s).T @ motion[i, 0]) * rate
+            )
         force, tau = self.water.force(motion[:, 0], motion[:, 1]), np.empty_like(v)
         for i in range(len(self._links), 0, -1):
             parent, terms, s, _, at = self._links[i - 1]
@@ -163,7 +185,10 @@ class HydrodynamicTree:
                 expected = "joints that turn about or slide along an axis"
                 raise InputError("model", joint.shortname(), expected)
             s = pin.getJointJacobian(tree, data, i, pin.LOCAL)[:, joint.idx_v]
-            place, cross = tree.jointPlacements[i].actionInverse, cross_force(s).T  # minus [s]x
+            place, cross = (
+                tree.jointPlacements[i].actionInverse,
+                cross_force(s).T,
+            )  # minus [s]x
             terms = np.vstack([place, cross @ place, cross @ cross @ place])
             at = joint.idx_q, joint.idx_v
             out.append((tree.parents[i] - 1, terms, s, bool(s[3:].any()), at))
@@ -175,8 +200,12 @@ class HydrodynamicTree:
         nu, dnu = self.motion(state, current)
         stream = current @ np.array(own.rotations)
         own.press(water.force(nu, dnu)[..., 0])
-        dq, dv, da = (x.copy() for x in pin.computeRNEADerivatives(tree, data, *state, own.forces))
-        dq -= pin.computeGeneralizedGravityDerivatives(self._fluid, own.fluid_data, state[0])
+        dq, dv, da = (
+            x.copy() for x in pin.computeRNEADerivatives(tree, data, *state, own.forces)
+        )
+        dq -= pin.computeGeneralizedGravityDerivatives(
+            self._fluid, own.fluid_data, state[0]
+        )
         # Next, how each joint's velocity and acceleration in its frame change with the state.
         pin.computeForwardKinematicsDerivatives(tree, data, *state)
         of = partial(pin.getJointAccelerationDerivatives, tree, data)
@@ -189,11 +218,17 @@ class HydrodynamicTree:
         v_q[:, :3] -= stream_q
         a_q[:, :3] += spin @ stream_q + back @ v_q[:, 3:]
         a_v[:, :3] += back @ v_v[:, 3:]
-        by_velocity, added, linear = water.force_by_velocity(nu), water.added_mass, slice(3)
+        by_velocity, added, linear = (
+            water.force_by_velocity(nu),
+            water.added_mass,
+            slice(3),
+        )
         dq -= np.einsum("jai,jak->ik", v_v, by_velocity @ v_q - added @ a_q)
         dv -= np.einsum("jai,jak->ik", v_v, by_velocity @ v_v - added @ a_v)
         da += np.einsum("jai,jak->ik", v_v, added @ a_a)
-        change = -by_velocity[:, :, linear] @ stream_u - added[:, :, linear] @ (spin @ stream_u)
+        change = -by_velocity[:, :, linear] @ stream_u - added[:, :, linear] @ (
+            spin @ stream_u
+        )
         du = -np.einsum("jai,jak->ik", v_v, change)
         return dq @ self.g, dv @ self.g, da @ self.g, du
 
@@ -239,7 +274,9 @@ class JointWater:
     def plain(self) -> bool:
         """Whether it has no such damping, and strips, if any, in the joint's frame."""
         damped = self.linear.any() or self.quadratic.any()
-        return not damped and (not self.data.strips or np.array_equal(self.action, np.eye(6)))
+        return not damped and (
+            not self.data.strips or np.array_equal(self.action, np.eye(6))
+        )
 
 
 class MovingWater:
@@ -249,7 +286,9 @@ class MovingWater:
         added_mass: (joints, 6, 6), in the joints' frames.
     """
 
-    def __init__(self, joints: Iterable[str], bodies: Iterable[JointWater], density: float) -> None:
+    def __init__(
+        self, joints: Iterable[str], bodies: Iterable[JointWater], density: float
+    ) -> None:
         names = list(joints)  # the first one carries what a fixed base carries
         share, n = density / WATER_DENSITY, len(names)
         self.added_mass = np.zeros((n, 6, 6))
@@ -264,12 +303,17 @@ class MovingWater:
         for i, entries in enumerate(found):
             for k, (one, other, linear, quadratic) in enumerate(entries):
                 pairs[i, :, k] = one, other
-                self._linear[i, k], self._quadratic[i, k] = share * linear, share * quadratic
+                self._linear[i, k], self._quadratic[i, k] = (
+                    share * linear,
+                    share * quadratic,
+                )
         self._rows = pairs.reshape(n, -1, 6) if pairs.size else np.zeros((n, 0, 6))
         self._columns = np.ascontiguousarray(self._rows.swapaxes(1, 2))
         # nu x* A nu is quadratic in nu: 36 products of two components, times constants.
         crossed = np.array([cross_force(axis) for axis in np.eye(6)])
-        self._whirl = np.einsum("bac,jcd->jabd", crossed, self.added_mass).reshape(n, 6, 36)
+        self._whirl = np.einsum("bac,jcd->jabd", crossed, self.added_mass).reshape(
+            n, 6, 36
+        )
 
     def force(self, nu: FloatArray, dnu: FloatArray) -> FloatArray:
         """Force of the water on each joint's bodies.
@@ -281,13 +325,17 @@ class MovingWater:
         joints, _, n = nu.shape
         products = (nu[:, :, None] * nu[:, None]).reshape(joints, 36, n)
         slip, resistance, _ = self._slip(nu)
-        drag = self._columns @ (slip * resistance[:, None]).reshape(joints, self._rows.shape[1], n)
+        drag = self._columns @ (slip * resistance[:, None]).reshape(
+            joints, self._rows.shape[1], n
+        )
         return np.asarray(-(self.added_mass @ dnu + self._whirl @ products + drag))
 
     def force_by_velocity(self, nu: FloatArray) -> FloatArray:
         """Derivative of `force` with respect to nu, of one state, (joints, 6, 6)."""
         slip, resistance, speed = self._slip(nu)
-        growth = np.divide(self._quadratic, speed, out=np.zeros_like(speed), where=speed > 0)
+        growth = np.divide(
+            self._quadratic, speed, out=np.zeros_like(speed), where=speed > 0
+        )
         (x, y), (one, other) = slip.swapaxes(0, 1), np.split(self._rows, 2, axis=1)
         one_t, other_t = one.swapaxes(1, 2), other.swapaxes(1, 2)
         mixed = one_t @ (growth * x * y * other)
@@ -322,7 +370,9 @@ def _resistances(body: JointWater) -> Iterable[Resistance]:
         # The velocity along a line is the same at all its points.
         along = axes[0] @ np.hstack([np.eye(3), -cross_matrix(strip.start)])
         yield along, nothing, 0.0, strip.along * face
-    for row, linear, quadratic in zip(np.eye(6), body.linear, body.quadratic, strict=True):
+    for row, linear, quadratic in zip(
+        np.eye(6), body.linear, body.quadratic, strict=True
+    ):
         if linear or quadratic:
             yield row, nothing, float(linear), float(quadratic)
 

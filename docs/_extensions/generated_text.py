@@ -23,7 +23,9 @@ from alpha5_model.numbers.corrections import CORRECTIONS
 from alpha5_model.proofs.audit.row import AuditRow
 
 PAGES = Path(__file__).resolve().parents[1]
-MARK = re.compile(r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE)
+MARK = re.compile(
+    r"^<!-- generated: (\w+) -->\n(?:\n((?:\|.*\n)*)\n<!-- end -->\n)?", re.MULTILINE
+)
 #: Effects of a printed digit that are not shown [N m].
 LEAST_EFFECT = 5e-6
 RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
@@ -32,7 +34,10 @@ RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
-    cells = ([re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in line] for line in lines)
+    cells = (
+        [re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in line]
+        for line in lines
+    )
     return "".join(f"| {' | '.join(line)} |\n" for line in cells)
 
 
@@ -44,16 +49,24 @@ def audit_table(category: str | None) -> str:
 
     Neighbours with the same words and figures stand in one row.
     """
-    rows = [row for row in a5.audit() if row.category == category and row.verdict != "agrees"]
+    rows = [
+        row
+        for row in a5.audit()
+        if row.category == category and row.verdict != "agrees"
+    ]
     lines = []
-    for _, same in groupby(rows, lambda r: (r.topic, r.says, r.finding, r.measured, r.effect)):
+    for _, same in groupby(
+        rows, lambda r: (r.topic, r.says, r.finding, r.measured, r.effect)
+    ):
         group = list(same)
         row = group[0]
         claims = [row.claim, *(r.claim.partition(".")[2] for r in group[1:])]
         places = list(dict.fromkeys(r.place for r in group))
         where = places[0] + "".join(f"; {shorter(places[0], p)}" for p in places[1:])
         names = ", ".join(f"`{claim}`" for claim in claims)
-        lines.append([f"{where}<br>{names}", plain(row.says), plain(row.finding), measured(row)])
+        lines.append(
+            [f"{where}<br>{names}", plain(row.says), plain(row.finding), measured(row)]
+        )
     return table(["where, and row", "printed", "what we find", "measured"], lines)
 
 
@@ -70,7 +83,9 @@ def measured(row: AuditRow) -> str:
     spread = row.standard_error or (row.bound if row.bound > 1e-6 else 0.0)
     width = f" ± {figure(spread, 2)}" if spread else ""
     must = f"{RELATION[row.relation]}{figure(row.expected)}"
-    found = f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
+    found = (
+        f"{figure(row.measured)}{width} {unit(row.unit)}".strip() + f", must be {must}"
+    )
     if row.effect is None:
         return found
     return f"{found}; worth {figure(row.effect)} {unit(row.effect_unit)}"
@@ -79,7 +94,13 @@ def measured(row: AuditRow) -> str:
 def figure(value: float, digits: int = 4) -> str:
     """A number to so many significant digits, without an exponent."""
     text = f"{value:.{digits}g}"
-    return text if "e" not in text else f"{value:.0f}" if abs(value) > 1 else f"{value:.7f}"
+    return (
+        text
+        if "e" not in text
+        else f"{value:.0f}"
+        if abs(value) > 1
+        else f"{value:.7f}"
+    )
 
 
 def unit(name: str) -> str:
@@ -121,8 +142,24 @@ def torque_intervals() -> str:
                 f"{1e3 * x:z.2f}"
                 for x in (found.nominal[k], lower[k], upper[k], found.half_width[k])
             )
-            lines.append([f"`{name}`", joint, torque, f"{low} to {high}", worst, digits or "none"])
-    head = ["pose", "joint", "torque", "Tables 2, 3", "all, ±", "digits that matter most, ±"]
+            lines.append(
+                [
+                    f"`{name}`",
+                    joint,
+                    torque,
+                    f"{low} to {high}",
+                    worst,
+                    digits or "none",
+                ]
+            )
+    head = [
+        "pose",
+        "joint",
+        "torque",
+        "Tables 2, 3",
+        "all, ±",
+        "digits that matter most, ±",
+    ]
     return table(head, lines)
 
 
@@ -137,7 +174,9 @@ def commands() -> str:
 def command_section(name: str) -> str:
     """One command, from the objects that print its help."""
     command: Any = get_command(application(name)).commands[name]  # type: ignore[attr-defined]
-    blocks = [" ".join(block.split()) for block in re.split(r"\n\s*\n", command.help.strip())]
+    blocks = [
+        " ".join(block.split()) for block in re.split(r"\n\s*\n", command.help.strip())
+    ]
     examples = [
         f"alpha5 {words.strip()}"
         for block in blocks
@@ -151,11 +190,17 @@ def command_section(name: str) -> str:
             f"(alpha5-{name})=",
             f"## alpha5 {name}",
             "",
-            *(f"{plain(block)}\n" for block in blocks if not block.startswith("Example")),
+            *(
+                f"{plain(block)}\n"
+                for block in blocks
+                if not block.startswith("Example")
+            ),
             f"```text\n{' '.join(['alpha5', name, *words, '[OPTIONS]'])}\n```",
             "",
             *(["```sh", *examples, "```", ""] if examples else []),
-            table(["argument or option", "default", "meaning"], map(parameter_row, named)),
+            table(
+                ["argument or option", "default", "meaning"], map(parameter_row, named)
+            ),
         ]
     )
 
@@ -171,7 +216,11 @@ def parameter_row(parameter: Any) -> list[str]:
     *short, name = sorted(parameter.opts, key=len)
     word = parameter.metavar or name.rpartition("-")[2].upper()
     value = " ".join([word] * max(1, parameter.nargs))
-    shown = [value] if positional(parameter) else [*short, name if flag else f"{name} {value}"]
+    shown = (
+        [value]
+        if positional(parameter)
+        else [*short, name if flag else f"{name} {value}"]
+    )
     default = parameter.default
     if isinstance(default, tuple | list):
         default = " ".join(map(str, default))
@@ -180,7 +229,11 @@ def parameter_row(parameter: Any) -> list[str]:
         ", ".join(f"`{words}`" for words in shown),
         "required" if parameter.required else given,
         plain(parameter.help or "")
-        + (" May be given again." if parameter.multiple and parameter.nargs == 1 else ""),
+        + (
+            " May be given again."
+            if parameter.multiple and parameter.nargs == 1
+            else ""
+        ),
     ]
 
 

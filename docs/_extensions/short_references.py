@@ -57,23 +57,34 @@ def resolve(app: Any, env: Any, node: Any, content: Any) -> Any:
 
 def common(name: str, here: str) -> int:
     """Length of the shared beginning."""
-    return next((i for i, (a, b) in enumerate(zip(name, here, strict=False)) if a != b), 0)
+    return next(
+        (i for i, (a, b) in enumerate(zip(name, here, strict=False)) if a != b), 0
+    )
 
 
 def reference(app: Any, node: Any, content: Any, entry: Any) -> nodes.reference:
     """A link to a documented object."""
     uri = app.builder.get_relative_uri(node["refdoc"], entry.docname)
     return nodes.reference(
-        "", "", content, internal=True, refuri=f"{uri}#{entry.node_id}", reftitle=node["reftarget"]
+        "",
+        "",
+        content,
+        internal=True,
+        refuri=f"{uri}#{entry.node_id}",
+        reftitle=node["reftarget"],
     )
 
 
-def skip_fields(_app: Any, what: str, _name: str, member: Any, _skip: bool, _options: Any) -> Any:
+def skip_fields(
+    _app: Any, what: str, _name: str, member: Any, _skip: bool, _options: Any
+) -> Any:
     """Leave out the fields of named tuples: their meaning stands under Attributes."""
     return True if what == "class" and type(member).__name__ == "_tuplegetter" else None
 
 
-def returned(section: Any, preprocess_types: bool = False) -> list[tuple[str, str, list[str]]]:
+def returned(
+    section: Any, preprocess_types: bool = False
+) -> list[tuple[str, str, list[str]]]:
     """The text under Returns as it stands; napoleon would take words before a colon for a type."""
     del preprocess_types
     lines = section._dedent(section._consume_to_next_section())
@@ -95,7 +106,11 @@ def reshape(
     if what == "module":
         before = [""]
         for line in tuple(lines):
-            if line.startswith("    ") and not before[-1] and not before[-2].startswith("    "):
+            if (
+                line.startswith("    ")
+                and not before[-1]
+                and not before[-2].startswith("    ")
+            ):
                 before += ["::", ""]
             before.append(line)
         lines[:] = before[1:]
@@ -106,7 +121,9 @@ def reshape(
             lines[i] = f"    - {entry}" if entry.startswith("[") else f"      {entry}"
 
 
-def mend_ways_back(app: Any, page: str, _template: str, context: Any, _doctree: Any) -> None:
+def mend_ways_back(
+    app: Any, page: str, _template: str, context: Any, _doctree: Any
+) -> None:
     """Links from the page of a source to what is documented, whose names need not be the module's."""
     if not page.startswith("_modules/") or "body" not in context:
         return

@@ -128,7 +128,10 @@ def _against_peers(q: Any, v: Any, a: Any) -> list[Row]:
 def _fext(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
     """What one writes without this package: a wrench for each body, then RNEA with them."""
     model, data = arm.model, arm.model.createData()
-    volumes = [(model.getJointId(b.joint), b.volume, np.array(b.cob)) for b in arm.displacements]
+    volumes = [
+        (model.getJointId(b.joint), b.volume, np.array(b.cob))
+        for b in arm.displacements
+    ]
 
     def function() -> Any:
         pin.forwardKinematics(model, data, q)
@@ -148,7 +151,9 @@ def _mujoco(arm: Any, q: Any, v: Any, a: Any) -> Callable[[], Any]:
 
     from alpha5_model.description.urdf import Variant, urdf
 
-    switch = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    switch = (
+        '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    )
     text = urdf(Variant(collision="none")).replace("</robot>", switch)
     spec = mujoco.MjSpec.from_string(text)
     for body in arm.displacements:
@@ -214,7 +219,12 @@ def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
     }
     work = "inverse_dynamics in a current"
     return [
-        *_rows(work, measure(one), {"raw": "Pinocchio: rnea, no water"}, {"raw": 1 / MOVING}),
+        *_rows(
+            work,
+            measure(one),
+            {"raw": "Pinocchio: rnea, no water"},
+            {"raw": 1 / MOVING},
+        ),
         *_rows(
             f"{work}, batch of {n}, 1 thread",
             measure(batch, per_call=n),
@@ -225,7 +235,9 @@ def _moving_water(q: Any, v: Any, a: Any) -> list[Row]:
 
 
 def _loading() -> Row:
-    return Row("load()", OWN, measure({OWN: a5.load})[OWN], setup="after the first call")
+    return Row(
+        "load()", OWN, measure({OWN: a5.load})[OWN], setup="after the first call"
+    )
 
 
 def _rows(

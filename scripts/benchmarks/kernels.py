@@ -66,7 +66,10 @@ def _single(q: Any, v: Any, a: Any) -> list[Row]:
         out += [
             Row(work, f"alpha5_model, {kernels.backend()}", seconds["ours"]),
             Row(
-                work, f"Pinocchio: {raw_name}, no water", seconds["raw"], target=share and 1 / share
+                work,
+                f"Pinocchio: {raw_name}, no water",
+                seconds["raw"],
+                target=share and 1 / share,
             ),
         ]
     return out
@@ -92,8 +95,13 @@ def _casadi(q: Any, v: Any, a: Any) -> list[Row]:
             raise AssertionError(f"CasADi disagrees: {tau}")
         candidates["compiled" if compiled else "interpreted"] = run
     seconds = measure({**candidates, "raw": lambda: pin.rnea(model, data, q, v, a)})
-    work, peer = "inverse_dynamics, one call of a CasADi Function", "Pinocchio: rnea, no water"
-    rows = [Row(work, f"alpha5_model.casadi, buffered, {n}", seconds[n]) for n in candidates]
+    work, peer = (
+        "inverse_dynamics, one call of a CasADi Function",
+        "Pinocchio: rnea, no water",
+    )
+    rows = [
+        Row(work, f"alpha5_model.casadi, buffered, {n}", seconds[n]) for n in candidates
+    ]
     return [*rows, Row(work, peer, seconds["raw"], target=1 / 1.5)]
 
 
@@ -125,7 +133,10 @@ def _batches(q: Any, v: Any, a: Any) -> list[Row]:
         if name == "rnea":
             work += ", without a compiler"
             shown = ("alpha5_model, numpy", peer)
-            out += [Row(work, n, seconds[n], target=1 / 0.8 if n == peer else None) for n in shown]
+            out += [
+                Row(work, n, seconds[n], target=1 / 0.8 if n == peer else None)
+                for n in shown
+            ]
     if kernels.backend() != "numpy":
         running.width(max(WIDTHS))
     return out
@@ -159,15 +170,23 @@ def _jax(*states: Any) -> list[Row]:
         if np.abs(np.asarray(ours(*given)) - expected).max() > 1e-11:
             raise AssertionError("JAX disagrees")
         candidates: dict[str, tuple[Callable[[], object], int]] = {
-            "alpha5_model.jax, vmap, double": (lambda: ours(*given).block_until_ready(), STATES),
+            "alpha5_model.jax, vmap, double": (
+                lambda: ours(*given).block_until_ready(),
+                STATES,
+            ),
             "Pinocchio: rneaInParallel, 1 thread, no water": (
                 lambda: pin.rneaInParallel(1, pool, *(x.T for x in states)),
                 STATES,
             ),
         }
         if _installed("mujoco.mjx"):
-            mjx, few = _mjx(), [0.3 + 0.3 * jax.numpy.abs(x[:MJX_STATES]) for x in given]
-            dry = a5.load(a5.AIR).inverse_dynamics_batch(*map(np.asarray, few), threads=1)
+            mjx, few = (
+                _mjx(),
+                [0.3 + 0.3 * jax.numpy.abs(x[:MJX_STATES]) for x in given],
+            )
+            dry = a5.load(a5.AIR).inverse_dynamics_batch(
+                *map(np.asarray, few), threads=1
+            )
             if np.abs(np.asarray(mjx(*few)) - dry).max() > 1e-9:
                 raise AssertionError("MJX disagrees")
             candidates[f"MJX on our MJCF, {MJX_STATES} states, no water"] = (
@@ -191,7 +210,9 @@ def _mjx() -> Any:
 
     from alpha5_model.description.mjcf import MjcfOptions, mjcf
 
-    spec = mujoco.MjModel.from_xml_string(mjcf(MjcfOptions(collision="none", fluid_density=0.0)))
+    spec = mujoco.MjModel.from_xml_string(
+        mjcf(MjcfOptions(collision="none", fluid_density=0.0))
+    )
     tree = mjx.put_model(spec)
     empty = mjx.make_data(tree)
 

@@ -25,7 +25,11 @@ SOLVED = 1e-6
 COUNT = 50
 STEPS = 200
 
-PEERS = {"EAIK": "eaik", "roboticstoolbox-python": "roboticstoolbox", "pin-pink": "pink"}
+PEERS = {
+    "EAIK": "eaik",
+    "roboticstoolbox-python": "roboticstoolbox",
+    "pin-pink": "pink",
+}
 
 
 def missing() -> list[str]:
@@ -101,7 +105,9 @@ def _success(name: str, solve: Callable[[int], Any], poses: np.ndarray) -> float
             candidates = np.atleast_2d(answer) - [link.offset for link in chain.links]
         else:
             candidates = np.atleast_2d(answer)
-            inside = (candidates >= chain.lower - 1e-9) & (candidates <= chain.upper + 1e-9)
+            inside = (candidates >= chain.lower - 1e-9) & (
+                candidates <= chain.upper + 1e-9
+            )
             candidates = candidates[inside.all(axis=-1)]
         reached = chain.forward_kinematics(candidates)[:, :3, 3]
         solved += bool((np.linalg.norm(reached - pose[:3, 3], axis=-1) < SOLVED).any())
@@ -113,9 +119,13 @@ def _eaik(poses: np.ndarray) -> tuple[Any, list[np.ndarray]]:
     from eaik.IK_DH import DhRobot
 
     chain = a5.dh.DHChain.alpha5()
-    table = [[getattr(link, name) for link in chain.links] for name in ("alpha", "a", "d")]
+    table = [
+        [getattr(link, name) for link in chain.links] for name in ("alpha", "a", "d")
+    ]
     frames = poses @ np.linalg.inv(chain.tool)
-    return DhRobot(*map(np.array, table)), [np.ascontiguousarray(frame) for frame in frames]
+    return DhRobot(*map(np.array, table)), [
+        np.ascontiguousarray(frame) for frame in frames
+    ]
 
 
 def _clik(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
@@ -129,7 +139,9 @@ def _clik(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
     def solve(i: int) -> np.ndarray:
         q = (low + high) / 2
         for _ in range(STEPS):
-            J = pin.computeFrameJacobian(model, data, q, frame, pin.LOCAL_WORLD_ALIGNED)[:3]
+            J = pin.computeFrameJacobian(
+                model, data, q, frame, pin.LOCAL_WORLD_ALIGNED
+            )[:3]
             error = targets[i] - data.oMf[frame].translation
             if error @ error < SOLVED**2:
                 break
@@ -145,7 +157,9 @@ def _toolbox(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
 
     chain = a5.dh.DHChain.alpha5()
     links = [
-        rtb.RevoluteDH(d=k.d, a=k.a, alpha=k.alpha, offset=k.offset, qlim=[k.lower, k.upper])
+        rtb.RevoluteDH(
+            d=k.d, a=k.a, alpha=k.alpha, offset=k.offset, qlim=[k.lower, k.upper]
+        )
         for k in chain.links
     ]
     robot = rtb.DHRobot(links, tool=SE3(chain.tool, check=False)).ets()
@@ -159,7 +173,13 @@ def _toolbox(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
 
     def solve(i: int) -> np.ndarray:
         return robot.ik_LM(
-            wanted[i], q0=start, ilimit=30, slimit=1, tol=1e-12, mask=mask, joint_limits=True
+            wanted[i],
+            q0=start,
+            ilimit=30,
+            slimit=1,
+            tol=1e-12,
+            mask=mask,
+            joint_limits=True,
         )[0]
 
     return solve
@@ -187,7 +207,9 @@ def _pink(targets: list[np.ndarray]) -> Callable[[int], np.ndarray]:
         for _ in range(STEPS):
             if np.linalg.norm(task.compute_error(configuration)[:3]) < SOLVED:
                 break
-            velocity = pink.solve_ik(configuration, [task], 1.0, solver="daqp", limits=limits)
+            velocity = pink.solve_ik(
+                configuration, [task], 1.0, solver="daqp", limits=limits
+            )
             configuration.integrate_inplace(velocity, 1.0)
         return configuration.q
 
@@ -203,7 +225,9 @@ def _batch() -> list[Row]:
     }
     if find_spec("eaik"):
         robot, _ = _eaik(poses[:1])
-        frames = np.ascontiguousarray(poses @ np.linalg.inv(a5.dh.DHChain.alpha5().tool))
+        frames = np.ascontiguousarray(
+            poses @ np.linalg.inv(a5.dh.DHChain.alpha5().tool)
+        )
         functions["EAIK batched"] = lambda: robot.IK_batched(frames)
     seconds = measure(functions, per_call=count)
     setups = {
@@ -212,7 +236,8 @@ def _batch() -> list[Row]:
     }
     wanted = {"EAIK batched": 50.0}
     return [
-        Row(BATCH, name, seconds[name], None, setups[name], wanted.get(name)) for name in seconds
+        Row(BATCH, name, seconds[name], None, setups[name], wanted.get(name))
+        for name in seconds
     ]
 
 
@@ -225,4 +250,7 @@ def _imports() -> list[Row]:
     if find_spec("roboticstoolbox"):
         modules["roboticstoolbox"] = None
     seconds = measure({module: run(module) for module in modules}, rounds=11)
-    return [Row(IMPORT, module, seconds[module], target=modules[module]) for module in modules]
+    return [
+        Row(IMPORT, module, seconds[module], target=modules[module])
+        for module in modules
+    ]

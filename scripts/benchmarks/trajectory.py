@@ -24,20 +24,28 @@ def rows() -> list[Row]:
     rng = np.random.default_rng(12)
     t = np.cumsum(rng.uniform(0.005, 0.035, SAMPLES))
     shape = np.array([1.0, 0.8, 0.9, 1.2])
-    q = 1.7 + np.sin(0.2 * t)[:, None] * shape + rng.normal(scale=1e-4, size=(SAMPLES, 4))
+    q = (
+        1.7
+        + np.sin(0.2 * t)[:, None] * shape
+        + rng.normal(scale=1e-4, size=(SAMPLES, 4))
+    )
     v = 0.2 * np.cos(0.2 * t)[:, None] * shape
     header = ["time_secs", *(f"{a}_{k}" for k in ("pos", "vel") for a in _AXES)]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "long.csv"
         table = np.column_stack([t, q, v]).tolist()
-        path.write_text("\n".join([",".join(header), *(",".join(map(repr, r)) for r in table)]))
+        path.write_text(
+            "\n".join([",".join(header), *(",".join(map(repr, r)) for r in table)])
+        )
         arm = a5.load()
         model, data = arm.model, arm.model.createData()
         still = np.zeros(4)
 
         def ours() -> str:
             motion = a5.trajectory.read_motion(path)
-            return a5.trajectory.text(a5.trajectory.summary(a5.trajectory.analyse(motion)))
+            return a5.trajectory.text(
+                a5.trajectory.summary(a5.trajectory.analyse(motion))
+            )
 
         def reading() -> object:
             return np.loadtxt(path, delimiter=",", skiprows=1)
@@ -47,14 +55,17 @@ def rows() -> list[Row]:
                 pin.rnea(model, data, row, speed, still)
 
         seconds = measure(
-            {"alpha5_model": ours, "numpy.loadtxt": reading, "pin.rnea loop": torques}, rounds=3
+            {"alpha5_model": ours, "numpy.loadtxt": reading, "pin.rnea loop": torques},
+            rounds=3,
         )
     setups = {
         "alpha5_model": "read, smooth, five torque terms, currents, power, mount, tcp, summary",
         "numpy.loadtxt": "reads the same file and does nothing else",
         "pin.rnea loop": "one torque per sample in air, from arrays in memory",
     }
-    return [Row(f"{SAMPLES} samples", k, s, setup=setups[k]) for k, s in seconds.items()]
+    return [
+        Row(f"{SAMPLES} samples", k, s, setup=setups[k]) for k, s in seconds.items()
+    ]
 
 
 _AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

@@ -99,7 +99,16 @@ def spoiling(draw: Draw) -> Target:
 
 
 #: Parameters that stay at their default.
-NOT_DRAWN = {"progress", "options", "kwargs", "seed", "fext", "reference_frame", "strips", "accept"}
+NOT_DRAWN = {
+    "progress",
+    "options",
+    "kwargs",
+    "seed",
+    "fext",
+    "reference_frame",
+    "strips",
+    "accept",
+}
 #: Parameters that are objects of the package, as they are.
 OBJECTS = {"arm", "chain", "vehicle", "model"}
 
@@ -183,7 +192,10 @@ def _method(make: Callable[[int], Any], kinds: int, method: str) -> Draw:
 
     def draw(rng: Rng, spoiled: bool) -> Case:
         arm = make(int(rng.integers(kinds)))
-        own: dict[str, Any] = {**_states(arm, batch), "link": lambda rng: pick(rng, LINKS)}
+        own: dict[str, Any] = {
+            **_states(arm, batch),
+            "link": lambda rng: pick(rng, LINKS),
+        }
         if not method.startswith("with_"):
             own["current"] = lambda rng: rng.normal(0, 0.5, 3)
         call = of(lambda rng: getattr(arm, method), **own)
@@ -238,8 +250,12 @@ def _chain(rng: Rng) -> Any:
 
 def _planar(rng: Rng) -> a5.planar.PlanarArm:
     n = int(rng.integers(1, 4))
-    limits = [(-1.0, float(rng.uniform(0, 3))) if rng.integers(2) else None for _ in range(n)]
-    return a5.planar.PlanarArm(rng.uniform(0.2, 3, n), limits if rng.integers(2) else None)
+    limits = [
+        (-1.0, float(rng.uniform(0, 3))) if rng.integers(2) else None for _ in range(n)
+    ]
+    return a5.planar.PlanarArm(
+        rng.uniform(0.2, 3, n), limits if rng.integers(2) else None
+    )
 
 
 def _solutions(rng: Rng) -> Any:
@@ -275,7 +291,15 @@ def _rows(n: int) -> Callable[[Rng], np.ndarray]:
 
 def _limits(rng: Rng) -> Any:
     return pick(
-        rng, (None, [(-1.0, 1.0)] * 3, [None, (0.0, 2.0)], [(1.0, -1.0)], "none", [(0.0, np.inf)])
+        rng,
+        (
+            None,
+            [(-1.0, 1.0)] * 3,
+            [None, (0.0, 2.0)],
+            [(1.0, -1.0)],
+            "none",
+            [(0.0, np.inf)],
+        ),
     )
 
 
@@ -299,12 +323,16 @@ def _sample() -> Any:
 
 def _arc(rng: Rng) -> a5.planar.Arc:
     center = (float(rng.normal()), float(rng.normal()))
-    return a5.planar.Arc(center, float(rng.uniform(0.1, 3)), float(rng.uniform(-3, 3)), 2.0)
+    return a5.planar.Arc(
+        center, float(rng.uniform(0.1, 3)), float(rng.uniform(-3, 3)), 2.0
+    )
 
 
 def _segment(rng: Rng) -> a5.planar.Segment:
     start = (float(rng.normal()), float(rng.normal()))
-    return a5.planar.Segment(start, float(rng.uniform(-3, 3)), float(rng.uniform(0.1, 3)))
+    return a5.planar.Segment(
+        start, float(rng.uniform(-3, 3)), float(rng.uniform(0.1, 3))
+    )
 
 
 def _plane_points(rng: Rng) -> np.ndarray:
@@ -342,14 +370,18 @@ def _chain_of(links: Any, base: Any, tool: Any) -> Any:
 
 
 def _links(rng: Rng) -> Any:
-    return [a5.dh.DHLink(*rng.uniform(-1, 1, 4)) for _ in range(int(rng.integers(1, 4)))]
+    return [
+        a5.dh.DHLink(*rng.uniform(-1, 1, 4)) for _ in range(int(rng.integers(1, 4)))
+    ]
 
 
 def _damping(rng: Rng) -> np.ndarray:
     return rng.uniform(0, 9, 6)
 
 
-def _identified(time: Any, position: Any, velocity: Any, effort: Any, wrench: Any) -> Any:
+def _identified(
+    time: Any, position: Any, velocity: Any, effort: Any, wrench: Any
+) -> Any:
     motion = a5.trajectory.motion(time, position, velocity, effort=effort)
     return a5.identify(motion, wrench=wrench)
 
@@ -382,7 +414,9 @@ def _draws() -> dict[str, Draw]:
         for method in ("current", "torque", "holding_current", "holding_torque", "voltage",
                        "speed", "torque_limits", "speed_limits", "power", "current_interval", "torque_interval")
     }  # fmt: skip
-    draws["a5.uncertainty.Sample.base_parameters"] = of(lambda rng: _sample().base_parameters)
+    draws["a5.uncertainty.Sample.base_parameters"] = of(
+        lambda rng: _sample().base_parameters
+    )
     draws["a5.uncertainty.Sample.parameters"] = of(
         lambda rng: _sample().parameters, index=lambda rng: int(rng.integers(3))
     )
@@ -390,7 +424,9 @@ def _draws() -> dict[str, Draw]:
 
 
 def _actuator(rng: Rng) -> Any:
-    return a5.actuators.actuator(GOOD["joint"](rng), screw_lead=1e-3, rotor_inertia=1e-7)
+    return a5.actuators.actuator(
+        GOOD["joint"](rng), screw_lead=1e-3, rotor_inertia=1e-7
+    )
 
 
 def _plain() -> dict[str, Draw]:
@@ -426,7 +462,11 @@ def _plain() -> dict[str, Draw]:
     for name in ("uncertainty.bounds", "uncertainty.torque_bounds"):
         call = getattr(a5.uncertainty, name.rpartition(".")[2])
         draws[f"a5.{name}"] = _same_rows(
-            of(lambda rng, call=call: call, arm=lambda rng: _arm(0), **_states(_arm(0), True))
+            of(
+                lambda rng, call=call: call,
+                arm=lambda rng: _arm(0),
+                **_states(_arm(0), True),
+            )
         )
     draws["Solutions.best"] = of(lambda rng: _solutions(rng).best)
     draws["PoseSolutions.best"] = of(lambda rng: _pose_solutions(rng).best)
@@ -455,8 +495,12 @@ def _dynamics() -> dict[str, Draw]:
     for function in (batch.torque_terms, batch.frame_positions, batch.water_terms):
         draws[f"dynamics.batch.{function.__name__}"] = _of_states(function)
     for method in JAX_METHODS:
-        own = {name: lambda rng: rng.uniform(0, 3, 4) for name in ("q", "v", "a", "tau")}
-        draws[f"jax.JaxArm.{method}"] = of(lambda rng, m=method: getattr(_jax(), m), **own)
+        own = {
+            name: lambda rng: rng.uniform(0, 3, 4) for name in ("q", "v", "a", "tau")
+        }
+        draws[f"jax.JaxArm.{method}"] = of(
+            lambda rng, m=method: getattr(_jax(), m), **own
+        )
     draws["jax.JaxArm.with_payload"] = of(
         lambda rng: _jax().with_payload, inertia=lambda rng: np.eye(3) * 1e-4
     )
@@ -475,17 +519,25 @@ def _theory() -> dict[str, Draw]:
     """Denavit and Hartenberg, planar arms."""
     draws: dict[str, Draw] = {}
     for method in ("frames", "forward_kinematics", "jacobian", "joint_axes", "to_urdf"):
-        draws[f"a5.dh.DHChain.{method}"] = of(lambda rng, m=method: getattr(_chain(rng), m))
+        draws[f"a5.dh.DHChain.{method}"] = of(
+            lambda rng, m=method: getattr(_chain(rng), m)
+        )
     draws["a5.dh.DHChain.from_axes"] = _from_axes
-    draws["a5.dh.DHChain"] = of(lambda rng: _chain_of, links=_links, base=transform, tool=transform)
-    draws["a5.dh.DHLink.transform"] = of(lambda rng: _links(rng)[0].transform, q=number(-3, 3))
+    draws["a5.dh.DHChain"] = of(
+        lambda rng: _chain_of, links=_links, base=transform, tool=transform
+    )
+    draws["a5.dh.DHLink.transform"] = of(
+        lambda rng: _links(rng)[0].transform, q=number(-3, 3)
+    )
     for function in (
         arm_types.classify,
         arm_types.task_capability,
         arm_types.orientation_freedom,
         arm_types.spatial_dexterity,
     ):
-        draws[f"arm_types.{function.__name__}"] = of(lambda rng, f=function: f, chain=_chain)
+        draws[f"arm_types.{function.__name__}"] = of(
+            lambda rng, f=function: f, chain=_chain
+        )
     for method in ("poses", "forward_kinematics", "jacobian", "part"):
         draws[f"a5.planar.PlanarArm.{method}"] = of(
             lambda rng, m=method: getattr(_planar(rng), m),
@@ -504,15 +556,23 @@ def _theory() -> dict[str, Draw]:
         "turns_fully",
         "workspace",
     ):
-        draws[f"a5.planar.{name}"] = of(lambda rng, n=name: getattr(a5.planar, n), arm=_planar)
+        draws[f"a5.planar.{name}"] = of(
+            lambda rng, n=name: getattr(a5.planar, n), arm=_planar
+        )
     draws["a5.planar.dexterity_map"] = of(
         lambda rng: a5.planar.dexterity_map, arm=_planar, resolution=lambda rng: 5
     )
     for name, curve in (("Arc", _arc), ("Segment", _segment)):
-        draws[f"a5.planar.{name}.point"] = of(lambda rng, c=curve: c(rng).point, t=_numbers)
-        draws[f"a5.planar.{name}.left"] = of(lambda rng, c=curve: c(rng).left, t=number(-3, 3))
+        draws[f"a5.planar.{name}.point"] = of(
+            lambda rng, c=curve: c(rng).point, t=_numbers
+        )
+        draws[f"a5.planar.{name}.left"] = of(
+            lambda rng, c=curve: c(rng).left, t=number(-3, 3)
+        )
         draws[f"a5.planar.{name}.parameter"] = of(
-            lambda rng, c=curve: c(rng).parameter, points=_plane_points, tolerance=number(0, 0.1)
+            lambda rng, c=curve: c(rng).parameter,
+            points=_plane_points,
+            tolerance=number(0, 0.1),
         )
     return draws
 
@@ -535,5 +595,7 @@ DRAWS = _draws()
 #: Of functions that check nothing, as documented: JAX's numbers may be traced, curves are results.
 UNCHECKED = forms.IN_THEIR_TYPE
 TARGETS: dict[str, Target] = {
-    name: spoiling(draw) for name, draw in DRAWS.items() if not name.startswith(UNCHECKED)
+    name: spoiling(draw)
+    for name, draw in DRAWS.items()
+    if not name.startswith(UNCHECKED)
 }

@@ -94,7 +94,11 @@ def _judged(error: Alpha5Error) -> str:
         again = pickle.loads(pickle.dumps(error))
     except Exception as problem:
         return f"{type(error).__name__} does not pickle: {problem}"
-    return "refused" if str(again) == str(error) else f"{type(error).__name__} changes in a pickle"
+    return (
+        "refused"
+        if str(again) == str(error)
+        else f"{type(error).__name__} changes in a pickle"
+    )
 
 
 def _alarm(number: int, frame: FrameType | None) -> NoReturn:

@@ -64,7 +64,10 @@ def _out(*endings: str) -> tuple[str, ...]:
     return tuple(name + ending for name in names for ending in endings)
 
 
-_TABLE, _PICTURE = _out(".csv", ".json", ".csv", ".txt"), _out(".png", ".svg", ".png", ".bmp")
+_TABLE, _PICTURE = (
+    _out(".csv", ".json", ".csv", ".txt"),
+    _out(".png", ".svg", ".png", ".bmp"),
+)
 _NUMBER = ("0.3", "-0.1", "1.2", "0", "3")
 _TRIPLE = ("0 0 -9.81", "0 9.81 0", "0,0,1")
 _FLUID = ("sea", "fresh", "air", "1025", "0", "1.025", "1e5", "-3")
@@ -117,9 +120,15 @@ def _furnish(folder: Path, rng: Rng) -> Path:
             (work / f"loop{end}").symlink_to(f"loop{end}")
             (work / f"dangling{end}").symlink_to(f"nowhere{end}")
     arm = Path(a5.URDF_PATH).read_text(encoding="utf-8")
-    rows = "".join(f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5\n" for k in range(40))
+    rows = "".join(
+        f"{k * 0.05:.2f},{3 + 0.01 * k},1.{k:02d},1,0.5\n" for k in range(40)
+    )
     motion = "time_secs,axis_e_pos,axis_d_pos,axis_c_pos,axis_b_pos\n" + rows
-    for name, text in (("arm.urdf", arm), ("motion.csv", motion), ("study.toml", STUDY)):
+    for name, text in (
+        ("arm.urdf", arm),
+        ("motion.csv", motion),
+        ("study.toml", STUDY),
+    ):
         (work / name).write_text(text, encoding="utf-8")
         (work / f"damaged.{name.partition('.')[2]}").write_bytes(damage(rng, text))
     trapped = hostile.trapped_xml(rng, arm)
@@ -147,7 +156,9 @@ def _of(command: str) -> Target:
             arguments += [option] if option else []
             for k in range(repeated if values else 0):
                 arguments += [option] if k and option != "--" else []
-                arguments.append(str(pick(rng, BAD if rng.integers(15) == 0 else values)))
+                arguments.append(
+                    str(pick(rng, BAD if rng.integers(15) == 0 else values))
+                )
         if rng.integers(20) == 0:
             arguments.insert(int(rng.integers(1, len(arguments) + 1)), pick(rng, BAD))
         return Case(_run(_furnish(folder, rng)), {"args": arguments})
@@ -179,7 +190,9 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         out.flush()
         shown = out.buffer.getvalue().decode()  # type: ignore[attr-defined]
         said = complaint.splitlines(keepends=True)
-        complaint = "".join(line for line in said if not line.startswith("alpha5: warning: "))
+        complaint = "".join(
+            line for line in said if not line.startswith("alpha5: warning: ")
+        )
         lines = complaint.strip("\n").splitlines()
         # What else there is to say makes way for a file on standard output.
         aside = status != 2 and "-" in args
@@ -192,7 +205,9 @@ def _run(folder: Path) -> Callable[[list[str]], Any]:
         if "Traceback" in complaint + shown:
             raise RuntimeError("a traceback")
         if status < 2 and "--json" in args and args[0] != "generate":
-            text = "".join(x for x in complaint.splitlines(True) if not x.startswith("wrote "))
+            text = "".join(
+                x for x in complaint.splitlines(True) if not x.startswith("wrote ")
+            )
             return json.loads(text if aside else shown, parse_constant=_refuse)
         if status == 2:
             raise RefusedError(complaint.strip())

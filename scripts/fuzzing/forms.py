@@ -135,7 +135,11 @@ class Own(np.ndarray):
 
 def subclass(rng: Rng, array: np.ndarray, folder: Path) -> Any:
     """Of a class that may mean more than numbers."""
-    views: list[Any] = [np.ma.MaskedArray(array), array.view(Own), array.view(np.recarray)]
+    views: list[Any] = [
+        np.ma.MaskedArray(array),
+        array.view(Own),
+        array.view(np.recarray),
+    ]
     if array.ndim == 2:
         views.append(np.asmatrix(array))
     return pick(rng, views)
@@ -225,7 +229,9 @@ def in_forms(
             before = {name: list(bits(usual[name])) for name in names}
             expected = _answer(case.call, usual)
             found = _answer(case.call, given)
-            if isinstance(found, Alpha5Error) and (isinstance(expected, Alpha5Error) or not strict):
+            if isinstance(found, Alpha5Error) and (
+                isinstance(expected, Alpha5Error) or not strict
+            ):
                 raise found
             wanted, got = list(bits(expected)), list(bits(found))
             if wanted != got:
@@ -307,7 +313,9 @@ def bits(result: Any, place: str = "") -> Iterator[tuple[Any, ...]]:
     elif isinstance(result, pin.Force | pin.Motion):
         yield from bits_of_array(result.vector, place)
     elif isinstance(result, pin.Model):
-        bodies = [np.append(x.mass, [*x.lever, *x.inertia.ravel()]) for x in result.inertias]
+        bodies = [
+            np.append(x.mass, [*x.lever, *x.inertia.ravel()]) for x in result.inertias
+        ]
         yield from bits_of_array(np.array(bodies), f"{place}.inertias")
     elif isinstance(result, pin.Data) or callable(result):
         pass
@@ -335,5 +343,7 @@ def targets(draws: dict[str, Callable[[Rng, bool], Case]]) -> dict[str, Target]:
     targets: dict[str, Target] = {}
     for name, draw in draws.items():
         unchecked = name.startswith(IN_THEIR_TYPE)
-        targets[f"forms {name}"] = in_forms(draw, FLOAT64, {}) if unchecked else in_forms(draw)
+        targets[f"forms {name}"] = (
+            in_forms(draw, FLOAT64, {}) if unchecked else in_forms(draw)
+        )
     return targets

@@ -92,7 +92,9 @@ def trapped_xml(rng: Rng, text: str) -> str:
             found = [*_ATTRIBUTE.finditer(text)]
             if found:
                 at = pick(rng, found)
-                text = text[: at.start()] + quoteattr(pick(rng, TRAPS)) + text[at.end() :]
+                text = (
+                    text[: at.start()] + quoteattr(pick(rng, TRAPS)) + text[at.end() :]
+                )
         elif way == 3:
             at = text.find("<robot")
             text = text[:at] + pick(rng, DOCTYPES) + text[at:] if at >= 0 else text
@@ -102,7 +104,9 @@ def trapped_xml(rng: Rng, text: str) -> str:
             text = text[:at] + element(rng, 2) + text[at:]
         else:
             at = int(rng.integers(len(text) + 1))
-            text = text[:at] + pick(rng, REPEATED) * int(rng.integers(1, 2000)) + text[at:]
+            text = (
+                text[:at] + pick(rng, REPEATED) * int(rng.integers(1, 2000)) + text[at:]
+            )
     return text
 
 
@@ -110,9 +114,15 @@ def element(rng: Rng, depth: int) -> str:
     """An element of any name with anything in it."""
     tag = pick(rng, TAGS)
     names = [pick(rng, ATTRIBUTES) for _ in range(int(rng.integers(5)))]
-    given = {name: pick(rng, TRAPS if rng.integers(6) == 0 else WORDS) for name in names}
+    given = {
+        name: pick(rng, TRAPS if rng.integers(6) == 0 else WORDS) for name in names
+    }
     attributes = "".join(f" {name}={quoteattr(value)}" for name, value in given.items())
-    inside = "".join(element(rng, depth - 1) for _ in range(int(rng.integers(4)))) if depth else ""
+    inside = (
+        "".join(element(rng, depth - 1) for _ in range(int(rng.integers(4))))
+        if depth
+        else ""
+    )
     return f"<{tag}{attributes}>{inside}</{tag}>" if inside else f"<{tag}{attributes}/>"
 
 
@@ -121,7 +131,9 @@ def made_up_xml(rng: Rng) -> str:
     head = pick(rng, DOCTYPES) if rng.integers(6) == 0 else ""
     space = ' xmlns:xacro="http://www.ros.org/wiki/xacro"' if rng.integers(2) else ""
     parts = "".join(element(rng, 3) for _ in range(int(rng.integers(1, 12))))
-    return f'{head}<robot name="{pick(rng, ("x", "alpha5", ""))}"{space}>{parts}</robot>'
+    return (
+        f'{head}<robot name="{pick(rng, ("x", "alpha5", ""))}"{space}>{parts}</robot>'
+    )
 
 
 def chain_of_joints(rng: Rng) -> str:
@@ -132,8 +144,13 @@ def chain_of_joints(rng: Rng) -> str:
     for k in range(count):
         name = names[k] if k < len(names) else f"j{k}"
         parent = k if rng.integers(5) else int(rng.integers(k + 1))
-        kind = pick(rng, ("revolute", "revolute", "revolute", "continuous", "fixed", "prismatic"))
-        numbers = [" ".join(f"{x:.4g}" for x in row) for row in rng.normal(0, 0.3, (3, 3))]
+        kind = pick(
+            rng,
+            ("revolute", "revolute", "revolute", "continuous", "fixed", "prismatic"),
+        )
+        numbers = [
+            " ".join(f"{x:.4g}" for x in row) for row in rng.normal(0, 0.3, (3, 3))
+        ]
         body = ""
         if rng.integers(2):
             body = '<inertial><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>'
@@ -156,14 +173,37 @@ def repeated(rng: Rng) -> str:
 def table_of_anything(rng: Rng) -> str:
     """A table with any names and any cells."""
     columns = int(rng.integers(1, 12))
-    names = ["time_secs", *(f"axis_{x}_pos" for x in "edcb"), *TRAPS, "axis_b_vel", "", "a b"]
+    names = [
+        "time_secs",
+        *(f"axis_{x}_pos" for x in "edcb"),
+        *TRAPS,
+        "axis_b_vel",
+        "",
+        "a b",
+    ]
     head = [pick(rng, names) for _ in range(columns)]
     if rng.integers(2):
         head[:5] = names[:5]
-    cells = ("0", "1", "1.5", "nan", "inf", "", '"1"', '"', "1e308", "-0", "0x1", "1_0", *TRAPS[:4])
+    cells = (
+        "0",
+        "1",
+        "1.5",
+        "nan",
+        "inf",
+        "",
+        '"1"',
+        '"',
+        "1e308",
+        "-0",
+        "0x1",
+        "1_0",
+        *TRAPS[:4],
+    )
     rows = []
     for k in range(int(rng.integers(0, 30))):
-        row = [pick(rng, cells) if rng.integers(3) == 0 else f"{k * 0.1:.3f}" for _ in head]
+        row = [
+            pick(rng, cells) if rng.integers(3) == 0 else f"{k * 0.1:.3f}" for _ in head
+        ]
         rows.append(pick(rng, (",", ",", ",", ";", "\t")).join(row))
     return "\n".join([",".join(head), *rows])
 
@@ -171,7 +211,11 @@ def table_of_anything(rng: Rng) -> str:
 def wide_table(rng: Rng) -> str:
     """A good table among thousands of columns."""
     more = int(rng.integers(1, 6000))
-    names = ["time_secs", *(f"axis_{x}_pos" for x in "edcb"), *(f"c{k}" for k in range(more))]
+    names = [
+        "time_secs",
+        *(f"axis_{x}_pos" for x in "edcb"),
+        *(f"c{k}" for k in range(more)),
+    ]
     row = ["0"] * len(names)
     rows = [",".join([f"{k * 0.1:.1f}", *row[1:]]) for k in range(6)]
     return "\n".join([",".join(names), *rows])
@@ -205,7 +249,16 @@ def study_of_anything(rng: Rng, text: str) -> str:
             lines[k] = f"{key}= {pick(rng, values)}"
         else:
             name = pick(
-                rng, ("x", "axis_e_pos", "recordings", "'a.b'", "outputs", "seed", "samples")
+                rng,
+                (
+                    "x",
+                    "axis_e_pos",
+                    "recordings",
+                    "'a.b'",
+                    "outputs",
+                    "seed",
+                    "samples",
+                ),
             )
             lines.insert(k, f"{name} = {pick(rng, values)}")
     return "\n".join(lines)
@@ -219,7 +272,9 @@ def garbled(rng: Rng, content: bytes) -> bytes:
         length = int(rng.integers(1, 64))
         way = int(rng.integers(5))
         if way < 2:
-            raw[start : start + length] = rng.integers(0, 256, len(raw[start : start + length]))
+            raw[start : start + length] = rng.integers(
+                0, 256, len(raw[start : start + length])
+            )
         elif way == 2:
             raw[start : start + 8] = pick(rng, (0, 255, 127, 128))
         elif way == 3:

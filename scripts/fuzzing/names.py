@@ -38,20 +38,25 @@ def target(rng: Rng, folder: Path) -> Case:
     positions = rng.uniform(0.5, 1.5, (4, count))
     columns = [("time_secs", time)]
     if with_positions:
-        columns += [(f"axis_{x}{suffix}", row) for x, row in zip("edcb", positions, strict=True)]
+        columns += [
+            (f"axis_{x}{suffix}", row) for x, row in zip("edcb", positions, strict=True)
+        ]
     for _ in range(int(rng.integers(1, 4))):
         pattern = _pattern(rng)
         # out of any range: whoever reads them as positions is seen
         noise = rng.uniform(50, 60, (4, count))
         columns += [
-            (pattern.replace("*", f"axis_{x}"), row) for x, row in zip("edcb", noise, strict=True)
+            (pattern.replace("*", f"axis_{x}"), row)
+            for x, row in zip("edcb", noise, strict=True)
         ]
     columns = [columns[k] for k in rng.permutation(len(columns))]
     known: dict[str, np.ndarray] = {}
     for name, row in columns:
         known.setdefault(name, row)
     path = folder / "columns.csv"
-    rows = [",".join(f"{x:.17g}" for x in row) for row in np.transpose([*known.values()])]
+    rows = [
+        ",".join(f"{x:.17g}" for x in row) for row in np.transpose([*known.values()])
+    ]
     path.write_text("\n".join([",".join(known), *rows]), encoding="utf-8")
 
     def call(path: Path) -> Any:

@@ -70,7 +70,9 @@ def damage(rng: Rng, text: str) -> bytes:
             text = "\n".join(lines)
         elif rng.integers(4) == 0:
             text = text[:start]
-    content = text.encode(pick(rng, ("utf-8",) * 9 + ("utf-16", "latin-1", "utf-8-sig")), "replace")
+    content = text.encode(
+        pick(rng, ("utf-8",) * 9 + ("utf-16", "latin-1", "utf-8-sig")), "replace"
+    )
     if rng.integers(10) == 0:
         raw = np.frombuffer(content, np.uint8).copy()
         raw[rng.integers(len(raw) or 1, size=min(3, len(raw)))] = rng.integers(256)
@@ -83,7 +85,10 @@ def _urdf(k: int) -> str:
     gripper = ("locked", "jaws")[k % 2]
     return urdf(
         Variant(
-            gripper, prefix="left_" * (k // 2 % 2), parent="rov" * (k // 2 % 2), ros2_control=k > 2
+            gripper,
+            prefix="left_" * (k // 2 % 2),
+            parent="rov" * (k // 2 % 2),
+            ros2_control=k > 2,
         )
     )
 
@@ -96,7 +101,10 @@ def _recording(rng: Rng) -> str:
     if rng.integers(2):
         names += [f"axis_{j}_vel" for j in "edcb"]
         columns += list(rng.normal(0, 0.1, (4, rows)))
-    lines = [",".join(names), *(",".join(f"{x:.6g}" for x in row) for row in np.transpose(columns))]
+    lines = [
+        ",".join(names),
+        *(",".join(f"{x:.6g}" for x in row) for row in np.transpose(columns)),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -148,7 +156,9 @@ def _tables(rng: Rng, folder: Path) -> Case:
 @cache
 def _published() -> tuple[str, str]:
     folder = Path(a5.__file__).parent / "numbers"
-    first, second = (folder / f"{n}.toml" for n in ("reach_alpha_mk2_v7", "supplementary"))
+    first, second = (
+        folder / f"{n}.toml" for n in ("reach_alpha_mk2_v7", "supplementary")
+    )
     return first.read_text(encoding="utf-8"), second.read_text(encoding="utf-8")
 
 
@@ -161,7 +171,9 @@ def _variant(rng: Rng, folder: Path) -> Case:
     if arguments:
         name = pick(rng, list(arguments))
         arguments[name] = (
-            pick(rng, TEXTS) if isinstance(chosen[name], str) else spoil(rng, chosen[name])[0]
+            pick(rng, TEXTS)
+            if isinstance(chosen[name], str)
+            else spoil(rng, chosen[name])[0]
         )
     return Case(lambda **given: urdf(Variant(**given)), arguments)
 
@@ -202,7 +214,11 @@ def _bag(kind: str) -> bytes:
 
     joints = [f"axis_{x}" for x in "edcb"]
     states = [
-        State(stamp=10**18 + k * 10**8, names=joints, position=(1.0, 1.0 + 0.01 * k, 1.0, 0.5))
+        State(
+            stamp=10**18 + k * 10**8,
+            names=joints,
+            position=(1.0, 1.0 + 0.01 * k, 1.0, 0.5),
+        )
         for k in range(12)
     ]
     with tempfile.TemporaryDirectory() as folder:
@@ -211,7 +227,9 @@ def _bag(kind: str) -> bytes:
 
 def _garbled_bag(kind: str) -> Target:
     return _hostile(
-        (kind,), lambda rng: hostile.garbled(rng, _bag(kind)), {a5.trajectory.read_motion: 1}
+        (kind,),
+        lambda rng: hostile.garbled(rng, _bag(kind)),
+        {a5.trajectory.read_motion: 1},
     )
 
 
@@ -284,9 +302,9 @@ TARGETS: dict[str, Target] = {
     ),
     "hostile study": _hostile(
         (".toml",),
-        lambda rng: pick(rng, (hostile.study_of_anything, lambda r, t: hostile.repeated(r)))(
-            rng, STUDY
-        ),
+        lambda rng: pick(
+            rng, (hostile.study_of_anything, lambda r, t: hostile.repeated(r))
+        )(rng, STUDY),
         {_study_as_read: 1},
     ),
     "study": _file(lambda rng: STUDY, ".toml", {_study_as_read: 1}),

@@ -58,7 +58,11 @@ def spoil(rng: Rng, value: Any) -> tuple[Any, bool]:
         if isinstance(value, float) and way >= 4:
             bad = pick(rng, NOT_FINITE if way < 6 else NUMBERS)
             return bad, not math.isfinite(bad)
-        return (pick(rng, ODD), False) if way % 2 else (pick(rng, NO_NUMBERS), array is not None)
+        return (
+            (pick(rng, ODD), False)
+            if way % 2
+            else (pick(rng, NO_NUMBERS), array is not None)
+        )
     changed, place = array.copy(), int(rng.integers(array.size))
     if way == 2:
         changed.flat[place] = pick(rng, NOT_FINITE)
@@ -76,12 +80,21 @@ def spoil(rng: Rng, value: Any) -> tuple[Any, bool]:
         return np.ma.MaskedArray(changed, mask), True
     if way == 6 and array.ndim:
         return pick(
-            rng, (changed[..., :-1], changed[..., None], np.moveaxis(changed, 0, -1), changed[None])
+            rng,
+            (
+                changed[..., :-1],
+                changed[..., None],
+                np.moveaxis(changed, 0, -1),
+                changed[None],
+            ),
         ), False
     if way == 7:
         nested = changed.astype(object)
         nested.flat[place] = pick(rng, (None, "x", 1j, [1.0], {}))
-        return nested.tolist(), array.size > 1  # [[1.0]] for [1.0] is another shape only
+        return (
+            nested.tolist(),
+            array.size > 1,
+        )  # [[1.0]] for [1.0] is another shape only
     if way == 8:
         return np.full(array.shape, pick(rng, NUMBERS)), False
     return pick(
@@ -136,7 +149,9 @@ def transform(rng: Rng) -> np.ndarray:
     return out
 
 
-def wrong_answers(result: Any, ignored: frozenset[str], place: str = "") -> Iterator[str]:
+def wrong_answers(
+    result: Any, ignored: frozenset[str], place: str = ""
+) -> Iterator[str]:
     """Where NaN or infinity stands in an answer."""
     if "the answer" in ignored:
         return
@@ -154,7 +169,9 @@ def wrong_answers(result: Any, ignored: frozenset[str], place: str = "") -> Iter
         )
         for name in names:
             if name not in ignored:
-                yield from wrong_answers(getattr(result, name), ignored, f"{place}.{name}")
+                yield from wrong_answers(
+                    getattr(result, name), ignored, f"{place}.{name}"
+                )
     elif isinstance(result, dict):
         for key, value in result.items():
             if key not in ignored:

@@ -53,7 +53,9 @@ def _hook(event: str, args: tuple[Any, ...]) -> None:
         return
     if event == "subprocess.Popen" and Path(str(args[0])).name in OWN_PROGRAMS:
         return
-    if event in FORBIDDEN or (event in SUSPECT and CANARY in _text(args[0] if args else "")):
+    if event in FORBIDDEN or (
+        event in SUSPECT and CANARY in _text(args[0] if args else "")
+    ):
         _misdeeds.append(f"{event} {str(args)[:200]}")
 
 

@@ -65,7 +65,9 @@ def panels(solid: Any, size: float) -> tuple[Array, Faces]:
 def corners(solid: Any) -> tuple[Array, Faces]:
     """Vertices (n, 3) [mm] and triangles (m, 3) of a solid."""
     mesh = solid.to_mesh64()
-    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
+    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(
+        np.int64
+    )
 
 
 def enclosed(vertices: Array, faces: Faces) -> float:
@@ -73,16 +75,22 @@ def enclosed(vertices: Array, faces: Faces) -> float:
     return float(np.linalg.det(vertices[faces]).sum()) / 6
 
 
-def _fitted(vertices: Array, faces: Faces, drawn: Any, volume: float, size: float) -> Array:
+def _fitted(
+    vertices: Array, faces: Faces, drawn: Any, volume: float, size: float
+) -> Array:
     import pymeshlab
 
     triangles = vertices[faces]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = np.cross(
+        triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    )
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(drawn)
     meshes.add_mesh(pymeshlab.Mesh(triangles.mean(axis=1)))
-    meshes.compute_scalar_by_distance_from_another_mesh_per_vertex(measuremesh=1, refmesh=0)
+    meshes.compute_scalar_by_distance_from_another_mesh_per_vertex(
+        measuremesh=1, refmesh=0
+    )
     off = meshes.mesh(1).vertex_scalar_array()[:, None]
     moves = -np.clip(off, -_BESIDE * size, _BESIDE * size) * normals
     sums = np.zeros((2, *vertices.shape))

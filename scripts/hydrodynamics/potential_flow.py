@@ -24,7 +24,9 @@ def rigid_motions(centres: Array) -> list[Array]:
 
 
 def added_mass(
-    vertices: Array, triangles: NDArray[np.int64], motions: Sequence[Array] | None = None
+    vertices: Array,
+    triangles: NDArray[np.int64],
+    motions: Sequence[Array] | None = None,
 ) -> Array:
     """Added mass between motions of closed meshes, those of a rigid body if none are given.
 
@@ -41,10 +43,14 @@ def added_mass(
     from capytaine.green_functions.delhommeau import Delhommeau
 
     capytaine.set_logging("ERROR")
-    faces = triangles[:, [0, 1, 2, 2]]  # its triangles are quadrilaterals with a corner twice
+    faces = triangles[
+        :, [0, 1, 2, 2]
+    ]  # its triangles are quadrilaterals with a corner twice
     mesh = capytaine.Mesh(vertices, faces, auto_clean=False, auto_check=False)
     given = rigid_motions(mesh.faces_centers) if motions is None else motions
-    speeds = np.stack([(motion * mesh.faces_normals).sum(axis=1) for motion in given], axis=1)
+    speeds = np.stack(
+        [(motion * mesh.faces_normals).sum(axis=1) for motion in given], axis=1
+    )
     # Green's identity for the potential ("direct") errs by a quarter of what a distribution of sources does. Without
     # a free surface there is no frequency, and the matrices are real; capytaine's are complex: some rows at a time.
     size = len(faces)
@@ -76,6 +82,8 @@ def extrapolated(
         return found[0], found, found[0]
     before, last = (
         b + (b - a) * at / (above - at)
-        for a, b, above, at in zip(found[-3:], found[-2:], power[-3:], power[-2:], strict=False)
+        for a, b, above, at in zip(
+            found[-3:], found[-2:], power[-3:], power[-2:], strict=False
+        )
     )
     return last, found, before

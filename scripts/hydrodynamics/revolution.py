@@ -43,13 +43,19 @@ def cylinder_across(ratio: float) -> float:
     single, double = np.zeros((2, len(lines), len(lines)))
     for j, (start, line, length) in enumerate(zip(starts, lines, lengths, strict=True)):
         for places, shares in (plain, crowded):
-            seen = [j] if places is crowded[0] else [i for i in range(len(lines)) if i != j]
+            seen = (
+                [j]
+                if places is crowded[0]
+                else [i for i in range(len(lines)) if i != j]
+            )
             ring = start + places[:, None] * line
             source, dipole = _ring(middles[seen][:, None], ring, normals[j])
             single[seen, j] = (source * shares * ring[:, 0]).sum(axis=1) * length
             double[seen, j] = (dipole * shares * ring[:, 0]).sum(axis=1) * length
     speeds = normals[:, 0]
-    potential = np.linalg.solve(2 * np.pi * np.eye(len(lines)) - double, single @ speeds)
+    potential = np.linalg.solve(
+        2 * np.pi * np.eye(len(lines)) - double, single @ speeds
+    )
     return float((potential * speeds * lengths * middles[:, 0]).sum() / (2 * ratio))
 
 

@@ -42,7 +42,20 @@ OPERATORS = {
     "~": ("",),
 }
 #: After one of these, or an operator, a sign or star has one operand only.
-_BEFORE_AN_OPERAND = ("", "(", "[", "{", ",", ";", ":", "?", "=", "return", "const", "sizeof")
+_BEFORE_AN_OPERAND = (
+    "",
+    "(",
+    "[",
+    "{",
+    ",",
+    ";",
+    ":",
+    "?",
+    "=",
+    "return",
+    "const",
+    "sizeof",
+)
 _TYPES = ("double", "void", "char", "int", "long", "PyObject", "PyArrayObject")
 _SKIPPED = re.compile(
     r"""/\*.*?\*/ | //[^\n]* | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])*' | \$\w+
@@ -62,7 +75,9 @@ _TOKEN = re.compile(
 def places(file: Path, text: str) -> list[Place]:
     """Each token that something else may stand for."""
     return [
-        _place(file, text, start, old, choices) for start, old, choices in _tokens(text) if choices
+        _place(file, text, start, old, choices)
+        for start, old, choices in _tokens(text)
+        if choices
     ]
 
 
@@ -71,7 +86,9 @@ def code_lines(text: str) -> int:
     return len({text.count("\n", 0, start) for start, _, _ in _tokens(text)})
 
 
-def _place(file: Path, text: str, start: int, old: str, choices: tuple[str, ...]) -> Place:
+def _place(
+    file: Path, text: str, start: int, old: str, choices: tuple[str, ...]
+) -> Place:
     line = text.count("\n", 0, start) + 1
 
     def mutants(chance: random.Random) -> Iterator[Mutant]:

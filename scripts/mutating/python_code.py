@@ -168,7 +168,9 @@ def _changes(source: _Text, node: ast.AST) -> Iterator[Change]:
                     yield at, source.end(decorator), "", "decorator dropped"
 
 
-def _operator(source: _Text, op: ast.AST, left: ast.expr, right: ast.expr) -> Iterator[Change]:
+def _operator(
+    source: _Text, op: ast.AST, left: ast.expr, right: ast.expr
+) -> Iterator[Change]:
     family = next((f for f in FAMILIES if type(op) in f), {})
     old = family.get(type(op))
     if old is None:

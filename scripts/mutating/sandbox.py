@@ -112,7 +112,10 @@ class Sandbox:
             text=True,
         ).stdout
         names = [REPOSITORY / name for name in listed.split("\0") if name]
-        for path in [*names, *REPOSITORY.glob("alpha5_model/codegen/kernels/_compiled.*.so")]:
+        for path in [
+            *names,
+            *REPOSITORY.glob("alpha5_model/codegen/kernels/_compiled.*.so"),
+        ]:
             if path.is_file():
                 copy = self.checkout / path.relative_to(REPOSITORY)
                 copy.parent.mkdir(parents=True, exist_ok=True)
@@ -123,7 +126,9 @@ class Sandbox:
         subprocess.run(["git", "init", "-q"], cwd=self.checkout, check=True)
         self.package = self.checkout / "alpha5_model"
         kernels = (self.package / "codegen" / "kernels").glob("_compiled.*.so")
-        self.module = next(kernels, self.package / "codegen" / "kernels" / "_compiled.abi3.so")
+        self.module = next(
+            kernels, self.package / "codegen" / "kernels" / "_compiled.abi3.so"
+        )
         self.compiled = self.module.read_bytes() if self.module.exists() else None
 
     def write(self, file: Path, text: str) -> None:
@@ -308,7 +313,9 @@ def _tests(job: Job, box: Sandbox) -> int:
 def _watched(job: Job, box: Sandbox) -> int:
     (selection,) = job.selections
     box.record().unlink(missing_ok=True)
-    measure = coverage.Coverage(box.record(), source=[str(box.package)], config_file=False)
+    measure = coverage.Coverage(
+        box.record(), source=[str(box.package)], config_file=False
+    )
     measure.set_option("run:relative_files", True)
     watch = Watch(measure)
     measure.start()

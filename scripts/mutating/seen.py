@@ -163,7 +163,9 @@ class Seen:
                     chosen.append(name)
                     total += cost
             found.append((Selection(file, tuple(chosen)), total))
-        return sorted(found, key=lambda pair: pair[1] / (1 + weight.get(pair[0].file, 0)))
+        return sorted(
+            found, key=lambda pair: pair[1] / (1 + weight.get(pair[0].file, 0))
+        )
 
     def _lines(self, file: Path) -> dict[str, dict[int, set[str]]]:
         """Test file -> line of the source as it is now -> tests that pass it."""

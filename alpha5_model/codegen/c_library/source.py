@@ -43,7 +43,9 @@ def programs(arm: Arm, options: Any) -> list[Program]:
     if not options.struct:
         known["parameters"] = arm_parameters(arm)
     return [
-        symbolic.program(symbolic.folded(f, **{n: known[n] for n in f.name_in() if n in known}))
+        symbolic.program(
+            symbolic.folded(f, **{n: known[n] for n in f.name_in() if n in known})
+        )
         for name, f in products().items()
         if options.struct or name != "with_payload"
     ]
@@ -61,13 +63,19 @@ def header(arm: Arm, made: Iterable[Program], options: Any) -> str:
     values["fluid_density"] = f"{arm.fluid_density:g}"
     values["gravity"] = ", ".join(f"{x:g}" for x in arm.model.gravity.linear)
     values["branches"] = ",\n".join(f"    ALPHA5_{name.upper()}" for name in BRANCHES)
-    values["parameters"] = template("parameters.h", members=members) if options.struct else ""
+    values["parameters"] = (
+        template("parameters.h", members=members) if options.struct else ""
+    )
     return template("alpha5.h", functions=declared, **values)
 
 
 def source(arm: Arm, made: Iterable[Program], options: Any) -> str:
     """``alpha5.c``."""
-    text, g, real = '#include "alpha5.h"\n\n#include <math.h>\n\n', plane.arm_plane(), options.real
+    text, g, real = (
+        '#include "alpha5.h"\n\n#include <math.h>\n\n',
+        plane.arm_plane(),
+        options.real,
+    )
     for name, limits in (("lower", g.lower), ("upper", g.upper)):
         text += f"const alpha5_real alpha5_{name}[4] = {numbers(limits, real)};\n"
     if options.struct:
@@ -78,7 +86,9 @@ def source(arm: Arm, made: Iterable[Program], options: Any) -> str:
         read = {step.arguments[0] for step in one.steps if step.op == "input"}
         lines += [f"(void){s.name};" for i, s in enumerate(one.inputs) if i not in read]
         for slot, elements in zip(one.outputs, results, strict=True):
-            lines += [f"{_place(slot, i)} = {element};" for i, element in enumerate(elements)]
+            lines += [
+                f"{_place(slot, i)} = {element};" for i, element in enumerate(elements)
+            ]
         body = "".join(f"    {line}\n" for line in lines)
         text += f"\n{_prototype(one)}\n{{\n{body}}}\n"
     return text
@@ -110,7 +120,9 @@ def _element(slot: Slot, index: int) -> str:
 
 def _place(slot: Slot, index: int) -> str:
     if len(slot.shape) == 2:
-        return slot.name + "".join(f"[{i}]" for i in np.unravel_index(index, slot.shape))
+        return slot.name + "".join(
+            f"[{i}]" for i in np.unravel_index(index, slot.shape)
+        )
     return "*" * (slot.shape == (1,)) + _element(slot, index)
 
 
@@ -118,15 +130,25 @@ def check_program(arm: Arm, made: Iterable[Program], options: Any) -> str:
     """``test_alpha5.c``: random states, a payload, and targets."""
     rng, g, real, tests = np.random.default_rng(5), plane.arm_plane(), options.real, {}
     kind = np.float32 if real == "float" else np.float64
-    states = {name: rng.normal(scale=2.0, size=(_STATES, 4)) for name in ("q", "v", "a", "tau")}
+    states = {
+        name: rng.normal(scale=2.0, size=(_STATES, 4))
+        for name in ("q", "v", "a", "tau")
+    }
     states["q"] = rng.uniform(g.lower, g.upper, (_STATES, 4))
     states = {name: x.astype(kind).astype(np.float64) for name, x in states.items()}
-    rows = [dict(zip(states, row, strict=True)) for row in zip(*states.values(), strict=True)]
+    rows = [
+        dict(zip(states, row, strict=True))
+        for row in zip(*states.values(), strict=True)
+    ]
     for one in made:
         names = [slot.name for slot in one.inputs if slot.name in states]
         if names:
-            given = [_DEFAULT] * (len(names) < len(one.inputs)) + [f"{n}[row]" for n in names]
-            expected = [answer(arm, one.name, {n: row[n] for n in names}) for row in rows]
+            given = [_DEFAULT] * (len(names) < len(one.inputs)) + [
+                f"{n}[row]" for n in names
+            ]
+            expected = [
+                answer(arm, one.name, {n: row[n] for n in names}) for row in rows
+            ]
             call = f"alpha5_{one.name}({', '.join(given)}"
             tests[one.name] = _test(one.name, call, expected, real)
     if options.struct:
@@ -136,9 +158,13 @@ def check_program(arm: Arm, made: Iterable[Program], options: Any) -> str:
         call = f"alpha5_parameters loaded; alpha5_with_payload({_DEFAULT}"
         for x in (*body, arm.fluid_density):
             text = numbers(np.ravel(x), real)
-            call += f", (const alpha5_real[]){text}" if np.ndim(x) else f", {text[1:-1]}"
+            call += (
+                f", (const alpha5_real[]){text}" if np.ndim(x) else f", {text[1:-1]}"
+            )
         call += ", &loaded); alpha5_inverse_dynamics(&loaded, q[row], v[row], a[row]"
-        expected = [[loaded.inverse_dynamics(row["q"], row["v"], row["a"])] for row in rows]
+        expected = [
+            [loaded.inverse_dynamics(row["q"], row["v"], row["a"])] for row in rows
+        ]
         tests["with_payload"] = _test("with_payload", call, expected, real)
     values: dict[str, Any] = {name: numbers(x, real) for name, x in states.items()}
     values |= zip(("edge", "miss", "turn"), _MISSES[real], strict=True)
@@ -156,14 +182,18 @@ def answer(arm: Arm, name: str, given: Mapping[str, FloatArray]) -> list[FloatAr
         given: Its inputs q, v, a, tau.
     """
     if name == "link_poses":
-        result = tuple(arm.forward_kinematics(given["q"], f"link_{i}") for i in range(1, 5))
+        result = tuple(
+            arm.forward_kinematics(given["q"], f"link_{i}") for i in range(1, 5)
+        )
     else:
         result = getattr(arm, name)(*given.values())
     parts = result if isinstance(result, tuple) else (result,)
     return [np.array(getattr(x, "homogeneous", getattr(x, "vector", x))) for x in parts]
 
 
-def _test(name: str, call: str, expected: Sequence[Sequence[FloatArray]], real: str) -> str:
+def _test(
+    name: str, call: str, expected: Sequence[Sequence[FloatArray]], real: str
+) -> str:
     """A test of a call that lacks its outputs, in every state; each output is a share of its own largest number."""
     ends = np.cumsum([0, *(part.size for part in expected[0])]).tolist()
     bound, checks = _BOUNDS[real][name.startswith("forward_dynamics")], ""
@@ -171,8 +201,16 @@ def _test(name: str, call: str, expected: Sequence[Sequence[FloatArray]], real: 
         where = f"out + {at}, expected_{name}[row] + {at}, {end - at}"
         checks += f'        compare("{name}", row, {where}, {bound});\n'
         call += f", (void *)(out + {at})"
-    table = numbers([np.concatenate([part.ravel() for part in row]) for row in expected], real)
-    values = {"call": call, "checks": checks, "size": ends[-1], "count": _STATES, "table": table}
+    table = numbers(
+        [np.concatenate([part.ravel() for part in row]) for row in expected], real
+    )
+    values = {
+        "call": call,
+        "checks": checks,
+        "size": ends[-1],
+        "count": _STATES,
+        "table": table,
+    }
     return template("test_function.c", function=name, **values)
 
 

@@ -51,7 +51,9 @@ def module() -> Any:
             continue
     remedy = "install alpha5-model where a C compiler is, or compile with python hatch_build.py"
     wanted = "ALPHA5_KERNELS=compiled"
-    raise MissingDependencyError("alpha5_model.codegen.kernels._compiled", wanted, remedy)
+    raise MissingDependencyError(
+        "alpha5_model.codegen.kernels._compiled", wanted, remedy
+    )
 
 
 def compute(name: str, parameters: FloatArray, *arrays: FloatArray) -> None:

@@ -28,7 +28,8 @@ _ONE: dict[str, tuple[Any, ...]] = {**formulas.KERNELS, **numbers.KERNELS}
 _SOLVE: Callable[..., Any] = numbers.inverse_kinematics
 #: Shared by all answers; arrays of bytes cannot be made writeable.
 _FLAGS: dict[Any, Any] = {
-    bits: np.ndarray(4, np.bool_, bytes(bits)) for bits in product((False, True), repeat=4)
+    bits: np.ndarray(4, np.bool_, bytes(bits))
+    for bits in product((False, True), repeat=4)
 }
 _FLAGS |= {bit: np.ndarray((), np.bool_, bytes([bit])) for bit in (False, True)}
 
@@ -51,22 +52,37 @@ def bind(
         can be computed with.
     """
     formula, inputs, outputs = _ONE[name]
-    last = ([float(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
+    last = (
+        ([float(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
+    )
     shapes = inputs[: len(inputs) - len(last)]
-    return update_wrapper(partial(_one, formula, shapes, outputs, last, fallback), fallback)
+    return update_wrapper(
+        partial(_one, formula, shapes, outputs, last, fallback), fallback
+    )
 
 
 def _one(
-    formula: Any, shapes: Any, outputs: Any, last: Any, fallback: Any, *given: Any, **named: Any
+    formula: Any,
+    shapes: Any,
+    outputs: Any,
+    last: Any,
+    fallback: Any,
+    *given: Any,
+    **named: Any,
 ) -> Any:
     if named or len(given) != len(shapes) or not all(map(_clean, given, shapes)):
         return fallback(*given, **named)
     results = formula(*(x.ravel().tolist() for x in given), *last, math)
-    arrays = [np.array(r, np.float64).reshape(s) for r, s in zip(results, outputs, strict=True)]
+    arrays = [
+        np.array(r, np.float64).reshape(s)
+        for r, s in zip(results, outputs, strict=True)
+    ]
     return arrays[0] if len(arrays) == 1 else tuple(arrays)
 
 
-def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArray) -> bool:
+def batch(
+    name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArray
+) -> bool:
     """A kernel for each row of its inputs, into the rows of its outputs.
 
     Args:
@@ -80,7 +96,11 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
         rows of the right size, and the entries of the inputs can be computed with.
     """
     formula, inputs, outputs = _KERNELS[name]
-    last = ([np.array(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
+    last = (
+        ([np.array(x) for x in parameters],)
+        if inputs[-1] == np.shape(parameters)
+        else ()
+    )
     given = len(inputs) - len(last)
     shapes = (*inputs[:given], *outputs)
     if len(arrays) != len(shapes):
@@ -98,7 +118,9 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
             states = [x[i].tolist() for x in rows[:given]]
             if not all(abs(e) <= LARGEST for state in states for e in state):
                 return False
-            for out, result in zip(rows[given:], _ONE[name][0](*states, math), strict=True):
+            for out, result in zip(
+                rows[given:], _ONE[name][0](*states, math), strict=True
+            ):
                 out[i] = result
         return True
     with np.errstate(all="ignore"):
@@ -107,7 +129,9 @@ def batch(name: str, parameters: Sequence[float] | FloatArray, *arrays: FloatArr
             columns = [np.ascontiguousarray(x[here].T) for x in rows[:given]]
             if not all(np.abs(x).max() <= LARGEST for x in columns):
                 return False
-            for out, result in zip(rows[given:], formula(*columns, *last, np), strict=True):
+            for out, result in zip(
+                rows[given:], formula(*columns, *last, np), strict=True
+            ):
                 for k, column in enumerate(result):
                     out[here, k] = column
     return True
@@ -128,12 +152,19 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
     x = position
     if type(x) is np.ndarray and x.shape == (3,):
         x = x.tolist()
-    if type(x) not in (list, tuple) or len(x) != 3 or {*map(type, x), type(wrist)} != {float}:
+    if (
+        type(x) not in (list, tuple)
+        or len(x) != 3
+        or {*map(type, x), type(wrist)} != {float}
+    ):
         return None
     if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
         return None
     q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
-    angles, target = np.ndarray((4, 4), float, pack("16d", *q)), np.frombuffer(pack("3d", *x))
+    angles, target = (
+        np.ndarray((4, 4), float, pack("16d", *q)),
+        np.frombuffer(pack("3d", *x)),
+    )
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
     return tuple.__new__(kind, answer)
 
@@ -164,4 +195,8 @@ def _plain(x: Any, rows: bool = False) -> bool:
 
 
 def _clean(x: Any, shape: tuple[int, ...]) -> bool:
-    return _plain(x) and x.shape == shape and all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))
+    return (
+        _plain(x)
+        and x.shape == shape
+        and all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))
+    )

@@ -21,7 +21,11 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix, excess_of_box, rotation_about
 from alpha5_model.numbers import inertia
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
-from alpha5_model.numbers.parameters import Alpha5Parameters, LinkParameters, link_numbers
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    LinkParameters,
+    link_numbers,
+)
 from alpha5_model.numbers.tables import BuoyancyRow, InertialRow, Published, Triple
 from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited, figure, si
 
@@ -41,14 +45,21 @@ RESIDUALS: dict[str, Formula] = {
     "parallel_axis": lambda m, p, com, link: link - inertia.tensor_at_origin(m, p, com),
     # The control: with the products read in URDF sign, the same must be out of bounds.
     "product_sign": lambda m, p, com, link: (
-        inertia.flip_products(link) - inertia.tensor_at_origin(m, p, inertia.flip_products(com))
+        inertia.flip_products(link)
+        - inertia.tensor_at_origin(m, p, inertia.flip_products(com))
     ),
-    "equation_1.printed": _less(lambda m, p: m * ((p @ p) * np.eye(3) - (p @ p).T * np.eye(3))),
-    "equation_1.corrected": _less(lambda m, p: m * ((p @ p) * np.eye(3) - np.outer(p, p))),
+    "equation_1.printed": _less(
+        lambda m, p: m * ((p @ p) * np.eye(3) - (p @ p).T * np.eye(3))
+    ),
+    "equation_1.corrected": _less(
+        lambda m, p: m * ((p @ p) * np.eye(3) - np.outer(p, p))
+    ),
     "equation_2.printed": _less(lambda m, p: m * cross_matrix(p) @ cross_matrix(p)),
     "equation_2.corrected": _less(lambda m, p: -m * cross_matrix(p) @ cross_matrix(p)),
     # {A} at the link frame, {B} at the COM
-    "equation_1.any_frame": lambda m, p, com, link: inertia.tensor_at_origin(m, p, link) - com,
+    "equation_1.any_frame": lambda m, p, com, link: (
+        inertia.tensor_at_origin(m, p, link) - com
+    ),
 }
 EQUATIONS = [claim for claim in RESIDUALS if claim.startswith("equation")]
 #: Claim about a row of Table 2 -> the tensor about the COM that is that of a body.
@@ -64,10 +75,16 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     fastest = max(joint.velocity for joint in p.joints[:4])
     boxes = [link.bounds for link in p.links]
     return [
-        *(audited("parallel_axis", of=row, **_worst("parallel_axis", row)) for row in rows),
+        *(
+            audited("parallel_axis", of=row, **_worst("parallel_axis", row))
+            for row in rows
+        ),
         *(_product_sign(row, fastest) for row in rows),
         # on the link with the longest lever
-        *(audited(claim, link=rows[4].link, **_worst(claim, rows[4])) for claim in EQUATIONS),
+        *(
+            audited(claim, link=rows[4].link, **_worst(claim, rows[4]))
+            for claim in EQUATIONS
+        ),
         *_rotation(p),
         *_masses(rows),
         *_missing_decimals(rows),
@@ -103,7 +120,9 @@ def _worst(claim: str, row: InertialRow) -> dict[str, Any]:
     value, bound = _of(row, RESIDUALS[claim])
     size = np.abs(value)
     beyond = size > bound
-    i, j = divmod(int(np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size)), 3)
+    i, j = divmod(
+        int(np.argmax(np.where(beyond, size, 0.0) if beyond.any() else size)), 3
+    )
     words = {"entry": "xyz"[i] + "xyz"[j], "beyond": beyond[np.triu_indices(3)].sum()}
     return {"measured": size[i, j], "bound": bound[i, j], **words}
 
@@ -112,7 +131,9 @@ def _product_sign(row: InertialRow, fastest: float) -> AuditRow:
     (_, xy, xz), (_, _, yz), _ = row.inertia_com
     effect = 2 * np.abs(si([xy, xz, yz])).max() * fastest**2
     worst = _worst("product_sign", row)
-    return audited("product_sign", worst["measured"], 0.0, worst["bound"], of=row, effect=effect)
+    return audited(
+        "product_sign", worst["measured"], 0.0, worst["bound"], of=row, effect=effect
+    )
 
 
 def _rotation(p: Alpha5Parameters) -> list[AuditRow]:
@@ -126,7 +147,10 @@ def _rotation(p: Alpha5Parameters) -> list[AuditRow]:
     turn = rotation_about((1, 0, 0), [row.alpha for row in p.dh[:4]])
     back = np.swapaxes(turn, 1, 2)
     found = []
-    for name, one, other in (("rotation", turn, back), ("rotation_of_coordinates", back, turn)):
+    for name, one, other in (
+        ("rotation", turn, back),
+        ("rotation_of_coordinates", back, turn),
+    ):
         miss = np.abs(turn @ (one @ tensors @ other) @ back - tensors).max()
         found.append(audited(f"equation_1.{name}", miss, ARITHMETIC, link="1 to 4"))
     return found
@@ -149,8 +173,12 @@ def _masses(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
         implied = implied_mass(row)[0]
         excess, bound = _of(row, lambda m, *numbers: _mass(m, *numbers) - m)
         effect = abs(excess) * G * float(np.linalg.norm(si(row.com)))
-        found.append(audited("implied_mass", implied, bound, row.mass.si, of=row, effect=effect))
-    implied, bound = (sum(getattr(row, key) for row in found) for key in ("measured", "bound"))
+        found.append(
+            audited("implied_mass", implied, bound, row.mass.si, of=row, effect=effect)
+        )
+    implied, bound = (
+        sum(getattr(row, key) for row in found) for key in ("measured", "bound")
+    )
     return [*found, audited("total.mass", implied, bound, float(total), total=total)]
 
 
@@ -179,7 +207,9 @@ def _missing_decimals(rows: tuple[InertialRow, ...]) -> list[AuditRow]:
 
 def _possible(claim: str, row: InertialRow) -> AuditRow:
     def smallest(*numbers: Any) -> Any:
-        return inertia.principal_moments(inertia.second_moments(TENSORS[claim](*numbers)))[0]
+        return inertia.principal_moments(
+            inertia.second_moments(TENSORS[claim](*numbers))
+        )[0]
 
     return audited(claim, *_of(row, smallest), of=row)
 
@@ -187,7 +217,9 @@ def _possible(claim: str, row: InertialRow) -> AuditRow:
 def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     """Along each axis the standard deviation of the mass is at most sqrt((max-c)(c-min))."""
 
-    def spread(mass: float, com: FloatArray, at_com: FloatArray, _: FloatArray) -> FloatArray:
+    def spread(
+        mass: float, com: FloatArray, at_com: FloatArray, _: FloatArray
+    ) -> FloatArray:
         """Along each axis [m], 0 where the tensor is impossible; and how much that is too much."""
         size = np.sqrt(np.maximum(np.diag(inertia.second_moments(at_com)) / mass, 0.0))
         room = np.maximum([com - bounds[:, 0], bounds[:, 1] - com], 0.0)
@@ -196,7 +228,9 @@ def _mass_spread(row: InertialRow, bounds: FloatArray) -> AuditRow:
     (size, excess), (_, bound) = _of(row, spread)
     k = int(np.argmax(excess - bound))
     words: dict[str, Any] = {"axis": "xyz"[k], "more": excess[k] > bound[k]}
-    return audited("mass_spread", size[k], bound[k], size[k] - excess[k], of=row, **words)
+    return audited(
+        "mass_spread", size[k], bound[k], size[k] - excess[k], of=row, **words
+    )
 
 
 def _jaw_plane(printed: Published) -> list[AuditRow]:
@@ -206,24 +240,36 @@ def _jaw_plane(printed: Published) -> list[AuditRow]:
     finger, sdk = [jaws[name].quantity for name in names], jaws["sdk_plane"].quantity
     (xx, xy, _), (_, yy, _), _ = printed.table_2.rows[4].inertia_com
     # Of the greatest spread of mass, from x of {4}; products in the document's sign.
-    angle, rounding = figure(lambda x: np.arctan2(2 * x[2], x[1] - x[0]) / 2, [xx, yy, xy])
+    angle, rounding = figure(
+        lambda x: np.arctan2(2 * x[2], x[1] - x[0]) / 2, [xx, yy, xy]
+    )
     spread, digits = figure(lambda x: x[1] - x[0], [xx, yy])
     # I_yy - I_xx of two points of the fingers' masses at the pivots
     expected, bound = figure(lambda x: x[0] ** 2 * x[1] * (x[2] + x[3]), finger)
     offset, density, *volumes = si(finger)
-    words: dict[str, Any] = {"offset": finger[0], "implied": 1e3 * spread / (2 * offset**2)}
+    words: dict[str, Any] = {
+        "offset": finger[0],
+        "implied": 1e3 * spread / (2 * offset**2),
+    }
     words["first"], words["second"] = (1e3 * volume * density for volume in volumes)
     direction = audited("jaw_plane.direction", angle, rounding + sdk.rounding, sdk.si)
-    return [direction, audited("jaw_plane.spread", spread, bound + digits, expected, **words)]
+    return [
+        direction,
+        audited("jaw_plane.spread", spread, bound + digits, expected, **words),
+    ]
 
 
-def _inside(claim: str, row: Any, point: Triple, bounds: FloatArray, **words: Any) -> AuditRow:
+def _inside(
+    claim: str, row: Any, point: Triple, bounds: FloatArray, **words: Any
+) -> AuditRow:
     """How far a row's point is from the body's bounds."""
     outside = figure(partial(excess_of_box, bounds=bounds), point)
     return audited(claim, *outside, of=row, **words)
 
 
-def _cob_inside(row: BuoyancyRow, link: LinkParameters, corrected: dict[str, Any]) -> AuditRow:
+def _cob_inside(
+    row: BuoyancyRow, link: LinkParameters, corrected: dict[str, Any]
+) -> AuditRow:
     words: dict[str, Any] = {}
     cob = corrected["cob"]
     if moved := float(np.linalg.norm(cob - si(row.cob))):
@@ -242,7 +288,9 @@ def _density(inertial: InertialRow, row: BuoyancyRow) -> AuditRow:
 def _totals(printed: Published, boxes: list[FloatArray]) -> list[AuditRow]:
     masses = [row.mass for row in printed.table_2.rows]
     volumes = [row.volume for row in printed.table_3.rows]
-    weight = figure(lambda x: (x[:5].sum() - SEA_WATER * x[5:].sum()) * G, [*masses, *volumes])
+    weight = figure(
+        lambda x: (x[:5].sum() - SEA_WATER * x[5:].sum()) * G, [*masses, *volumes]
+    )
     whole = sum(float(np.prod(np.diff(bounds))) for bounds in boxes)
     volume = audited("total.volume", *figure(np.sum, volumes), whole)
     return [volume, audited("total.wet_weight", *weight)]

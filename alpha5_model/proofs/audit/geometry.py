@@ -19,7 +19,14 @@ from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published
-from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited, figure, sampled_share, si
+from alpha5_model.proofs.audit.row import (
+    ARITHMETIC,
+    AuditRow,
+    audited,
+    figure,
+    sampled_share,
+    si,
+)
 from alpha5_model.theory.dh.chain import DHChain
 
 #: Random joint positions for the printed formulas, and points of the reachable volume for
@@ -45,8 +52,14 @@ def _lengths(printed: Published) -> list[Quantity]:
 
 
 def _frames(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
-    first, largest = float(printed.table_1.rows[0].link) - 1, max(abs(r.alpha) for r in p.dh[:4])
-    rows = [audited("frames.first", first), audited("frames.aligned", largest, ARITHMETIC)]
+    first, largest = (
+        float(printed.table_1.rows[0].link) - 1,
+        max(abs(r.alpha) for r in p.dh[:4]),
+    )
+    rows = [
+        audited("frames.first", first),
+        audited("frames.aligned", largest, ARITHMETIC),
+    ]
     for at, (named, right) in REFERENCES.items():
         words: dict[str, Any] = {"section": at, "named": named, "right": right}
         claim = f"cross_reference.section_{at}"
@@ -77,10 +90,20 @@ def _inverse_kinematics(document: Published, p: Alpha5Parameters) -> list[AuditR
         same = exists & (np.abs(wrap(solution - q)).max(axis=-1) < 1e-6)
         found |= same
         as_printed |= same & (np.abs(solution - q).max(axis=-1) < 1e-6)
-        rows.append(audited(f"inverse_kinematics.{name}", miss, ARITHMETIC, targets=exists.sum()))
+        rows.append(
+            audited(
+                f"inverse_kinematics.{name}", miss, ARITHMETIC, targets=exists.sum()
+            )
+        )
     ours = inverse_kinematics(target, q[:, 3]).q
-    recovered = 100 * (np.abs(ours - q[:, None]).max(axis=-1) < 1e-6).any(axis=-1).mean()
-    words: dict[str, Any] = {"expected": 1.0, "samples": SAMPLES, "recovered": recovered}
+    recovered = (
+        100 * (np.abs(ours - q[:, None]).max(axis=-1) < 1e-6).any(axis=-1).mean()
+    )
+    words: dict[str, Any] = {
+        "expected": 1.0,
+        "samples": SAMPLES,
+        "recovered": recovered,
+    }
     for name, hits in (("branches", found), ("wrapping", as_printed[found])):
         share, words["standard_error"] = sampled_share(hits)
         rows.append(audited(f"inverse_kinematics.{name}", share, **words))
@@ -110,7 +133,10 @@ def tori(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     _, shift = figure(lambda x: inner_radius(x) - inner_radius(x[[4, 5, 2, 3]]), both)
     _, drop = figure(lambda x: np.hypot(*x) - abs(x[1]), [a_2, d_3])
     corner = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
-    offset, rounding = float(np.hypot(*corner[:2])) - p.dh[0].a, _lengths(printed)[0].rounding
+    offset, rounding = (
+        float(np.hypot(*corner[:2])) - p.dh[0].a,
+        _lengths(printed)[0].rounding,
+    )
     lower = float(np.hypot(a_2.si, d_3.si))
     figures = {
         "inner_offset": (theirs.si, theirs.rounding + ours.rounding, ours.si),
@@ -160,12 +186,19 @@ def _shares(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     # The third torus is drawn for one pose, and so is the inner one.
     left_out = workspace.area(workspace.reachable_but_unpublished("underarm"))
     underarm = 100 * left_out / workspace.cross_section_area("underarm")
-    return [outside, audited("workspace.left_out", missed, bounds[1], underarm=underarm)]
+    return [
+        outside,
+        audited("workspace.left_out", missed, bounds[1], underarm=underarm),
+    ]
 
 
 @cache
 def _self_collision() -> AuditRow:
-    from alpha5_model.dynamics.collision import without_self_collision  # late: Pinocchio
+    from alpha5_model.dynamics.collision import (
+        without_self_collision,
+    )  # late: Pinocchio
 
     free = workspace.sampled_share(without_self_collision, SAMPLES)
-    return audited("workspace.self_collision", 1 - free.share, standard_error=free.standard_error)
+    return audited(
+        "workspace.self_collision", 1 - free.share, standard_error=free.standard_error
+    )

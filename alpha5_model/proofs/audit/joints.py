@@ -21,7 +21,11 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import cross_matrix, rotation_about
 from alpha5_model.numbers.fluids import AIR, FRESH_WATER
-from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics, gauss_points, hydrodynamics
+from alpha5_model.numbers.hydrodynamics import (
+    BodyHydrodynamics,
+    gauss_points,
+    hydrodynamics,
+)
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointParameters
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import ActuatorRow, Published
@@ -37,13 +41,17 @@ def audit(printed: Published, p: Alpha5Parameters) -> list[AuditRow]:
     rows, speeds = printed.table_4.rows, printed.supplementary.joints
     turns = [row.theta.startswith("theta_") for row in printed.table_1.rows]
     words: dict[str, Any] = {"origin": printed.table_4.origins["friction"]}
-    words["air"], words["fresh"] = (peak_hydrostatic_torque(p, x) for x in (AIR, FRESH_WATER))
+    words["air"], words["fresh"] = (
+        peak_hydrostatic_torque(p, x) for x in (AIR, FRESH_WATER)
+    )
     # Actuator 4 drives the jaw rod; without the screw's lead it has no torque to compare.
     turning = list(zip(rows[:4], p.joints, strict=False))
     # Neither a supply nor a current limit is printed: K_v Gr w of the joint whose rated speed needs
     # the highest voltage; a supply below this would not reach that speed.
     needed = zip(rows[:4], speeds, strict=False)
-    inputs = [[row.voltage_constant, row.gear_ratio, j.velocity.quantity] for row, j in needed]
+    inputs = [
+        [row.voltage_constant, row.gear_ratio, j.velocity.quantity] for row, j in needed
+    ]
     supply = max(inputs, key=lambda needed: np.prod(si(needed)))
     return [
         audited("actuators.turning", sum(turns[:4]) - sum(turns[4:]), expected=4),
@@ -63,7 +71,9 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
     """
     from alpha5_model.dynamics.load import arm_of  # late: Pinocchio
 
-    grid = np.meshgrid(*(np.linspace(j.lower, j.upper, 121) for j in p.joints[2:4]), indexing="ij")
+    grid = np.meshgrid(
+        *(np.linspace(j.lower, j.upper, 121) for j in p.joints[2:4]), indexing="ij"
+    )
     q = np.zeros((2, grid[0].size, 4))
     q[..., 2], q[..., 3] = grid[0].ravel(), grid[1].ravel()
     q[1, :, 1] = np.pi / 2
@@ -75,7 +85,9 @@ def peak_hydrostatic_torque(p: Alpha5Parameters, fluid_density: float) -> float:
 def _motor_constants(row: ActuatorRow) -> AuditRow:
     k_t, k_v = row.torque_constant, row.voltage_constant
     turns = row.actuator != "4"
-    effect = abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si if turns else None
+    effect = (
+        abs(k_t.si - k_v.si) * row.gear_ratio.si * row.efficiency.si if turns else None
+    )
     ratio = figure(lambda x: x[0] / x[1], [k_t, k_v])
     return audited("motor_constants", *ratio, 1.0, of=row, effect=effect, more=turns)
 
@@ -85,7 +97,9 @@ def _friction(row: ActuatorRow, **words: Any) -> AuditRow:
     # The printed tolerance is the document's own, and wider than its rounding.
     bound = value * row.friction_tolerance.si + rounding
     effect = max(value - words["air"], 0.0)
-    return audited("friction", value, bound, words["air"], of=row, effect=effect, **words)
+    return audited(
+        "friction", value, bound, words["air"], of=row, effect=effect, **words
+    )
 
 
 def _efficiency(
@@ -115,12 +129,20 @@ def _efficiency(
 
 def _stall_torque(row: ActuatorRow, supply: list[Quantity]) -> tuple[float, float]:
     """Torque of the joint that stands still at full voltage [N m], and its rounding."""
-    inputs = [row.torque_constant, row.gear_ratio, row.efficiency, *supply, row.resistance]
+    inputs = [
+        row.torque_constant,
+        row.gear_ratio,
+        row.efficiency,
+        *supply,
+        row.resistance,
+    ]
     value, bound = figure(lambda x: np.prod(x[:-1]) / x[-1], inputs)
     return float(value), float(bound)
 
 
-def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> AuditRow:
+def _stall(
+    row: ActuatorRow, joint: JointParameters, supply: list[Quantity]
+) -> AuditRow:
     value, bound = _stall_torque(row, supply)
     words: dict[str, Any] = {
         "joint": joint.name,
@@ -128,7 +150,9 @@ def _stall(row: ActuatorRow, joint: JointParameters, supply: list[Quantity]) -> 
         "without": value / row.efficiency.si,
     }
     effect = max(value - joint.effort, 0.0)
-    return audited("stall_torque", value, bound, joint.effort, of=row, effect=effect, **words)
+    return audited(
+        "stall_torque", value, bound, joint.effort, of=row, effect=effect, **words
+    )
 
 
 def _moving_water(p: Alpha5Parameters) -> list[AuditRow]:
@@ -137,7 +161,9 @@ def _moving_water(p: Alpha5Parameters) -> list[AuditRow]:
     waters = (bodies, hydrodynamics(), hydrodynamics(level="high"))
     theirs, ours, most = ({k: body.added_mass for k, body in x.items()} for x in waters)
     joined = {name: _coupled(body) for name, body in bodies.items()}
-    sizes = [added_inertia(p, matrices)[:3] for matrices in (theirs, ours, most, joined)]
+    sizes = [
+        added_inertia(p, matrices)[:3] for matrices in (theirs, ours, most, joined)
+    ]
     rows = []
     for joint, other, size, high, strips in zip(p.joints, *sizes, strict=False):
         words: dict[str, Any] = {"joint": joint.name, "coupled": strips / size}
@@ -147,7 +173,10 @@ def _moving_water(p: Alpha5Parameters) -> list[AuditRow]:
     turning = np.array([0.0, 0.0, 1.0])
     twist = np.concatenate([-np.cross(turning, (strip.start + strip.end) / 2), turning])
     energies = [twist @ matrices["link_2"] @ twist for matrices in (theirs, joined)]
-    return [*rows, audited("circulating_water.coupling", energies[0] / energies[1], 1e-3, 1.0)]
+    return [
+        *rows,
+        audited("circulating_water.coupling", energies[0] / energies[1], 1e-3, 1.0),
+    ]
 
 
 def _coupled(water: BodyHydrodynamics) -> FloatArray:

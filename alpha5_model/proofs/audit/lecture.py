@@ -16,7 +16,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rotation_about, transform
 from alpha5_model.numbers.parameters import Alpha5Parameters
-from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited, sampled_share, texts
+from alpha5_model.proofs.audit.row import (
+    ARITHMETIC,
+    AuditRow,
+    audited,
+    sampled_share,
+    texts,
+)
 from alpha5_model.theory.dh.arm_types import spatial_conditions
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.link import dh_transform
@@ -82,9 +88,13 @@ def _workspaces() -> list[AuditRow]:
     return _rows("planar_workspace", figures, limit=LIMIT, lost=ring - limited.area)
 
 
-def _rows(topic: str, figures: Figures, bound: float = ARITHMETIC, **words: Any) -> list[AuditRow]:
+def _rows(
+    topic: str, figures: Figures, bound: float = ARITHMETIC, **words: Any
+) -> list[AuditRow]:
     """Rows of a topic."""
-    return [audited(f"{topic}.{k}", m, bound, e, **words) for k, (m, e) in figures.items()]
+    return [
+        audited(f"{topic}.{k}", m, bound, e, **words) for k, (m, e) in figures.items()
+    ]
 
 
 def _length(arm: PlanarArm) -> float:
@@ -100,9 +110,14 @@ def _dexterity() -> list[AuditRow]:
     arms = [PlanarArm(EXPERIMENT, [(-a, a)] * 3) for a in (LIMIT, 0.75 * math.pi)]
     shares = [dexterity(arm, points, ORIENTATIONS) == 1 for arm in arms]
     disc = math.pi * reach**2
-    (area, error), (least, _) = (disc * np.array(sampled_share(hits)) for hits in shares)
+    (area, error), (least, _) = (
+        disc * np.array(sampled_share(hits)) for hits in shares
+    )
     words: dict[str, Any] = {"standard_error": error, "limit": LIMIT, "least": least}
-    figures = {"necessary": (area, 0.0), "limits": (area, dexterous_area(PlanarArm(EXPERIMENT)))}
+    figures = {
+        "necessary": (area, 0.0),
+        "limits": (area, dexterous_area(PlanarArm(EXPERIMENT))),
+    }
     return _rows("dexterous_workspace", figures, 0.0, **words)
 
 
@@ -136,7 +151,9 @@ def _theorem() -> list[AuditRow]:
     """Both directions of the theorem, for all whole lengths l_1 ... l_4 up to `LONGEST`."""
     lengths = np.array([*itertools.product(range(1, LONGEST + 1), repeat=4)])
     rows = [theorem_row(*map(float, row)) for row in lengths]
-    promised, turning, tied = np.array([(r.theorem, r.exact, r.pair == r.half) for r in rows]).T
+    promised, turning, tied = np.array(
+        [(r.theorem, r.exact, r.pair == r.half) for r in rows]
+    ).T
     missed = lengths[turning & ~promised]
     figures = {
         "sufficient": ~turning[promised],
@@ -147,7 +164,10 @@ def _theorem() -> list[AuditRow]:
     example = ", ".join(map(str, missed[-1])) if len(missed) else "none"
     words: dict[str, Any] = {"longest": LONGEST, "example": example}
     sets = figures.items()
-    return [audited(f"lecture.{k}", float(np.mean(x)), whole=len(x), **words) for k, x in sets]
+    return [
+        audited(f"lecture.{k}", float(np.mean(x)), whole=len(x), **words)
+        for k, x in sets
+    ]
 
 
 def _four_joints() -> AuditRow:
@@ -165,8 +185,12 @@ def _four_joints() -> AuditRow:
         for tip in sizes:
             half = (sum(links) + tip) / 2
             others = [*links[:3], tip]
-            by_pairs = all(sum(pair) >= half for pair in itertools.combinations(others, 2))
-            by_threes = all(sum(three) >= half for three in itertools.combinations(others, 3))
+            by_pairs = all(
+                sum(pair) >= half for pair in itertools.combinations(others, 2)
+            )
+            by_threes = all(
+                sum(three) >= half for three in itertools.combinations(others, 3)
+            )
             turns = turns_fully(arm, tip)
             turning += turns
             missed += turns and not by_pairs
@@ -216,7 +240,10 @@ def _relative_pose(p: Alpha5Parameters) -> list[AuditRow]:
     rows = []
     for name, form in (("printed", printed), ("corrected", corrected)):
         tips = [np.linalg.multi_dot(poses)[:3, 3] for poses in (form, product)]
-        effect, apart = float(np.linalg.norm(tips[0] - tips[1])), np.abs(form - product).max()
+        effect, apart = (
+            float(np.linalg.norm(tips[0] - tips[1])),
+            np.abs(form - product).max(),
+        )
         rows.append(audited(f"relative_pose.{name}", apart, ARITHMETIC, effect=effect))
     return rows
 
@@ -231,7 +258,11 @@ def _numbering(p: Alpha5Parameters) -> list[AuditRow]:
     first = np.eye(4)[0]
     moved = chain.frames(middle + first)[1, :3, :3] @ frames[1, :3, :3].T
     axis = np.array(
-        [moved[2, 1] - moved[1, 2], moved[0, 2] - moved[2, 0], moved[1, 0] - moved[0, 1]]
+        [
+            moved[2, 1] - moved[1, 2],
+            moved[0, 2] - moved[2, 0],
+            moved[1, 0] - moved[0, 1],
+        ]
     )
     along = [float(axis @ frame[:3, 2]) for frame in frames[:2]]
     turning = int(np.argmax(along))

@@ -28,7 +28,14 @@ Category = Literal["error", "reading", "transcription"]
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
 #: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not listed.
-PER_SI = {"mm": 1e3, "kg mm^2": 1e6, "L": 1e3, "kg/L": 1e-3, "%": 1e2, "deg": 180 / math.pi}
+PER_SI = {
+    "mm": 1e3,
+    "kg mm^2": 1e6,
+    "L": 1e3,
+    "kg/L": 1e-3,
+    "%": 1e2,
+    "deg": 180 / math.pi,
+}
 
 
 @dataclass(frozen=True)
@@ -137,7 +144,11 @@ def audited(
         bound=float(shown_bound),
         unit=unit,
         verdict=verdict(
-            shown_measured, relation, shown_expected, shown_bound, text.get("law", False)
+            shown_measured,
+            relation,
+            shown_expected,
+            shown_bound,
+            text.get("law", False),
         ),
         finding=text["finding"].format_map(words),
         effect=None if effect is None else float(effect * PER_SI.get(effect_unit, 1.0)),
@@ -157,11 +168,17 @@ def _shown(value: float, unit: str) -> float:
 
 
 def verdict(
-    measured: float, relation: Relation, expected: float, bound: float, law: bool = False
+    measured: float,
+    relation: Relation,
+    expected: float,
+    bound: float,
+    law: bool = False,
 ) -> Verdict:
     """How a claim stands; one that must hold in nature (``law``) is impossible if it does not."""
     excess = measured - expected
-    holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[relation]
+    holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[
+        relation
+    ]
     return "agrees" if holds else "impossible" if law else "differs"
 
 
@@ -176,7 +193,9 @@ def si(printed: Sequence[Quantity]) -> FloatArray:
     return np.array([q.si for q in printed])
 
 
-def figure(function: Callable[[FloatArray], Any], printed: Sequence[Quantity]) -> tuple[Any, Any]:
+def figure(
+    function: Callable[[FloatArray], Any], printed: Sequence[Quantity]
+) -> tuple[Any, Any]:
     """A figure, and how far it may be off because its printed inputs are rounded.
 
     That is the worst case, to first order: each input is moved by half a unit of its last printed
@@ -191,5 +210,7 @@ def figure(function: Callable[[FloatArray], Any], printed: Sequence[Quantity]) -
     """
     centre = si(printed)
     value, steps = function(centre), np.diag([q.rounding for q in printed])
-    moved = [[np.abs(function(x) - value) for x in (centre + s, centre - s)] for s in steps]
+    moved = [
+        [np.abs(function(x) - value) for x in (centre + s, centre - s)] for s in steps
+    ]
     return value, np.max(moved, axis=1).sum(axis=0)

@@ -24,5 +24,7 @@ def audit() -> tuple[AuditRow, ...]:
         Frozen rows, in the order of the topics; computed once.
     """
     printed, p = published(), parameters()
-    rows = [row for topic in (geometry, bodies, joints) for row in topic.audit(printed, p)]
+    rows = [
+        row for topic in (geometry, bodies, joints) for row in topic.audit(printed, p)
+    ]
     return (*rows, *lecture.audit(p))

@@ -118,12 +118,16 @@ def align(theirs: FourJointArm) -> Alignment:
     def odd(one: Alignment) -> float:
         return _oddities(theirs, one, within)
 
-    likely = sorted((_with_base_link(theirs, start) for start in close), key=odd)[:FITTED]
+    likely = sorted((_with_base_link(theirs, start) for start in close), key=odd)[
+        :FITTED
+    ]
     fits = [_with_base_link(theirs, fit(theirs, start, range(16))) for start in likely]
     exact = min(fits, key=odd)
     wrong = np.abs(exact.dimensions) > within
     best = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
-    best = _with_base_link(theirs, fit(theirs, best, [*range(8), *(8 + np.flatnonzero(wrong))]))
+    best = _with_base_link(
+        theirs, fit(theirs, best, [*range(8), *(8 + np.flatnonzero(wrong))])
+    )
     return replace(_settle_zeros(theirs, best), exact=_settle_zeros(theirs, exact))
 
 
@@ -149,7 +153,11 @@ def allowed(theirs: FourJointArm, short_pi: bool = False) -> tuple[float, float]
 def without_zero(theirs: FourJointArm, alignment: Alignment, joint: int) -> float:
     """Residual [m] of the best fit with the zero of one joint held at ours."""
     held = replace(alignment, zero=np.where(np.arange(4) == joint, 0.0, alignment.zero))
-    free = [i for i in range(16) if i != 5 + joint and (i < 8 or alignment.dimensions[i - 8])]
+    free = [
+        i
+        for i in range(16)
+        if i != 5 + joint and (i < 8 or alignment.dimensions[i - 8])
+    ]
     return fit(theirs, held, free).residual[0]
 
 
@@ -159,7 +167,9 @@ def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
     By its frame; by the COM of link_0 in it, if axis_e stands elsewhere; or by its place and name, if
     axis_e is upside down. Of frames that could all be meant, one that is called so.
     """
-    poses = {name: alignment.base @ theirs.link_poses[name] for name in theirs.base_path}
+    poses = {
+        name: alignment.base @ theirs.link_poses[name] for name in theirs.base_path
+    }
     off = {name: _distance(pose) for name, pose in poses.items()}
     named = {name: name.lower().endswith(("base", "base_link")) for name in poses}
     same = {name: far < SAME_FRAME for name, far in off.items()}
@@ -168,7 +178,9 @@ def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
             same[name] = True
     if theirs.mass[0]:
         for name in poses:
-            back: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
+            back: FloatArray = np.asarray(
+                np.linalg.inv(theirs.link_poses[name]), np.float64
+            )
             com = float(np.linalg.norm(moved(back, theirs.com[0]) - our_arm().com[0]))
             if com < SAME_COM:
                 off[name] = min(off[name], SAME_FRAME + com)
@@ -184,7 +196,9 @@ def _with_base_link(theirs: FourJointArm, alignment: Alignment) -> Alignment:
 
 def _distance(pose: FloatArray) -> float:
     """Of a frame from ours, whatever its yaw [m]; 0.1 m are taken for a radian of tilt."""
-    return float(np.linalg.norm(pose[:3, 3]) + 0.1 * math.acos(np.clip(pose[2, 2], -1, 1)))
+    return float(
+        np.linalg.norm(pose[:3, 3]) + 0.1 * math.acos(np.clip(pose[2, 2], -1, 1))
+    )
 
 
 def _oddities(theirs: FourJointArm, alignment: Alignment, within: FloatArray) -> float:
@@ -281,7 +295,11 @@ def _on_axis(pose: FloatArray, axis: FloatArray) -> FloatArray:
     seen = pose[:3, :3] @ axis
     across = np.cross(seen, Z)
     sine = float(np.linalg.norm(across))
-    turn = rotation_about(across / sine, math.atan2(sine, seen[2])) if sine > 1e-15 else np.eye(3)
+    turn = (
+        rotation_about(across / sine, math.atan2(sine, seen[2]))
+        if sine > 1e-15
+        else np.eye(3)
+    )
     return transform(turn @ pose[:3, :3], [0.0, 0.0, pose[2, 3]])
 
 
@@ -314,7 +332,9 @@ def _changed(alignment: Alignment, change: FloatArray) -> Alignment:
     base = transform(turn) @ alignment.base
     base[:3, 3] += change[3:6]
     zero = alignment.zero + np.array([0.0, change[6], change[7], 0.0])
-    return replace(alignment, base=base, zero=zero, dimensions=alignment.dimensions + change[8:])
+    return replace(
+        alignment, base=base, zero=zero, dimensions=alignment.dimensions + change[8:]
+    )
 
 
 def _line_error(theirs: FourJointArm, alignment: Alignment) -> float:
@@ -336,7 +356,9 @@ def difference(theirs: FourJointArm, alignment: Alignment) -> Pair:
     q, sign = arm.random_positions(POSITIONS), alignment.sign[1:3, None, None]
     frames = np.moveaxis(our_frames(q, alignment.dimensions), 1, 0)  # joint, position
     points, x, y, z = (frames[..., :3, k] for k in (3, 0, 1, 2))
-    there, heading = (np.moveaxis(part, 1, 0) for part in their_lines(theirs, alignment, q))
+    there, heading = (
+        np.moveaxis(part, 1, 0) for part in their_lines(theirs, alignment, q)
+    )
     moments, ours = _cross(there, heading), _cross(points, z)
     alpha = parameters().dh[1].alpha + alignment.dimensions[5]
     tilt = math.cos(alpha) * y[1] + math.sin(alpha) * z[1]
@@ -364,10 +386,14 @@ def their_lines(theirs: FourJointArm, alignment: Alignment, q: FloatArray) -> Pa
     """Their axes at our positions q (..., 4), in our root frame and turning our way."""
     points, directions = theirs.axis_lines(alignment.theirs(q))
     rotation, shift = alignment.base[:3, :3], alignment.base[:3, 3]
-    return points @ rotation.T + shift, directions @ rotation.T * alignment.sign[:, None]
+    return points @ rotation.T + shift, directions @ rotation.T * alignment.sign[
+        :, None
+    ]
 
 
-def closed_form(theirs: FourJointArm, sign: FloatArray, dimensions: FloatArray) -> Alignment:
+def closed_form(
+    theirs: FourJointArm, sign: FloatArray, dimensions: FloatArray
+) -> Alignment:
     """The alignment with these signs and dimensions that is exact where the shapes agree.
 
     The first two axes, which cross at a right angle, place the base. Turning about axis_d brings
@@ -386,7 +412,10 @@ def closed_form(theirs: FourJointArm, sign: FloatArray, dimensions: FloatArray) 
         there, heading = their_lines(theirs, out, zero)
         mine = (points[2] - points[1], directions[3])[joint - 1]
         other = (there[2] - there[1], heading[3])[joint - 1]
-        sine, cosine = np.cross(other, mine) @ axis, other @ mine - (other @ axis) * (mine @ axis)
+        sine, cosine = (
+            np.cross(other, mine) @ axis,
+            other @ mine - (other @ axis) * (mine @ axis),
+        )
         shift = sign[joint] * math.atan2(sine, cosine) * np.eye(4)[joint]
         out = replace(out, zero=out.zero + shift)
     return out
@@ -397,5 +426,7 @@ def _frame(directions: FloatArray) -> FloatArray:
     z = directions[0]
     x = np.cross(directions[1], z)
     size = np.linalg.norm(x)
-    x = x / size if size > 1e-9 else np.linalg.svd(z[None])[2][1]  # one direction: any x will do
+    x = (
+        x / size if size > 1e-9 else np.linalg.svd(z[None])[2][1]
+    )  # one direction: any x will do
     return np.stack([x, np.cross(z, x), z], axis=1)

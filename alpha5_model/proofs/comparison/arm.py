@@ -19,7 +19,12 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import combine, rotate_tensor
 from alpha5_model.numbers.parameters import parameters
-from alpha5_model.proofs.comparison.reading import AXES, foot, last_digits, rest_position
+from alpha5_model.proofs.comparison.reading import (
+    AXES,
+    foot,
+    last_digits,
+    rest_position,
+)
 
 #: What a lighter link on the way to axis_e is: a dummy of the arm's base, not something that
 #: carries it.
@@ -83,7 +88,9 @@ class FourJointArm:
         poses = self.poses(q)[..., 1:, :, :]
         return poses[..., :3, 3], (poses[..., :3, :3] @ self.axes[..., None])[..., 0]
 
-    def gravity_regressor(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
+    def gravity_regressor(
+        self, q: FloatArray, gravity: FloatArray = DOWN
+    ) -> FloatArray:
         """Gravity torque in air per mass and first moment of each moving body [Atkeson1986].
 
         Args:
@@ -107,12 +114,16 @@ class FourJointArm:
     def gravity_torque(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
         """Torques that hold the weight in air, (..., 4) [N m]; arguments of `gravity_regressor`."""
         numbers = np.column_stack([self.mass, self.mass[:, None] * self.com])[1:]
-        return np.asarray((self.gravity_regressor(q, gravity) * numbers).sum(axis=(-2, -1)))
+        return np.asarray(
+            (self.gravity_regressor(q, gravity) * numbers).sum(axis=(-2, -1))
+        )
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Joint-space inertia, (..., 4, 4) [kg m^2], from the bodies' Jacobians at their COMs."""
         poses, (points, axes) = self.poses(q)[..., 1:, :, :], self.axis_lines(q)
-        arms = moved(poses, self.com[1:])[..., None, :] - points[..., None, :, :]  # body, joint
+        arms = (
+            moved(poses, self.com[1:])[..., None, :] - points[..., None, :, :]
+        )  # body, joint
         turning = axes[..., None, :, :] * np.tril(np.ones((4, 4)))[..., None]
         jacobian = np.concatenate([np.cross(turning, arms), turning], axis=-1)
         tensors = rotate_tensor(poses[..., :3, :3], self.inertia[1:])
@@ -198,7 +209,9 @@ def tip_points(points: FloatArray, directions: FloatArray) -> FloatArray:
     return foot(points, directions, 3, 2) + parameters().dh[3].d * directions[:, 3]
 
 
-def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> FourJointArm:
+def reduce_robot(
+    robot: UrdfRobot, joints: Joints, base: str | None = None
+) -> FourJointArm:
     """Freeze all other joints and sum up what moves together.
 
     Args:
@@ -212,7 +225,11 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
         UnknownNameError: ``base`` is not on the way from the root to axis_e.
     """
     names = [joint.name for joint in joints]
-    body, pose, placements = {robot.root: 0}, {robot.root: np.eye(4)}, list[FloatArray]()
+    body, pose, placements = (
+        {robot.root: 0},
+        {robot.root: np.eye(4)},
+        list[FloatArray](),
+    )
     parents = {joint.child: joint.parent for joint in robot.joints.values()}
     for joint in robot.joints.values():  # each after the joint before it
         at, before = pose[joint.parent] @ joint.transform, body[joint.parent]
@@ -225,14 +242,18 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
         else:
             body[joint.child] = before
             pose[joint.child] = at @ joint.motion(rest_position(robot, joint))
-    base_path, way = (_path(parents, link) for link in (joints[0].parent, joints[-1].child))
+    base_path, way = (
+        _path(parents, link) for link in (joints[0].parent, joints[-1].child)
+    )
     if base is not None:
         choice("link on the way to axis_e", base, base_path)
     still = [name for name in robot.links if body[name] == 0]
     own = _own_base(robot, base_path, set(still), base)
     first = next((name for name in base_path if name in own), base_path[-1])
     between = {*way[way.index(first) + 1 :]}
-    groups = [[n for n in robot.links if body[n] == i and (i or n in own)] for i in range(5)]
+    groups = [
+        [n for n in robot.links if body[n] == i and (i or n in own)] for i in range(5)
+    ]
     mass, com, inertia = np.zeros(5), np.zeros((5, 3)), np.zeros((5, 3, 3))
     for i, group in enumerate(groups):
         seen = [carried(robot.links[n], pose[n]) for n in group if robot.links[n].mass]
@@ -258,7 +279,9 @@ def reduce_robot(robot: UrdfRobot, joints: Joints, base: str | None = None) -> F
     )
 
 
-def _shape_centre(robot: UrdfRobot, pose: Mapping[str, FloatArray], group: list[str]) -> FloatArray:
+def _shape_centre(
+    robot: UrdfRobot, pose: Mapping[str, FloatArray], group: list[str]
+) -> FloatArray:
     """Centroid of the collision primitives of links that move together, (3,) [m]; NaN if none."""
     links = [robot.links[name] for name in group if robot.links[name].volume > 0]
     if not links:
@@ -276,7 +299,9 @@ def _tool_link(robot: UrdfRobot, wrist: str) -> str:
     for joint in robot.joints.values():
         if joint.kind == "fixed" and joint.parent in steps:
             steps[joint.child] = steps[joint.parent] + 1
-    ranked = [(_tool_rank(name), -count, name) for name, count in steps.items() if count]
+    ranked = [
+        (_tool_rank(name), -count, name) for name, count in steps.items() if count
+    ]
     rank, _, name = min(ranked, default=(len(TOOL_WORDS), 0, ""))
     return name if rank < len(TOOL_WORDS) else ""
 
@@ -284,13 +309,21 @@ def _tool_link(robot: UrdfRobot, wrist: str) -> str:
 def _tool_rank(name: str) -> int:
     """Place in `TOOL_WORDS` of the first of them in a name."""
     words = re.split(r"[^a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower())
-    found = [rank for rank, word in enumerate(TOOL_WORDS) if word in words and "base" not in words]
+    found = [
+        rank
+        for rank, word in enumerate(TOOL_WORDS)
+        if word in words and "base" not in words
+    ]
     return min(found, default=len(TOOL_WORDS))
 
 
 def carried(body: Any, pose: FloatArray) -> tuple[Any, FloatArray, FloatArray]:
     """Mass, COM and tensor of bodies, carried to where they stand with poses (..., 4, 4)."""
-    return body.mass, moved(pose, body.com), rotate_tensor(pose[..., :3, :3], body.inertia)
+    return (
+        body.mass,
+        moved(pose, body.com),
+        rotate_tensor(pose[..., :3, :3], body.inertia),
+    )
 
 
 def _path(parents: Mapping[str, str], link: str) -> tuple[str, ...]:

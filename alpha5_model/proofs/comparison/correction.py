@@ -12,7 +12,11 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.reading import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import JointParameters, parameters
-from alpha5_model.proofs.comparison.alignment import LENGTH_TOLERANCE, Alignment, mended_transforms
+from alpha5_model.proofs.comparison.alignment import (
+    LENGTH_TOLERANCE,
+    Alignment,
+    mended_transforms,
+)
 from alpha5_model.proofs.comparison.arm import FourJointArm, our_arm
 
 #: What an angle is worth where lengths and angles are told apart by one number [m/rad]: the length
@@ -77,7 +81,8 @@ class JointCorrection:
 def numbers(values: ArrayLike) -> str:
     """Numbers as a URDF has them, to 7 decimals."""
     return " ".join(
-        f"{x + 0.0:.7f}".rstrip("0").rstrip(".") for x in np.round(np.asarray(values), 7)
+        f"{x + 0.0:.7f}".rstrip("0").rstrip(".")
+        for x in np.round(np.asarray(values), 7)
     )
 
 
@@ -114,7 +119,9 @@ def joint_corrections(
     transforms = mended_transforms(theirs, alignment)
     poses = our_arm().poses(np.zeros(4)) @ transforms
     found = []
-    for k, (joint, ours) in enumerate(zip(written.joints, parameters().joints[:4], strict=True)):
+    for k, (joint, ours) in enumerate(
+        zip(written.joints, parameters().joints[:4], strict=True)
+    ):
         parent = poses[k] @ theirs.link_poses[joint.parent]
         found.append(
             JointCorrection(
@@ -131,7 +138,9 @@ def tool_pose(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
     """Pose of their tool frame in our link_4, (4, 4): of ours if they have none."""
     if not theirs.tool:
         return our_tool()
-    return np.asarray(mended_transforms(theirs, alignment)[4] @ theirs.link_poses[theirs.tool])
+    return np.asarray(
+        mended_transforms(theirs, alignment)[4] @ theirs.link_poses[theirs.tool]
+    )
 
 
 def our_tool() -> FloatArray:

@@ -24,7 +24,12 @@ from alpha5_model.numbers.inertia import (
 )
 from alpha5_model.numbers.parameters import LinkParameters
 from alpha5_model.proofs.comparison import arm, hypotheses
-from alpha5_model.proofs.comparison.hypotheses import I_LINK, MOST_MISTAKES, SOLIDWORKS, Hypotheses
+from alpha5_model.proofs.comparison.hypotheses import (
+    I_LINK,
+    MOST_MISTAKES,
+    SOLIDWORKS,
+    Hypotheses,
+)
 from alpha5_model.proofs.comparison.reading import last_place
 
 #: How closely a hypothesis must give a number: the half of its last digit, within these.
@@ -71,12 +76,16 @@ class Inertial:
     def meant_in_our_frame(self) -> bool:
         """Whether its frame is ours but for an error of the geometry."""
         near = np.linalg.norm(self.pose[:3, 3]) < SAME_FRAME[0]
-        return bool(near and np.trace(self.pose[:3, :3]) > 1 + 2 * np.cos(SAME_FRAME[1]))
+        return bool(
+            near and np.trace(self.pose[:3, :3]) > 1 + 2 * np.cos(SAME_FRAME[1])
+        )
 
 
 def subjects(written: Sequence[Inertial]) -> list[Inertial]:
     """What may carry a printed number: the whole body without dummies, then its heaviest link."""
-    solid = sorted((w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass))
+    solid = sorted(
+        (w for w in written if abs(w.mass) > TOKEN_MASS), key=lambda w: -abs(w.mass)
+    )
     if len(solid) < 2 or sum(w.mass for w in solid) == 0:
         return solid[:1]
     whole = combine(*zip(*(arm.carried(w, w.pose) for w in solid), strict=True))
@@ -91,7 +100,11 @@ def reason(link: LinkParameters, written: Sequence[Inertial], explain: Explain) 
     """The first subject whose number is explained, and which links stand beside it."""
     for subject in subjects(written):
         if words := explain(link, subject):
-            beside = [w for w in written if abs(w.mass) > TOKEN_MASS and w.link != subject.link]
+            beside = [
+                w
+                for w in written
+                if abs(w.mass) > TOKEN_MASS and w.link != subject.link
+            ]
             if not subject.link or not beside:
                 return f": {words}"
             grams = sum(w.mass for w in beside) * 1e3
@@ -109,7 +122,10 @@ def explain_mass(link: LinkParameters, subject: Inertial) -> str | None:
     """Why a mass is not Table 2's; None if no hypothesis gives it."""
     if water := added_water(link, subject):
         return water[0]
-    number, within = np.array(subject.mass), _last_digit(MASS_DIGITS, subject, subject.mass)
+    number, within = (
+        np.array(subject.mass),
+        _last_digit(MASS_DIGITS, subject, subject.mass),
+    )
     views: list[View] = [("", number, 0, 1.0), ("in grams", number, 1, 1e3)]
     return _fit(hypotheses.wrong_masses(_index(link)), views, (within, within))
 
@@ -136,7 +152,10 @@ def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
     axes = f"in axes that are not those of inertial frame {{{body}}}"
     views = _views(subject, seen, subject.inertia, axes)
     views.append(("scaled with the wrong mass", seen, 1, subject.mass / link.mass))
-    views += [(f"wrong unit, a factor of 1e{p}", seen, 1, 10.0**p) for p in (9, 6, 3, -3, -6, -9)]
+    views += [
+        (f"wrong unit, a factor of 1e{p}", seen, 1, 10.0**p)
+        for p in (9, 6, 3, -3, -6, -9)
+    ]
     within = _tensor_digits(subject)
     if words := _fit(hypotheses.wrong_tensors(body), views, (within, within)):
         return words
@@ -144,9 +163,15 @@ def explain_inertia(link: LinkParameters, subject: Inertial) -> str | None:
     return water[1] if water else wrong_point(body, subject.mass, seen, within)
 
 
-def _views(subject: Inertial, seen: FloatArray, written: FloatArray, elsewhere: str) -> list[View]:
+def _views(
+    subject: Inertial, seen: FloatArray, written: FloatArray, elsewhere: str
+) -> list[View]:
     """A number as it lies in our frame, and as one link writes it in its own."""
-    own = ("", written, 0, 1.0) if subject.meant_in_our_frame else (elsewhere, written, 1, 1.0)
+    own = (
+        ("", written, 0, 1.0)
+        if subject.meant_in_our_frame
+        else (elsewhere, written, 1, 1.0)
+    )
     return [("", seen, 0, 1.0), *([own] if subject.link else [])]
 
 
@@ -157,7 +182,9 @@ def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | No
     for w in solid:
         moments = np.diag(w.inertia)
         # an <origin rpy> of few digits leaves products of its own rounding
-        plain &= bool(np.abs(w.inertia - np.diag(moments)).max() <= GUESS_DIGITS * moments.max())
+        plain &= bool(
+            np.abs(w.inertia - np.diag(moments)).max() <= GUESS_DIGITS * moments.max()
+        )
         shape = solid_of_size(link, w.mass, w.inertia)
         if plain and np.ptp(moments) <= GUESS_DIGITS * moments.max():
             shape = f"a dummy, {moments[0]:g} kg m^2 about every axis"
@@ -169,13 +196,19 @@ def explain_guess(link: LinkParameters, written: Sequence[Inertial]) -> str | No
     return ": ".join(filter(None, (head, "; ".join(words))))
 
 
-def _fit(table: Hypotheses, views: Sequence[View], within: tuple[float, float]) -> str | None:
+def _fit(
+    table: Hypotheses, views: Sequence[View], within: tuple[float, float]
+) -> str | None:
     """The fewest mistakes that give the number, in words; ``within`` for one and for more."""
     words, values, mistakes = table
     axes = tuple(range(1, values.ndim))
-    errors = [np.abs(values * scale - x).max(axes, initial=0.0) for _, x, _, scale in views]
+    errors = [
+        np.abs(values * scale - x).max(axes, initial=0.0) for _, x, _, scale in views
+    ]
     totals = np.array([mistakes + more for _, _, more, _ in views])
-    hits = (totals <= MOST_MISTAKES) & (errors <= np.where(totals > 1, within[1], within[0]))
+    hits = (totals <= MOST_MISTAKES) & (
+        errors <= np.where(totals > 1, within[1], within[0])
+    )
     if not hits.any():
         return None
     best = int(np.where(hits, totals, MOST_MISTAKES + 1).argmin())
@@ -183,7 +216,9 @@ def _fit(table: Hypotheses, views: Sequence[View], within: tuple[float, float]) 
     return ", ".join(filter(None, (words[hit], views[view][0])))
 
 
-def _last_digit(limits: tuple[float, float], subject: Inertial, *numbers: float) -> float:
+def _last_digit(
+    limits: tuple[float, float], subject: Inertial, *numbers: float
+) -> float:
     """Half of the last decimal place that any of the numbers is written with, within the limits."""
     places = [last_place(repr(float(x))) for x in numbers if x]
     if not subject.link or not places:
@@ -208,8 +243,14 @@ def added_water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | No
         Where the mass is from, and where the tensor is from.
     """
     body, radius = _index(link), _radius(link)
-    near, close = _last_digit(MASS_DIGITS, subject, subject.mass), _tensor_digits(subject)
-    line, longest = FRESH_WATER * np.pi * radius**2, SIZE_SLACK * np.ptp(link.bounds, axis=1).max()
+    near, close = (
+        _last_digit(MASS_DIGITS, subject, subject.mass),
+        _tensor_digits(subject),
+    )
+    line, longest = (
+        FRESH_WATER * np.pi * radius**2,
+        SIZE_SLACK * np.ptp(link.bounds, axis=1).max(),
+    )
     tensors = (subject.in_our_frame().inertia, subject.inertia)
     choices = (tensors, hypotheses.revisions(), (True, False), (False, True), range(3))
     for tensor, table, about_end, solidworks, axis in itertools.product(*choices):
@@ -223,20 +264,33 @@ def added_water(link: LinkParameters, subject: Inertial) -> tuple[str, str] | No
         water = line * length
         # L follows from the tensor to a third of its relative error.
         allowed = near + water * close / (3 * across)
-        if length <= longest and abs(subject.mass - table.mass[body] - water) <= allowed:
+        if (
+            length <= longest
+            and abs(subject.mass - table.mass[body] - water) <= allowed
+        ):
             size = f"of radius {radius * 1e3:.0f} mm and length {length * 1e3:.0f} mm"
-            whose, cylinder = table.numbers.removesuffix(" numbers"), f"a cylinder of water {size}"
+            whose, cylinder = (
+                table.numbers.removesuffix(" numbers"),
+                f"a cylinder of water {size}",
+            )
             mass = f"{whose} mass and the water's added mass, {water * 1e3:.0f} g, of {cylinder}"
             point = I_LINK if about_end else "I_COM"
             numbers = f"{table.numbers}, {point}{f', {SOLIDWORKS}' * solidworks}"
-            return mass, f"{numbers}, with the added inertia of {cylinder} (strip theory)"
+            return (
+                mass,
+                f"{numbers}, with the added inertia of {cylinder} (strip theory)",
+            )
     return None
 
 
-def wrong_point(body: int, mass: float, tensor: FloatArray, tolerance: float) -> str | None:
+def wrong_point(
+    body: int, mass: float, tensor: FloatArray, tolerance: float
+) -> str | None:
     """If it is the printed I_COM, but about another point: three unknowns, six numbers."""
     for table, solidworks in itertools.product(hypotheses.revisions(), (False, True)):
-        right = flip_products(table.inertia[body]) if solidworks else table.inertia[body]
+        right = (
+            flip_products(table.inertia[body]) if solidworks else table.inertia[body]
+        )
         shift = (tensor - right) / mass
         square = float(np.trace(shift)) / 2
         values, vectors = np.linalg.eigh(square * np.eye(3) - shift)  # p p^T

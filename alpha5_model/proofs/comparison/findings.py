@@ -68,7 +68,12 @@ Cost = Callable[[int, float, FloatArray], float]
 def finding(key: str, where: str = "", cost: float = 0.0, /, **words: Any) -> Finding:
     """A finding in the words of ``findings.toml``, under ``topic`` or ``topic.subject``."""
     topic, _, subject = key.partition(".")
-    text = {"where": where, **FINDINGS[topic], **FINDINGS[topic].get(subject, {}), **words}
+    text = {
+        "where": where,
+        **FINDINGS[topic],
+        **FINDINGS[topic].get(subject, {}),
+        **words,
+    }
     said, instead = (text.get(k, "").format_map(text) for k in ("text", "instead"))
     return Finding(text["where"], said, text.get("serious", True), cost, instead)
 
@@ -100,7 +105,9 @@ def all_findings(
     tool = [tool_correction(other, theirs, alignment)] if theirs.tool else []
     axes += _tool(theirs, alignment, tool)
     rest = [
-        one for one in (*corrections, *tool) if not any(one.text in found.instead for found in axes)
+        one
+        for one in (*corrections, *tool)
+        if not any(one.text in found.instead for found in axes)
     ]
     yield from _mount(other, theirs, alignment)
     yield from axes
@@ -114,40 +121,67 @@ def all_findings(
 
     def cost(body: int, mass: float, moment: FloatArray) -> float:
         # no joint carries the base: it costs nothing
-        return float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max()) if body else 0.0
+        return (
+            float(np.abs(regressor[:, :, body - 1] @ [mass, *moment]).max())
+            if body
+            else 0.0
+        )
 
     def seen(body: BodyDifference, transform: FloatArray) -> list[Inertial]:
-        placed = [(other.links[n], transform @ theirs.link_poses[n]) for n in body.links]
-        return [Inertial(x.name, x.mass or 0.0, x.com, x.inertia, pose) for x, pose in placed]
+        placed = [
+            (other.links[n], transform @ theirs.link_poses[n]) for n in body.links
+        ]
+        return [
+            Inertial(x.name, x.mass or 0.0, x.com, x.inertia, pose)
+            for x, pose in placed
+        ]
 
     for i, body in enumerate(bodies):
         by_link = seen(body, transforms[i])
         # on a root, nothing is what KDL wants
         links = [name for name in body.links if name != other.root or not body.mass]
         bare = [name for name in links if other.links[name].mass is None]
-        instead = _instead(body.ours, seen(body, mended[i])) if by_link else ("", "", "")
+        instead = (
+            _instead(body.ours, seen(body, mended[i])) if by_link else ("", "", "")
+        )
         found = list(_of_body(i, body, by_link, instead, bare, cost))
         yield from found
         off = float(np.linalg.norm(mended_com[i] - body.ours.com))
-        if body.mass and off > COM_TOLERANCE and not any("<origin" in f.instead for f in found):
+        if (
+            body.mass
+            and off > COM_TOLERANCE
+            and not any("<origin" in f.instead for f in found)
+        ):
             yield finding("digits.of_body", body.name, off=off * 1e3, line=instead[1])
     yield from _files(other, theirs, folder)
 
 
-def _mount(other: UrdfRobot, theirs: FourJointArm, alignment: Alignment) -> Iterator[Finding]:
+def _mount(
+    other: UrdfRobot, theirs: FourJointArm, alignment: Alignment
+) -> Iterator[Finding]:
     shift, rotation = alignment.base[:3, 3], alignment.base[:3, :3]
     angle = math.acos(float(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))
     mount = theirs.link_poses[alignment.base_link]
-    at_base = alignment.same_base and np.allclose(mount, np.eye(4), atol=LENGTH_TOLERANCE)
+    at_base = alignment.same_base and np.allclose(
+        mount, np.eye(4), atol=LENGTH_TOLERANCE
+    )
     elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
     if elsewhere and not at_base:
         words = dict(zip("xyz", shift * 1e3, strict=True), turned=math.degrees(angle))
-        yield finding("mount" if alignment.same_base else "mount.or_zero", root=other.root, **words)
+        yield finding(
+            "mount" if alignment.same_base else "mount.or_zero",
+            root=other.root,
+            **words,
+        )
     masses = {name: mass for name in theirs.carried if (mass := other.links[name].mass)}
     if total := sum(masses.values()):
         heavy = sorted(masses, key=lambda n: -masses[n])
         names = ", ".join(f"{n} ({masses[n]:.5g} kg)" for n in heavy[:3])
-        names += f" and {len(heavy) - 3} more, {total:.5g} kg in all" if len(heavy) > 3 else ""
+        names += (
+            f" and {len(heavy) - 3} more, {total:.5g} kg in all"
+            if len(heavy) > 3
+            else ""
+        )
         excess = total + theirs.mass[0] - parameters().links[0].mass
         yield finding("carried", names=names, excess=excess)
 
@@ -210,7 +244,9 @@ def _dimensions(
     theirs: FourJointArm, alignment: Alignment, q: FloatArray, lines: Sequence[str]
 ) -> Iterator[Finding]:
     within = allowed(theirs, short_pi=True)
-    for k, (name, change) in enumerate(zip(aligned.DIMENSIONS, alignment.dimensions, strict=True)):
+    for k, (name, change) in enumerate(
+        zip(aligned.DIMENSIONS, alignment.dimensions, strict=True)
+    ):
         if abs(change) <= within[k >= 4]:
             continue
         only = np.where(np.arange(len(aligned.DIMENSIONS)) == k, change, 0.0)
@@ -223,7 +259,9 @@ def _dimensions(
             seen = float(wrap(math.radians(seen), math.radians(ours)) * scale)
         words = {"theirs": seen, "ours": ours, "unit": unit, "off": off}
         cost = _torque_change(with_dimensions(only), q, q)
-        yield finding(f"dimension.{name}", "", cost, line=lines[int(index) + 1], **words)
+        yield finding(
+            f"dimension.{name}", "", cost, line=lines[int(index) + 1], **words
+        )
 
 
 def _rest(
@@ -252,9 +290,17 @@ def _rest(
     if off > LENGTH_TOLERANCE:
         yield finding("digits.of_pi", off=off * 1e3, line=instead)
     pairs = zip(reading.AXES[1:3], alignment.zero[1:3], strict=True)
-    seen = [(axis, math.degrees(x)) for axis, x in pairs if ANGLE_TOLERANCE < abs(x) <= angle]
+    seen = [
+        (axis, math.degrees(x))
+        for axis, x in pairs
+        if ANGLE_TOLERANCE < abs(x) <= angle
+    ]
     zeros = "".join(f", zero of {axis} {zero:.2f} deg" for axis, zero in seen)
-    if alignment.residual[0] > LENGTH_TOLERANCE or zeros or (moved and off <= LENGTH_TOLERANCE):
+    if (
+        alignment.residual[0] > LENGTH_TOLERANCE
+        or zeros
+        or (moved and off <= LENGTH_TOLERANCE)
+    ):
         words = {"length": length * 1e3, "angle": math.degrees(angle), "zeros": zeros}
         line = "" if off > LENGTH_TOLERANCE else instead
         yield finding("digits", fit=_fit(alignment), line=line, **words)
@@ -307,8 +353,12 @@ def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
     return straight and abs(roll - step * round(roll / step)) < within
 
 
-def _limits(corrections: Sequence[JointCorrection], alignment: Alignment) -> Iterator[Finding]:
-    for one, sign, zero in zip(corrections, alignment.sign, alignment.zero, strict=True):
+def _limits(
+    corrections: Sequence[JointCorrection], alignment: Alignment
+) -> Iterator[Finding]:
+    for one, sign, zero in zip(
+        corrections, alignment.sign, alignment.zero, strict=True
+    ):
         joint, ours = one.joint, one.ours
         if ours is None:
             continue
@@ -321,7 +371,10 @@ def _limits(corrections: Sequence[JointCorrection], alignment: Alignment) -> Ite
             yield finding("limits.none", ours.name, **words)
             continue
         if in_degrees(upper - lower, ours.upper - ours.lower):
-            words |= {"theirs": (lower, upper), "ours": np.degrees([ours.lower, ours.upper])}
+            words |= {
+                "theirs": (lower, upper),
+                "ours": np.degrees([ours.lower, ours.upper]),
+            }
             yield finding("limits.in_degrees", ours.name, **words)
             continue
         printed = np.array([ours.lower, ours.upper])
@@ -338,25 +391,41 @@ def _mimics(other: UrdfRobot) -> Iterator[Finding]:
     advised: dict[str, FloatArray] = {}
     for joint in other.joints.values():
         leader = other.joints.get(joint.mimic or "")
-        if leader is None or None in (leader.lower, leader.upper, joint.lower, joint.upper):
+        if leader is None or None in (
+            leader.lower,
+            leader.upper,
+            joint.lower,
+            joint.upper,
+        ):
             continue
         travel = advised.get(leader.name, np.array([leader.lower, leader.upper], float))
         low, high = np.sort(joint.multiplier * travel + joint.offset)
         beyond = max((joint.lower or 0.0) - low, high - (joint.upper or 0.0))
         if beyond > ANGLE_TOLERANCE:
             advised[joint.name] = np.array([low, high])
-            words = {"leader": leader.name, "joint": joint.name, "low": low, "high": high}
+            words = {
+                "leader": leader.name,
+                "joint": joint.name,
+                "low": low,
+                "high": high,
+            }
             yield finding("mimic", joint.name, beyond=beyond, **words)
 
 
-def _files(other: UrdfRobot, theirs: FourJointArm, folder: Path | None) -> Iterator[Finding]:
+def _files(
+    other: UrdfRobot, theirs: FourJointArm, folder: Path | None
+) -> Iterator[Finding]:
     """What does not count, or is missing, in its collision shapes and files: remarks only."""
-    if meshes := sum(len(other.links[name].meshes) for names in theirs.links for name in names):
+    if meshes := sum(
+        len(other.links[name].meshes) for names in theirs.links for name in names
+    ):
         yield finding("volume.meshes", meshes=meshes)
     # Our own collision shapes enclose the bodies and are not meant to displace water.
     printed, volume = sum(link.volume for link in parameters().links), theirs.volume
     near = VOLUME_TOLERANCE * printed
-    if volume and all(abs(volume - ours) > near for ours in (printed, our_arm().volume)):
+    if volume and all(
+        abs(volume - ours) > near for ours in (printed, our_arm().volume)
+    ):
         yield finding("volume", theirs=volume * 1e3, ours=printed * 1e3)
     for name in sorted({file for link in other.links.values() for file in link.files}):
         if folder and "://" not in name and not (folder / name).is_file():
@@ -390,7 +459,9 @@ def _of_body(
     wrong_mass = abs(body.mass_error) > MASS_TOLERANCE * link.mass
     if wrong_mass:
         reason = why(diagnosis.explain_mass)
-        twice = ": the jaws are counted twice" * (index == 4 and "; beside it" in reason)
+        twice = ": the jaws are counted twice" * (
+            index == 4 and "; beside it" in reason
+        )
         reason = (reason or f" ({body.mass / link.mass:.3g} times)") + twice
         words = {"mass": body.mass, "ours": link.mass, "reason": reason}
         yield finding("body.mass", name, mass_cost, tag=mass, **words)
@@ -425,7 +496,11 @@ def _dummies(name: str, written: list[Inertial]) -> Iterator[Finding]:
     for (mass, largest), links in alike.items():
         # a body with a mass of its own needs its tensor, not none: that is another finding
         key = "dummy" if mass <= diagnosis.TOKEN_MASS else "dummy.heavy"
-        words = {"links": ", ".join(links), "s": "s" * (len(links) > 1), "grams": mass * 1e3}
+        words = {
+            "links": ", ".join(links),
+            "s": "s" * (len(links) > 1),
+            "grams": mass * 1e3,
+        }
         words |= {"have": "have" if len(links) > 1 else "has", "inertia": largest}
         yield finding(key, name, radius=math.sqrt(largest / mass), **words)
 

@@ -64,16 +64,22 @@ def revisions() -> tuple[Revision, Revision]:
     return now, _revision("an earlier revision's numbers", earlier, earlier)
 
 
-def _revision(numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]) -> Revision:
+def _revision(
+    numbers: str, inertial: Iterable[Any], buoyancy: Iterable[Any]
+) -> Revision:
     """From the printed rows of its two tables."""
 
     def column(rows: Iterable[Any], name: str) -> FloatArray:
         return np.array([in_si(getattr(row, name)) for row in rows])
 
     mass, com = column(inertial, "mass"), column(inertial, "com")
-    at_com, at_link = (column(inertial, f"inertia_{point}") for point in ("com", "link"))
+    at_com, at_link = (
+        column(inertial, f"inertia_{point}") for point in ("com", "link")
+    )
     volume, cob = column(buoyancy, "volume"), column(buoyancy, "cob")
-    return Revision(numbers, mass, com, flip_products(at_com), flip_products(at_link), volume, cob)
+    return Revision(
+        numbers, mass, com, flip_products(at_com), flip_products(at_link), volume, cob
+    )
 
 
 #: The mistakes, as a person would say them; the mass (), COM (3,) or tensor (3, 3) that they give,
@@ -95,8 +101,13 @@ def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> Hypotheses
     for source in sources:
         made = [source]
         for stage in stages:
-            pairs = itertools.product([one for one in made if one[2] < MOST_MISTAKES], stage)
-            made += [(f"{old}, {new}", change(x), n + 1) for (old, x, n), (new, change) in pairs]
+            pairs = itertools.product(
+                [one for one in made if one[2] < MOST_MISTAKES], stage
+            )
+            made += [
+                (f"{old}, {new}", change(x), n + 1)
+                for (old, x, n), (new, change) in pairs
+            ]
         found += made
     return _table(found)
 
@@ -104,17 +115,25 @@ def _with_mistakes(sources: list[Hypothesis], *stages: list[Step]) -> Hypotheses
 def frames(body: int) -> dict[str, FloatArray]:
     """Other frames a number may be taken from: words -> transform_body_to_frame (4, 4), at zero."""
     ours, here = our_arm(), our_arm().poses(np.zeros(4))
-    there = {name: here[i] @ ours.link_poses[name] for i in range(5) for name in ours.links[i]}
+    there = {
+        name: here[i] @ ours.link_poses[name]
+        for i in range(5)
+        for name in ours.links[i]
+    }
     named = {f"in DH frame {{{k}}}": f"dh_{k}" for k in range(1, 6)}
     named |= {f"in the frame of link_{k}": f"link_{k}" for k in range(5) if k != body}
-    return {words: np.linalg.inv(there[name]) @ here[body] for words, name in named.items()}
+    return {
+        words: np.linalg.inv(there[name]) @ here[body] for words, name in named.items()
+    }
 
 
 def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
     """The 47 ways to exchange and reverse axes; one reversed axis before two that contain it."""
     for order in itertools.permutations(range(3)):
         for signs in itertools.product((1, -1), repeat=3):
-            axes = [f"{'-' * (s < 0)}{'xyz'[k]}" for s, k in zip(signs, order, strict=True)]
+            axes = [
+                f"{'-' * (s < 0)}{'xyz'[k]}" for s, k in zip(signs, order, strict=True)
+            ]
             words = f"in the wrong axes ({', '.join(axes)})"
             if order == (0, 1, 2):
                 wrong = [axis[1:] for axis in axes if axis.startswith("-")]
@@ -129,12 +148,16 @@ def _signed_axes() -> Iterator[tuple[str, FloatArray]]:
 def _sources(name: str, body: int) -> list[Hypothesis]:
     """The quantity of this body, the COB for a COM, and those of other bodies; both revisions."""
     found: list[Hypothesis] = []
-    for table, whose in zip(revisions(), ("Table 3", "an earlier revision"), strict=True):
+    for table, whose in zip(
+        revisions(), ("Table 3", "an earlier revision"), strict=True
+    ):
         numbers, values = table.numbers, getattr(table, name)
         found.append((numbers, values[body], 0))
         if name == "com":
             found.append((f"the centre of buoyancy of {whose}", table.cob[body], 1))
-        found += [(f"{numbers} of link_{k}", values[k], 1) for k in range(5) if k != body]
+        found += [
+            (f"{numbers} of link_{k}", values[k], 1) for k in range(5) if k != body
+        ]
     return found
 
 
@@ -142,7 +165,9 @@ def _sources(name: str, body: int) -> list[Hypothesis]:
 def wrong_coms(body: int) -> Hypotheses:
     """COMs of a body in its own link frame, (3,) [m], the right one among them."""
     axes: list[Step] = [(words, partial(np.dot, m)) for words, m in _signed_axes()]
-    elsewhere: list[Step] = [(words, partial(moved, t)) for words, t in frames(body).items()]
+    elsewhere: list[Step] = [
+        (words, partial(moved, t)) for words, t in frames(body).items()
+    ]
     return _with_mistakes(_sources("com", body), axes, elsewhere)
 
 
@@ -151,11 +176,17 @@ def wrong_tensors(body: int) -> Hypotheses:
     """Tensors of a body in its own link's axes, (3, 3) [kg m^2], the right one among them."""
     sources = _sources("inertia", body)
     for table in revisions():
-        own, term = table.inertia[body], point_mass_tensor(table.mass[body], table.com[body])
+        own, term = (
+            table.inertia[body],
+            point_mass_tensor(table.mass[body], table.com[body]),
+        )
         words = f"{table.numbers}, {I_LINK}"
         for tensor in (table.inertia_link[body], own + term):
             # Pasted as the document prints it: one slip, although two things are wrong.
-            sources += [(words, tensor, 1), (f"{words}, {SOLIDWORKS}", flip_products(tensor), 1)]
+            sources += [
+                (words, tensor, 1),
+                (f"{words}, {SOLIDWORKS}", flip_products(tensor), 1),
+            ]
         words = f"{table.numbers}, the parallel-axis term taken off I_COM"
         sources.append((words, own - term, 1))
     zeroed = "the products of inertia are zeroed"
@@ -164,13 +195,17 @@ def wrong_tensors(body: int) -> Hypotheses:
     rotations += [(words, pose[:3, :3]) for words, pose in frames(body).items()]
     turns: list[Step] = [(words, partial(rotate_tensor, r)) for words, r in rotations]
     flips = zip(("xy", "xz", "yz"), 1 - 2 * np.eye(3), strict=True)
-    single = [_products(f"i{entry} has the wrong sign", *signs) for entry, signs in flips]
+    single = [
+        _products(f"i{entry} has the wrong sign", *signs) for entry, signs in flips
+    ]
     return _with_mistakes(sources, signs, turns, single)
 
 
 def _products(words: str, xy: float, xz: float, yz: float) -> Step:
     """The step that multiplies the products of inertia by these factors."""
-    return words, partial(np.multiply, np.array([[1, xy, xz], [xy, 1, yz], [xz, yz, 1]]))
+    return words, partial(
+        np.multiply, np.array([[1, xy, xz], [xy, 1, yz], [xz, yz, 1]])
+    )
 
 
 @cache
@@ -180,7 +215,9 @@ def wrong_masses(body: int) -> Hypotheses:
     found = [("the mass of Table 2", now.mass[body])]
     found.append(("an earlier revision's mass", before.mass[body]))
     for table, words in ((now, "that"), (before, "an earlier revision's")):
-        found += [(f"{words} of link_{k}", table.mass[k]) for k in range(5) if k != body]
+        found += [
+            (f"{words} of link_{k}", table.mass[k]) for k in range(5) if k != body
+        ]
     found.append(("that of the whole arm", now.mass.sum()))
     found.append(("that of the displaced water", now.volume[body] * FRESH_WATER))
     # Many public models pair the earlier revision's masses with version 7's volumes.

@@ -89,13 +89,20 @@ def compare_robots(
     bodies = tuple(map(BodyDifference, [link.name for link in ours], *columns))
     # Gravity points down in our base frame, wherever the other root stands.
     there, down = alignment.theirs(q), alignment.base[:3, :3].T @ arm.DOWN
-    torques, signs = arm.our_arm().gravity_torque(q), np.outer(alignment.sign, alignment.sign)
+    torques, signs = (
+        arm.our_arm().gravity_torque(q),
+        np.outer(alignment.sign, alignment.sign),
+    )
     gravity = written.gravity_torque(there, down) * alignment.sign - torques
     inertias = written.mass_matrix(there) * signs - arm.our_arm().mass_matrix(q)
-    found = list(findings.all_findings(other, theirs, written, alignment, bodies, folder, q))
+    found = list(
+        findings.all_findings(other, theirs, written, alignment, bodies, folder, q)
+    )
     found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
     # Further chains of the shape of this arm, such as a second arm on the vehicle.
-    named = [dict(zip(reading.AXES, c.names, strict=True)) for c in chains if _is_ours(c)]
+    named = [
+        dict(zip(reading.AXES, c.names, strict=True)) for c in chains if _is_ours(c)
+    ]
     second = [n for n in named[1:] if set(n.values()).isdisjoint(chains[0].names)]
     mappings = [",".join(map("=".join, n.items())) for n in second]
     found += [findings.finding("second_arm", mapping=mapping) for mapping in mappings]
@@ -121,7 +128,9 @@ def _is_ours(chain: reading.Chain) -> bool:
 
 def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     """Why a model is not of this arm."""
-    turning = sum(j.kind in reading.TURNING and j.mimic is None for j in other.joints.values())
+    turning = sum(
+        j.kind in reading.TURNING and j.mimic is None for j in other.joints.values()
+    )
     if not chains:
         return findings.finding("another_arm.without_joints", turning=turning)
     best, off = chains[0], chains[0].differences
@@ -129,6 +138,8 @@ def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
     scale = np.repeat([1e3, 180 / math.pi], (4, 3))
     rows = zip(words, best.shape * scale, reading.our_shape() * scale, strict=True)
     texts = [text.format(theirs, ours) for text, theirs, ours in rows]
-    worst = ", ".join(texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3)
+    worst = ", ".join(
+        texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3
+    )
     names = ", ".join(best.names)
     return findings.finding("another_arm", turning=turning, joints=names, worst=worst)

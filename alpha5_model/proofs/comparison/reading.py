@@ -58,7 +58,9 @@ def read_model(
     program = Path(path).suffix.lower() == ".xacro"
     given = _XacroOptions(dict(packages or {}), dict(arguments or {}))
     if program and not flag("xacro", xacro):
-        problem = "a xacro file is a program, and to expand it is to run it; if you trust it"
+        problem = (
+            "a xacro file is a program, and to expand it is to run it; if you trust it"
+        )
         raise FileFormatError(path, f"{problem}: {given.command(path)}")
     if flag("xacro", xacro):
         if not program:
@@ -78,7 +80,9 @@ def read_model(
         if program or b"<xacro:" not in content.replace(b"\0", b""):
             raise
         problem = str(error).removeprefix(f"{path}").lstrip(",: ")
-        hint = "it has xacro in it, and only a file whose name ends in .xacro is expanded"
+        hint = (
+            "it has xacro in it, and only a file whose name ends in .xacro is expanded"
+        )
         raise FileFormatError(path, f"{problem}; {hint}", error.place) from None
 
 
@@ -127,7 +131,9 @@ def package_above(path: Any) -> dict[str, str]:
         if not manifest.is_file():
             continue
         with suppress(Alpha5Error):
-            tree = parse_xml(read_named(manifest, "the manifest of a package"), str(manifest))
+            tree = parse_xml(
+                read_named(manifest, "the manifest of a package"), str(manifest)
+            )
             name = (tree.top.findtext("name") or "").strip()
             return {name: str(folder)} if name else {}
     return {}
@@ -138,7 +144,9 @@ def as_meant(robot: UrdfRobot) -> UrdfRobot:
     joints = dict(robot.joints)
     for name, joint in robot.joints.items():
         if angles := [meant_angle(text) for text in joint.printed[1].split()]:
-            joints[name] = replace(joint, transform=pose(joint.transform[:3, 3], angles))
+            joints[name] = replace(
+                joint, transform=pose(joint.transform[:3, 3], angles)
+            )
     return replace(robot, joints=joints)
 
 
@@ -158,7 +166,11 @@ def meant_angle(text: str) -> float:
     # leaves open.
     unit = min(1.01 * unit + 1e-12, (math.pi - 3.14) * abs(angle) / 3)
     near = (np.abs(parts * pis - abs(angle)) <= unit).any(axis=1)
-    return math.copysign(float(parts[near][0, 0]) * math.pi, angle) if near.any() else angle
+    return (
+        math.copysign(float(parts[near][0, 0]) * math.pi, angle)
+        if near.any()
+        else angle
+    )
 
 
 def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
@@ -172,7 +184,9 @@ def last_digits(joints: Sequence[UrdfJoint]) -> tuple[float, float, float]:
     lengths, angles = ([text for text in texts if float(text) % 1] for texts in printed)
     cut = [abs(meant_angle(text) - float(text)) for text in angles]
     both = lengths, [text for text, off in zip(angles, cut, strict=True) if not off]
-    length, angle = (0.5 * min(map(last_place, x), default=0.0) * math.sqrt(len(x)) for x in both)
+    length, angle = (
+        0.5 * min(map(last_place, x), default=0.0) * math.sqrt(len(x)) for x in both
+    )
     return length, angle, max(cut, default=0.0)
 
 
@@ -220,7 +234,9 @@ def our_shape() -> FloatArray:
     """Distances [m] and angles [rad] of our own axes, as in `Chain`."""
     rows = parameters().dh[:3]
     twists = np.abs([row.alpha for row in rows])
-    return np.array([*(row.a for row in rows), 0.0, *np.minimum(twists, math.pi - twists)])
+    return np.array(
+        [*(row.a for row in rows), 0.0, *np.minimum(twists, math.pi - twists)]
+    )
 
 
 def _shape(points: FloatArray, directions: FloatArray) -> FloatArray:
@@ -229,8 +245,12 @@ def _shape(points: FloatArray, directions: FloatArray) -> FloatArray:
     sines = np.linalg.norm(across, axis=1)
     upper = foot(points, directions, 2, 3) - foot(points, directions, 1, 0)
     offset = upper @ directions[1]
-    lengths = np.abs(np.sum(np.diff(points, axis=0) * across, axis=1)) / np.maximum(sines, 1e-9)
-    lengths[1] = np.linalg.norm(upper - offset * directions[1])  # parallel, or nearly so
+    lengths = np.abs(np.sum(np.diff(points, axis=0) * across, axis=1)) / np.maximum(
+        sines, 1e-9
+    )
+    lengths[1] = np.linalg.norm(
+        upper - offset * directions[1]
+    )  # parallel, or nearly so
     twists = np.arctan2(sines, np.abs(np.sum(directions[:-1] * directions[1:], axis=1)))
     return np.array([*lengths, abs(offset), *twists])
 
@@ -239,11 +259,15 @@ def foot(points: FloatArray, directions: FloatArray, at: int, other: int) -> Flo
     """Foot of the common normal of two of the axes (..., 4, 3), on the first of them, (..., 3)."""
     u, w, p = directions[..., at, :], directions[..., other, :], points[..., at, :]
     r = p - points[..., other, :]
-    b, along, across = (np.sum(x * y, -1, keepdims=True) for x, y in ((u, w), (w, r), (u, r)))
+    b, along, across = (
+        np.sum(x * y, -1, keepdims=True) for x, y in ((u, w), (w, r), (u, r))
+    )
     return np.asarray(p + (b * along - across) / np.maximum(1 - b * b, 1e-12) * u)
 
 
-def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> list[Chain]:
+def find_chains(
+    robot: UrdfRobot, names: Mapping[str, str] | None = None
+) -> list[Chain]:
     """Every four joints in a row that could be axis_e, axis_d, axis_c and axis_b, the best first.
 
     Joints are known by the shape of their axes; names decide between chains of the same shape, such
@@ -263,8 +287,12 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
         choice("joint of the other model", name, tuple(robot.joints))
         if robot.joints[name].kind not in TURNING:
             raise InputError("map", name, "a revolute joint")
-        if twice := [other for other in given if other != axis and given[other] == name]:
-            raise InputError("map", f"{axis}={name},{twice[0]}={name}", "four different joints")
+        if twice := [
+            other for other in given if other != axis and given[other] == name
+        ]:
+            raise InputError(
+                "map", f"{axis}={name},{twice[0]}={name}", "four different joints"
+            )
     poses = {robot.root: np.eye(4)}
     #: link -> the turning joints on the way to it, the last four
     way: dict[str, tuple[UrdfJoint, ...]] = {robot.root: ()}
@@ -279,7 +307,11 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
     found: list[tuple[UrdfJoint, ...]] = [row for row in rows.values() if len(row) == 4]
     if len(given) == 4:
         found = [tuple(robot.joints[given[axis]] for axis in AXES)]
-    found = [row for row in found if all(row[AXES.index(a)].name == n for a, n in given.items())]
+    found = [
+        row
+        for row in found
+        if all(row[AXES.index(a)].name == n for a, n in given.items())
+    ]
     if given and not found:
         expected = "four different joints that follow each other, out of: "
         example = ",".join(map("=".join, given.items()))
@@ -287,10 +319,14 @@ def find_chains(robot: UrdfRobot, names: Mapping[str, str] | None = None) -> lis
     chains = []
     for row in found:
         at = np.array([poses[joint.parent] @ joint.transform for joint in row])
-        directions = np.einsum("nij,nj->ni", at[:, :3, :3], [joint.axis for joint in row])
+        directions = np.einsum(
+            "nij,nj->ni", at[:, :3, :3], [joint.axis for joint in row]
+        )
         shape = _shape(at[:, :3, 3], directions)
         chains.append(Chain(row, shape, following[row[-1].child]))
-    chains.sort(key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES))))
+    chains.sort(
+        key=lambda c: (round(c.misfit, 4), -sum(map(str.endswith, c.names, AXES)))
+    )
     return chains
 
 

@@ -66,7 +66,9 @@ class BodyDifference:
     @property
     def com_error(self) -> float:
         """Distance of the COMs [m]; NaN for a body without mass, which has none."""
-        return float(np.linalg.norm(self.com - self.ours.com)) if self.mass else math.nan
+        return (
+            float(np.linalg.norm(self.com - self.ours.com)) if self.mass else math.nan
+        )
 
     @property
     def inertia_error(self) -> float:
@@ -75,7 +77,12 @@ class BodyDifference:
 
     def as_dict(self) -> dict[str, Any]:
         """Both sides and their difference, for JSON."""
-        out = {"name": self.name, "links": self.links, **_side(self), "ours": _side(self.ours)}
+        out = {
+            "name": self.name,
+            "links": self.links,
+            **_side(self),
+            "ours": _side(self.ours),
+        }
         out |= {"mass_error_kg": self.mass_error, "com_error_m": self.com_error}
         record: dict[str, Any] = plain(out | {"inertia_error_kgm2": self.inertia_error})
         return record
@@ -145,11 +152,18 @@ class Comparison:
         out |= {"joints": self.joints, "base": a.base, "base_link": a.base_link}
         out |= {"carried_kg": self.carried, "sign": a.sign, "zero_rad": a.zero}
         length, angle = a.residual
-        out |= {"dimension_error": a.changes(), "residual_m": length, "residual_rad": angle}
+        out |= {
+            "dimension_error": a.changes(),
+            "residual_m": length,
+            "residual_rad": angle,
+        }
         tool = None if self.tool is None else self.tool.as_dict()
         out |= {"tip_error_m": self.tip_error, "tool": tool}
         out["gravity_error_Nm"] = self.gravity_error
-        out |= {"mass_matrix_error_kgm2": self.mass_matrix_error, "volume_m3": self.volume}
+        out |= {
+            "mass_matrix_error_kgm2": self.mass_matrix_error,
+            "volume_m3": self.volume,
+        }
         out["bodies"] = [body.as_dict() for body in self.bodies]
         found = (vars(finding).items() for finding in self.findings)
         out["findings"] = [{keys.get(k, k): v for k, v in one} for one in found]

@@ -51,10 +51,16 @@ def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
     grid, (_, size, each) = study.cases, study.sizes()
     for case, n in (divmod(number, each) for number in range(first, last)):
         at = np.unravel_index(case, [*map(len, grid.values())]) if grid else ()
-        index, start, row = dict(zip(grid, map(int, at), strict=True)), n * BLOCK, case * size
+        index, start, row = (
+            dict(zip(grid, map(int, at), strict=True)),
+            n * BLOCK,
+            case * size,
+        )
         if "recording" in grid:
             row = case * _RECORDED
-            states = _recorded(Path(study.folder, grid["recording"][index["recording"]]))
+            states = _recorded(
+                Path(study.folder, grid["recording"][index["recording"]])
+            )
         else:
             states = _states(study, start, min(size, start + BLOCK))
         values = _quantities(wanted, *_arm(study, tuple(index.items())), states[2])
@@ -68,14 +74,20 @@ def inputs(study: Study, row: int) -> dict[str, Any]:
     case, state = divmod(row, _RECORDED if "recording" in study.cases else size)
     number = case * each + (0 if "recording" in study.cases else state // BLOCK)
     block = next(blocks(study, number, number + 1))
-    return {name: x[row - block[0][0]].item() for name, x in columns(study, block).items()}
+    return {
+        name: x[row - block[0][0]].item() for name, x in columns(study, block).items()
+    }
 
 
 def columns(study: Study, block: Block) -> dict[str, Any]:
     """A block as a table: number of the row, axes, and the quantities kept as tables."""
     rows, index, more, values = block
     grid = study.cases | study.states
-    out = {"row": rows, **{name: np.array(grid[name])[i] for name, i in index.items()}, **more}
+    out = {
+        "row": rows,
+        **{name: np.array(grid[name])[i] for name, i in index.items()},
+        **more,
+    }
     for output in study.outputs.values():
         if output.form == "table":
             names = (f"{output.quantity}.{name}" for name in output.columns)
@@ -92,12 +104,18 @@ def _states(study: Study, first: int, last: int) -> States:
     width = -(-len(study.drawn) // 4)  # four numbers for each count
     counted = np.random.Generator(np.random.Philox(study.seed).advance(first * width))
     numbers = iter(counted.random((last - first, 4 * width)).T)
-    drawn = {k: low + (high - low) * next(numbers) for k, (low, high) in study.drawn.items()}
+    drawn = {
+        k: low + (high - low) * next(numbers) for k, (low, high) in study.drawn.items()
+    }
     given = {name: np.array(study.states[name])[i] for name, i in index.items()} | drawn
     names = [[f"axis_{x}_{rate}" for x in "edcb"] for rate in ("pos", "vel", "acc")]
     zero = np.zeros(last - first)
-    q, v, a = (np.stack([given.get(name, zero) for name in table], axis=1) for table in names)
-    motion = SmoothMotion(zero, (), q, v, a, np.sign(v), "interpolate", None, False, zero)
+    q, v, a = (
+        np.stack([given.get(name, zero) for name in table], axis=1) for table in names
+    )
+    motion = SmoothMotion(
+        zero, (), q, v, a, np.sign(v), "interpolate", None, False, zero
+    )
     return index, drawn, motion
 
 
@@ -105,29 +123,46 @@ def _states(study: Study, first: int, last: int) -> States:
 def _recorded(path: Path) -> States:
     s = smooth(read_motion(path))
     arrays = ("position", "velocity", "acceleration", "direction")
-    four: dict[str, Any] = {name: np.ascontiguousarray(getattr(s, name)[:, :4]) for name in arrays}
+    four: dict[str, Any] = {
+        name: np.ascontiguousarray(getattr(s, name)[:, :4]) for name in arrays
+    }
     return {}, {"sample": np.arange(len(s.time)), "time": s.time}, replace(s, **four)
 
 
 @lru_cache(maxsize=64)
-def _arm(study: Study, place: tuple[tuple[str, int], ...]) -> tuple[Any, list[Actuator]]:
+def _arm(
+    study: Study, place: tuple[tuple[str, int], ...]
+) -> tuple[Any, list[Actuator]]:
     """The arm of a case, in moving water where there is a current, and its motors."""
     with plausibility.said():  # by the study, when it was read
         return _arm_of_case(study, place)
 
 
-def _arm_of_case(study: Study, place: tuple[tuple[str, int], ...]) -> tuple[Any, list[Actuator]]:
+def _arm_of_case(
+    study: Study, place: tuple[tuple[str, int], ...]
+) -> tuple[Any, list[Actuator]]:
     at: dict[str, Any] = {name: study.cases[name][i] for name, i in place}
-    rotation = rotation_from_rpy([at.get(f"mount_{x}", 0.0) for x in ("roll", "pitch", "yaw")])
-    names = at.get("corrections", "+".join(DEFAULT_CORRECTIONS)).replace("none", "").split("+")
+    rotation = rotation_from_rpy(
+        [at.get(f"mount_{x}", 0.0) for x in ("roll", "pitch", "yaw")]
+    )
+    names = (
+        at.get("corrections", "+".join(DEFAULT_CORRECTIONS))
+        .replace("none", "")
+        .split("+")
+    )
     density, gravity = at.get("fluid_density", SEA_WATER), gravity_in_base(rotation)
     values = parameters(filter(None, names))
     if "parameters" in at:
-        values = _sample(len(study.cases["parameters"]), study.seed).parameters(at["parameters"])
+        values = _sample(len(study.cases["parameters"]), study.seed).parameters(
+            at["parameters"]
+        )
     arm: Any = arm_of(values, density, gravity)
     motors = [*map(Actuator, arm.joint_names, values.actuators)]
     if any(name.startswith("payload_") for name in at):
-        com, volume = [at.get(f"payload_{x}", 0.0) for x in "xyz"], at.get("payload_volume", 0.0)
+        com, volume = (
+            [at.get(f"payload_{x}", 0.0) for x in "xyz"],
+            at.get("payload_volume", 0.0),
+        )
         arm = arm.with_payload(at.get("payload_mass", 0.0), com, volume=volume)
     if "current_speed" not in at:
         return arm, motors
@@ -152,7 +187,10 @@ def _quantities(
         out |= {"current": found["current"], "power": found["electrical_power"]}
     if wanted & {"mount_force", "mount_moment"}:
         wrench = arm.base_wrench_batch(q, v, a, 1)
-        out |= {"mount_force": _with_norm(wrench[:, :3]), "mount_moment": _with_norm(wrench[:, 3:])}
+        out |= {
+            "mount_force": _with_norm(wrench[:, :3]),
+            "mount_moment": _with_norm(wrench[:, 3:]),
+        }
     if "reach" in wanted:
         out["reach"] = _with_norm(batch.frame_positions(getattr(arm, "still", arm), q))
     return out
@@ -171,13 +209,18 @@ class Reduction:
     """
 
     def __init__(self, study: Study, output: Output) -> None:
-        self.output, self.extreme = output, output.form in ("peak", "maximum", "minimum")
+        self.output, self.extreme = (
+            output,
+            output.form in ("peak", "maximum", "minimum"),
+        )
         self.by = {name: (study.cases | study.states)[name] for name in output.by}
         edges = np.linspace(*output.range, output.bins + 1)
         if output.levels:
             edges = np.concatenate([-_EDGES[::-1], _EDGES])
         self.edges = np.concatenate([[-np.inf], edges, [np.inf]])
-        self.groups = math.prod(map(len, self.by.values())) if self.extreme else len(edges) + 1
+        self.groups = (
+            math.prod(map(len, self.by.values())) if self.extreme else len(edges) + 1
+        )
         self.values = np.full(len(output.columns) * self.groups, -np.inf)
         self.counts = np.zeros(len(self.values), np.int64)
 
@@ -221,12 +264,16 @@ class Reduction:
 
     def result(self) -> dict[str, Any]:
         """Columns by name; of extremes, NaN and row -1 where a group has none."""
-        counts = dict(zip(self.output.columns, self.counts.reshape(-1, self.groups), strict=True))
+        counts = dict(
+            zip(self.output.columns, self.counts.reshape(-1, self.groups), strict=True)
+        )
         if self.output.levels:
             out: dict[str, Any] = {"level": np.array(self.output.levels)}
             for name, column in counts.items():
                 sums = np.cumsum(column)
-                place = np.searchsorted(sums, np.maximum(np.ceil(out["level"] * sums[-1]), 1))
+                place = np.searchsorted(
+                    sums, np.maximum(np.ceil(out["level"] * sums[-1]), 1)
+                )
                 ends = np.append(self.edges, np.nan)  # of no values at all
                 out |= {f"{name}_low": ends[place], f"{name}_high": ends[place + 1]}
             return out
@@ -246,4 +293,8 @@ class Reduction:
 def reductions(study: Study) -> dict[str, Reduction]:
     """Of each output but tables, empty."""
     named = study.outputs.items()
-    return {name: Reduction(study, output) for name, output in named if output.form != "table"}
+    return {
+        name: Reduction(study, output)
+        for name, output in named
+        if output.form != "table"
+    }

@@ -97,12 +97,18 @@ def sweep(
     size = total // len(recordings) if recordings else size  # each is a chunk
     head = f"# {_made_by()}\n{made.text}"
     head += "".join(f"# recording {k}: {name}\n" for k, name in enumerate(recordings))
-    files = [target / "parts" / f"part-{k:06}.parquet" for k in range(-(-total // size))]
+    files = [
+        target / "parts" / f"part-{k:06}.parquet" for k in range(-(-total // size))
+    ]
     chunks = [k for k, file in enumerate(files) if not _finished(file, head, size)]
     atomic_write(target / "study.toml", head)
     work = partial(_work, made, head, size, total)
-    for done, (k, parts) in enumerate(_results(work, chunks, workers, scheduler, target)):
-        atomic_write_all({target / room / files[k].name: part for room, part in parts.items()})
+    for done, (k, parts) in enumerate(
+        _results(work, chunks, workers, scheduler, target)
+    ):
+        atomic_write_all(
+            {target / room / files[k].name: part for room, part in parts.items()}
+        )
         if progress:
             progress("compute", (len(files) - len(chunks) + done + 1) / len(files))
     whole, found, failures = reductions(made), 0, {}
@@ -112,8 +118,16 @@ def sweep(
         if problem:
             failures[recordings[k]] = problem
     outputs = {name: reduction.result() for name, reduction in whole.items()}
-    tables = {target / f"{n}.parquet": _parquet(table, study=head) for n, table in outputs.items()}
-    summary = {"made_by": _made_by(), "seed": made.seed, "rows": found, "failures": failures}
+    tables = {
+        target / f"{n}.parquet": _parquet(table, study=head)
+        for n, table in outputs.items()
+    }
+    summary = {
+        "made_by": _made_by(),
+        "seed": made.seed,
+        "rows": found,
+        "failures": failures,
+    }
     atomic_write_all({**tables, target / "summary.json": json.dumps(summary, indent=1)})
     return Sweep(made, found, failures, outputs)
 
@@ -143,7 +157,9 @@ def _finished(file: Path, head: str, size: int) -> bool:
     except (OSError, ArrowException):  # cut off: computed again
         return False
     if not {b"study", b"blocks", b"problem"} <= {*facts}:
-        problem = "is a table of something else; expected another folder for the results"
+        problem = (
+            "is a table of something else; expected another folder for the results"
+        )
         raise FileFormatError(file, problem)
     if (facts[b"study"], facts[b"blocks"]) != (head.encode(), str(size).encode()):
         expected = "a new one, or one with a part of this study in chunks of this size"
@@ -173,12 +189,16 @@ def _merged(file: Path, reductions: dict[str, Reduction]) -> tuple[int, str]:
         raise FileFormatError(file, problem) from None
 
 
-def _work(study: Study, head: str, size: int, total: int, k: int) -> tuple[int, dict[str, bytes]]:
+def _work(
+    study: Study, head: str, size: int, total: int, k: int
+) -> tuple[int, dict[str, bytes]]:
     """A chunk's rows and its part of the reductions, as Parquet files by their folder."""
     from alpha5_model.studies.sweep.rows import blocks, columns, reductions
 
     if not head.startswith(f"# {_made_by()}\n"):
-        raise InputError("worker", _made_by(), f"what asks: {head.partition(chr(10))[0]}")
+        raise InputError(
+            "worker", _made_by(), f"what asks: {head.partition(chr(10))[0]}"
+        )
     found, tables, rows, problem = reductions(study), [], 0, ""
     try:
         for block in blocks(study, k * size, min(total, (k + 1) * size)):
@@ -189,7 +209,12 @@ def _work(study: Study, head: str, size: int, total: int, k: int) -> tuple[int, 
     except Exception as error:
         if "recording" not in study.cases:
             raise
-        found, tables, rows, problem = reductions(study), [], 0, str(error) or repr(error)
+        found, tables, rows, problem = (
+            reductions(study),
+            [],
+            0,
+            str(error) or repr(error),
+        )
     parts = [reduction.parts(name) for name, reduction in found.items()]
     facts = {"rows": str(rows), "blocks": str(size), "problem": problem}
     # The part last: where it is, all of the chunk is.
@@ -201,14 +226,22 @@ def _parquet(*tables: dict[str, Any], **metadata: str) -> bytes:
     import pyarrow
     from pyarrow import parquet
 
-    whole = pyarrow.concat_tables(map(pyarrow.table, tables)) if tables else pyarrow.table({})
+    whole = (
+        pyarrow.concat_tables(map(pyarrow.table, tables))
+        if tables
+        else pyarrow.table({})
+    )
     sink = pyarrow.BufferOutputStream()
     parquet.write_table(whole.replace_schema_metadata(metadata), sink)
     return bytes(sink.getvalue())
 
 
 def _results(
-    work: Callable[[int], Any], chunks: list[int], workers: int, scheduler: str | None, folder: Path
+    work: Callable[[int], Any],
+    chunks: list[int],
+    workers: int,
+    scheduler: str | None,
+    folder: Path,
 ) -> Iterator[Any]:
     """What the work makes of each chunk, in any order."""
     if not workers and scheduler is None:
@@ -222,7 +255,9 @@ def _results(
     try:
         client = Client(scheduler, timeout=10) if scheduler else Client(**here)
     except (OSError, ValueError):
-        raise InputError("scheduler", scheduler, "the address of a Dask scheduler") from None
+        raise InputError(
+            "scheduler", scheduler, "the address of a Dask scheduler"
+        ) from None
     with client:
         try:
             for future in as_completed(client.map(work, chunks, pure=False)):

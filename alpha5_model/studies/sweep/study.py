@@ -48,7 +48,9 @@ _RECORDED = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
 #: States computed at a time: what a kernel reads and writes of them stays in the cache.
 BLOCK = 8192
 #: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long one.
-_LONG_KEY = re.compile(r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}""")
+_LONG_KEY = re.compile(
+    r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}"""
+)
 #: Most values of an axis, and most groups or bins of an output.
 _MOST = 10_000_000
 
@@ -91,12 +93,19 @@ class Study:
 
     def sizes(self) -> tuple[int, int, int]:
         """Number of cases, of states and of blocks in each; of recordings that is not known, and 1."""
-        cases, states = (math.prod(map(len, grid.values())) for grid in (self.cases, self.states))
+        cases, states = (
+            math.prod(map(len, grid.values())) for grid in (self.cases, self.states)
+        )
         return cases, states * self.samples, -(-states * self.samples // BLOCK)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A process makes the study of its many tasks once.
-        return _study, (self.text, self.source, self.folder, self.cases.get("recording"))
+        return _study, (
+            self.text,
+            self.source,
+            self.folder,
+            self.cases.get("recording"),
+        )
 
 
 def read_study(study: PathLike) -> Study:
@@ -119,7 +128,9 @@ def read_study(study: PathLike) -> Study:
 
 
 @lru_cache(maxsize=2)
-def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None = None) -> Study:
+def _study(
+    text: str, source: str, folder: Path, found: tuple[str, ...] | None = None
+) -> Study:
     long_key = _LONG_KEY.search(text)
     if long_key:
         place = f"line {text.count(chr(10), 0, long_key.start()) + 1}"
@@ -142,10 +153,14 @@ def _study(text: str, source: str, folder: Path, found: tuple[str, ...] | None =
     except ValueError as error:  # of TOML, or this package's own
         raise FileFormatError(source, str(error)) from None
     except RecursionError:
-        raise FileFormatError(source, "expected fewer brackets inside one another") from None
+        raise FileFormatError(
+            source, "expected fewer brackets inside one another"
+        ) from None
 
 
-def _axes(given: dict[str, Any], folder: Path, found: Any) -> Sequence[dict[str, Sequence[Any]]]:
+def _axes(
+    given: dict[str, Any], folder: Path, found: Any
+) -> Sequence[dict[str, Sequence[Any]]]:
     """Axes of cases, axes of states, and those of states that are drawn."""
     kinds: tuple[dict[str, Any], ...] = {}, {}, {}
     cases, states, drawn = kinds
@@ -157,7 +172,10 @@ def _axes(given: dict[str, Any], folder: Path, found: Any) -> Sequence[dict[str,
         kind[name] = _axis(name, given[name])
     if {"parameters", "corrections"} <= {*cases}:
         raise InputError("axes", "parameters and corrections", "one of them")
-    names, needed = {*states, *drawn}, {name for name in SCHEMA["state"] if "_pos" in name}
+    names, needed = (
+        {*states, *drawn},
+        {name for name in SCHEMA["state"] if "_pos" in name},
+    )
     if names if "recording" in cases else not needed <= names:
         expected = f"recordings alone, or all of {', '.join(sorted(needed))}"
         raise InputError("axes, states", sorted(names), expected)
@@ -167,10 +185,14 @@ def _axes(given: dict[str, Any], folder: Path, found: Any) -> Sequence[dict[str,
 def _recordings(given: Any, folder: Path) -> tuple[str, ...]:
     """Files, in order; those of folders by their names."""
     found: list[str] = []
-    for path in [given] if isinstance(given, str) else listed("axes.recordings", given, "files"):
+    for path in (
+        [given] if isinstance(given, str) else listed("axes.recordings", given, "files")
+    ):
         whole = folder / str(path)
         inside = sorted(p.name for p in whole.iterdir()) if whole.is_dir() else []
-        found += [str(Path(path, name)) for name in inside if Path(name).suffix in _RECORDED]
+        found += [
+            str(Path(path, name)) for name in inside if Path(name).suffix in _RECORDED
+        ]
         found += [] if whole.is_dir() else [str(path)]
     if not found:
         expected = f"files, or folders with some of {', '.join(_RECORDED)}"
@@ -184,7 +206,9 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
     if name == "parameters":
         return range(count(place, given))
     if name == "corrections":
-        names = listed(place, given, "a list of names, such as ['none', 'base_frame+link3_cob']")
+        names = listed(
+            place, given, "a list of names, such as ['none', 'base_frame+link3_cob']"
+        )
         named(place, "+".join(map(str, names)).split("+"), ("none", *CORRECTIONS))
         return names
     table = given if isinstance(given, dict) else {"values": given}
@@ -198,7 +222,9 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
     elif keys == {"random"} and name in SCHEMA["state"]:
         values = np.array(_rising(place, table["random"]))
     else:
-        raise InputError(place, given, "values; from, to and count; or of a state, random")
+        raise InputError(
+            place, given, "values; from, to and count; or of a state, random"
+        )
     if not 0 < values.size <= _MOST:
         raise InputError(place, given, f"1 to {_MOST} values")
     least = 0.0 if unit in ("kg", "m^3", "kg/m^3", "m/s") else None
@@ -216,17 +242,23 @@ def _output(name: str, given: Any, grid: dict[str, Any]) -> Output:
     place, table = f"outputs.{name}", given if isinstance(given, dict) else {}
     if not re.fullmatch(r"[\w-]+", name):
         raise InputError("outputs", name, "names of letters, digits, _ and -")
-    quantity = choice(f"{place}.quantity", table.get("quantity"), tuple(SCHEMA["quantities"]))
+    quantity = choice(
+        f"{place}.quantity", table.get("quantity"), tuple(SCHEMA["quantities"])
+    )
     form = choice(f"{place}.as", table.get("as"), tuple(SCHEMA["forms"]))
     named(f"key of {place}", table, ("quantity", "as", *SCHEMA["forms"][form]))
-    by, levels = (listed(f"{place}.{k}", table.get(k, ()), "a list") for k in ("by", "levels"))
+    by, levels = (
+        listed(f"{place}.{k}", table.get(k, ()), "a list") for k in ("by", "levels")
+    )
     for axis in by:
         choice(f"axis of {place}.by", axis, tuple(grid))
     if form == "quantile":
         levels = [real(f"{place}.levels", level) for level in levels]
         if not levels or not 0 < min(levels) <= max(levels) <= 1:
             raise InputError(f"{place}.levels", levels, "numbers above 0, up to 1")
-    span, bins = (table.get("range"), table.get("bins")) if form == "histogram" else ([0, 1], 1)
+    span, bins = (
+        (table.get("range"), table.get("bins")) if form == "histogram" else ([0, 1], 1)
+    )
     bins = count(f"{place}.bins", bins)
     if max(bins, math.prod(len(grid[axis]) for axis in by)) > _MOST:
         raise InputError(place, given, f"at most {_MOST} groups or bins")

@@ -9,7 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import FloatArray, count, float_array, instance, shaped
+from alpha5_model._support.checks import (
+    FloatArray,
+    count,
+    float_array,
+    instance,
+    shaped,
+)
 from alpha5_model.codegen.base_parameters import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
@@ -31,7 +37,14 @@ from alpha5_model.studies.uncertainty.printed import (
 )
 from alpha5_model.trajectory import Motion, smooth
 
-__all__ = ["ALTERNATIVES", "Bounds", "Identification", "PrintedNumber", "Sample", "Sensitivity"]
+__all__ = [
+    "ALTERNATIVES",
+    "Bounds",
+    "Identification",
+    "PrintedNumber",
+    "Sample",
+    "Sensitivity",
+]
 __all__ += ["Spread", "arm", "bounds", "identify", "printed_numbers", "reach", "sample"]
 __all__ += ["sensitivity", "spread", "torque_bounds"]
 
@@ -74,7 +87,11 @@ class Bounds(NamedTuple):
 
 
 def bounds(
-    q: ArrayLike, v: ArrayLike, a: ArrayLike, arm: Arm | None = None, alternatives: Names = ()
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    arm: Arm | None = None,
+    alternatives: Names = (),
 ) -> Bounds:
     """What no numbers that round to the printed ones can pass, for a motion of the arm on a fixed base.
 
@@ -100,11 +117,17 @@ def bounds(
     x, y = (regressor_rows(q, still, still, g)[:, 7:] for g in np.eye(3)[:2])
     potential = -np.tensordot(gravity, [y[:, 2], -x[:, 2], x[:, 1]], 1)
     every = linear[:, :4], linear[:, 4:], kinetic, potential
-    return Bounds(*(extremes(part, one, arm, printed.believed(alternatives)) for part in every))
+    return Bounds(
+        *(extremes(part, one, arm, printed.believed(alternatives)) for part in every)
+    )
 
 
 def torque_bounds(
-    q: ArrayLike, v: ArrayLike, a: ArrayLike, fluid_density: float = SEA_WATER, **options: Any
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    fluid_density: float = SEA_WATER,
+    **options: Any,
 ) -> Interval:
     """The torques of `bounds`, ``(lower, upper)``, (4,) each or (N, 4) [N m]; its options, and a fluid [kg/m^3]."""
     return bounds(q, v, a, **{"arm": load(fluid_density), **options}).torque
@@ -127,11 +150,16 @@ def torque_margin(arm: Arm, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> FloatAr
     return out
 
 
-def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, ...]) -> Interval:
+def extremes(
+    linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, ...]
+) -> Interval:
     """Of quantities that are linear in the base parameters, rows (N, ..., 38): (N, ...), (...) of one state."""
     density, to_links = arm.fluid_density, printed.link_map(alternatives)
     middle, half = printed.ends(alternatives)
-    link, width = np.tensordot(middle, to_links, 1), np.tensordot(half, np.abs(to_links), 1)
+    link, width = (
+        np.tensordot(middle, to_links, 1),
+        np.tensordot(half, np.abs(to_links), 1),
+    )
     w = np.tensordot(linear, printed.grouping(density), (-1, -1))  # (N, ..., 5, 14)
     # m s: of m, and s by its slope at the middle COM and what is of second degree from there on.
     com, box = link[:, 1:4], width[:, 1:4]
@@ -144,11 +172,21 @@ def extremes(linear: FloatArray, one: bool, arm: Arm, alternatives: tuple[str, .
     dlift = (np.abs(w[..., 11:]) * width[:, 11:]).sum(axis=-1)
     # Digits of the tensor, each of which is in several second moments.
     tensor = np.tensordot(w[..., 4:10], to_links[:, :, 4:10], ((-2, -1), (1, 2)))
-    digits = np.tensordot(tensor, middle, 1) + np.multiply.outer((-1, 1), np.abs(tensor) @ half)
+    digits = np.tensordot(tensor, middle, 1) + np.multiply.outer(
+        (-1, 1), np.abs(tensor) @ half
+    )
     weight = _product(link[:, 0], width[:, 0], s, ds).sum(axis=-1)
-    parts = weight, digits, _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1)
-    slack = 1e-14 * np.abs(parts).sum(axis=(0, 1))  # what the rounding of doubles may hide
-    if slack.ndim > 1:  # what is nothing for one joint is the rounding of another's torque
+    parts = (
+        weight,
+        digits,
+        _product(link[:, 10], width[:, 10], lift, dlift).sum(axis=-1),
+    )
+    slack = 1e-14 * np.abs(parts).sum(
+        axis=(0, 1)
+    )  # what the rounding of doubles may hide
+    if (
+        slack.ndim > 1
+    ):  # what is nothing for one joint is the rounding of another's torque
         slack = slack.max(axis=1, keepdims=True)
     total = np.sum(parts, axis=0) + linear @ payload(arm) + np.array([-slack, slack])
     return Interval(*(total[:, 0] if one else total))
@@ -160,7 +198,9 @@ def payload(arm: Arm) -> FloatArray:
     return (arm_parameters(arm) - bare)[:-3]
 
 
-def _product(x: FloatArray, dx: FloatArray, y: FloatArray, dy: FloatArray) -> FloatArray:
+def _product(
+    x: FloatArray, dx: FloatArray, y: FloatArray, dy: FloatArray
+) -> FloatArray:
     """Lowest and highest of (x +- dx) (y +- dy), (2, ...)."""
     corners = [(x + i * dx) * (y + j * dy) for i in (-1, 1) for j in (-1, 1)]
     return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
@@ -208,7 +248,9 @@ def sensitivity(result: Result, alternatives: Names = ()) -> Sensitivity:
     middle = {name: x.value for name, x in intervals.items() if x.value != x.printed.si}
 
     def at(values: dict[str, float]) -> FloatArray:
-        return float_array("result", result(printed.parameter_set(middle | values, chosen)), ())
+        return float_array(
+            "result", result(printed.parameter_set(middle | values, chosen)), ()
+        )
 
     effects = [(at({k: x.upper}) - at({k: x.lower})) / 2 for k, x in intervals.items()]
     return Sensitivity(tuple(intervals), at({}), np.array(effects))
@@ -227,7 +269,9 @@ def spread(result: Result, n: int = 1000, seed: int = 0, **options: Any) -> Spre
     if count("n", n) < 2:
         raise InputError("n", n, "at least 2 sets")
     drawn = sample(n, seed, **options)
-    found = np.array([float_array("result", result(drawn.parameters(k)), ()) for k in range(n)])
+    found = np.array(
+        [float_array("result", result(drawn.parameters(k)), ()) for k in range(n)]
+    )
     deviation = found.std(axis=0, ddof=1)
     return Spread(found.mean(axis=0), deviation, deviation / np.sqrt(n))
 
@@ -302,7 +346,9 @@ def identify(
     elif motion.effort is not None:
         linear, y = linear[:, :4], motion.effort[:, :4]
     else:
-        raise InputError("motion", motion.source, "one with recorded efforts, or a wrench")
+        raise InputError(
+            "motion", motion.source, "one with recorded efforts, or a wrench"
+        )
     known, held = np.isfinite(y), payload(arm)
     middle, half = printed.ends(chosen)
     scaled = np.diag(half)[half * np.abs(printed.link_map(chosen)).any(axis=(1, 2)) > 0]
@@ -320,7 +366,9 @@ def identify(
         table = np.vstack([data, np.eye(free) / _DEVIATION])
         target = np.append(target, np.zeros(free))
         z = lsq_linear(table, target, bounds=(-1.0, 1.0), method="bvls").x
-        noise = np.sqrt(np.nanmean((y - linear @ (base(z) + held)) ** 2, axis=0)) + _LEAST
+        noise = (
+            np.sqrt(np.nanmean((y - linear @ (base(z) + held)) ** 2, axis=0)) + _LEAST
+        )
     covariance = slope.T @ np.linalg.inv(table.T @ table) @ slope
     _, gains, ways = np.linalg.svd(data * _DEVIATION, full_matrices=False)
     told = gains > gains[0] * _RANK
@@ -329,8 +377,20 @@ def identify(
     ends = extremes(np.eye(len(NAMES))[None], True, load(density), chosen)
     lower, upper = np.clip([found - wide, found + wide], *ends)
     values = dict(zip(printed.numbers(chosen), middle + z @ scaled, strict=True))
-    best, combinations = printed.parameter_set(values, chosen), _DEVIATION * ways[told] @ slope
-    figures = found, lower, upper, covariance, supported, gains[told], combinations, noise
+    best, combinations = (
+        printed.parameter_set(values, chosen),
+        _DEVIATION * ways[told] @ slope,
+    )
+    figures = (
+        found,
+        lower,
+        upper,
+        covariance,
+        supported,
+        gains[told],
+        combinations,
+        noise,
+    )
     return Identification(NAMES, *figures, best)
 
 

@@ -50,7 +50,10 @@ ALTERNATIVES: dict[str, str] = {
 UPPER = np.triu_indices(3)
 SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 #: Table -> what its rows are about.
-_TABLES = {**dict.fromkeys(("table_1", "table_2", "table_3"), "link"), "table_4": "actuator"}
+_TABLES = {
+    **dict.fromkeys(("table_1", "table_2", "table_3"), "link"),
+    "table_4": "actuator",
+}
 Names = Iterable[str]
 
 
@@ -109,7 +112,9 @@ def _finest_mass() -> Quantity:
 
 def ends(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
     """Middle and half width of the intervals, (K,) each."""
-    lower, upper = np.array([(x.lower, x.upper) for x in numbers(alternatives).values()]).T
+    lower, upper = np.array(
+        [(x.lower, x.upper) for x in numbers(alternatives).values()]
+    ).T
     return (lower + upper) / 2, (upper - lower) / 2
 
 
@@ -120,11 +125,15 @@ def _changed(change: Callable[[str, Quantity], Quantity]) -> Published:
         if isinstance(value, Quantity):
             return change(".".join([name, "".join(sorted(axes))]).rstrip("."), value)
         if isinstance(value, tuple):
-            return tuple(walked(item, name, axes + "xyz"[i]) for i, item in enumerate(value))
+            return tuple(
+                walked(item, name, axes + "xyz"[i]) for i, item in enumerate(value)
+            )
         if isinstance(value, str):
             return value
         parts = {f.name: getattr(value, f.name) for f in fields(value)}
-        return replace(value, **{k: walked(part, f"{name}.{k}") for k, part in parts.items()})
+        return replace(
+            value, **{k: walked(part, f"{name}.{k}") for k, part in parts.items()}
+        )
 
     tables: dict[str, Any] = {"elbow": walked(published().elbow, "elbow")}
     for key, kind in _TABLES.items():
@@ -134,7 +143,9 @@ def _changed(change: Callable[[str, Quantity], Quantity]) -> Published:
     return replace(published(), **tables)
 
 
-def parameter_set(values: Mapping[str, float], alternatives: tuple[str, ...]) -> Alpha5Parameters:
+def parameter_set(
+    values: Mapping[str, float], alternatives: tuple[str, ...]
+) -> Alpha5Parameters:
     """The arm's parameters with other values of printed numbers, by name, SI units."""
     return convert(*printed_set(values, alternatives))
 
@@ -186,15 +197,24 @@ def grouping(fluid_density: float) -> FloatArray:
     out = []
     for link, k in np.ndindex(5, 14):
         unit, (i, j) = np.zeros((5, 2, 4, 4)), places[k % 10]
-        unit[link, :, i, j] = unit[link, :, j, i] = 1.0 if k < 10 else (0.0, -fluid_density)
+        unit[link, :, i, j] = unit[link, :, j, i] = (
+            1.0 if k < 10 else (0.0, -fluid_density)
+        )
         out.append(regrouped(unit, np.zeros(3))[:-3])
     return frozen(np.reshape(out, (5, 14, -1)))
 
 
-def groups(values: FloatArray, alternatives: tuple[str, ...], density: float) -> FloatArray:
+def groups(
+    values: FloatArray, alternatives: tuple[str, ...], density: float
+) -> FloatArray:
     """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38)."""
     links = np.tensordot(values, link_map(alternatives), 1)
-    mass, com, volume, cob = links[..., :1], links[..., 1:4], links[..., 10:11], links[..., 11:]
+    mass, com, volume, cob = (
+        links[..., :1],
+        links[..., 1:4],
+        links[..., 10:11],
+        links[..., 11:],
+    )
     second = links[..., 4:10] + mass * com[..., UPPER[0]] * com[..., UPPER[1]]
     moments = np.concatenate([mass, mass * com, second, volume, volume * cob], axis=-1)
     return np.asarray(np.tensordot(moments, grouping(density), 2))

@@ -129,14 +129,20 @@ def classify(chain: DHChain, vertical: ArrayLike = (0.0, 0.0, 1.0)) -> ArmType:
     # The major links are those up to the first joint that tilts: a wrist may follow.
     major = chain.n if along.all() else int(np.argmin(along))
     axes = points[:major][turning[:major]]
-    apart = len(axes) >= 2 and (np.linalg.norm(np.cross(axes - axes[0], up), axis=1) > 0).any()
+    apart = (
+        len(axes) >= 2
+        and (np.linalg.norm(np.cross(axes - axes[0], up), axis=1) > 0).any()
+    )
     kind = "other"
     if turning.all():
         kind, reason = "revolute", "all joints are revolute"
     elif chain.n >= 3 and sliding[:3].all():
         reason = "the first three joints slide, but not along perpendicular axes"
         if np.allclose(z[:3] @ z[:3].T, np.eye(3), rtol=0, atol=ANGLE_TOLERANCE):
-            kind, reason = "cartesian", "the first three joints slide along perpendicular axes"
+            kind, reason = (
+                "cartesian",
+                "the first three joints slide along perpendicular axes",
+            )
     elif apart and sliding[:major].any():
         kind = "scara"
         reason = f"{len(axes)} vertical revolute axes apart and a vertical prismatic one: the major links move in a horizontal plane"
@@ -181,15 +187,22 @@ def task_capability(
     axis = unit_vectors("tool_axis", tool_axis)
     rng = generator(seed)
     q = sample_configurations(chain, whole_number("samples", samples), rng)
-    jacobian, rows = chain.jacobian(q) / row_scale(chain), (slice(6), slice(3), slice(3, 6))
-    dimension, place, turn = (int(matrix_rank(jacobian[:, part]).max()) for part in rows)
+    jacobian, rows = (
+        chain.jacobian(q) / row_scale(chain),
+        (slice(6), slice(3), slice(3, 6)),
+    )
+    dimension, place, turn = (
+        int(matrix_rank(jacobian[:, part]).max()) for part in rows
+    )
     insertion = _insertion_dimension(chain, axis, up, q, rng)
     if dimension == GENERAL:
         general = "the Jacobian has rank 6, so the poses fill an open set of SE(3)"
     elif chain.n < GENERAL:
         general = f"{chain.n} joints reach at most {chain.n} of the 6 dimensions of SE(3); the Jacobian has rank {dimension}"
     else:
-        general = f"{chain.n} joints, but the Jacobian never has more than rank {dimension}"
+        general = (
+            f"{chain.n} joints, but the Jacobian never has more than rank {dimension}"
+        )
     moves = f"with its tool axis vertical it moves in {insertion} dimensions"
     if insertion == INSERTION:
         insert = f"{moves}: x, y, z and the turn about it"
@@ -201,7 +214,9 @@ def task_capability(
     return TaskCapability(dimension, place, turn, insertion, *answers)
 
 
-def sample_configurations(chain: DHChain, count: int, rng: np.random.Generator) -> FloatArray:
+def sample_configurations(
+    chain: DHChain, count: int, rng: np.random.Generator
+) -> FloatArray:
     """Uniform joint positions within the limits, (count, N); see `task_capability`."""
     whole_number("count", count)
     instance("rng", rng, np.random.Generator)
@@ -224,7 +239,11 @@ def chain_size(chain: DHChain) -> float:
 
 
 def _insertion_dimension(
-    chain: DHChain, axis: FloatArray, up: FloatArray, q: FloatArray, rng: np.random.Generator
+    chain: DHChain,
+    axis: FloatArray,
+    up: FloatArray,
+    q: FloatArray,
+    rng: np.random.Generator,
 ) -> int:
     """Dimension of the set of poses whose tool axis is vertical."""
     q = q.copy()
@@ -252,7 +271,9 @@ def _insertion_dimension(
     return best
 
 
-def _to_vertical(chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray) -> FloatArray:
+def _to_vertical(
+    chain: DHChain, axis: FloatArray, across: FloatArray, q: FloatArray
+) -> FloatArray:
     """Newton steps on the tool axis's horizontal part, in place; what is left of it, (M, 2)."""
     for left in reversed(range(41)):
         direction = chain.forward_kinematics(q)[:, :3, :3] @ axis
@@ -284,10 +305,14 @@ def spatial_conditions(chain: DHChain) -> Conditions:
     revolute = instance("chain", chain, DHChain).sigma.count(0)
     reasons = []
     if revolute < 3:
-        reasons.append(f"{revolute} revolute where turning the end effector takes three")
+        reasons.append(
+            f"{revolute} revolute where turning the end effector takes three"
+        )
     others = chain.n - min(revolute, 3)
     if others < 3:
-        reasons.append(f"{others} more, beside them, where placing the end effector takes three")
+        reasons.append(
+            f"{others} more, beside them, where placing the end effector takes three"
+        )
     return Conditions(not reasons, tuple(reasons))
 
 
@@ -340,19 +365,26 @@ def spatial_dexterity(
         if left.size == 0:
             break
         q = sample_configurations(chain, left.size, rng)
-        with np.errstate(over="ignore", invalid="ignore"):  # so far away that squares overflow
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # so far away that squares overflow
             reached[left] = _solve(chain, q, where[left], turned[left], steps)
     table = reached.reshape(*p.shape[:-1], orientations)
     capability = task_capability(chain)
     interior, reason = capability.general, capability.general_reason
-    return DexterityEstimate(np.asarray(table.mean(axis=-1)), table, rotations, interior, reason)
+    return DexterityEstimate(
+        np.asarray(table.mean(axis=-1)), table, rotations, interior, reason
+    )
 
 
 def even_rotations(number: int) -> FloatArray:
     """Rotations spread evenly over SO(3), (number, 3, 3): a super-Fibonacci spiral [Alexa2022]."""
     s = np.arange(whole_number("number", number)) + 0.5
     r, big_r = np.sqrt(s / number), np.sqrt(1 - s / number)
-    first, second = 2 * math.pi * s / math.sqrt(2), 2 * math.pi * s / 1.533751168755204288118041
+    first, second = (
+        2 * math.pi * s / math.sqrt(2),
+        2 * math.pi * s / 1.533751168755204288118041,
+    )
     x, y = r * np.sin(first), r * np.cos(first)
     z, w = big_r * np.sin(second), big_r * np.cos(second)
     k = cross_matrix(np.stack([x, y, z], axis=-1))
@@ -360,7 +392,11 @@ def even_rotations(number: int) -> FloatArray:
 
 
 def _solve(
-    chain: DHChain, q: FloatArray, position: FloatArray, rotation: FloatArray, steps: int
+    chain: DHChain,
+    q: FloatArray,
+    position: FloatArray,
+    rotation: FloatArray,
+    steps: int,
 ) -> np.ndarray:
     """Levenberg-Marquardt steps from q, clipped to the limits; which targets are met in the end."""
     scale = row_scale(chain)[:, 0]

@@ -71,7 +71,9 @@ class DHChain:
             if not isinstance(link, DHLink):
                 raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
         instance("name", self.name, str)
-        names = tuple(listed("joint_names", self.joint_names, f"{len(links)} different names"))
+        names = tuple(
+            listed("joint_names", self.joint_names, f"{len(links)} different names")
+        )
         names = names or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
         different = {name for name in names if isinstance(name, str)}
         if not len(different) == len(names) == len(links):
@@ -94,11 +96,16 @@ class DHChain:
         Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
         """
         p = parameters(corrections)
-        moving = [(row, j) for row in p.dh for j in p.joints if j.dh_variable == row.variable]
+        moving = [
+            (row, j) for row in p.dh for j in p.joints if j.dh_variable == row.variable
+        ]
         tool = np.eye(4)
         for row in p.dh[len(moving) :]:
             tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
-        rows = ((0.0, r.d, r.a, r.alpha, 0, r.theta_offset, j.lower, j.upper) for r, j in moving)
+        rows = (
+            (0.0, r.d, r.a, r.alpha, 0, r.theta_offset, j.lower, j.upper)
+            for r, j in moving
+        )
         names = tuple(joint.name for _, joint in moving)
         links = tuple(DHLink(*row) for row in rows)
         return cls(links, tool=tool, name="alpha5", joint_names=names)
@@ -122,7 +129,9 @@ class DHChain:
         return cls.from_axes(**pinocchio_axes(model, frame))
 
     @classmethod
-    def from_urdf(cls, path: str | os.PathLike[str], frame: str | None = None) -> DHChain:
+    def from_urdf(
+        cls, path: str | os.PathLike[str], frame: str | None = None
+    ) -> DHChain:
         """The chain from a URDF's root to a link; see `from_pinocchio`.
 
         Raises:
@@ -169,17 +178,32 @@ class DHChain:
         p = bounded("points", float_array("points", points, (3,)))
         z = float_array("directions", directions, (3,))
         if p.ndim != 2 or len(p) == 0 or z.shape != p.shape:
-            raise ShapeError("points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1")
+            raise ShapeError(
+                "points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1"
+            )
         z = unit_vectors("directions", z.tolist(), 2)
         n, pairs = len(p), "(lower, upper) of each joint"
         types: list[Any] = [0] * n
         if sigma is not None:
-            types = [real("sigma", x) for x in listed("sigma", sigma, "0 or 1 for each joint")]
-        bounds = [(-math.inf, math.inf)] * n if limits is None else listed("limits", limits, pairs)
+            types = [
+                real("sigma", x)
+                for x in listed("sigma", sigma, "0 or 1 for each joint")
+            ]
+        bounds = (
+            [(-math.inf, math.inf)] * n
+            if limits is None
+            else listed("limits", limits, pairs)
+        )
         drawn = np.zeros(n) if q is None else shaped("q", q, (n,))
         if len(types) != n or len(bounds) != n:
-            raise ShapeError("sigma, limits", (len(types), len(bounds)), f"{n} joints each")
-        end = None if end_effector is None else rigid_transform("end_effector", end_effector)
+            raise ShapeError(
+                "sigma, limits", (len(types), len(bounds)), f"{n} joints each"
+            )
+        end = (
+            None
+            if end_effector is None
+            else rigid_transform("end_effector", end_effector)
+        )
         frames = frames_on_axes(p, z, end, tolerance)
         links = []
         for j in range(n):
@@ -301,5 +325,7 @@ class DHChain:
             return self.n + 1
         number = isinstance(frame, int | np.integer) and not isinstance(frame, bool)
         if not number or not 0 <= int(frame) <= self.n:
-            raise UnknownNameError("frame", frame, [*map(str, range(self.n + 1)), "tool"])
+            raise UnknownNameError(
+                "frame", frame, [*map(str, range(self.n + 1)), "tool"]
+            )
         return int(frame)

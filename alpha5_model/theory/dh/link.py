@@ -31,7 +31,9 @@ from alpha5_model._support.spatial import transform
 from alpha5_model.errors import InputError
 
 
-def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike) -> FloatArray:
+def dh_transform(
+    theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike
+) -> FloatArray:
     """The relative pose A_j, ``Rz(theta) Tz(d) Tx(a) Rx(alpha)`` [Lecture7.1], [Corke2011, 7.2].
 
     Args:
@@ -51,12 +53,26 @@ def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike)
 
 
 def _transform(
-    shape: tuple[int, ...], theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike
+    shape: tuple[int, ...],
+    theta: ArrayLike,
+    d: ArrayLike,
+    a: ArrayLike,
+    alpha: ArrayLike,
 ) -> FloatArray:
     ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
     out = np.zeros((*shape, 4, 4))
-    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2], out[..., 0, 3] = ct, -st * ca, st * sa, a * ct
-    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2], out[..., 1, 3] = st, ct * ca, -ct * sa, a * st
+    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2], out[..., 0, 3] = (
+        ct,
+        -st * ca,
+        st * sa,
+        a * ct,
+    )
+    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2], out[..., 1, 3] = (
+        st,
+        ct * ca,
+        -ct * sa,
+        a * st,
+    )
     out[..., 2, 1], out[..., 2, 2], out[..., 2, 3] = sa, ca, d
     out[..., 3, 3] = 1.0
     return out
@@ -97,15 +113,25 @@ class DHLink:
     def __post_init__(self) -> None:
         for name in ("theta", "d", "a", "alpha", "offset"):
             object.__setattr__(self, name, real(name, getattr(self, name)))
-        sigma = None if isinstance(self.sigma, bool | np.bool_) else real("sigma", self.sigma)
+        sigma = (
+            None
+            if isinstance(self.sigma, bool | np.bool_)
+            else real("sigma", self.sigma)
+        )
         if sigma not in (0.0, 1.0):
             raise InputError("sigma", self.sigma, "0 (revolute) or 1 (prismatic)")
         object.__setattr__(self, "sigma", int(sigma))
         for name in ("lower", "upper"):
             value = getattr(self, name)
             infinite = isinstance(value, float) and math.isinf(value)
-            object.__setattr__(self, name, float(value) if infinite else real(name, value))
-        if not self.lower <= self.upper or self.lower == math.inf or self.upper == -math.inf:
+            object.__setattr__(
+                self, name, float(value) if infinite else real(name, value)
+            )
+        if (
+            not self.lower <= self.upper
+            or self.lower == math.inf
+            or self.upper == -math.inf
+        ):
             raise InputError("lower, upper", (self.lower, self.upper), "lower <= upper")
 
     @classmethod
@@ -176,19 +202,27 @@ def frames_on_axes(
     elif np.linalg.norm(np.cross(z[-2], z[-1])) <= tolerance:
         away = np.cross(np.cross(z[-1], end[:3, 3] - p[-2]), z[-1])
         same_axis = np.linalg.norm(away) <= tolerance
-        frames[-1] = _frame(end[:3, 3], (end if same_axis else frames[-1])[:3, 0], z[-1])
+        frames[-1] = _frame(
+            end[:3, 3], (end if same_axis else frames[-1])[:3, 0], z[-1]
+        )
     return frames
 
 
 def table_row(step: FloatArray) -> tuple[float, float, float, float]:
     """theta, d, a, alpha of a relative pose that has the form of A_j."""
-    theta, alpha = math.atan2(step[1, 0], step[0, 0]), math.atan2(step[2, 1], step[2, 2])
+    theta, alpha = (
+        math.atan2(step[1, 0], step[0, 0]),
+        math.atan2(step[2, 1], step[2, 2]),
+    )
     a = step[0, 3] * step[0, 0] + step[1, 3] * step[1, 0]
     return theta, float(step[2, 3]), float(a), alpha
 
 
 def common_normal(
-    point_1: ArrayLike, direction_1: ArrayLike, point_2: ArrayLike, direction_2: ArrayLike
+    point_1: ArrayLike,
+    direction_1: ArrayLike,
+    point_2: ArrayLike,
+    direction_2: ArrayLike,
 ) -> tuple[FloatArray, FloatArray]:
     """Feet of the common normal of two lines that are not parallel.
 
@@ -204,7 +238,9 @@ def common_normal(
     cross = np.cross(z1, z2)
     square = cross @ cross
     if square == 0:
-        raise InputError("direction_2", z2.tolist(), "a line that is not parallel to the first")
+        raise InputError(
+            "direction_2", z2.tolist(), "a line that is not parallel to the first"
+        )
     between = p2 - p1
     s1 = np.cross(between, z2) @ cross / square
     s2 = np.cross(between, z1) @ cross / square
@@ -249,7 +285,11 @@ def unit_vectors(name: str, value: ArrayLike, axes: int = 1) -> FloatArray:
     v = float_array(name, value, (3,))
     largest = np.abs(v).max(axis=-1, keepdims=True)
     if v.ndim != axes or not largest.all():
-        expected = "one direction that is not zero" if axes == 1 else "directions that are not zero"
+        expected = (
+            "one direction that is not zero"
+            if axes == 1
+            else "directions that are not zero"
+        )
         raise InputError(name, value, expected)
     v = v / largest  # squares of large numbers overflow
     return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))

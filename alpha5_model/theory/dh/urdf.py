@@ -13,7 +13,12 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model._support.files import read_named
 from alpha5_model._support.spatial import rpy_from_rotation
-from alpha5_model.errors import FileFormatError, InputError, MissingParameterError, UnknownNameError
+from alpha5_model.errors import (
+    FileFormatError,
+    InputError,
+    MissingParameterError,
+    UnknownNameError,
+)
 from alpha5_model.theory.dh.link import DHLink
 
 #: With 400 moving joints Pinocchio takes 4 GB; with 5000 links in a row it crashes.
@@ -48,18 +53,25 @@ def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
         # World Jacobian: linear is the velocity of the body's point at the world's origin.
         linear, angular = jacobians[:3, joint.idx_v], jacobians[3:, joint.idx_v]
         if joint.nv != 1 or (angular.any() and abs(linear @ angular) > 1e-12):
-            raise InputError(model.names[j], joint.shortname(), "a revolute or prismatic joint")
+            raise InputError(
+                model.names[j], joint.shortname(), "a revolute or prismatic joint"
+            )
         slides, limits = not angular.any(), (-math.inf, math.inf)
         both = model.lowerPositionLimit, model.upperPositionLimit
         lower, upper = (float(each[joint.idx_q]) for each in both)
-        if joint.nq == 1 and lower < upper:  # continuous: Pinocchio keeps cosine and sine
+        if (
+            joint.nq == 1 and lower < upper
+        ):  # continuous: Pinocchio keeps cosine and sine
             limits = lower, upper
         direction = linear if slides else angular
         rows.append((data.oMi[j].translation, direction, int(slides), limits))
     table = "points", "directions", "sigma", "limits"
     drawn: dict[str, Any] = dict(zip(table, zip(*rows, strict=True), strict=True))
     drawn |= {"end_effector": data.oMf[tip].homogeneous, "q": np.zeros(len(path))}
-    return drawn | {"name": model.name, "joint_names": tuple(model.names[j] for j in path)}
+    return drawn | {
+        "name": model.name,
+        "joint_names": tuple(model.names[j] for j in path),
+    }
 
 
 def urdf_model(path: str | os.PathLike[str]) -> Any:
@@ -74,17 +86,23 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
     moving = sum(joint.kind != "fixed" for joint in robot.joints.values())
     if moving > MOST_JOINTS:
         problem = f"expected at most {MOST_JOINTS} joints that move, got {moving}"
-        raise FileFormatError(path, f"{problem}: Pinocchio's memory grows with their cube")
+        raise FileFormatError(
+            path, f"{problem}: Pinocchio's memory grows with their cube"
+        )
     if len(robot.links) > MOST_LINKS:
         problem = f"expected at most {MOST_LINKS} links, got {len(robot.links)}"
-        raise FileFormatError(path, f"{problem}: Pinocchio's reader calls itself for each in a row")
+        raise FileFormatError(
+            path, f"{problem}: Pinocchio's reader calls itself for each in a row"
+        )
     # Rewritten, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
     # print a warning about a texture's colour.
     tree = parse_xml(text, str(path)).top
     for element in tree:
         kept = _MOVING if element.tag == "joint" else ()
         element[:] = [child for child in element if child.tag in kept]
-        for limit in element.findall("limit"):  # Pinocchio requires two values that move nothing
+        for limit in element.findall(
+            "limit"
+        ):  # Pinocchio requires two values that move nothing
             limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
@@ -92,7 +110,9 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
         raise FileFormatError(path, " ".join(str(error).split())) from None
 
 
-def urdf_text(name: str, ends: Iterable[FloatArray], rows: Iterable[tuple[str, DHLink]]) -> str:
+def urdf_text(
+    name: str, ends: Iterable[FloatArray], rows: Iterable[tuple[str, DHLink]]
+) -> str:
     """The URDF of a DH chain: links ``base_link, frame_0, link_1, frame_1, ..., tool``.
 
     ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1}, displaced by the
@@ -110,31 +130,48 @@ def urdf_text(name: str, ends: Iterable[FloatArray], rows: Iterable[tuple[str, D
     """
     robot = ET.Element("robot", name=name)
     base, tool = ((pose[:3, 3], rpy_from_rotation(pose[:3, :3])) for pose in ends)
-    ET.SubElement(robot, "link", name="base_link")  # KDL warns about any inertial on a root
+    ET.SubElement(
+        robot, "link", name="base_link"
+    )  # KDL warns about any inertial on a root
     _joint(robot, "base", "fixed", ("base_link", "frame_0"), *base)
     last = "frame_0"
     for j, (joint, row) in enumerate(rows, start=1):
         bounded = math.isfinite(row.lower) and math.isfinite(row.upper)
         continuous = row.revolute and row.lower == -math.inf and row.upper == math.inf
         if not bounded and not continuous:
-            raise MissingParameterError("two finite limits", f"the URDF of joint {joint}")
-        kind = "continuous" if continuous else "revolute" if row.revolute else "prismatic"
+            raise MissingParameterError(
+                "two finite limits", f"the URDF of joint {joint}"
+            )
+        kind = (
+            "continuous" if continuous else "revolute" if row.revolute else "prismatic"
+        )
         theta, d = (row.offset, row.d) if row.revolute else (row.theta, row.offset)
         link, frame = f"link_{j}", f"frame_{j}"
-        moving = _joint(robot, joint, kind, (last, link), (0.0, 0.0, d), (0.0, 0.0, theta))
+        moving = _joint(
+            robot, joint, kind, (last, link), (0.0, 0.0, d), (0.0, 0.0, theta)
+        )
         ET.SubElement(moving, "axis", xyz="0 0 1")
         limit = ET.SubElement(moving, "limit", effort="0", velocity="0")
         if not continuous:
             limit.attrib |= {"lower": repr(row.lower), "upper": repr(row.upper)}
         fixed = f"{link}_to_{frame}"
-        _joint(robot, fixed, "fixed", (link, frame), (row.a, 0.0, 0.0), (row.alpha, 0.0, 0.0))
+        _joint(
+            robot,
+            fixed,
+            "fixed",
+            (link, frame),
+            (row.a, 0.0, 0.0),
+            (row.alpha, 0.0, 0.0),
+        )
         last = frame
     _joint(robot, "tool_joint", "fixed", (last, "tool"), *tool)
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _joint(robot: ET.Element, name: str, kind: str, links: tuple[str, str], *at: Any) -> ET.Element:
+def _joint(
+    robot: ET.Element, name: str, kind: str, links: tuple[str, str], *at: Any
+) -> ET.Element:
     """A joint and the link that follows it, at a position and at roll, pitch, yaw."""
     parent, child = links
     # Zeros are written out: some tools give a link without <inertial> a mass of 1 kg.

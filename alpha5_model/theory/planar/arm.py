@@ -45,7 +45,16 @@ from alpha5_model._support.checks import (
     listed,
 )
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
-from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Edge, Segment, bounds, hits, turned
+from alpha5_model.theory.planar.curves import (
+    TURN,
+    Arc,
+    Curve,
+    Edge,
+    Segment,
+    bounds,
+    hits,
+    turned,
+)
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
@@ -107,7 +116,9 @@ class PlanarArm:
         object.__setattr__(self, "joints", kinds)
         object.__setattr__(self, "angles", tuple(turn.tolist()))
         if not math.isfinite(4 * math.pi * self.reach * self.reach):
-            raise InputError("lengths", self.lengths, "an arm whose area is a finite number")
+            raise InputError(
+                "lengths", self.lengths, "an arm whose area is a finite number"
+            )
 
     @property
     def n(self) -> int:
@@ -136,8 +147,13 @@ class PlanarArm:
                 return None
             if kind == "R":
                 ranges.append([0.0, 0.0])
-            ranges[-1] = [ranges[-1][0] + (length + low), ranges[-1][1] + (length + high)]
-        return tuple((max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges))
+            ranges[-1] = [
+                ranges[-1][0] + (length + low),
+                ranges[-1][1] + (length + high),
+            ]
+        return tuple(
+            (max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges)
+        )
 
     def part(self, start: int, stop: int | None = None) -> PlanarArm:
         """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
@@ -145,7 +161,9 @@ class PlanarArm:
             cut = slice(index(start), None if stop is None else index(stop))
         except TypeError:
             raise InputError("start, stop", (start, stop), "whole numbers") from None
-        return PlanarArm(self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut])
+        return PlanarArm(
+            self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut]
+        )
 
     def poses(self, q: ArrayLike) -> FloatArray:
         """Base, every link's end, and the direction there.
@@ -158,7 +176,9 @@ class PlanarArm:
         """
         position = bounded("q", float_array("q", q, (self.n,)))
         revolute = np.array([kind == "R" for kind in self.joints])
-        heading = np.cumsum(np.where(revolute, position, 0.0) + np.array(self.angles), axis=-1)
+        heading = np.cumsum(
+            np.where(revolute, position, 0.0) + np.array(self.angles), axis=-1
+        )
         length = np.where(revolute, 0.0, position) + np.array(self.lengths)
         out = np.zeros((*position.shape[:-1], self.n + 1, 3))
         out[..., 1:, 0] = np.cumsum(length * np.cos(heading), axis=-1)
@@ -203,7 +223,9 @@ def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> Bool
 def _range(limit: Any, kind: str) -> tuple[float, float] | None:
     if limit is None:
         if kind == "P":
-            raise MissingParameterError("limits (lower, upper) of each", "a prismatic joint")
+            raise MissingParameterError(
+                "limits (lower, upper) of each", "a prismatic joint"
+            )
         return None
     values = float_array("limits", limit, (2,))
     if values.ndim != 1:
@@ -239,12 +261,16 @@ class Workspace:
     @property
     def area(self) -> float:
         """Area [m^2], by Green's theorem over the boundary."""
-        return sum(e.curve.area_integral() * (1 if e.inside_left else -1) for e in self.edges)
+        return sum(
+            e.curve.area_integral() * (1 if e.inside_left else -1) for e in self.edges
+        )
 
     @property
     def radii(self) -> tuple[float, float]:
         """Smallest and largest distance from the base [m]."""
-        points = [p for c in self.curves for p in _extremes(c, True, _tolerance(self.arm))]
+        points = [
+            p for c in self.curves for p in _extremes(c, True, _tolerance(self.arm))
+        ]
         distances = np.linalg.norm(points, axis=1).tolist()
         return (0.0 if self.contains(np.zeros(2)) else min(distances)), max(distances)
 
@@ -282,7 +308,9 @@ class Workspace:
     def _contains(self, p: FloatArray, tolerance: float) -> BoolArray:
         arm, radius = self.arm, np.linalg.norm(p, axis=1)
         if (rings := _rings(arm)) is not None:
-            return np.asarray((radius >= rings[0] - tolerance) & (radius <= rings[1] + tolerance))
+            return np.asarray(
+                (radius >= rings[0] - tolerance) & (radius <= rings[1] + tolerance)
+            )
         assert arm is not None
         assert self.inner is not None
         slack = np.full_like(radius, tolerance)
@@ -352,7 +380,9 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
         Inner and outer radius [m].
     """
     pairs = "(least, greatest) length of each link"
-    table = float_array("length_ranges", listed("length_ranges", length_ranges, pairs), (2,))
+    table = float_array(
+        "length_ranges", listed("length_ranges", length_ranges, pairs), (2,)
+    )
     if table.ndim != 2 or not len(table):
         raise ShapeError("length_ranges", table.shape, pairs)
     ranges = bounded("length_ranges", table).tolist()
@@ -381,7 +411,9 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
     limit, angle = arm.limits[0], arm.angles[0]
     revolute = arm.joints[0] == "R"
     if limit is not None and limit[0] == limit[1]:  # a locked joint moves nothing
-        edges = tuple(Edge(_carried(e.curve, arm, limit[0]), e.inside_left) for e in inner.edges)
+        edges = tuple(
+            Edge(_carried(e.curve, arm, limit[0]), e.inside_left) for e in inner.edges
+        )
         thin = tuple(_carried(curve, arm, limit[0]) for curve in inner.thin)
         return Workspace(arm, edges, thin, inner)
     candidates, (low, high) = list[Curve](), limit or (0.0, TURN)
@@ -397,7 +429,9 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
                 candidates.append(travel.moved(angle, (0.0, 0.0)))
     critical = [c for c in candidates if c.length > tolerance]
     raw = Workspace(arm, (), (), inner)
-    edges, thin = bounds(critical, lambda p: raw._contains(p, tolerance), tolerance, step)
+    edges, thin = bounds(
+        critical, lambda p: raw._contains(p, tolerance), tolerance, step
+    )
     return replace(raw, edges=edges, thin=thin)
 
 
@@ -421,7 +455,9 @@ def _extremes(curve: Curve, revolute: bool, tolerance: float) -> list[list[float
         if revolute:
             points = (normal @ np.asarray(curve.start) * normal)[None]
     elif not revolute or math.hypot(*curve.center) > tolerance:
-        bearing = math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
+        bearing = (
+            math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
+        )
         points = curve.point([bearing, bearing + math.pi])
     on = ~np.isnan(curve.parameter(points, tolerance))
     return [*points[on].tolist(), *curve.point(curve.interval).tolist()]

@@ -60,7 +60,9 @@ class Arc:
 
     def parameter(self, points: FloatArray, tolerance: float) -> FloatArray:
         """Parameters of points on the circle, NaN for those off the arc by over `tolerance` [m]."""
-        angle = np.arctan2(points[..., 1] - self.center[1], points[..., 0] - self.center[0])
+        angle = np.arctan2(
+            points[..., 1] - self.center[1], points[..., 0] - self.center[0]
+        )
         t = self.start + np.mod(angle - self.start, TURN)
         if self.closed:
             return np.asarray(t)
@@ -75,7 +77,12 @@ class Arc:
 
     def moved(self, angle: float, shift: Point) -> Arc:
         """Translated by `shift`, then rotated about the origin by `angle`."""
-        return Arc(_moved(self.center, angle, shift), self.radius, self.start + angle, self.span)
+        return Arc(
+            _moved(self.center, angle, shift),
+            self.radius,
+            self.start + angle,
+            self.span,
+        )
 
     @property
     def length(self) -> float:
@@ -127,7 +134,9 @@ class Segment:
 
     def moved(self, angle: float, shift: Point) -> Segment:
         """Translated by `shift`, then rotated about the origin by `angle`."""
-        return Segment(_moved(self.start, angle, shift), self.angle + angle, self.length)
+        return Segment(
+            _moved(self.start, angle, shift), self.angle + angle, self.length
+        )
 
     def area_integral(self) -> float:
         """Line integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
@@ -138,7 +147,9 @@ class Segment:
 Curve = Arc | Segment
 
 
-def hits(at: FloatArray, size: FloatArray, curve: Curve, tolerance: float) -> FloatArray:
+def hits(
+    at: FloatArray, size: FloatArray, curve: Curve, tolerance: float
+) -> FloatArray:
     """Where circles or straight lines meet a curve; touching counts.
 
     Args:
@@ -159,12 +170,18 @@ def hits(at: FloatArray, size: FloatArray, curve: Curve, tolerance: float) -> Fl
         else:
             meet = _line_circle(at, size, center, np.array(curve.radius), tolerance)
     elif circles:
-        meet = _line_circle(np.array(curve.start), _unit(curve.angle), at, size, tolerance)
+        meet = _line_circle(
+            np.array(curve.start), _unit(curve.angle), at, size, tolerance
+        )
     else:
         meet = _line_line(at, size, np.array(curve.start), _unit(curve.angle))
     ends = curve.point(np.array(curve.interval))
     away = ends - at[:, None]
-    far = np.linalg.norm(away, axis=-1) - size[:, None] if circles else _cross(size[:, None], away)
+    far = (
+        np.linalg.norm(away, axis=-1) - size[:, None]
+        if circles
+        else _cross(size[:, None], away)
+    )
     on = np.abs(far) <= tolerance
     if on.any():
         meet = np.concatenate([meet, np.where(on[..., None], ends, np.nan)], axis=1)
@@ -195,7 +212,11 @@ def _circle_circle(
 
 
 def _line_circle(
-    starts: FloatArray, along: FloatArray, centers: FloatArray, radii: FloatArray, tolerance: float
+    starts: FloatArray,
+    along: FloatArray,
+    centers: FloatArray,
+    radii: FloatArray,
+    tolerance: float,
 ) -> FloatArray:
     """Intersections of lines with circles, (M, 2, 2), NaN if none; there may be one of either."""
     to_center = centers - starts
@@ -207,7 +228,9 @@ def _line_circle(
     return np.asarray(starts[..., None, :] + t[..., None] * along[..., None, :])
 
 
-def _line_line(p1: FloatArray, e1: FloatArray, p2: FloatArray, e2: FloatArray) -> FloatArray:
+def _line_line(
+    p1: FloatArray, e1: FloatArray, p2: FloatArray, e2: FloatArray
+) -> FloatArray:
     """Intersections of lines through p1 along e1 with one other, (M, 1, 2), NaN if parallel."""
     sine = _cross(e1, e2)
     t = _cross(p2 - p1, e2) / np.where(np.abs(sine) <= 1e-12, np.nan, sine)
@@ -277,7 +300,10 @@ def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
 
 def _same_carrier(a: Curve, b: Curve, tolerance: float) -> bool:
     if isinstance(a, Arc) and isinstance(b, Arc):
-        return math.dist(a.center, b.center) <= tolerance and abs(a.radius - b.radius) <= tolerance
+        return (
+            math.dist(a.center, b.center) <= tolerance
+            and abs(a.radius - b.radius) <= tolerance
+        )
     if isinstance(a, Segment) and isinstance(b, Segment):
         ends = b.point(np.array(b.interval)) - np.asarray(a.start)
         return bool((np.abs(ends @ a.left(0.0)) <= tolerance).all())
@@ -296,7 +322,10 @@ def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
 
 
 def bounds(
-    curves: list[Curve], contains: Callable[[FloatArray], BoolArray], tolerance: float, step: float
+    curves: list[Curve],
+    contains: Callable[[FloatArray], BoolArray],
+    tolerance: float,
+    step: float,
 ) -> tuple[tuple[Edge, ...], tuple[Curve, ...]]:
     """The boundary of a set that is known to lie on some curves.
 
@@ -324,7 +353,9 @@ def bounds(
     left, right = contains(at + step * normal), contains(at - step * normal)
     # Neighbouring pieces of one curve and one kind are one again: curve, start, end, sides.
     runs: list[list[tuple[float, float, bool, bool]]] = [[] for _ in curves]
-    for (number, low, high), *sides in zip(parts, left.tolist(), right.tolist(), strict=True):
+    for (number, low, high), *sides in zip(
+        parts, left.tolist(), right.tolist(), strict=True
+    ):
         run = runs[number]
         start = run.pop()[0] if run and [*run[-1][2:]] == sides else low
         run.append((start, high, *sides))
@@ -349,7 +380,10 @@ def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float
     centers = np.array([c.center for c in arcs.values()]).reshape(-1, 2)
     starts = np.array([c.start for c in lines.values()]).reshape(-1, 2)
     along = np.array([_unit(c.angle) for c in lines.values()]).reshape(-1, 2)
-    carriers = (arcs, centers, np.array([c.radius for c in arcs.values()])), (lines, starts, along)
+    carriers = (
+        (arcs, centers, np.array([c.radius for c in arcs.values()])),
+        (lines, starts, along),
+    )
     for j, other in enumerate(curves):
         for group, at, size in carriers:
             for i, points in zip(group, hits(at, size, other, tolerance), strict=True):

@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import BoolArray, FloatArray, count, float_array, instance, real
+from alpha5_model._support.checks import (
+    BoolArray,
+    FloatArray,
+    count,
+    float_array,
+    instance,
+    real,
+)
 from alpha5_model.errors import InputError
 from alpha5_model.theory.planar.arm import (
     PlanarArm,
@@ -21,8 +28,20 @@ from alpha5_model.theory.planar.arm import (
 from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Edge, Segment, turned
 
 __all__ = ["Arc", "Conditions", "Curve", "DexterityMap", "Edge", "PlanarArm", "Segment"]
-__all__ += ["TheoremRow", "Workspace", "annulus", "dexterity", "dexterity_map", "dexterous_area"]
-__all__ += ["dexterous_radii", "lecture_theorem", "necessary_conditions", "theorem_radii"]
+__all__ += [
+    "TheoremRow",
+    "Workspace",
+    "annulus",
+    "dexterity",
+    "dexterity_map",
+    "dexterous_area",
+]
+__all__ += [
+    "dexterous_radii",
+    "lecture_theorem",
+    "necessary_conditions",
+    "theorem_radii",
+]
 __all__ += ["theorem_row", "turns_fully", "workspace"]
 
 #: Equality counts in every condition here; lengths this share of the whole apart count as equal.
@@ -133,7 +152,9 @@ def turns_fully(arm: PlanarArm, radius: float) -> bool:
     r = real("radius", radius, 0.0)
     # Worst orientation outwards: the wrist beyond the tip. Inwards: towards the base.
     slack = ROUNDING * (high + long)
-    return r + short <= high + slack and max(abs(r - short), abs(r - long)) >= low - slack
+    return (
+        r + short <= high + slack and max(abs(r - short), abs(r - long)) >= low - slack
+    )
 
 
 def dexterous_radii(arm: PlanarArm) -> tuple[tuple[float, float], ...]:
@@ -185,12 +206,16 @@ def necessary_conditions(arm: PlanarArm) -> Conditions:
     """
     reasons = []
     rows = zip(instance("arm", arm, PlanarArm).joints, arm.limits, strict=True)
-    turn = sum(math.inf if r is None else r[1] - r[0] for kind, r in rows if kind == "R")
+    turn = sum(
+        math.inf if r is None else r[1] - r[0] for kind, r in rows if kind == "R"
+    )
     if turn < math.tau * (1 - ROUNDING):
         short = f"the revolute joints together turn {turn:.4g} rad, less than 2 pi"
         reasons.append(f"{short}: not every orientation occurs")
     if arm.n < 3:
-        reasons.append(f"{arm.n - 1} more, beside it, where placing the end effector takes two")
+        reasons.append(
+            f"{arm.n - 1} more, beside it, where placing the end effector takes two"
+        )
     return Conditions(not reasons, tuple(reasons))
 
 
@@ -199,7 +224,9 @@ def _wrist_and_link(arm: PlanarArm) -> tuple[float, float, float, float]:
     ranges = instance("arm", arm, PlanarArm).length_ranges
     if ranges is None:
         others = "prismatic joints along their links (planar.dexterity takes any arm)"
-        expected = f"revolute joints without limits, the first joint one of them, and {others}"
+        expected = (
+            f"revolute joints without limits, the first joint one of them, and {others}"
+        )
         raise InputError("arm", arm, expected)
     low, high = annulus(ranges[:-1]) if len(ranges) > 1 else (0.0, 0.0)
     return (low, high, *ranges[-1])
@@ -222,7 +249,9 @@ def dexterity_map(
     if count("resolution", resolution) < 2:
         raise InputError("resolution", resolution, "at least 2 grid lines")
     space = workspace(arm)
-    points = np.concatenate([c.point(np.linspace(*c.interval, 181)) for c in space.curves])
+    points = np.concatenate(
+        [c.point(np.linspace(*c.interval, 181)) for c in space.curves]
+    )
     low, high = points.min(axis=0), points.max(axis=0)
     spacing = float((high - low).max()) / (resolution - 1)
     x, y = (np.arange(a, b + spacing, spacing) for a, b in zip(low, high, strict=True))
@@ -258,13 +287,20 @@ def dexterity(
     p = float_array("points", points, (2,))
     if instance("arm", arm, PlanarArm).n < 3 or arm.joints[-1] != "R":
         raise InputError("arm", arm.joints, "three joints or more, the last one R")
-    orientations, samples = count("orientations", orientations), count("samples", samples)
+    orientations, samples = (
+        count("orientations", orientations),
+        count("samples", samples),
+    )
     flat = p.reshape(-1, 2)
     phi = np.arange(orientations) * (TURN / orientations)
     found = np.zeros((len(flat), orientations), dtype=bool)
     tail = arm.part(arm.n - 3)
-    near = np.abs(flat).max(axis=1) <= (1 + 1e-8) * arm.reach  # of others squares may overflow
-    wrist = flat[near, None, :] - arm.lengths[-1] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    near = (
+        np.abs(flat).max(axis=1) <= (1 + 1e-8) * arm.reach
+    )  # of others squares may overflow
+    wrist = flat[near, None, :] - arm.lengths[-1] * np.stack(
+        [np.cos(phi), np.sin(phi)], axis=-1
+    )
     for x, y, heading in _sampled_starts(arm, samples):
         local = turned(wrist - (x, y), -heading)
         found[near] |= _three_joint_reach(tail, local, phi - heading)
@@ -276,7 +312,10 @@ def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
     head = arm.n - 3
     if head == 0:
         return np.zeros((1, 3))
-    axes = [np.linspace(*(limit or (-math.pi, math.pi)), samples) for limit in arm.limits[:head]]
+    axes = [
+        np.linspace(*(limit or (-math.pi, math.pi)), samples)
+        for limit in arm.limits[:head]
+    ]
     q = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, head)
     return arm.part(0, head).forward_kinematics(q)
 
@@ -294,5 +333,7 @@ def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> Bo
     last = np.broadcast_to(phi, wrist.shape[:-1]).reshape(-1, 1) - math.fsum(arm.angles)
     for kind, q in zip(arm.joints, (first, second), strict=False):
         last = last - q if kind == "R" else last
-    one, two, three = (within_limits(arm, j, q, 1e-9) for j, q in enumerate((first, second, last)))
+    one, two, three = (
+        within_limits(arm, j, q, 1e-9) for j, q in enumerate((first, second, last))
+    )
     return np.asarray((one & two & three).any(axis=-1).reshape(wrist.shape[:-1]))
