@@ -54,7 +54,7 @@ CAUSES = {
 
 def _matplotlib() -> Any:
     with needing("a picture", "pip install 'alpha5-model[plot]'", "matplotlib"):
-        import matplotlib.backends.backend_agg
+        import matplotlib.backends.backend_agg  # noqa: F401, used by name
         import matplotlib.figure
     return matplotlib
 
