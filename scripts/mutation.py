@@ -62,21 +62,27 @@ EQUIVALENT = "equivalent"
 STATUSES = (KILLED, SURVIVED, UNTESTED, TIMEOUT, EQUIVALENT)
 #: Checked first: file, part of it, what that becomes, the outcome, by which tests.
 PROOFS = (
-    ("proofs/audit/bodies.py", "(excess) * G", "(excess) / G", KILLED, "audit"),
-    ("proofs/audit/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "audit"),
+    (
+        "proofs/audit/bodies.py",
+        "(excess) * G",
+        "(excess) / G",
+        KILLED,
+        "proofs/test_audit",
+    ),
+    ("proofs/audit/bodies.py", "norm(si(", "norm(-si(", SURVIVED, "proofs/test_audit"),
     (
         "codegen/kernels/rows.h",
         "return good",
         "return !good",
         KILLED,
-        "kernels_compiled",
+        "codegen/test_kernels_compiled",
     ),
     (
         "codegen/kernels/rows.h",
         "return good",
         "return +good",
         SURVIVED,
-        "kernels_compiled",
+        "codegen/test_kernels_compiled",
     ),
 )
 
@@ -250,7 +256,7 @@ def _proved(boxes: Sequence[Sandbox], texts: dict[Path, str]) -> bool:
         text = texts[Path(name)]
         line = text[: text.index(old)].count("\n") + 1
         mutant = Mutant(Path(name), line, expected, text.replace(old, new, 1))
-        jobs.append(Job(mutant, (Selection(f"tests/test_{test}.py"),), 300.0))
+        jobs.append(Job(mutant, (Selection(f"tests/{test}.py"),), 300.0))
     run(jobs, boxes, texts, done)
     return all(good)
 

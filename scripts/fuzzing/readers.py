@@ -209,7 +209,7 @@ def _published_tables(path: Path) -> Any:
 @cache
 def _bag(kind: str) -> bytes:
     """A small bag of joint states."""
-    sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
+    sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "support"))
     from bag_writer import State, write_bag
 
     joints = [f"axis_{x}" for x in "edcb"]

@@ -42,17 +42,17 @@ NOT_RUN = (
 )
 #: For the C code of the kernels, in this order.
 KERNEL_TESTS = (
-    "tests/test_kernels_compiled.py",
-    "tests/test_kernels_arithmetic.py",
-    "tests/test_ik_kernels.py",
-    "tests/test_casadi.py",
-    "tests/test_dynamics_kernels.py",
-    "tests/test_numpy_kernels.py",
-    "tests/test_ik.py",
-    "tests/test_dynamics_arm.py",
+    "tests/codegen/test_kernels_compiled.py",
+    "tests/codegen/test_kernels_arithmetic.py",
+    "tests/kinematics/test_ik_kernels.py",
+    "tests/codegen/test_casadi.py",
+    "tests/dynamics/test_dynamics_kernels.py",
+    "tests/codegen/test_numpy_kernels.py",
+    "tests/kinematics/test_ik.py",
+    "tests/dynamics/test_dynamics_arm.py",
 )
 #: For the templates of the C library.
-LIBRARY_TESTS = ("tests/test_c_library.py",)
+LIBRARY_TESTS = ("tests/codegen/test_c_library.py",)
 C_TESTS = (*KERNEL_TESTS, *LIBRARY_TESTS)
 #: Processor time of the tests of one mutant, without it [s].
 BUDGET = 45.0
@@ -83,8 +83,8 @@ class Seen:
         """Run the test files, or only these, of which there is no record."""
         self.folder.mkdir(parents=True, exist_ok=True)
         asked = list(only) or [
-            f"tests/{file.name}"
-            for file in sorted((REPOSITORY / "tests").glob("test_*.py"))
+            file.relative_to(REPOSITORY).as_posix()
+            for file in sorted((REPOSITORY / "tests").rglob("test_*.py"))
             if not file.name.startswith(NOT_RUN)
         ]
         missing = [file for file in asked if not self._read(file)]

@@ -1,0 +1,418 @@
+"""What every command prints, at 80 and 120 columns, piped and on a terminal, against `tests/printed/`.
+
+After a change that is meant: ``ALPHA5_UPDATE_PRINTED=1 python -m pytest tests/cli/test_printed_answers.py``, and read the difference.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import inspect
+import io
+import json
+import os
+import pty
+import re
+import struct
+import subprocess
+import sys
+import termios
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from demo_run import demo_run
+
+import alpha5_model as a5
+from alpha5_model.cli import COMMANDS, _loaded, demo, generate, main, options, proofs
+from alpha5_model.description.verification import verify_urdf
+
+ROOT = Path(__file__).resolve().parents[2]
+
+FOLDER = Path(__file__).parents[1] / "printed"
+POSE = ("--q", "3.1", "1.2", "1.8", "0")
+#: Name -> arguments; every command, and each kind of answer that it has.
+ANSWERS = {
+    "check": ("check",),
+    "check-verbose": ("check", "--verbose"),
+    "check-file": ("check", "--urdf", "other.urdf"),
+    "compare": ("compare", "other.urdf", "--samples", "5"),
+    "compare-another-arm": ("compare", "two.urdf"),
+    "dh": ("dh", "0.5", "1.2", "1", "0"),
+    "fk": ("fk", "180", "70", "100", "0", "deg"),
+    "fk-jaws": ("fk", "3,1.2,1,9,8mm"),
+    "generate": ("generate", "--gripper", "jaws", "--output", "made/arm.urdf"),
+    "ik": ("ik", "0.25", "-0.1", "0.05", "--wrist", "90deg"),
+    "ik-singular": ("ik", "0", "0", "0.3"),
+    "planar": ("planar", "5", "4", "1", "--radius", "3"),
+    "planar-limits": ("planar", "5", "4", "-l", "none", "-l", "-1", "1"),
+    "sweep": ("sweep", "study.toml", "--output", "results"),
+    "torque": ("torque", *POSE),
+    "torque-jaws": (
+        "torque",
+        *POSE,
+        "--gripper",
+        "jaws",
+        "--payload",
+        "0.5",
+        "--mount",
+        "3,0,0",
+    ),
+    "torque-water": ("torque", "--q", "3.1,1.2,1.8,7", "--current", "0", "1", "0"),
+    "trajectory": ("trajectory", "motion.csv"),
+    "trajectory-limits": (
+        *("trajectory", "motion.csv", "--supply-voltage", "24", "--current-limit", "1"),
+        *("--screw-lead", "1e-3", "--current", "1", "0", "0", "--output", "table.csv"),
+    ),
+    "workspace": ("workspace",),
+    "view": ("view", "--pose", "reach", "--html", "arm.html"),
+}
+VIEWS = [(columns, terminal) for columns in (80, 120) for terminal in (False, True)]
+COLOUR = re.compile(r"\x1b\[\d*m")
+
+
+class Terminal(io.StringIO):
+    """What is printed on a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def folder_of_a_user() -> None:
+    """What the answers are about, into the current folder."""
+    ours = Path(a5.URDF_PATH).read_text("utf-8")
+    Path("arm.urdf").write_text(ours, "utf-8")
+    Path("other.urdf").write_text(ours.replace('value="0.38"', 'value="0.5"'), "utf-8")
+    bodies = "".join(f'<link name="{x}"/>' for x in "ab")
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    Path("two.urdf").write_text(f'<robot name="two">{bodies}{joint}</robot>', "utf-8")
+    axes = "".join(f"axis_{x}_pos = [0, 1]\n" for x in "edcb")
+    map_by = '"axis_d_pos", "axis_c_pos", "axis_b_pos"'
+    forms = (
+        'as = "peak"',
+        'as = "quantile"\nlevels = [0.5, 1]',
+        f'as = "maximum"\nby = [{map_by}]',
+    )
+    outputs = "".join(
+        f'[outputs.{n}]\nquantity = "torque"\n{f}\n'
+        for n, f in zip("abc", forms, strict=True)
+    )
+    Path("study.toml").write_text(f"[axes]\nmount_roll = 0.3\n{axes}{outputs}", "utf-8")
+    time = np.arange(0, 12, 0.02)
+    q = [1.5 + swing * np.sin(time) for swing in (0.8, 0.3, 0.2, 0.5)] + [
+        0.007 + 0.0 * time
+    ]
+    effort = 0.2 * np.cos(time)
+    head = [
+        "time_secs",
+        *(f"axis_{x}_pos" for x in "edcba"),
+        "axis_d_effort",
+    ]
+    rows = np.column_stack([time, *q, effort])
+    rows[300:, 0] += 1.0
+    np.savetxt(
+        "motion.csv",
+        rows,
+        delimiter=",",
+        header=",".join(head),
+        comments="",
+        fmt="%.9g",
+    )
+
+
+def printed(arguments: tuple[str, ...], terminal: bool) -> str:
+    """What a command prints, without what rounding makes: digits of 1e-16 are those of a machine."""
+    out, errors = Terminal() if terminal else io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(errors):
+        main(arguments)
+    return re.sub(r"\b\d(\.\d+)?e-1\d\b", "0", out.getvalue() + errors.getvalue())
+
+
+def held(name: str, answers: dict[str, str]) -> None:
+    """Compare answers with the committed ones, or write these anew."""
+    text = "\n".join(f"=== {title}\n{answer}" for title, answer in answers.items())
+    path = FOLDER / f"{name}.txt"
+    if os.environ.get("ALPHA5_UPDATE_PRINTED"):
+        FOLDER.mkdir(exist_ok=True)
+        path.write_text(text, "utf-8")
+    assert text == path.read_text("utf-8")
+
+
+def fits(text: str, columns: int) -> None:
+    """No line is longer than the terminal, nothing is cut, units are there and written one way."""
+    lines = COLOUR.sub("", text).splitlines()
+    assert max(map(len, lines)) <= columns
+    assert not re.search(r"…|\bN m\b|kg m|\^[23]|(?<!\w)nan\b|None", text)
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_what_is_printed(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder_of_a_user()
+    once: dict[str, Any] = {}
+
+    def kept(module: Any, function: str) -> None:
+        """Compute it for the first answer only."""
+        compute = getattr(module, function)
+
+        def given(*words: Any) -> Any:
+            return once.get(function) or once.setdefault(function, compute(*words))
+
+        monkeypatch.setattr(module, function, given)
+
+    # Freshness takes seconds, and has tests of its own.
+    monkeypatch.setattr(
+        proofs, "verify_generated", lambda: proofs.verify_urdf("arm.urdf", None)
+    )
+    monkeypatch.setattr(proofs, "verify_urdf", lambda path, _: verify_urdf(path))
+    for module, function in (
+        (proofs, "verify_urdf"),
+        (proofs, "run"),
+        (generate, "urdf"),
+    ):
+        kept(module, function)
+    answers = {}
+    for columns, terminal in VIEWS:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        text = printed(ANSWERS[name], terminal)
+        fits(text, columns)
+        assert terminal or "\x1b" not in text
+        if terminal:
+            assert not re.search(r"(?<![\w.,=-])-\d", text)
+        answers[f"{columns} columns, {'terminal' if terminal else 'piped'}"] = text
+    held(name, answers)
+
+
+def test_the_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, said = demo_run()
+    monkeypatch.chdir(tmp_path)
+    # What takes seconds is made once, in the first run.
+    made = [(folder / f"alpha5.{kind}").read_bytes() for kind in ("html", "png")]
+    monkeypatch.setattr(demo.page, "static_page", lambda scene: made[0])
+    monkeypatch.setattr(demo.picture, "picture_png", lambda scene, size: made[1])
+    monkeypatch.setattr(demo.variants, "urdf", cache(demo.variants.urdf))
+    monkeypatch.setattr(demo, "audit", cache(demo.audit))
+    answers = {}
+    for columns, terminal in VIEWS:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        if (columns, terminal) != (80, False):  # the run that other tests look at, too
+            said = printed(("demo", "--output", "demo"), terminal)
+        text = re.sub(
+            r"\d\.\d MB|\d(\.\d)?e-1\d", "0", said.replace(str(folder), "demo")
+        )
+        fits(text, columns)
+        answers[f"{columns} columns, {'terminal' if terminal else 'piped'}"] = text
+    held("demo", answers)
+
+
+def test_every_command_is_looked_at() -> None:
+    assert {words[0] for words in ANSWERS.values()} | {"demo"} == set(COMMANDS)
+    assert {path.stem for path in FOLDER.iterdir()} == {*ANSWERS, "demo"}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_fits_80_columns(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    status, text, said = answer(name, "--help")
+    assert (status, said) == (0, "")
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text
+    # Lines of the docstring are those of the help: longer ones would break twice.
+    first, *others = (inspect.getdoc(_loaded(name)) or "").splitlines()
+    assert first.endswith(".")
+    assert max(len(line) for line in others if "xample" not in line) <= 78
+
+
+@pytest.mark.parametrize("columns", [80, 120])
+def test_on_a_real_terminal(columns: int) -> None:
+    """Its width, its minus and its colours, without being told."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    words = [sys.executable, "-m", "alpha5_model", "dh", "0.5", "1.2", "1", "-0.25"]
+    clean = {
+        k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES", "NO_COLOR")
+    }
+    subprocess.run(
+        words, stdout=theirs, check=True, env={**clean, "TERM": "xterm"}, cwd=ROOT
+    )
+    os.close(theirs)
+    text = b""
+    with suppress(OSError):  # the end of a terminal
+        while block := os.read(ours, 65536):
+            text += block
+    os.close(ours)
+    lines = text.decode().split("\r\n")
+    assert max(map(len, lines)) <= columns
+    assert "−0.180000" in text.decode()
+    assert "-0.180000" not in text.decode()
+    general = next(line for line in lines if line.startswith("general tasks"))
+    assert general.endswith("rank 4") == (columns == 120)
+
+
+# --- one syntax ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("torque --q 1 2 -3 .4 --json", ["torque", "--q", "1 2 -3 .4", "--json"]),
+        ("torque --q 1,2,-3,.4", ["torque", "--q", "1 2 -3 .4"]),
+        ("torque --q 1, 2, -3, .4", ["torque", "--q", "1 2 -3 .4"]),
+        ("torque --q 1 2 x 0 --a 0", ["torque", "--q", "1 2 x 0", "--a", "0"]),
+        ("torque --q 57 1 2 3deg deg", ["torque", "--q", "57deg 1deg 2deg 3deg"]),
+        ("torque --q 57 1deg 2 3 deg", ["torque", "--q", "57deg 1deg 2deg 3deg"]),
+        ("ik −250,-1e2 50 mm --wrist 90 deg", ["ik", "-250mm", "-1e2mm", "50mm", "--wrist", "90deg"]),
+        ("ik -.25 -1 5 --json", ["ik", "-.25", "-1", "5", "--json"]),
+        ("dh --link 0 1 2 3 0 -0.4 2", ["dh", "--link", "0 1 2 3 0", "-0.4", "2"]),
+        ("dh --link 0,1,2,3,0 -0.4 2", ["dh", "--link", "0 1 2 3 0", "-0.4", "2"]),
+        ("planar 5,4 -l -1 1 -l none --radius 3", ["planar", "5", "4", "-l", "-1 1", "-l", "none", "--radius", "3"]),
+        ("trajectory --current 0 1 0 1.csv", ["trajectory", "--current", "0 1 0", "1.csv"]),
+        ("view --pose home --size 3x2", ["view", "--pose", "home", "--size", "3x2"]),
+        ("torque --q", ["torque", "--q"]),
+    ],
+)  # fmt: skip
+def test_vectors_and_units_have_one_syntax(given: str, meant: list[str]) -> None:
+    assert options.one_syntax(given.split()) == meant
+
+
+def answer(*arguments: str) -> tuple[int, str, str]:
+    out, errors = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(errors):
+        status = main(arguments)
+    return status, out.getvalue(), errors.getvalue()
+
+
+def test_the_same_vector_in_each_form_gives_the_same_answer() -> None:
+    q = [170.0, 60.0, -10.0, 20.0]
+    forms = (
+        [*map(repr, np.deg2rad(q).tolist())],
+        [",".join(map(repr, np.deg2rad(q).tolist()))],
+        [*(f"{x}deg" for x in q)],
+        [*map(str, q), "deg"],
+        [",".join(map(str, q)).replace("-", "−") + " deg"],
+    )
+    first, *others = (answer("fk", *form, "--json") for form in forms)
+    assert first[0] == 0
+    assert first[2] == ""
+    for other in others:
+        np.testing.assert_allclose(
+            json.loads(other[1])["q"], json.loads(first[1])["q"], rtol=1e-15
+        )
+    arm = a5.load()
+    frames = json.loads(first[1])["frames"]
+    for name in ("tcp", "link_4", "base_link"):
+        np.testing.assert_allclose(
+            frames[name], arm.forward_kinematics(np.deg2rad(q), name), atol=1e-15
+        )
+    assert {"tcp", *(f"link_{i}" for i in range(5))} <= set(frames)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        ("ik 250 -100 50", 2, "mm away; if 250 is in mm, write 250mm"),
+        ("ik .25 -.1 .05 --wrist 90", 0, "if 90 is in deg, write 90deg"),
+        (
+            "torque --q 170 60 100 20",
+            0,
+            "alpha5: warning: if 170 is in deg, write 170deg",
+        ),
+        ("fk 170 60 100 20", 0, "alpha5: warning: if 170 is in deg, write 170deg"),
+        ("torque --q 3 1 1 0 --v 30 0 0 0", 0, "if 30 is in deg, write 30deg"),
+        ("torque --q 3 1 1 0", 0, ""),
+        (
+            "fk 1 2 3",
+            2,
+            "q: expected four or five numbers (rad, jaw rod m), got '1 2 3'",
+        ),
+        ("fk 1 2 3 4mm", 2, "four or five numbers"),
+        ("torque --q 1 2 3", 2, "--q: expected four numbers (rad), got '1 2 3'"),
+        ("torque --q 1 2 3 4 --payload heavy", 2, "MASS X Y Z VOLUME (kg, m, m^3)"),
+        ("torque --q 1 2 3 4 --payload -1", 2, "mass"),
+        (
+            "torque --q 1 2 3 4 --mount 1 2",
+            2,
+            "mount: expected three numbers (rad), got '1 2'",
+        ),
+        ("torque --q 1 2 3 4 --gripper open", 2, "locked, jaws"),
+        ("generate --rpy 1 2", 2, "rpy: expected three numbers (rad)"),
+        ("view --target 1", 2, "target: expected three numbers (m)"),
+    ],
+)
+def test_what_is_wrong_or_seems_to_be_is_one_line(
+    arguments: str, status: int, words: str
+) -> None:
+    got, out, said = answer(*arguments.split())
+    assert got == status
+    assert said.count("\n") == bool(words)
+    assert words in said
+    assert bool(out) == (status == 0)
+
+
+def test_torque_of_jaws_payload_and_mount_is_the_arms() -> None:
+    arm = a5.load(gripper="jaws", gravity=(0.0, 9.81, 0.0))  # base_link's y points down
+    loaded = arm.with_payload(0.5, (0.01, 0, 0.02), volume=1e-4)
+    assert repr(loaded) == repr(arm).replace(")", ", payload 0.5 kg)")
+    text = "torque --q 3.1 1.2 1.8 0.3 --gripper jaws --payload 0.5 10mm 0 20mm 1e-4 --mount -90 0 0 deg --json"
+    status, out, said = answer(*text.split())
+    assert (status, said) == (0, "")
+    result, q = json.loads(out), [3.1, 1.2, 1.8, 0.3, a5.parameters().joints[4].lower]
+    assert [joint["position"] for joint in result["joints"]] == q
+    torque = [joint["torque"] for joint in result["joints"]]
+    assert np.abs(torque - loaded.hydrostatic_torque(q)).max() < 1e-12
+    assert np.abs(torque - arm.hydrostatic_torque(q)).max() > 0.01
+    still = np.zeros(5)
+    force = loaded.base_wrench(q, still, still)
+    np.testing.assert_allclose(result["mount"]["force"], force.linear, atol=1e-12)
+    assert result["joints"][4]["current"] is None
+    limits = loaded.limits
+    assert limits.lower.tolist() == [joint.lower for joint in a5.parameters().joints]
+    assert limits.upper.tolist() == [joint.upper for joint in a5.parameters().joints]
+    np.testing.assert_array_equal(
+        a5.load(floating_base=True).limits.lower, limits.lower[:4]
+    )
+
+
+def test_branches_that_meet_are_marked() -> None:
+    """Stretched, the elbow is the same in both branches of a side; on the way there it is not."""
+    far = a5.nearest_reachable([1.0, 0.3, 0.2])
+    for scale, meet in ((1.0, True), (0.9, False)):
+        status, out, _ = answer("ik", *map(repr, (scale * far).tolist()), "--json")
+        assert status == 0
+        branches = {b["name"]: b for b in json.loads(out)["branches"]}
+        q = {name: b["q"] for name, b in branches.items() if b["exists"]}
+        for name, other in (
+            ("underarm_flipped", "underarm"),
+            ("overarm_flipped", "overarm"),
+        ):
+            if name in q and other in q:
+                assert (branches[name]["same_as"] == other) == meet
+        assert branches["underarm"]["same_as"] is None
+
+
+def test_generate_names_all_that_it_wrote(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for words in (
+        "--output new/arm.urdf",
+        "--format sdf --output new",
+        "--format c --output c",
+    ):
+        before = {*tmp_path.rglob("*")}
+        status, out, _ = answer("generate", *words.split())
+        assert status == 0
+        named = {
+            tmp_path / folder / name
+            for folder, names in re.findall(
+                r"^wrote in (\S+): (.*(?:\n  .*)*)", out, re.MULTILINE
+            )
+            for name in re.split(r",\s+", names)
+        }
+        made = {path for path in tmp_path.rglob("*") if path.is_file()} - before
+        assert made <= named
+        assert all(path.is_file() for path in named)

@@ -1,0 +1,173 @@
+"""The kernels' own sine, cosine and atan2 in C, at every width, against long doubles."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+from pathlib import Path
+
+import casadi
+import numpy as np
+import pytest
+
+from alpha5_model.codegen.program import program
+from alpha5_model.codegen.sources import kernels
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+NAMES = ("sin", "cos", "atan2", "floor", "fmin", "fmax", "sqrt", "atan")
+LONG_DOUBLES = pytest.mark.skipif(
+    np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here"
+)
+pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+
+
+def pairs() -> np.ndarray:
+    """Ordinary arguments first, then all magnitudes, then every special value beside every other."""
+    rng = np.random.default_rng(3)
+
+    def signs(shape):
+        return rng.choice([-1.0, 1.0], shape)
+
+    ordinary = rng.uniform(-10.0, 10.0, (20_000, 2))
+    wide = signs((20_000, 2)) * 10.0 ** rng.uniform(-12.0, 5.0, (20_000, 2))
+    turns = np.rint(rng.uniform(-60_000, 60_000, (10_000, 2))) * (math.pi / 2)
+    turns = np.nextafter(turns, rng.choice([-np.inf, np.inf], turns.shape))
+    all_magnitudes = signs((40_000, 2)) * 10.0 ** rng.uniform(
+        -300.0, 300.0, (40_000, 2)
+    )
+    numbers = [
+        0.0,
+        5e-324,
+        2.2e-308,
+        1e-300,
+        0.41421356237309503,
+        0.5,
+        math.pi / 4,
+        1.0,
+        math.pi,
+    ]
+    numbers += [
+        1.5,
+        1e5,
+        math.nextafter(1e5, 1e6),
+        2.0**52,
+        1e300,
+        1.7e308,
+        math.inf,
+        math.nan,
+    ]
+    special = np.array([sign * x for x in numbers for sign in (1.0, -1.0)])
+    beside = np.stack(np.meshgrid(special, special), axis=-1).reshape(-1, 2)
+    both = np.concatenate([ordinary, wide, turns, all_magnitudes, beside])
+    return both[: len(both) // 8 * 8]
+
+
+PAIRS = pairs()
+
+
+@pytest.fixture(scope="module", params=COMPILERS)
+def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
+    """Width -> outputs of all pairs, (N, len(NAMES))."""
+    folder = tmp_path_factory.mktemp(request.param)
+    pair = casadi.SX.sym("pair", 2)
+    x, y = pair[0], pair[1]
+    given = {"atan2": (y, x), "fmin": (x, y), "fmax": (x, y), "sqrt": (casadi.fabs(x),)}
+    outputs = [getattr(casadi, name)(*given.get(name, (x,))) for name in NAMES]
+    function = casadi.Function(
+        "elementary", [pair], [casadi.vertcat(*outputs)], ["x"], ["y"]
+    )
+    (folder / "elementary.h").write_text(kernels([program(function)])["bodies.h"])
+    flags = [
+        "-O3",
+        "-ffp-contract=off",
+        "-fno-math-errno",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+    ]
+    sizes = {"INPUTS": 2, "OUTPUTS": len(NAMES), "COUNT": len(PAIRS)}
+    subprocess.run(
+        [
+            request.param,
+            *(*flags, "-Wno-psabi", "-Wno-unused-function"),
+            *("-fsanitize=undefined", "-fno-sanitize-recover"),
+            *(f"-D{name}={size}" for name, size in sizes.items()),
+            *(f"-I{folder}", f"-I{ROOT / 'alpha5_model' / 'codegen' / 'kernels'}"),
+            *(
+                str(ROOT / "tests" / "support" / "elementary.c"),
+                "-lm",
+                "-o",
+                str(folder / "elementary"),
+            ),
+        ],
+        check=True,
+    )
+    run = subprocess.run(
+        [folder / "elementary"], input=PAIRS.tobytes(), check=True, capture_output=True
+    )
+    widths = [int(line.split()[0]) for line in run.stderr.decode().splitlines()]
+    table = np.frombuffer(run.stdout).reshape(len(widths), len(PAIRS), len(NAMES))
+    return dict(zip(widths, table, strict=True))
+
+
+def column(computed, name: str) -> np.ndarray:
+    return computed[1][:, NAMES.index(name)]
+
+
+def test_all_widths_give_the_same_bits(computed):
+    assert len(computed) >= 2
+    for outputs in computed.values():
+        numbers = ~np.isnan(outputs)
+        assert np.array_equal(numbers, ~np.isnan(computed[1]))
+        same = outputs.view(np.int64) == computed[1].view(np.int64)
+        assert same[numbers].all()
+
+
+@LONG_DOUBLES
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_sine_and_cosine(computed, name):
+    x = PAIRS[:, 0]
+    with np.errstate(invalid="ignore"):
+        exact = getattr(np, name)(x.astype(np.longdouble))
+    got = column(computed, name)
+    finite = np.isfinite(x)
+    assert np.array_equal(np.isnan(got), ~finite)
+    off = np.abs(got - exact)[finite]
+    assert off.max() < 1.25e-16
+    plain = np.abs(exact[finite]) > 1e-3
+    assert (off[plain] / np.abs(exact[finite][plain])).max() < 2.3e-16
+    assert np.array_equal(np.signbit(got[x == 0.0]), np.signbit(exact[x == 0.0]))
+
+
+@LONG_DOUBLES
+def test_angle_of_a_vector(computed):
+    x, y = PAIRS.T
+    exact = np.arctan2(y.astype(np.longdouble), x.astype(np.longdouble))
+    got = column(computed, "atan2")
+    numbers = ~np.isnan(exact)
+    assert np.array_equal(np.isnan(got), ~numbers)
+    off = np.abs(got - exact)[numbers]
+    assert (off <= 4e-16 * np.abs(exact[numbers]) + 1e-323).all()
+    assert np.array_equal(np.signbit(got[numbers]), np.signbit(exact[numbers]))
+    one = column(computed, "atan")
+    assert np.array_equal(np.isnan(one), np.isnan(x))
+    exact = np.arctan(x[~np.isnan(x)].astype(np.longdouble))
+    off = np.abs(one[~np.isnan(x)] - exact)
+    assert (off <= 4e-16 * np.abs(exact) + 1e-323).all()
+
+
+@pytest.mark.parametrize("name", ["floor", "sqrt", "fmin", "fmax"])
+def test_what_is_exact_is_exact(computed, name):
+    x, y = PAIRS[~np.isnan(PAIRS).any(axis=1)].T
+    got = column(computed, name)[~np.isnan(PAIRS).any(axis=1)]
+    exact = {
+        "floor": lambda: np.floor(x),
+        "sqrt": lambda: np.sqrt(np.abs(x)),
+        "fmin": lambda: np.fmin(x, y),
+        "fmax": lambda: np.fmax(x, y),
+    }[name]()
+    assert np.array_equal(got, exact)
+    if name in ("floor", "sqrt"):
+        assert np.array_equal(np.signbit(got), np.signbit(exact))

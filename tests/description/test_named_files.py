@@ -1,0 +1,152 @@
+"""A file that somebody names may be anything: every reader ends in the tree, the command line in one line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.urdf import Variant, expand_xacro
+from alpha5_model.errors import FileFormatError, InputError, MissingFileError
+
+READERS = {
+    "compare": a5.compare,
+    "dh": a5.dh.DHChain.from_urdf,
+    "urdf": read_urdf,
+    "xacro": expand_xacro,
+}
+COMMANDS = (("dh", "--urdf"), ("compare",), ("check", "--urdf"))
+TEXT = Path(a5.URDF_PATH).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize(
+    "path", [None, 5, 2.5, b"arm.urdf", "a\0b", ["arm.urdf"]], ids=repr
+)
+def test_what_is_no_path_is_refused_as_such(reader, path):
+    with pytest.raises(InputError, match="path: expected the path of") as caught:
+        READERS[reader](path)
+    assert caught.value.value == path
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_paths_that_lead_to_no_file(tmp_path, reader):
+    read = READERS[reader]
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "file").write_text("")
+    for path, error in (
+        ("x" * 5000, FileFormatError),
+        (tmp_path / "loop", FileFormatError),
+        (tmp_path, FileFormatError),
+        (tmp_path / "none", MissingFileError),
+        (tmp_path / "file" / "below", MissingFileError),
+        (tmp_path / "\udcff", MissingFileError),
+        (tmp_path / "a\nb\u2028c", MissingFileError),
+    ):
+        with pytest.raises(error) as caught:
+            read(path)
+        assert caught.value.path == path
+        assert len(str(caught.value)) <= 1000
+        assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+@pytest.mark.parametrize("path", ["a\0b", "x" * 5000, "\udcff", "a\nb"], ids=ascii)
+def test_commands_refuse_them_in_one_line(capsys, command, path):
+    assert main([*command, path]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert len(out.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("read", [a5.dh.DHChain.from_urdf, read_urdf])
+def test_a_broken_urdf_names_its_line(tmp_path, read):
+    lines = TEXT.splitlines()
+    for old, new, problem in (
+        ('xyz="', 'xyz="x', "finite numbers"),
+        ("<parent ", "<parents ", "has no <parent>"),
+        ("</link>", "</links>", "not XML"),
+    ):
+        k = next(k for k, line in enumerate(lines) if old in line)
+        (tmp_path / "arm.urdf").write_text(
+            "\n".join([*lines[:k], lines[k].replace(old, new, 1), *lines[k + 1 :]])
+        )
+        with pytest.raises(FileFormatError, match=problem) as caught:
+            read(tmp_path / "arm.urdf")
+        # a joint without a parent is said of the joint, which begins a line or two above
+        assert 0 <= k + 1 - int(caught.value.place.removeprefix("line ")) <= 2
+
+
+@pytest.mark.parametrize("digits", ["٣", "1_0"])
+def test_numbers_of_a_urdf_are_what_its_readers_take_for_numbers(tmp_path, digits):
+    (tmp_path / "arm.urdf").write_text(
+        TEXT.replace('mass value="', f'mass value="{digits}', 1)
+    )
+    with pytest.raises(FileFormatError, match="finite number"):
+        read_urdf(tmp_path / "arm.urdf")
+
+
+def test_dh_reads_what_moves_and_says_nothing_else(tmp_path, capfd):
+    """urdfdom complains on stderr of a colour; nobody asked for the colour."""
+    (tmp_path / "arm.urdf").write_text(TEXT.replace('rgba="', 'rgba="x', 1))
+    for command, status in (("dh", 0), ("check", 1)):  # check_urdf's row tells of it
+        assert main([command, "--urdf", str(tmp_path / "arm.urdf")]) == status
+        assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
+def test_a_urdf_in_another_encoding_is_read_alike(tmp_path, encoding):
+    arm = tmp_path / "arm.urdf"
+    arm.write_bytes(TEXT.encode(encoding))
+    assert a5.compare(arm, samples=5).agrees
+    ours, theirs = (a5.dh.DHChain.from_urdf(path) for path in (a5.URDF_PATH, arm))
+    assert [vars(link) for link in theirs.links] == [vars(link) for link in ours.links]
+
+
+@pytest.mark.parametrize(
+    "text", ["\udcff", "a\0b", "a\x01b", "a\rb", "a\u2028b", "a\nb"], ids=ascii
+)
+def test_names_that_no_file_can_hold_are_refused(text, capsys):
+    for name in ("prefix", "parent", "mesh_prefix"):
+        with pytest.raises(InputError, match="unprintable"):
+            Variant(**{name: text})
+    assert main(["generate", "--prefix", text]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_prefix_may_be_greek():
+    assert Variant(prefix="άλφα_").prefix == "άλφα_"
+
+
+def test_a_prefix_that_is_not_utf_8_in_a_real_shell():
+    """The bytes as the system passes them, which Python turns into lone surrogates."""
+    done = subprocess.run(
+        [sys.executable, "-m", "alpha5_model", "generate", "--prefix", b"\xff\xfe"],
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    )
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_output_that_its_encoding_cannot_hold_is_one_line():
+    done = subprocess.run(
+        [sys.executable, "-m", "alpha5_model", "generate", "--prefix", "ά_"],
+        capture_output=True,
+        check=False,
+        env={
+            **os.environ,
+            "PYTHONPATH": str(Path(__file__).parents[2]),
+            "PYTHONIOENCODING": "latin-1",
+        },
+    )
+    assert done.returncode == 2
+    assert b"latin-1 output cannot hold '\\u03ac': try PYTHONIOENCODING" in done.stderr
+    assert len(done.stderr.splitlines()) == 1

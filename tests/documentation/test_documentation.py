@@ -1,0 +1,271 @@
+"""Every code block of README and of the documentation runs, and every public name has its place there.
+
+The blocks of a page run one after the other, in one folder and one set of names, as a reader would type them. A block in C
+is written to the file that its first line names.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import recordings
+from pages import DOCS, PAGES, REPOSITORY, generated_text
+
+import alpha5_model as a5
+from alpha5_model.cli import COMMANDS, main
+
+sys.path.insert(0, str(REPOSITORY / "scripts"))
+import check_links
+import public_models
+
+#: Languages of blocks that hold nothing to run.
+SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}
+#: Commands of our own that take long, and what in the tests runs them.
+LONG = {
+    r"alpha5 sweep .* --workers": (
+        "studies/test_sweep.py",
+        "cluster.scheduler_address",
+    ),
+    r"alpha5 demo": ("cli/test_demo.py", 'main(["demo"'),
+    r"alpha5 check$": ("description/test_verification.py", 'main(["check"]) == 0'),
+    r"alpha5 workspace --self-collision": (
+        "dynamics/test_self_collision.py",
+        'main(["workspace", "--self-collision"',
+    ),
+}
+#: Commands of other programs, which are not here.
+ELSEWHERE = {"git", "cd", "source", "colcon", "conda", "ros2", "gz"}
+#: Packages of the conformance run: blocks that import them run where they are.
+TOOLS = {"pydrake", "pybullet"}
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, its text and its line in the page."""
+
+    language: str
+    text: str
+    line: int
+
+
+def blocks(text: str) -> list[Block]:
+    """The fenced blocks of a page, in order."""
+    fence = re.compile(
+        r"^```+\{?([\w-]*)\}?[^\n]*\n(.*?)^```+$", re.DOTALL | re.MULTILINE
+    )
+    return [
+        Block(m[1], m[2], text[: m.start()].count("\n") + 1)
+        for m in fence.finditer(text)
+    ]
+
+
+def run_shell(text: str) -> None:
+    """Run the lines of a block that call ``alpha5``; of other programs see that the words exist."""
+    for line in text.replace("\\\n", " ").splitlines():
+        words = shlex.split(line, comments=True)
+        if not words:
+            continue
+        expected = re.search(r"# exit status (\d)$", line)
+        if words[0] == "cc" or words[0].startswith("./"):
+            if shutil.which("cc"):
+                subprocess.run(words, check=True)
+        elif words[0] == "alpha5":
+            if not any(re.match(command, line) for command in LONG):
+                assert main(words[1:]) == int(expected[1] if expected else 0), line
+        else:
+            assert known(words), line
+
+
+def known(words: list[str]) -> bool:
+    """Whether a command that is not run names what is there."""
+    if words[0] == "make":
+        return f"\n{words[1]}:" in (REPOSITORY / "Makefile").read_text("utf-8")
+    if words[:3] == ["python", "-m", "pip"]:
+        extras = re.findall(r"\w+", "".join(re.findall(r"\[(.+?)\]", " ".join(words))))
+        project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))[
+            "project"
+        ]
+        return set(extras) <= set(project["optional-dependencies"])
+    if words[0] == "python":
+        return (REPOSITORY / words[1]).is_file()
+    return words[0] in ELSEWHERE
+
+
+def run_page(page: Path) -> int:
+    """Run the blocks of a page in the current folder; returns how many ran."""
+    names, ran = {"__name__": "__main__"}, 0
+    for block in blocks(page.read_text("utf-8")):
+        if block.language == "sh":
+            run_shell(block.text)
+        elif block.language == "c":
+            Path(block.text.split()[1].rstrip(":")).write_text(block.text, "utf-8")
+        elif block.language == "python":
+            tree = ast.parse(block.text)
+            ast.increment_lineno(tree, block.line)
+            try:
+                exec(compile(tree, str(page), "exec"), names)
+            except ModuleNotFoundError as error:
+                if error.name not in TOOLS:
+                    raise
+        else:
+            assert block.language in SHOWN, f"{page}:{block.line}: {block.language!r}"
+            continue
+        ran += 1
+    return ran
+
+
+@pytest.mark.parametrize(
+    "page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY))
+)
+def test_the_code_of_a_page_runs(
+    page: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run_page(page)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "```python\nassert False\n```\n",
+        "```sh\nalpha5 ik 9 9 9\n```\n",
+        "```sh\nmake tea\n```\n",
+        "```sh\npython -m pip install '.[tea]'\n```\n",
+        "```sh\nrm -rf x\n```\n",
+        "```c\n/* wrong.c: no program */\nint main(void) { return 1; }\n```\n```sh\ncc wrong.c -o wrong\n./wrong\n```\n",
+        "```pyhton\n1\n```\n",
+        "```python\nimport no_such_tool\n```\n",
+    ],
+)
+def test_a_block_that_does_not_run_is_seen(
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(text, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    if "cc " in text and not shutil.which("cc"):
+        pytest.skip("no C compiler")
+    with pytest.raises(
+        (AssertionError, ModuleNotFoundError, subprocess.CalledProcessError)
+    ):
+        run_page(page)
+
+
+def files_of_a_reader() -> None:
+    """What the examples of the help ask for, into the current folder."""
+    time = np.linspace(0, 2, 101)
+    q = a5.named_pose("home") + 0.1 * np.sin(time)[:, None]
+    head = ",".join(["time_secs", *(f"axis_{x}_pos" for x in "edcb")])
+    shutil.copy(REPOSITORY / "examples" / "mount_map.toml", "study.toml")
+    np.savetxt(
+        "recording.csv",
+        np.column_stack([time, q]),
+        delimiter=",",
+        header=head,
+        comments="",
+    )
+    ours = Path(a5.URDF_PATH).read_text("utf-8")
+    Path("my_arm.urdf").write_text(ours, "utf-8")
+    for number, axis in enumerate("edcb", 1):
+        ours = ours.replace(f'"axis_{axis}"', f'"joint{number}"')
+    Path("other.urdf").write_text(ours, "utf-8")
+
+
+def test_the_examples_of_the_help_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    files_of_a_reader()
+    examples = [
+        b for b in blocks(generated_text.TEXTS["commands"]()) if b.language == "sh"
+    ]
+    assert len(examples) == len(COMMANDS)
+    for block in examples:
+        run_shell(block.text)
+
+
+def test_the_table_of_public_models_is_what_compare_finds(tmp_path: Path) -> None:
+    models = recordings.RECORDINGS / "models"
+    if not models.is_dir():
+        pytest.skip("no public models beside the checkout")
+    page, copy = DOCS / "public-models.md", tmp_path / "page.md"
+    copy.write_text(page.read_text("utf-8").replace("0.", "9."), "utf-8")
+    assert public_models.main([str(models), "--page", str(copy)]) == 0
+    between = re.compile(r"(?s)(?<=models: begin -->).*(?=<!-- public models: end)")
+    assert (
+        between.search(copy.read_text("utf-8"))[0]
+        == between.search(page.read_text("utf-8"))[0]
+    )
+
+
+def test_a_dead_link_is_found(tmp_path: Path) -> None:
+    (tmp_path / "b.html").write_text('<p id="here"></p>', "utf-8")
+    good = '<a href="b.html#here">1</a> <a href="b.html">2</a> <a href="https://x.org/y">3</a>'
+    bad = ["b.html#there", "c.html"]
+    text = good + "".join(f'<a href="{link}">4</a>' for link in bad)
+    (tmp_path / "a.html").write_text(text, "utf-8")
+    assert check_links.dead_links(tmp_path) == (4, [f"a.html: {link}" for link in bad])
+    assert check_links.main(tmp_path) == 1
+
+
+@pytest.mark.parametrize(("name", "call"), LONG.values())
+def test_what_is_left_out_here_runs_elsewhere(name: str, call: str) -> None:
+    assert call in (REPOSITORY / "tests" / name).read_text("utf-8")
+
+
+# --- nothing is left out ------------------------------------------------------------------------
+
+
+def test_every_public_name_has_its_place_in_the_api_pages() -> None:
+    text = "\n".join(page.read_text("utf-8") for page in (DOCS / "api").glob("*.md"))
+    named = {
+        name.rpartition(".")[2]
+        for name in re.findall(r"^\.\. auto\w+:: (\S+)", text, re.M)
+    }
+    modules = set(re.findall(r"^\.\. automodule:: alpha5_model\.(\S+)", text, re.M))
+    modules = {name.rpartition(".")[2] for name in modules}
+    modules |= (
+        {name for name in vars(a5.paths) if name.isupper()}
+        if "paths" in modules
+        else set()
+    )
+    modules |= set(vars(a5.errors)) if "errors" in modules else set()
+    assert set(a5.__all__) - named - modules == {"__version__"}
+
+
+def test_every_command_has_its_section() -> None:
+    text = generated_text.TEXTS["commands"]()
+    listed = (Path(__file__).parents[1] / "public_api.txt").read_text("utf-8")
+    for command, option in re.findall(r"^alpha5 (\w+) (-\S+)$", listed, re.M):
+        section = text.split(f"(alpha5-{command})=")[1].split("\n(alpha5-")[0]
+        assert re.search(rf"`{option}[ `]", section), (command, option)
+
+
+def test_every_page_is_in_the_table_of_contents() -> None:
+    listed = set()
+    for page in DOCS.rglob("*.md"):
+        for block in blocks(page.read_text("utf-8")):
+            if block.language == "toctree":
+                names = [
+                    line for line in block.text.split() if not line.startswith(":")
+                ]
+                listed |= {(page.parent / name) for name in names}
+    pages = {
+        page.with_suffix("") for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))
+    }
+    assert pages - listed == {DOCS / "index"}

@@ -1,0 +1,167 @@
+"""The examples run, are as short as promised, are shown in the documentation, and say what is true."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pages import DOCS, REPOSITORY
+from reference import dh_frames
+
+import alpha5_model as a5
+
+sys.path.insert(0, str(REPOSITORY / "scripts"))
+from count_lines import code_lines
+
+EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
+NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
+
+
+def said(name: str, capsys: pytest.CaptureFixture[str]) -> str:
+    """What an example prints."""
+    runpy.run_path(str(REPOSITORY / "examples" / f"{name}.py"), run_name="__main__")
+    return capsys.readouterr().out
+
+
+def numbers(text: str) -> np.ndarray:
+    """The numbers of a line."""
+    return np.array(re.findall(NUMBER, text), float)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_short_and_shown(path: Path) -> None:
+    source = path.read_text("utf-8")
+    assert 20 <= code_lines(source) <= 50
+    assert f"python examples/{path.name}" in source.split('"""')[1]
+    assert f"{{literalinclude}} ../examples/{path.name}" in (
+        DOCS / "examples.md"
+    ).read_text("utf-8")
+
+
+def test_gravity_compensation(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = said("gravity_compensation", capsys).splitlines()
+    nothing, weight, both = (numbers(line[23:]) for line in lines[1:])
+    assert np.abs(both).max() < 0.01
+    # Without compensation the shoulder sinks below its goal, with the weight alone it floats above it.
+    assert nothing[1] > 10
+    assert weight[1] < -10
+
+
+def test_four_branches(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said("four_branches", capsys)
+    rows = [line.split() for line in text.splitlines()[1:5]]
+    assert [row[4] for row in rows] == ["yes", "yes", "no", "no"]
+    for row in rows:
+        q = np.radians([*map(float, row[1:4]), 90.0])
+        tcp = dh_frames(q)[-1][:3, 3]
+        np.testing.assert_allclose(
+            tcp, [0.18, 0.05, 0.16], atol=5e-4
+        )  # one decimal of a degree
+    nearest = min(
+        (row for row in rows if row[4] == "yes"), key=lambda row: float(row[5])
+    )
+    np.testing.assert_allclose(
+        numbers(text.splitlines()[5])[:3], [*map(float, nearest[1:4])], atol=0.1
+    )
+
+
+def test_follow_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said("follow_a_line", capsys)
+    assert float(re.search(rf"miss ({NUMBER})", text)[1]) < 1e-12
+    # At its middle the line runs square to the arm, 0.15 m from the yaw axis: 1 / 0.15 m.
+    assert float(re.search(rf"axis_e: ({NUMBER})", text)[1]) == pytest.approx(
+        1 / 0.15, abs=0.01
+    )
+    assert "DiscontinuousPathError: positions[1]" in text
+
+
+def test_payload(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = {
+        line[:28].strip(): numbers(line[28:])
+        for line in said("payload", capsys).splitlines()
+    }
+    torque, mount, inertia = (
+        {name: row[i] for name, row in lines.items() if len(row) == 5}
+        for i in (0, 3, 4)
+    )
+    assert torque["sample of sea water, 0.5 L"] == torque["nothing"]
+    assert inertia["sample of sea water, 0.5 L"] > 2 * inertia["nothing"]
+    steel = 0.5 * (1 - 1025 / 7850) * 9.81
+    assert mount["steel, 0.5 kg"] - mount["nothing"] == pytest.approx(steel, abs=0.011)
+    floating = (0.05 - 1025 * 0.25e-3) * 9.81
+    assert mount["float, 0.25 L"] - mount["nothing"] == pytest.approx(
+        floating, abs=0.011
+    )
+
+
+def test_compare_a_model(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said("compare_a_model", capsys)
+    assert text.startswith("The model differs")
+    for words in (
+        "mass 0.255 kg in place of 0.355 kg",
+        "y is wrong (mirrored)",
+        "SolidWorks sign",
+    ):
+        assert words in text
+    assert '<mass value="0.355"/>' in text
+
+
+def test_mujoco_in_water(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said("mujoco_in_water", capsys)
+    theirs, ours = (
+        numbers(line) for line in re.findall(r"\[(.+)\]$", text, re.MULTILINE)[-2:]
+    )
+    assert len(ours) == 4
+    np.testing.assert_allclose(theirs, ours, rtol=1e-6)
+    before, after = numbers(text.splitlines()[-1].partition("from")[2])
+    assert after < before
+
+
+def test_predictive_control(capsys: pytest.CaptureFixture[str]) -> None:
+    *misses, limits = said("predictive_control", capsys).splitlines()
+    off = [numbers(line)[1] for line in misses]
+    assert off == sorted(off, reverse=True)
+    assert off[0] > 100
+    assert off[-1] < 0.5
+    torque, speed = numbers(limits).reshape(2, 4)
+    assert torque.max() == 100, "the limit is what holds it back"
+    assert 100 <= speed.max() < 103, "kept at each step that is planned"
+
+
+def test_payload_from_motion(capsys: pytest.CaptureFixture[str]) -> None:
+    *steps, answer = said("payload_from_motion", capsys).splitlines()
+    off = [numbers(line)[1] for line in steps]
+    assert off[0] > 5
+    assert off[-1] < 0.5
+    assert numbers(answer)[0] == pytest.approx(0.35, abs=0.004)
+
+
+def test_torque_margins(capsys: pytest.CaptureFixture[str]) -> None:
+    count, _, best, worst, *margins = said("torque_margins", capsys).splitlines()
+    assert numbers(count)[0] == 100_000
+    best, worst = numbers(best), numbers(worst)
+    assert (np.diff(best) > 0).all()
+    assert (worst <= best).all()
+    # the worst pose of the shoulder, by the tests' own statics
+    place = next(line for line in margins if line.startswith("axis_d"))
+    margin, *q = numbers(place)
+    arm = a5.load().with_payload(0.5, com=[0, 0, 0.03], volume=6.4e-5)
+    assert margin == pytest.approx(
+        2.0 - abs(arm.gravity_torque(q) - arm.buoyancy_torque(q))[1], abs=2e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["torque_map", "mount_map"])
+def test_maps_of_studies(
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said(name, capsys)
+    assert (tmp_path / f"{name}.png").stat().st_size > 20_000

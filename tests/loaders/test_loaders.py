@@ -1,0 +1,251 @@
+"""The collections' own loaders load the arm, from modules and folders of their shape."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import runpy
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from reference import LOWER, UPPER
+from water_reference import Reference
+
+import alpha5_model as a5
+from alpha5_model._support.files import atomic_write
+from alpha5_model.errors import MissingDependencyError
+from alpha5_model.loaders import alpha5_description, alpha5_mj_description
+from alpha5_model.loaders.files import loader_class, robot_files
+
+SCRIPT = (
+    Path(__file__).resolve().parents[2] / "scripts" / "add_to_example_robot_data.py"
+)
+#: What that collection's tests of loading look like.
+LOADING = """\
+import unittest
+
+import numpy as np
+from example_robot_data import load_full
+
+
+class Loading(unittest.TestCase):
+    def check(self, name, nq, nv):
+        robot, q0, urdf, srdf = load_full(name)
+        self.assertEqual((robot.model.nq, robot.model.nv), (nq, nv))
+        np.testing.assert_array_equal(robot.model.referenceConfigurations["home"], q0)
+        self.assertEqual(robot.visual_model.ngeoms, 7)
+        self.assertIn("/example-robot-data/robots/alpha5_description/", urdf)
+
+
+    def test_anymal(self):
+        self.skipTest("another robot")
+
+
+unittest.main()
+"""
+
+
+def same_arm(model: pin.Model) -> None:
+    """Equal to the committed URDF in the mass matrix and the bias, within rounding."""
+    reference, data = Reference(), model.createData()
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        q, v = rng.uniform(LOWER, UPPER), rng.uniform(-1, 1, 4)
+        upper = np.triu(pin.crba(model, data, q))
+        mass = upper + np.triu(upper, 1).T
+        np.testing.assert_allclose(mass, reference.mass_matrix(q), atol=1e-15)
+        bias = pin.nonLinearEffects(model, data, q, v)
+        np.testing.assert_allclose(bias, reference.bias(q, v), atol=1e-14)
+
+
+def test_paths_lead_somewhere():
+    for name in ("URDF_PATH", "JAWS_URDF_PATH", "XACRO_PATH", "SRDF_PATH"):
+        path = Path(getattr(alpha5_description, name))
+        assert path.is_file()
+        assert Path(alpha5_description.REPOSITORY_PATH) in path.parents
+    assert (
+        Path(alpha5_description.PACKAGE_PATH)
+        == Path(alpha5_description.URDF_PATH).parent
+    )
+    assert alpha5_description.URDF_PATH == a5.URDF_PATH
+
+
+def test_postures_are_those_of_the_srdf_and_within_the_limits():
+    model = pin.buildModelFromUrdf(alpha5_description.URDF_PATH)
+    pin.loadReferenceConfigurations(model, alpha5_description.SRDF_PATH, False)
+    postures = alpha5_description.REFERENCE_POSTURES
+    assert set(postures) == {"stow", "home", "reach"}
+    for name, q in postures.items():
+        np.testing.assert_array_equal(model.referenceConfigurations[name], q)
+        assert np.all(model.lowerPositionLimit <= q)
+        assert np.all(q <= model.upperPositionLimit)
+
+
+def test_metadata_is_true():
+    metadata = alpha5_description.DESCRIPTION
+    text = (Path(a5.REPOSITORY_PATH) / str(metadata["license_file"])).read_text("utf-8")
+    assert "BSD 3-Clause" in text
+    assert metadata["license_spdx"] == "BSD-3-Clause"
+    assert metadata["dof"] == pin.buildModelFromUrdf(a5.URDF_PATH).nv
+
+
+MODULES = {
+    "alpha5_description": alpha5_description,
+    "alpha5_mj_description": alpha5_mj_description,
+}
+
+
+@pytest.fixture
+def loader(monkeypatch):
+    """robot_descriptions' loader of a tool, with our modules among its own."""
+    pytest.importorskip(
+        "robot_descriptions", reason="robot_descriptions is not installed"
+    )
+    for name, module in MODULES.items():
+        monkeypatch.setitem(sys.modules, f"robot_descriptions.{name}", module)
+
+    def of(tool: str) -> Callable[..., Any]:
+        if importlib.util.find_spec(tool) is None:
+            pytest.skip(f"{tool} is not installed")
+        module = importlib.import_module(f"robot_descriptions.loaders.{tool}")
+        return module.load_robot_description
+
+    return of
+
+
+def test_robot_descriptions_loads_the_module(loader):
+    robot = loader("pinocchio")("alpha5_description")
+    same_arm(robot.model)
+    assert robot.visual_model.ngeoms == 7
+    index = pytest.importorskip("robot_descriptions._descriptions")
+    known = index.Format.__members__
+    for module, has in ((alpha5_description, "urdf"), (alpha5_mj_description, "mjcf")):
+        metadata = dict(module.DESCRIPTION)
+        # Version 2 has no name for SRDF.
+        formats = {
+            known[name]
+            for name in metadata.pop("formats")
+            if name != "SRDF" or name in known
+        }
+        entry = index.Description(formats=formats, **metadata)
+        assert [entry.has_urdf, entry.has_mjcf] == [has == "urdf", has == "mjcf"]
+        assert getattr(entry, "has_srdf", has == "urdf") == (has == "urdf")
+        assert (Path(a5.REPOSITORY_PATH) / entry.license_file).is_file()
+
+
+def test_its_loaders_of_the_urdf_read_the_same_arm(loader):
+    robot = loader("yourdfpy")("alpha5_description")
+    assert len(robot.scene.geometry) == 7
+    assert robot.actuated_joint_names == ["axis_e", "axis_d", "axis_c", "axis_b"]
+    reference = pin.buildModelFromUrdf(a5.URDF_PATH)
+    data, tcp = reference.createData(), reference.getFrameId("tcp")
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        q = rng.uniform(LOWER, UPPER)
+        pin.framesForwardKinematics(reference, data, q)
+        robot.update_cfg(q)
+        np.testing.assert_allclose(
+            robot.get_transform("tcp"), data.oMf[tcp].homogeneous, atol=1e-14
+        )
+
+
+def test_mujocos_loader_takes_each_variant(loader):
+    load = loader("mujoco")
+    for variant, joints in (
+        (None, 4),
+        ("alpha5_jaws", 7),
+        ("scene", 4),
+        ("scene_jaws", 7),
+    ):
+        model = load("alpha5_mj_description", variant=variant)
+        assert model.njnt == joints
+        assert model.nkey >= 3
+    with pytest.raises(ValueError, match="not an MJCF description"):
+        load("alpha5_description")
+
+
+def test_example_robot_data_loads_the_folder(tmp_path):
+    pytest.importorskip(
+        "example_robot_data.utils", reason="its loaders are not installed"
+    )
+    robots = tmp_path / "example-robot-data" / "robots"
+    for path, content in robot_files().items():
+        atomic_write(robots / path, content)
+    loader = loader_class()
+    # The base class looks for the folder in its own installation, and at its end once more.
+    loader.model_path = str(robots)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("example_robot_data.utils.getModelPath", lambda *_: str(robots))
+        robot = loader().robot
+    same_arm(robot.model)
+    np.testing.assert_array_equal(
+        robot.q0, alpha5_description.REFERENCE_POSTURES["home"]
+    )
+    assert robot.visual_model.ngeoms == 7
+    assert not pin.computeCollisions(
+        robot.model,
+        robot.data,
+        robot.collision_model,
+        robot.collision_data,
+        robot.q0,
+        False,
+    )
+
+
+def test_example_robot_data_takes_the_patch(tmp_path, monkeypatch, capsys):
+    """A checkout of its shape, its own Python files in it; its tests' way of loading, in another process."""
+    utils = pytest.importorskip(
+        "example_robot_data.utils", reason="its loaders are not installed"
+    )
+    checkout = tmp_path / "example-robot-data"
+    package = checkout / "python" / "example_robot_data"
+    shutil.copytree(
+        Path(utils.__file__).parent,
+        package,
+        ignore=shutil.ignore_patterns("path.py*", "__pycache__"),
+    )
+    tests = checkout / "unittest" / "test_load.py"
+    tests.parent.mkdir()
+    tests.write_text(LOADING)
+    script = runpy.run_path(str(SCRIPT))
+    monkeypatch.setattr(sys, "argv", ["add", str(checkout)])
+    for _ in range(2):  # the second time finds its lines there
+        script["main"]()
+        assert f"wrote {package / 'alpha5.py'}\n" in capsys.readouterr().out
+    assert tests.read_text().count("alpha5_jaws") == 2
+    assert (package / "robots_loader.py").read_text().count('"alpha5": ') == 1
+    environment = {**os.environ, "PYTHONPATH": str(package.parent)}
+    command = [sys.executable, str(tests), "-v"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Ran 3 tests" in done.stderr
+    assert "skipped=1" in done.stderr
+    for broken in (package / "robots_loader.py", tests):
+        broken.write_text("")
+        with pytest.raises(SystemExit, match=rf"{broken.name}: no '"):
+            script["patch"](checkout)
+        broken.unlink()
+        with pytest.raises(
+            SystemExit, match="expected a checkout of example-robot-data"
+        ):
+            script["patch"](checkout)
+        broken.write_text('from .human import Human\nROBOTS = {\n    "b1": None,\n}\n')
+
+
+def test_a_missing_collection_is_one_clear_line(monkeypatch):
+    monkeypatch.delitem(
+        sys.modules, "alpha5_model.loaders.alpha5_loader", raising=False
+    )
+    monkeypatch.setitem(sys.modules, "example_robot_data.utils", None)
+    with pytest.raises(MissingDependencyError) as caught:
+        loader_class()
+    assert "\n" not in str(caught.value)

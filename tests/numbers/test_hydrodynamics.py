@@ -1,0 +1,242 @@
+"""The numbers of moving water: what they are, second routes to their size, and malformed files."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from newton_euler import link_frames
+
+import alpha5_model as a5
+from alpha5_model.numbers.hydrodynamics import LEVELS, BodyHydrodynamics, hydrodynamics
+from alpha5_model.numbers.reading import hydrodynamics as read
+from alpha5_model.numbers.reading import parse_hydrodynamics
+from alpha5_model.water.arm import HydrodynamicArm, joint_water
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE = ROOT / "alpha5_model" / "numbers" / "estimated_hydrodynamics.toml"
+TEXT = FILE.read_text("utf-8")
+
+
+@pytest.mark.parametrize("numbers", ["estimated", "supplementary"])
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_matrix_is_possible(numbers, gripper, level):
+    bodies = hydrodynamics(gripper, level, numbers)
+    assert {"link_0", "link_1", "link_2", "link_3", "link_4"} <= set(bodies)
+    assert ("finger_1" in bodies) == (gripper == "jaws" and numbers == "estimated")
+    for body in bodies.values():
+        matrix = body.added_mass
+        assert np.array_equal(matrix, matrix.T)
+        assert not matrix.flags.writeable
+        smallest = np.linalg.eigvalsh(matrix).min()
+        assert smallest > 0 if numbers == "estimated" else smallest > -1e-12
+        assert body.strips
+
+
+def test_every_value_says_that_it_is_not_published():
+    for row in read("estimated").values():
+        assert row.status == "estimated"
+        assert "our own" in row.source
+        assert row.method
+        low, nominal, high = (x.value for x in row.added_mass_factor)
+        assert low < nominal == 1 < high
+        for strip in row.strips:
+            assert strip.across[0].value < strip.across[1].value < strip.across[2].value
+    assert {row.status for row in read("supplementary").values()} == {"supplementary"}
+
+
+def ellipsoid(a: float, b: float) -> np.ndarray:
+    """Lamb's coefficients of a prolate ellipsoid, along and across."""
+    e = np.sqrt(1 - (b / a) ** 2)
+    log = np.log((1 + e) / (1 - e))
+    alpha = 2 * (1 - e**2) / e**3 * (log / 2 - e)
+    beta = 1 / e**2 - (1 - e**2) / (2 * e**3) * log
+    return np.array([alpha / (2 - alpha), beta / (2 - beta)])
+
+
+def test_link_2_is_near_an_ellipsoid_of_its_length_and_volume():
+    """Lamb 1932, article 114: another body, so a fifth is near; along the joints' axes it shows more of itself."""
+    volume, length = a5.parameters().links[2].volume, 0.1907
+    across = np.sqrt(volume / (4 / 3 * np.pi * length / 2))
+    _, coefficient = ellipsoid(length / 2, across)
+    matrix = hydrodynamics()["link_2"].added_mass
+    assert matrix[1, 1] == pytest.approx(1000 * volume * coefficient, rel=0.2)
+    assert matrix[2, 2] == pytest.approx(1000 * volume * coefficient, rel=0.3)
+
+
+def test_the_wrist_is_a_cylinder_of_its_proportions():
+    """DNV-RP-H103, table A-2: 0.79 at a length of 2.8 diameters, of the cylinder's volume."""
+    volume = np.pi * 0.02**2 * 0.1118
+    matrix = hydrodynamics("jaws")["link_4"].added_mass
+    assert np.diag(matrix)[:2] == pytest.approx(1000 * volume * 0.79, rel=0.12)
+    middle = -(0.033 + 0.1118 / 2)
+    assert matrix[0, 4] == pytest.approx(matrix[0, 0] * middle, rel=0.1)
+    assert matrix[1, 3] == pytest.approx(-matrix[1, 1] * middle, rel=0.1)
+
+
+def test_links_1_and_3_are_one_part():
+    """The same shell in two frames: its matrix moves from one to the other."""
+    one, three = (hydrodynamics()[name].added_mass for name in ("link_1", "link_3"))
+    for block in (np.s_[:3, :3],):
+        ours, theirs = (np.linalg.eigvalsh(m[block]) for m in (one, three))
+        assert ours == pytest.approx(theirs, rel=0.02)
+
+
+def test_finger_2_has_smaller_holes_than_finger_1():
+    """One plate, turned about its hinge; the smaller the holes, the more water is pushed across it."""
+    turn = np.kron(np.eye(2), np.diag([-1.0, -1.0, 1.0]))
+    one, two = (hydrodynamics("jaws")[f"finger_{i}"].added_mass for i in (1, 2))
+    one = turn @ one @ turn
+    whole = (
+        1000 * np.pi / 4 * 0.032**2 * 0.085
+    )  # a strip of the plate's width and length
+    assert 0.15 * whole < one[0, 0] < two[0, 0] < whole
+    assert two[2, 2] == pytest.approx(one[2, 2], rel=0.1)  # edgewise
+    strong = np.abs(one) > 0.2 * np.sqrt(np.outer(np.diag(one), np.diag(one)))
+    assert (np.sign(one[strong]) == np.sign(two[strong])).all()
+
+
+def test_the_closed_jaws_move_about_what_their_parts_move():
+    """A little more than the sum is possible: a longer body has less of an end."""
+    closed, parts = hydrodynamics()["link_4"], hydrodynamics("jaws")
+    for i, j in ((0, 0), (1, 2)):
+        wrist = parts["link_4"].added_mass[i, i]
+        fingers = sum(parts[f"finger_{k}"].added_mass[j, j] for k in (1, 2))
+        assert wrist < closed.added_mass[i, i] < 1.1 * (wrist + fingers)
+
+
+def test_strips_cover_the_bodies():
+    """Each within the body's bounds, and of an area that its outline has."""
+    for name, body in hydrodynamics().items():
+        bounds = a5.parameters().links[int(name[-1])].bounds
+        for strip in body.strips:
+            for end in (strip.start, strip.end):
+                assert (end > bounds[:, 0] - 1e-3).all()
+                assert (end < bounds[:, 1] + 1e-3).all()
+            assert 0.008 < strip.diameter <= 0.042
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.02, 0.05, 0.1, 0.5, 1.5])
+def test_the_points_on_the_strips_are_enough(speed):
+    """Torque of drag over the joints' and the water's speeds, against 64 points and virtual work, frames as the
+    document has them: within 0.07 % of its median, and of each joint's own to 0.1 %."""
+    arm, rng, n, step = a5.load(), np.random.default_rng(5), 4000, 1e-6
+    bodies = hydrodynamics()
+    dragged = [
+        joint_water(arm, name, BodyHydrodynamics(np.zeros((6, 6)), body.strips))
+        for name, body in bodies.items()
+    ]
+    limits = arm.model.lowerPositionLimit, arm.model.upperPositionLimit
+    fastest = arm.model.velocityLimit
+    q, v = rng.uniform(*limits, (n, 4)), rng.uniform(-fastest, fastest, (n, 4))
+    current = rng.normal(size=(n, 3))
+    current *= speed / np.linalg.norm(current, axis=1, keepdims=True)
+    still = np.zeros((n, 4))
+    tau = HydrodynamicArm(arm, dragged).inverse_dynamics_batch(
+        q, v, still, current=current
+    )
+    tau -= arm.inverse_dynamics_batch(q, v, still)
+
+    def change(move, i, points):
+        """Of points on link i when the joints move."""
+        ends = []
+        for sign in (1, -1):
+            rotations, origins = link_frames(q + sign * step * move)
+            ends.append(origins[i][:, None] + points @ rotations[i].swapaxes(1, 2))
+        return (ends[0] - ends[1]) / (2 * step)
+
+    nodes, weights = np.polynomial.legendre.leggauss(64)
+    expected = np.zeros((n, 4))
+    for i in range(1, 5):
+        for strip in bodies[f"link_{i}"].strips:
+            line = strip.end - strip.start
+            points = strip.start + (nodes[:, None] + 1) / 2 * line
+            slip = change(v, i, points) - current[:, None]
+            axis = link_frames(q)[0][i] @ (line / np.linalg.norm(line))
+            along = (slip @ axis[:, :, None]) * axis[:, None]
+            face = (
+                1025.0
+                / 2
+                * strip.diameter
+                * np.linalg.norm(line)
+                * weights[:, None]
+                / 2
+            )
+            force = np.zeros_like(slip)
+            for part, factor in ((along, strip.along), (slip - along, strip.across)):
+                force += (
+                    factor * face * np.linalg.norm(part, axis=2, keepdims=True) * part
+                )
+            for joint, direction in enumerate(np.eye(4)):
+                expected[:, joint] += (force * change(direction, i, points)).sum(
+                    axis=(1, 2)
+                )
+    size = np.median(np.linalg.norm(expected, axis=1))
+    off = np.abs(tau - expected)
+    assert np.linalg.norm(off, axis=1).max() < 7e-4 * size
+    assert (off.max(axis=0) < 1e-3 * np.median(np.abs(expected), axis=0)).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('["-0.00447", "0.18704"', '["-0.00448", "0.18704"'),
+        (
+            'added_mass_factor = ["0.75", "1", "1.25"]',
+            'added_mass_factor = ["0.75", "1", "0.9"]',
+        ),
+        (
+            'added_mass_factor = ["0.75", "1", "1.25"]',
+            'added_mass_factor = ["-1", "1", "1.25"]',
+        ),
+        ('status = "estimated"', 'status = "published"'),
+        ("[bodies.link_0]", "[bodies.link_7]"),
+        ('diameter = "mm"', 'diameter = "m"'),
+        ("strips = [", "stripes = ["),
+        ("strips = [", "strips = 3\nmore = ["),
+        ('{ start = ["', '{ begin = ["'),
+        ("[bodies.link_0]", "[bodies]\nlink_1 = 3\n[bodies.link_0]"),
+        ('method = "potential', 'method = " " # "'),
+    ],
+)
+def test_malformed_numbers_are_refused(old, new):
+    if "0.00447" in old:  # whatever the digits are
+        first = TEXT.split("added_mass = [\n")[1].splitlines()[1]
+        old, new = first, first.replace('["-0.', '["-1.').replace('["0.', '["1.')
+    assert old in TEXT
+    with pytest.raises(a5.Alpha5Error) as error:
+        parse_hydrodynamics("some.toml", TEXT.replace(old, new, 1))
+    assert "some.toml" in str(error.value)
+
+
+def test_bodies_must_be_a_table():
+    with pytest.raises(a5.Alpha5Error, match=r"some\.toml: bodies"):
+        parse_hydrodynamics(
+            "some.toml",
+            "bodies = 3\n" + TEXT[TEXT.index("[units]") : TEXT.index("[bodies")],
+        )
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"gripper": "open"}, {"level": 1}, {"numbers": "printed"}]
+)
+def test_unknown_names_are_told(wrong):
+    with pytest.raises(a5.Alpha5Error, match="choose from"):
+        hydrodynamics(**wrong)
+
+
+def test_an_added_mass_of_other_units_is_judged_in_its_own():
+    """A small moment of inertia beside kilogrammes is not lost in their rounding."""
+    matrix = np.diag([10.0, 10, 10, 1e-6, 1e-6, 1e-6])
+    assert np.array_equal(BodyHydrodynamics(matrix).added_mass, matrix)
+    matrix[3, 3] = -1e-6
+    with pytest.raises(a5.Alpha5Error, match="negative eigenvalue"):
+        BodyHydrodynamics(matrix)
+
+
+def test_the_example_runs(capsys):
+    runpy.run_path(str(ROOT / "examples" / "arm_on_bluerov2.py"), run_name="__main__")
+    assert "net weight" in capsys.readouterr().out

@@ -1,0 +1,272 @@
+"""The conformance run: what is installed agrees, what is missing is not run, what is damaged differs."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import re
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from water_reference import Reference
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+import conformance
+
+from alpha5_model.errors import FileFormatError, MissingFileError
+
+BY_NAME = {(tool.name, tool.file): tool for tool in conformance.TOOLS}
+COUNT = 40
+
+
+def needs(tool: conformance.Tool) -> None:
+    if not conformance.installed(tool.module):
+        pytest.skip(f"{tool.name} is not installed")
+
+
+@pytest.fixture(scope="module")
+def states() -> conformance.States:
+    return conformance.random_states(COUNT)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("generated")
+    conformance.write_files(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def expected(files, states):
+    return conformance.reference(files, states)
+
+
+def test_the_reference_is_the_typed_table_3(expected, states):
+    typed = Reference()
+    for i, (q, v) in enumerate(states):
+        np.testing.assert_allclose(expected["fk"][i], typed.tcp(q), atol=1e-14)
+        np.testing.assert_allclose(
+            expected["mass"][i], typed.mass_matrix(q), atol=1e-15
+        )
+        np.testing.assert_allclose(expected["bias"][i], typed.bias(q, v), atol=1e-14)
+        np.testing.assert_allclose(
+            expected["buoyancy"][i], typed.buoyancy(q), atol=1e-14
+        )
+    end, _ = typed.free_motion(*states.start, states.duration, 2 * states.steps)
+    np.testing.assert_allclose(expected["trajectory"], end, atol=1e-11)
+
+
+def test_mujoco_and_yourdfpy_agree_and_the_table_goes_into_the_readme(tmp_path, capsys):
+    needs(BY_NAME["MuJoCo", "MJCF"])
+    readme, figures = tmp_path / "README.md", tmp_path / "out.json"
+    readme.write_text(
+        f"above\n{conformance.BEGIN}\nold\n{conformance.END}\nbelow\n", "utf-8"
+    )
+    arguments = ["--tools", "mujoco,yourdfpy", "--states", str(COUNT)]
+    status = conformance.main(
+        [*arguments, "--readme", str(readme), "--json", str(figures)]
+    )
+    assert status == 0
+    printed = capsys.readouterr().out
+    rows = json.loads(figures.read_text("utf-8"))
+    assert [(row["tool"], row["status"]) for row in rows] == [
+        ("MuJoCo", "agrees"),
+        ("MuJoCo", "agrees"),
+        ("yourdfpy", "agrees"),
+    ]
+    assert set(rows[0]["errors"]) == set(conformance.QUANTITIES)
+    text = readme.read_text("utf-8")
+    assert text.startswith(f"above\n{conformance.BEGIN}\n| tool |")
+    assert text.endswith(f"{conformance.END}\nbelow\n")
+    assert "old" not in text
+    assert printed in text
+
+
+@pytest.mark.parametrize(
+    "tool", conformance.TOOLS, ids=lambda tool: f"{tool.name} {tool.file}"
+)
+def test_every_installed_tool_agrees(files, states, expected, tool):
+    needs(tool)
+    row = conformance.measure(tool, files, states, expected)
+    if row.status.startswith("not run"):
+        pytest.skip(row.status)
+    assert row.status == "agrees", row
+
+
+def test_a_missing_tool_is_not_run_never_passed(files, states, expected):
+    ghost = dataclasses.replace(
+        BY_NAME["Drake", "URDF"], module="no_such_module.inside"
+    )
+    row = conformance.measure(ghost, files, states, expected)
+    assert row.status == "not run"
+    assert row.version == ""
+    text = conformance.table([row], COUNT)
+    assert "| Drake | URDF | – | – | – | – | – | – | not run |" in text
+    assert "agrees" not in text
+
+
+def unbuilt(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    raise conformance.tools.NotBuiltError("built without a reader")
+
+
+def test_a_tool_without_its_reader_is_not_run_and_says_why(monkeypatch, capsys):
+    half = conformance.Tool("half", "SDF", "numpy", "numpy", unbuilt)
+    monkeypatch.setattr(conformance, "TOOLS", (half,))
+    assert conformance.main(["--states", "2"]) == 0
+    assert "not run: built without a reader |" in capsys.readouterr().out
+
+
+def flip_products(text: str) -> str:
+    return re.sub(
+        r'(i(?:xy|xz|yz)=")([^"]*)', lambda m: f"{m[1]}{-float(m[2])!r}", text
+    )
+
+
+def six_digits(text: str) -> str:
+    return re.sub(r"-?\d+\.\d{7,}", lambda m: f"{float(m.group()):.6g}", text)
+
+
+def lose_the_force(text: str) -> str:
+    return re.sub(r' gravcomp="[^"]*"', "", text)
+
+
+def zero_moments(text: str) -> str:
+    """The buoyancy bodies as they were: Newton raises zeros to 1e-6 kg m^2."""
+    return text.replace('diaginertia="2e-10 2e-10 2e-10"', 'diaginertia="0 0 0"')
+
+
+def without_zero_inertials(text: str) -> str:
+    return re.sub(
+        r'<inertial>\s*<origin[^>]*/>\s*<mass value="0"/>.*?</inertial>',
+        "",
+        text,
+        flags=re.S,
+    )
+
+
+DAMAGES = [
+    ("MuJoCo", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("MuJoCo", "URDF", "alpha5.urdf", six_digits, {"fk", "mass", "bias"}),
+    ("MuJoCo", "MJCF", "mjcf/alpha5.xml", lose_the_force, {"buoyancy"}),
+    ("yourdfpy", "URDF", "alpha5.urdf", six_digits, {"fk"}),
+    # PyBullet gives a link without <inertial> a mass of 1 kg: here the tcp
+    ("PyBullet", "URDF", "alpha5.urdf", without_zero_inertials, {"mass", "bias"}),
+    ("Drake", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("Drake", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
+    ("Pinocchio", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
+    ("Newton", "MJCF", "mjcf/alpha5.xml", zero_moments, {"mass"}),
+    ("mujoco_warp", "MJCF", "mjcf/alpha5.xml", lose_the_force, {"buoyancy"}),
+    ("brax", "MJCF, no buoyancy", "mjcf_brax/alpha5.xml", six_digits, {"fk"}),
+    ("DART", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("adam", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("urdf2casadi", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("frax", "URDF", "alpha5.urdf", flip_products, {"mass", "bias"}),
+    ("SAPIEN", "URDF, no visuals", "alpha5.urdf", flip_products, {"mass"}),
+    ("mink", "MJCF", "mjcf/alpha5.xml", six_digits, {"fk"}),
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "path", "damage", "wrong"),
+    DAMAGES,
+    ids=[f"{d[0]} {d[1]} {d[3].__name__}" for d in DAMAGES],
+)
+def test_damage_differs(
+    tmp_path, files, states, expected, name, file, path, damage, wrong
+):
+    tool = BY_NAME[name, file]
+    needs(tool)
+    for source in files.rglob("*.*"):
+        if source.is_file():
+            copy = tmp_path / source.relative_to(files)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(source.read_bytes())
+    text = (tmp_path / path).read_text("utf-8")
+    (tmp_path / path).write_text(damage(text), "utf-8")
+    assert damage(text) != text
+    row = conformance.measure(tool, tmp_path, states, expected)
+    assert row.status == "differs"
+    assert wrong <= {
+        name for name, error in row.errors.items() if error > tool.bounds[name]
+    }
+
+
+def nan(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    return {"fk": np.full((len(states.q), 4, 4), np.nan)}
+
+
+def nothing(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    return {}
+
+
+def wrong_shape(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    return {"mass": np.zeros(1)}
+
+
+def crash(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    raise RuntimeError("two\nlines")
+
+
+@pytest.mark.parametrize(
+    ("compute", "status"),
+    [
+        (nan, "differs"),
+        (nothing, "differs"),
+        (wrong_shape, "differs"),
+        (crash, "failed"),
+    ],
+)
+def test_nothing_slips_through_as_agreement(files, states, expected, compute, status):
+    tool = conformance.Tool("odd", "URDF", "numpy", "numpy", compute)
+    row = conformance.measure(tool, files, states, expected)
+    assert row.status.startswith(status)
+    assert "\n" not in row.status
+
+
+def talk(files: Path, states: conformance.States) -> dict[str, np.ndarray]:
+    os.write(2, b"\x1b[33mWarning: C++ said so of /tmp/some where/x.urdf\x1b[0m\n")
+    print("Loading. A Warning:\nno inertial data", file=sys.stderr)
+    warnings.warn("Warp CUDA not found", UserWarning, stacklevel=1)
+    return {"fk": np.full((len(states.q), 4, 4), np.nan)}
+
+
+def test_what_a_tool_warns_of_is_told(files, states, expected):
+    tool = conformance.Tool("odd", "URDF", "numpy", "numpy", talk)
+    row = conformance.measure(tool, files, states, expected)
+    assert row.warnings == (
+        "Warning: C++ said so of some where/x.urdf",
+        "Loading. A Warning: no inertial data",
+    )
+    text = conformance.table([row], COUNT)
+    assert "- odd, URDF: `Loading. A Warning: no inertial data`" in text
+    quiet = dataclasses.replace(row, warnings=())
+    assert "warned" not in conformance.table([quiet], COUNT)
+
+
+def test_one_disagreement_is_exit_status_1(monkeypatch, capsys):
+    bad = conformance.Tool("odd", "URDF", "numpy", "numpy", nan)
+    monkeypatch.setattr(conformance, "TOOLS", (bad,))
+    assert conformance.main(["--states", "2"]) == 1
+    assert "| odd | URDF |" in capsys.readouterr().out
+
+
+def test_insert_wants_its_markers(tmp_path):
+    with pytest.raises(MissingFileError):
+        conformance.insert(tmp_path / "none.md", "")
+    for content in ("", conformance.BEGIN, f"{conformance.END}{conformance.BEGIN}"):
+        (tmp_path / "README.md").write_text(content, "utf-8")
+        with pytest.raises(FileFormatError):
+            conformance.insert(tmp_path / "README.md", "")
+        assert (tmp_path / "README.md").read_text("utf-8") == content
+
+
+@pytest.mark.parametrize("arguments", [["--tools", "gazebo"], ["--states", "0"]])
+def test_bad_arguments_end_with_status_2(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        conformance.main(arguments)
+    assert caught.value.code == 2
+    assert "choose from" in capsys.readouterr().err

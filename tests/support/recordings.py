@@ -1,0 +1,17 @@
+"""Where recordings of a real arm are, if they are: beside the checkout, or in ALPHA5_RECORDINGS."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+_BESIDE = Path(__file__).resolve().parents[3] / "shared" / "data"
+RECORDINGS = Path(os.environ.get("ALPHA5_RECORDINGS", _BESIDE))
+JOINT_STATES = sorted(RECORDINGS.glob("*_joint_states.csv"))
+
+needs_recordings = pytest.mark.skipif(
+    not JOINT_STATES,
+    reason="no recordings: the folder shared/data beside the checkout is absent",
+)

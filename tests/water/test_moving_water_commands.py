@@ -1,0 +1,358 @@
+"""A current on the command line: torques and mount load by an own strip sum, a cause of its own in tables and plots."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import current_load
+import numpy as np
+import pytest
+from reference import LOWER, UPPER
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.dynamics.batch import water_terms
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.viewer import figures
+
+CURRENT = (0.4, -0.7, 0.3)
+TEXT = " ".join(map(str, CURRENT))
+
+
+def words(values) -> list[str]:
+    return [repr(float(x)) for x in values]
+
+
+def torque(capsys, *arguments: str) -> str:
+    assert main(["torque", *arguments]) == 0
+    out = capsys.readouterr()
+    assert out.err == ""
+    return out.out
+
+
+@pytest.mark.parametrize(("fluid", "density"), [("sea", 1025.0), ("fresh", 1000.0)])
+def test_a_steady_current_by_an_own_strip_sum(capsys, fluid, density):
+    for q in np.random.default_rng(5).uniform(LOWER, UPPER, (4, 4)):
+        arguments = ["--q", *words(q), "--fluid", fluid, "--json"]
+        still = json.loads(torque(capsys, *arguments))
+        moved = json.loads(torque(capsys, *arguments, "--current", TEXT))
+        levels = [current_load.load(q, CURRENT, level, density) for level in range(3)]
+        for i, (joint, before) in enumerate(
+            zip(moved["joints"], still["joints"], strict=True)
+        ):
+            by_level = [tau[i] for tau, _, _ in levels]
+            assert joint["moving_water"] == pytest.approx(by_level[1], abs=1e-12)
+            ends = [min(by_level), max(by_level)]
+            assert joint["moving_water_range"] == pytest.approx(ends, abs=1e-12)
+            assert joint["torque"] - before["torque"] == pytest.approx(
+                by_level[1], abs=1e-12
+            )
+            terms = ("inertia", "coriolis", "weight", "buoyancy")
+            assert [joint[name] for name in terms] == [before[name] for name in terms]
+        for name, (_, force, moment) in zip(LEVELS, levels, strict=True):
+            load = moved["mount"]["moving_water"][name]
+            np.testing.assert_allclose(load["force"], force, atol=1e-11)
+            np.testing.assert_allclose(load["moment"], moment, atol=1e-11)
+        change = np.subtract(moved["mount"]["force"], still["mount"]["force"])
+        np.testing.assert_allclose(change, levels[1][1], atol=1e-11)
+        assert moved["water_current"] == list(CURRENT)
+
+
+def test_still_water_resists_a_motion(capsys):
+    """In a current of nothing what is added is drag and added mass, and it costs power."""
+    arguments = ["--q", "3.1", "1.2", "1.8", "0.4", "--v", "0.3", "0.3", "-0.3", "0"]
+    joints = json.loads(torque(capsys, *arguments, "--current", "0 0 0", "--json"))[
+        "joints"
+    ]
+    power = sum(joint["moving_water"] * joint["velocity"] for joint in joints)
+    assert power > 0
+    wet = a5.load().with_hydrodynamics()
+    q, v = ([joint[key] for joint in joints] for key in ("position", "velocity"))
+    expected = wet.inverse_dynamics(q, v, np.zeros(4))
+    np.testing.assert_allclose(
+        [joint["torque"] for joint in joints], expected, atol=1e-13
+    )
+
+
+def test_the_text_names_the_cause_and_its_interval(capsys):
+    arguments = ["--q", "3.1", "1.2", "1.8", "0.4"]
+    result = json.loads(torque(capsys, *arguments, "--current", TEXT, "--json"))
+    out = torque(capsys, *arguments, "--current", TEXT)
+    assert "buoyancy + water = torque" in out
+    assert "(0.4, -0.7, 0.3) m/s in base_link;\n       estimated, not published" in out
+    table = [
+        line.replace(" to ", " ").split()
+        for line in out.partition("nominal")[2].splitlines()
+    ]
+    for row, joint in zip(table[1:5], result["joints"], strict=True):
+        assert row[0] == joint["joint"]
+        figures = [joint["moving_water"], *joint["moving_water_range"]]
+        assert [float(x) for x in row[1:4]] == pytest.approx(figures, abs=5.1e-5)
+    for row, part in zip(table[5:7], ("force", "moment"), strict=True):
+        loads = [
+            result["mount"]["moving_water"][level][part]
+            for level in ("nominal", "low", "high")
+        ]
+        assert row[0] == part
+        assert [float(x) for x in row[1:4]] == pytest.approx(
+            np.linalg.norm(loads, axis=1), abs=5.1e-5
+        )
+    assert max(map(len, out.splitlines())) <= 80
+    assert "water" not in torque(capsys, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1 0", "three numbers"),
+        ("1 0 nan", "current"),
+        ("east", "three numbers"),
+        ("1e9 0 0", "at most 100 m/s"),
+    ],
+)
+@pytest.mark.parametrize("command", ["torque", "trajectory"])
+def test_a_bad_current_is_one_line_and_status_2(
+    capsys, tmp_path, command, text, message
+):
+    path = tmp_path / "motion.csv"
+    path.write_text(motion_text())
+    first = ["--q", "3", "1", "1", "0"] if command == "torque" else [str(path)]
+    assert main([command, *first, "--current", text]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert len(out.err.strip().splitlines()) == 1
+    assert message in out.err
+
+
+def motion_text(rod: bool = False) -> str:
+    t = np.arange(0, 4, 0.05)
+    q = [1.5 + amplitude * np.sin(t) for amplitude in (0.4, 0.3, 0.2, 0.5)]
+    names = [f"axis_{k}_pos" for k in ("edcba" if rod else "edcb")]
+    table = np.column_stack([t, *q, *([0.007 + 0.002 * np.sin(t)] if rod else [])])
+    rows = [",".join(words(row)) for row in table]
+    return "\n".join([",".join(["time_secs", *names]), *rows]) + "\n"
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "motion.csv"
+    path.write_text(motion_text(rod=True))
+    return path
+
+
+def test_a_motion_in_a_current_is_that_of_the_arm_in_moving_water(file):
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
+    s = a.smooth
+    for k in (0, 17, 60):
+        state = s.position[k], s.velocity[k], s.acceleration[k]
+        for level, name in enumerate(LEVELS):
+            wet = a.arm.with_hydrodynamics(CURRENT, name)
+            tau = (
+                a.torque[k]
+                + a.moving_water.torque[k, level]
+                - a.moving_water.torque[k, 1]
+            )
+            load = (
+                a.base_wrench[k]
+                + a.moving_water.wrench[k, level]
+                - a.moving_water.wrench[k, 1]
+            )
+            np.testing.assert_allclose(tau, wet.inverse_dynamics(*state), atol=1e-12)
+            np.testing.assert_allclose(load, wet.base_wrench(*state).vector, atol=1e-11)
+    causes = a.causes()
+    assert list(causes) == [
+        "inertia",
+        "coriolis",
+        "weight",
+        "buoyancy",
+        "moving_water",
+        "friction",
+    ]
+    total = sum(x for name, x in causes.items() if name != "friction")
+    np.testing.assert_allclose(total, a.torque, atol=1e-14)
+
+
+def test_table_summary_and_text_have_the_cause(file, tmp_path, capsys):
+    table = tmp_path / "out.csv"
+    assert (
+        main(["trajectory", str(file), "--current", TEXT, "--output", str(table)]) == 0
+    )
+    said = capsys.readouterr().out
+    assert "current (0.4, -0.7, 0.3) m/s; estimated, not published" in said
+    assert main(["trajectory", str(file), "--current", TEXT, "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["model"]["water_current"] == list(CURRENT)
+    with table.open() as lines:
+        rows = list(csv.DictReader(lines))
+    column = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    for name, joint in summary["joints"].items():
+        nominal, low, high = (
+            column[f"{name}_torque_moving_water{end}"] for end in ("", "_low", "_high")
+        )
+        at = np.abs(nominal).argmax()
+        peak = joint["moving_water_peak"]
+        assert peak["value"] == pytest.approx(nominal[at], rel=1e-8)
+        ends = (
+            low[at],
+            nominal[at],
+            high[at],
+        )  # terms of other signs may put the nominal outermost
+        assert peak["interval"] == pytest.approx([min(ends), max(ends)], rel=1e-8)
+        assert joint["causes_peak"]["moving_water"] == pytest.approx(abs(peak["value"]))
+        causes = ("inertia", "coriolis", "weight", "buoyancy", "moving_water")
+        total = sum(column[f"{name}_torque_{cause}"] for cause in causes)
+        np.testing.assert_allclose(total, column[f"{name}_torque"], atol=1e-8)
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
+    for key, part in (
+        ("water_force_peak_n", slice(3)),
+        ("water_moment_peak_nm", slice(3, 6)),
+    ):
+        sizes = np.linalg.norm(a.moving_water.wrench[:, :, part], axis=2)
+        at = sizes[:, 1].argmax()
+        assert summary["mount"][key]["value"] == pytest.approx(sizes[at, 1])
+        assert summary["mount"][key]["interval"] == pytest.approx(
+            sorted(sizes[at, [0, 2]])
+        )
+
+
+def test_without_a_current_nothing_is_said_of_moving_water(file):
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file))
+    assert a.moving_water is None
+    assert "water" not in a5.trajectory.text(a5.trajectory.summary(a))
+    assert not any("water" in name for name in a5.trajectory.columns(a))
+    figure = figures.motion_figure(a)
+    assert "moving water" not in [
+        text.get_text() for text in figure.legends[0].get_texts()
+    ]
+
+
+def test_the_plot_shows_the_cause_with_a_band(file):
+    a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
+    figure = figures.motion_figure(a)
+    assert "moving water" in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "current (0.4, -0.7, 0.3) m/s, its effect estimated" in figure.get_suptitle()
+    for k in range(len(a.smooth.joints)):
+        band, digits = figure.axes[3 * k + 1].collections
+        assert digits.get_label() == "printed digits"
+        reach = digits.get_paths()[0].vertices[:, 1]
+        assert reach.min() <= a.torque[0, k] <= reach.max()
+        corners = band.get_paths()[0].vertices[:, 1]
+        ends = a.moving_water.torque[:, [0, 2], k]
+        assert corners.min() == pytest.approx(ends.min())
+        assert corners.max() == pytest.approx(ends.max())
+
+
+def test_a_floating_base_has_no_mount_to_load():
+    arm = a5.load(floating_base=True)
+    q, v = np.zeros((1, 11)), np.zeros((1, 10))
+    with pytest.raises(a5.errors.InputError, match="fixed base"):
+        water_terms(arm, q, v, v, CURRENT)
+
+
+def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
+    q, arm = (3.1, 1.2, 1.8, 0.4), a5.load()
+    page = figures.mount_load_figure(arm, q, 0.8)
+    angles = page.axes[0].lines[0].get_xdata()
+    for i in (0, 11, 40, 72):
+        flow = 0.8 * np.array([np.cos(angles[i]), np.sin(angles[i]), 0.0])
+        for axes, kind in zip(page.axes, (1, 2), strict=True):
+            sizes = [
+                np.linalg.norm(current_load.load(q, flow, level)[kind])
+                for level in range(3)
+            ]
+            assert axes.lines[0].get_ydata()[i] == pytest.approx(sizes[1], rel=1e-9)
+            corners = axes.collections[0].get_paths()[0].vertices
+            for end in (sizes[0], sizes[2]):
+                near = np.abs(corners - [angles[i], end]).max(axis=1)
+                assert near.min() < 1e-9
+    assert "estimated, not published" in page.get_suptitle()
+    path = tmp_path / "polar.svg"
+    words_given = ["--q", *words(q), "--current", "0.8 0 0", "--plot", str(path)]
+    assert torque(capsys, *words_given).endswith(f"wrote {path}\n")
+    assert path.stat().st_size > 5000
+
+
+def test_the_polar_picture_is_that_of_the_position(monkeypatch, tmp_path, capsys):
+    """Not of the velocity or acceleration, and of this arm and speed."""
+    made = []
+    kept = figures.write_figure
+
+    def write_figure(page, *arguments, **named):
+        made.append(page)
+        kept(page, *arguments, **named)
+
+    monkeypatch.setattr(figures, "write_figure", write_figure)
+    q = (3.0, 1.1, 1.7, 0.3)
+    given = [
+        "--q",
+        *words(q),
+        "--v",
+        "0.3",
+        "0.2",
+        "0.1",
+        "0.4",
+        "--a",
+        "1",
+        "2",
+        "3",
+        "4",
+    ]
+    path = str(tmp_path / "polar.svg")
+    torque(capsys, *given, "--fluid", "fresh", "--current", "0.3 0.4 0", "--plot", path)
+    wanted = figures.mount_load_figure(a5.load(a5.FRESH_WATER), q, 0.5)
+    (page,) = made
+    for axes, other in zip(page.axes, wanted.axes, strict=True):
+        line = axes.lines[0].get_ydata()
+        assert line == pytest.approx(other.lines[0].get_ydata(), rel=1e-9)
+
+
+@pytest.mark.parametrize("current", [[], ["--current", "0 0 0"]])
+def test_a_polar_picture_needs_a_current(tmp_path, capsys, current):
+    path = tmp_path / "polar.png"
+    assert (
+        main(["torque", "--q", "3", "1", "1", "0", *current, "--plot", str(path)]) == 2
+    )
+    out = capsys.readouterr()
+    assert "a --current that flows" in out.err
+    assert (out.out, path.exists()) == ("", False)
+
+
+def readme_table() -> list[str]:
+    """Rows of the documentation's table of loads: 20 000 poses and directions at random; loads go with the speed squared."""
+    rng = np.random.default_rng(0)
+    q, direction = rng.uniform(LOWER, UPPER, (20_000, 4)), rng.normal(size=(20_000, 3))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    arm, still, found = a5.load(), np.zeros_like(q), []
+    before = (
+        arm.inverse_dynamics_batch(q, still, still),
+        arm.base_wrench_batch(q, still, still),
+    )
+    for level in LEVELS:
+        wet = arm.with_hydrodynamics(level=level)
+        tau = wet.inverse_dynamics_batch(q, still, still, current=direction) - before[0]
+        wrench = wet.base_wrench_batch(q, still, still, current=direction) - before[1]
+        sizes = np.linalg.norm(wrench.reshape(-1, 2, 3), axis=2)
+        found.append(np.column_stack([sizes, np.abs(tau[:, :3])]))
+    low, nominal, high = np.median(found, axis=1)
+    most = np.max(found[1], axis=0)
+    rows = []
+    for speed in (0.25, 0.5, 0.75, 1.0, 1.25, 1.5):
+        cells = (
+            "{:.2g} ({:.2g}–{:.2g}), at most {:.2g}".format(
+                *(speed**2 * x for x in figures)
+            )
+            for figures in zip(nominal, low, high, most, strict=True)
+        )
+        rows.append(f"| {speed:g} m/s | {' | '.join(cells)} |")
+    return rows
+
+
+def test_the_documented_table_of_loads_is_the_strips():
+    text = (
+        Path(__file__).parents[2] / "docs" / "guides" / "moving-water.md"
+    ).read_text("utf-8")
+    assert [
+        row for row in text.splitlines() if row.startswith("| ") and " m/s | " in row
+    ] == readme_table()

@@ -1,0 +1,356 @@
+"""The arm on its vehicle: equal to a floating arm, momentum, reaction, trim, wrong input."""
+
+from __future__ import annotations
+
+import importlib.util
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from dynamics_cases import PAYLOAD, close, random_q, random_v
+from recordings import RECORDINGS, needs_recordings
+
+import alpha5_model as a5
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "validate_recordings.py"
+CURRENT = (0.3, -0.2, 0.1)
+Q = np.array([3.0, 0.9, 2.1, 0.4])
+
+
+def pose(xyz, rpy):
+    out = np.eye(4)
+    out[:3, :3] = pin.rpy.rpyToMatrix(*rpy)
+    out[:3, 3] = xyz
+    return out
+
+
+def vehicle(**changes):
+    values = {
+        "mass": 13.5,
+        "com": [0.0, 0.0, -0.01],
+        "inertia": np.diag([0.26, 0.23, 0.37]),
+        "volume": 0.0134,
+        "cob": [0.0, 0.0, 0.02],
+        "added_mass": [6.36, 7.12, 18.68, 0.189, 0.135, 0.222],
+        "linear_damping": [13.7, 0.0, 33.0, 0.0, 0.8, 0.0],
+        "quadratic_damping": [141.0, 217.0, 190.0, 1.19, 0.47, 1.5],
+        "transform_vehicle_to_base": pose([-0.2, 0.0, 0.15], [np.pi, 0.0, 0.3]),
+    }
+    return a5.Vehicle(**(values | changes))
+
+
+NOTHING = {
+    "mass": 0.0,
+    "com": np.zeros(3),
+    "inertia": np.zeros((3, 3)),
+    "volume": 0.0,
+    "cob": np.zeros(3),
+}
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+@pytest.mark.parametrize("gripper", ["locked", "jaws"])
+def test_nothing_as_a_vehicle_leaves_the_floating_arm(gripper, rng):
+    free = a5.load(gripper=gripper, floating_base=True)
+    system = a5.load(gripper=gripper).on_vehicle(a5.Vehicle(**NOTHING))
+    for _ in range(5):
+        q, v, a = random_q(free, rng), random_v(free, rng), random_v(free, rng)
+        close(system.inverse_dynamics(q, v, a), free.inverse_dynamics(q, v, a), 1e-12)
+        close(system.mass_matrix(q), free.mass_matrix(q), 1e-12)
+        ours, theirs = system.forward_kinematics(q), free.forward_kinematics(q)
+        assert ours.isApprox(theirs, 1e-12)
+        close(system.center_of_buoyancy(q), free.center_of_buoyancy(q), 1e-13)
+        assert system.potential_energy(q) == pytest.approx(
+            free.potential_energy(q), abs=1e-12
+        )
+        close(
+            system.mount_load(q, v, a).vector, free.base_wrench(q, v, a).vector, 1e-12
+        )
+    assert system.joint_names == free.joint_names
+
+
+def test_the_mount_of_a_fixed_arm_becomes_the_vehicle(rng):
+    """On a vehicle at rest in still water, mount load and joint torques are those of the fixed arm."""
+    fixed = a5.load().with_hydrodynamics()
+    system = fixed.on_vehicle(vehicle())
+    v, a = random_v(fixed, rng), random_v(fixed, rng)
+    pose_of_vehicle = vehicle().transform_vehicle_to_base
+    q = system.configuration(pose_of_vehicle, Q)
+    assert q == pytest.approx([0, 0, 0, 0, 0, 0, 1, *Q], abs=1e-15)
+    still = np.zeros(6)
+    v_all, a_all = np.concatenate([still, v]), np.concatenate([still, a])
+    close(
+        system.mount_load(q, v_all, a_all).vector,
+        fixed.base_wrench(Q, v, a).vector,
+        1e-12,
+    )
+    close(
+        system.inverse_dynamics(q, v_all, a_all)[6:],
+        fixed.inverse_dynamics(Q, v, a),
+        1e-12,
+    )
+    # What the thrusters have to do is the mount's load and the vehicle's own weight.
+    load = system.mount_load(q, v_all, a_all).vector
+    own = fixed.on_vehicle(vehicle()).still.model.gravity.linear
+    to_base = pin.SE3(np.array(pose_of_vehicle))
+    weight = pin.Force.Zero()
+    for amount, at in ((13.5, [0, 0, -0.01]), (-1025.0 * 0.0134, [0, 0, 0.02])):
+        point = to_base.act(np.array(at, dtype=float))
+        weight += pin.Force(amount * own, np.cross(point, amount * own))
+    close(system.inverse_dynamics(q, v_all, a_all)[:6], -load - weight.vector, 1e-11)
+
+
+def momentum(system, q, v):
+    """Linear and angular momentum of the whole in the world, about its origin."""
+    own = (system.mass_matrix(q) @ v)[:6]
+    return pin.XYZQUATToSE3(q[:7]).act(pin.Force(own)).vector
+
+
+def test_momentum_of_the_free_system_is_kept():
+    """No drag, no gravity: whatever the joints do, Runge-Kutta keeps six momenta of body and water."""
+    bare = a5.load(gravity=(0, 0, 0)).with_hydrodynamics()
+    bodies = [
+        b.__class__(b.body, b.joint, b.action, type(b.data)(b.data.added_mass))
+        for b in bare.bodies
+    ]
+    arm = type(bare)(bare.still, bodies)
+    system = arm.on_vehicle(
+        vehicle(linear_damping=np.zeros(6), quadratic_damping=np.zeros(6))
+    )
+    q = system.configuration(pose([0.3, 0.1, -2.0], [0.2, -0.1, 0.5]), Q)
+    v = np.array([0.2, -0.1, 0.3, 0.4, -0.2, 0.3, 0.5, -0.4, 0.3, 0.6])
+    start, h, model = momentum(system, q, v), 1e-3, system.model
+    tau = np.concatenate([np.zeros(6), [0.1, -0.2, 0.15, 0.02]])
+
+    def rate(q, v):
+        return system.forward_dynamics(q, v, tau)
+
+    # Munthe-Kaas of order 4: increments of one step in its own exponential coordinates.
+    def step(q, v):
+        def slope(u, w):
+            inner = w.copy()
+            twist = pin.Motion(u[:6])
+            one = pin.Motion(w[:6])
+            bracket = twist.cross(one)
+            inner[:6] = (one + 0.5 * bracket + (1 / 12) * twist.cross(bracket)).vector
+            return inner
+
+        zero = np.zeros_like(v)
+        k_1, l_1 = slope(zero, v), rate(q, v)
+        x, y = h / 2 * k_1, v + h / 2 * l_1
+        k_2, l_2 = slope(x, y), rate(pin.integrate(model, q, x), y)
+        x, y = h / 2 * k_2, v + h / 2 * l_2
+        k_3, l_3 = slope(x, y), rate(pin.integrate(model, q, x), y)
+        x, y = h * k_3, v + h * l_3
+        k_4, l_4 = slope(x, y), rate(pin.integrate(model, q, x), y)
+        u = h / 6 * (k_1 + 2 * k_2 + 2 * k_3 + k_4)
+        return pin.integrate(model, q, u), v + h / 6 * (l_1 + 2 * l_2 + 2 * l_3 + l_4)
+
+    before = q
+    for _ in range(60):
+        q, v = step(q, v)
+    assert np.abs(q - before).max() > 0.02
+    close(momentum(system, q, v), start, 1e-9)
+    assert np.abs(start).max() > 1.0
+
+
+def test_reaction_leaves_the_thrusters_without_force(rng):
+    system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
+    for _ in range(5):
+        q, v, joints = (
+            random_q(system, rng),
+            random_v(system, rng, 0.3),
+            rng.normal(size=4),
+        )
+        base, torque = system.reaction(q, v, joints)
+        tau = system.inverse_dynamics(q, v, np.concatenate([base, joints]))
+        close(tau, np.concatenate([np.zeros(6), torque]), 1e-11)
+        close(system.forward_dynamics(q, v, tau), np.concatenate([base, joints]), 1e-9)
+
+
+def test_a_drifting_vehicle_comes_to_rest_with_the_water(rng):
+    """Damping is of the velocity relative to the water, at the vehicle's origin, in its axes."""
+    system = a5.load().on_vehicle(vehicle())
+    q = system.configuration(np.eye(4), Q)
+    to_base = pin.SE3(np.array(vehicle().transform_vehicle_to_base))
+    nu = rng.normal(size=6)
+    v = np.concatenate([to_base.act(pin.Motion(nu)).vector, np.zeros(4)])
+    linear, quadratic = vehicle().linear_damping, vehicle().quadratic_damping
+    expected = 1.025 * (linear * nu**2 + quadratic * np.abs(nu) ** 3).sum()
+    assert system.dissipated_power(q, v) == pytest.approx(expected, rel=1e-12)
+    rotation = pin.XYZQUATToSE3(q[:7]).rotation
+    v = np.zeros(10)
+    v[:3] = rotation.T @ CURRENT
+    assert system.dissipated_power(q, v, current=CURRENT) == pytest.approx(
+        0.0, abs=1e-20
+    )
+
+
+def test_derivatives_with_the_vehicle(rng):
+    system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
+    q, v, a = (
+        random_q(system, rng),
+        random_v(system, rng, 0.5),
+        random_v(system, rng, 0.5),
+    )
+    _, dv, da = system.inverse_dynamics_derivatives(q, v, a)
+    h = 1e-6
+    for i, e in enumerate(np.eye(10)):
+        rate = system.inverse_dynamics(q, v + h * e, a) - system.inverse_dynamics(
+            q, v - h * e, a
+        )
+        close(dv[:, i], rate / (2 * h), 1e-6)
+    close(da, system.mass_matrix(q), 1e-12)
+
+
+def test_trim_is_an_equilibrium_and_stable(rng):
+    system = a5.load().on_vehicle(vehicle())
+    level = system.on_vehicle(vehicle(cob=[0.0, 0.0, 0.05]))
+    for one in (system, level):
+        for _ in range(5):
+            joints = rng.uniform(0.1, 3.0, 4)
+            trim = one.trim(joints)
+            at = np.eye(4)
+            at[:3, :3] = trim.rotation_vehicle_to_world
+            q = one.configuration(at, joints)
+            load = pin.Force(one.hydrostatic_torque(q)[:6])
+            at_vehicle = pin.SE3(
+                np.array(one.vehicle.transform_vehicle_to_base)
+            ).actInv(load)
+            world = trim.rotation_vehicle_to_world
+            assert world @ at_vehicle.linear == pytest.approx(
+                [0, 0, trim.net_weight], abs=1e-9
+            )
+            assert at_vehicle.angular == pytest.approx(np.zeros(3), abs=1e-10)
+            assert world == pytest.approx(
+                pin.rpy.rpyToMatrix(trim.roll, trim.pitch, 0.0)
+            )
+            # Rolled by a little more, the water rights it.
+            at[:3, :3] = pin.rpy.rpyToMatrix(1e-4, 0.0, 0.0) @ world
+            load = pin.Force(one.hydrostatic_torque(one.configuration(at, joints))[:6])
+            held = (
+                pin.SE3(np.array(one.vehicle.transform_vehicle_to_base))
+                .actInv(load)
+                .angular
+            )
+            assert (at[:3, :3] @ held)[0] == pytest.approx(
+                1e-4 * trim.righting_moment, rel=1e-3
+            )
+    weights = [one.trim(Q).righting_moment for one in (system, level)]
+    assert weights[1] > weights[0]
+
+
+def test_trim_follows_the_arm():
+    """An arm that weighs and reaches forward pitches the vehicle nose down, to the left rolls it left."""
+    mounted = vehicle(
+        com=[0, 0, -0.02], transform_vehicle_to_base=pose([0, 0, 0.1], [0, 0, 0])
+    )
+    system = a5.load().on_vehicle(mounted)
+    reach = a5.named_pose("reach")  # along +x of base_link
+    ahead = system.trim(reach)
+    assert ahead.pitch > 0.02  # about +y: x down
+    left = reach.copy()
+    left[0] += np.pi / 2
+    turned = system.trim(left)
+    tip = system.forward_kinematics(system.configuration(np.eye(4), left)).translation
+    assert np.sign(turned.roll) == np.sign(tip[1]) * -1
+    assert abs(turned.pitch) < ahead.pitch
+
+
+def test_it_carries_payloads_and_is_copied(rng):
+    system = a5.load().with_hydrodynamics(CURRENT).on_vehicle(vehicle())
+    loaded = system.with_payload(**PAYLOAD, added_mass=0.1 * np.eye(6))
+    q, v, a = random_q(system, rng), random_v(system, rng), random_v(system, rng)
+    again = pickle.loads(pickle.dumps(loaded))
+    assert np.array_equal(
+        again.inverse_dynamics(q, v, a), loaded.inverse_dynamics(q, v, a)
+    )
+    extra = loaded.mass_matrix(q) - system.mass_matrix(q)
+    assert np.linalg.eigvalsh(extra).min() > -1e-12
+    assert loaded.vehicle is system.vehicle
+    batch = loaded.inverse_dynamics_batch(q[None], v[None], a[None])
+    close(batch[0], loaded.inverse_dynamics(q, v, a), 1e-12)
+
+
+@needs_recordings
+@pytest.mark.parametrize("name", ["traj019-2", "traj024-1", "traj_alt_009-0"])
+def test_trim_follows_the_recorded_tilt(name):
+    """A BlueROV2 in a pool: sign and course of roll and pitch, quasi-static, 0.4 s behind the arm.
+
+    Where the arm sits is of that repository's URDF; its ballast is not known: it is taken to trim the mean pose, and
+    the height of the centre of buoyancy to give what stiffness recordings show.
+    """
+    spec = importlib.util.spec_from_file_location("validate_recordings", SCRIPT)
+    script = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = script
+    spec.loader.exec_module(script)
+    (found,) = (r for r in script.read(RECORDINGS)[0] if r.name == name)
+    at = found.grid[::20]
+    joints = np.stack(
+        [np.interp(at - 0.4, found.motion.time, x) for x in found.motion.position.T], 1
+    )
+    recorded = script._average(at, found.time, found.tilt)
+    mount = np.linalg.inv(pose([0.25, -0.10965, 0.005], [0.0, 0.0, 0.0]))
+
+    def system(com):
+        body = vehicle(com=com, cob=[0, 0, 0.035], transform_vehicle_to_base=mount)
+        return a5.load(a5.FRESH_WATER).on_vehicle(body)
+
+    mean = system(np.zeros(3)).trim(joints.mean(axis=0)[:4])
+    up = mean.rotation_vehicle_to_world[2]
+    ballasted = system(
+        mean.righting_moment / (9.81 * 13.5) * np.array([up[0], up[1], 0.0])
+    )
+    ours = np.array(
+        [[t.roll, t.pitch] for t in (ballasted.trim(q[:4]) for q in joints)]
+    )
+    for k in (0, 1):
+        assert np.corrcoef(ours[:, k], recorded[:, k])[0, 1] > 0.9
+        assert 0.5 < ours[:, k].std() / recorded[:, k].std() < 1.5
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"mass": -1.0},
+        {"volume": np.nan},
+        {"com": [0.0, 0.0]},
+        {"inertia": np.eye(2)},
+        {"added_mass": np.diag([1.0, 1, 1, 1, 1, -1])},
+        {"added_mass": [1.0, 1, 1, 1, 1, -1]},
+        {"added_mass": np.eye(6) + np.eye(6, k=1)},
+        {"added_mass": "much"},
+        {"linear_damping": [1.0, 1, 1, 1, 1, -0.1]},
+        {"quadratic_damping": [-1.0, 1, 1, 1, 1, 0.1]},
+        {"quadratic_damping": np.eye(6)},
+        {"transform_vehicle_to_base": np.diag([1.0, 1, -1, 1])},
+    ],
+)
+def test_wrong_vehicles_are_refused(changes):
+    with pytest.raises(a5.Alpha5Error):
+        vehicle(**changes)
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        lambda arm: arm.on_vehicle(13.5),
+        lambda arm: arm.on_vehicle(vehicle(inertia=np.diag([1.0, 0.1, 0.1]))),
+        lambda arm: arm.on_vehicle(vehicle()).trim([0.0, 0.0]),
+        lambda arm: arm.on_vehicle(vehicle()).configuration(np.eye(3), Q),
+        lambda arm: a5.load(gravity=(1.0, 0.0, -9.0)).on_vehicle(vehicle()).trim(Q),
+        lambda arm: arm.on_vehicle(vehicle()).reaction(
+            np.zeros(11), np.zeros(10), np.zeros(4)
+        ),
+    ],
+)
+def test_wrong_use_is_told(mistake):
+    with pytest.raises(a5.Alpha5Error):
+        mistake(a5.load())
