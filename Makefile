@@ -19,30 +19,30 @@ test: $(VENV)/.test ## every test
 
 docs: $(VENV)/.docs ## the documentation, build/docs/index.html; a warning or a dead link is an error
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
-	$(BIN)/python scripts/check_links.py build/docs
+	$(BIN)/python scripts/checks/check_links.py build/docs
 
 lint: $(VENV)/.test ## ruff (lint and format), mypy in strict mode, lines of code by room
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/python scripts/count_lines.py
+	$(BIN)/python scripts/checks/count_lines.py
 
 format: $(VENV)/.test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
 benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
-	$(BIN)/python scripts/benchmark.py
+	$(BIN)/python scripts/benchmarks/benchmark.py
 
 conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the documentation
-	$(BIN)/python scripts/conformance.py --readme docs/conformance.md
-	bash scripts/real_tools.sh $(BIN)/python --page docs/conformance.md
+	$(BIN)/python scripts/conformance/conformance.py --readme docs/conformance.md
+	bash scripts/conformance/real_tools.sh $(BIN)/python --page docs/conformance.md
 
 fuzz: $(VENV)/.test ## 200 000 inputs to the package, its readers and its command line; counts by kind
-	$(BIN)/python scripts/fuzz.py
+	$(BIN)/python scripts/fuzzing/fuzz.py
 
 mutation: $(VENV)/.mutation ## do the tests see a random change of the code, Python or C?
-	nice $(BIN)/python scripts/mutation.py
+	nice $(BIN)/python scripts/mutating/mutation.py
 
 clean:
 	rm -rf $(VENV) build dist demo

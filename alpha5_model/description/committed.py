@@ -25,7 +25,7 @@ from alpha5_model.numbers.parameters import parameters
 GLB_NAME = "alpha5.glb"
 #: What part of the files needs, and what is not done where it is not installed.
 _NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not generated"}
-#: Drawn by ``scripts/make_figures.py``, not compared: pixels depend on the renderer.
+#: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the renderer.
 _PICTURE = b"![The arm in its home pose](alpha5.png)"
 
 

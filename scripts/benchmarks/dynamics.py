@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from benchmarks.timing import Row, measure
 
 import alpha5_model as a5
-from benchmarks.timing import Row, measure
 
 OWN = "alpha5_model"
 PEERS = {"mujoco": "MuJoCo", "roboticstoolbox": "roboticstoolbox-python"}

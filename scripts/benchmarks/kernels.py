@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from benchmarks.timing import Row, measure
 
 import alpha5_model as a5
 from alpha5_model.codegen.kernels import choice as kernels
-from benchmarks.timing import Row, measure
 
 STATES = 100_000
 #: Of which MJX computes so many: it keeps everything that a simulation would need.

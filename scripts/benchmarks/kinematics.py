@@ -15,9 +15,9 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from benchmarks.timing import Row, measure
 
 import alpha5_model as a5
-from benchmarks.timing import Row, measure
 
 ONE, BATCH, IMPORT = "IK of one position", "IK of 100 000 positions", "import"
 SOLVED = 1e-6

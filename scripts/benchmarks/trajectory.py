@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from benchmarks.timing import Row, measure
 
 import alpha5_model as a5
-from benchmarks.timing import Row, measure
 
 SAMPLES = 100_000
 

@@ -9,11 +9,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-
-import alpha5_model as a5
-from alpha5_model.dynamics import batch
-from alpha5_model.numbers import corrections, fluids, inertia
-from alpha5_model.theory.dh import arm_types
 from fuzzing import forms
 from fuzzing.cases import Case, Target
 from fuzzing.values import (
@@ -28,6 +23,11 @@ from fuzzing.values import (
     tensor,
     transform,
 )  # fmt: skip
+
+import alpha5_model as a5
+from alpha5_model.dynamics import batch
+from alpha5_model.numbers import corrections, fluids, inertia
+from alpha5_model.theory.dh import arm_types
 
 #: Parameter -> a good value. What stands in no target's own table is looked up here.
 GOOD: dict[str, Callable[[Rng], Any]] = {

@@ -12,9 +12,10 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
-from alpha5_model.errors import Alpha5Error
 from fuzzing import watch
 from fuzzing.values import Rng, wrong_answers
+
+from alpha5_model.errors import Alpha5Error
 
 #: An input that takes more processor time is a failure: a busy machine is none [s].
 LIMIT = 30

@@ -11,13 +11,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import alpha5_model as a5
-from alpha5_model.cli import main
-from alpha5_model.errors import Alpha5Error
 from fuzzing import hostile
 from fuzzing.cases import Case, Target
 from fuzzing.readers import STUDY, damage
 from fuzzing.values import Rng, pick
+
+import alpha5_model as a5
+from alpha5_model.cli import main
+from alpha5_model.errors import Alpha5Error
 
 #: In place of any value.
 BAD = (

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-
-from alpha5_model.errors import Alpha5Error
 from fuzzing.cases import Case, Target
 from fuzzing.values import Rng, pick
+
+from alpha5_model.errors import Alpha5Error
 
 #: An array in another form; the folder is for files.
 Form = Callable[[Rng, np.ndarray, Path], Any]

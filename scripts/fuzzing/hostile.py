@@ -11,7 +11,6 @@ from collections.abc import Callable
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
-
 from fuzzing.values import Rng, pick
 from fuzzing.watch import CANARY
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-import alpha5_model as a5
 from fuzzing.cases import Case
 from fuzzing.values import Rng, pick
+
+import alpha5_model as a5
 
 #: Words for anything but a measured position; a column with one of them holds none.
 OTHERS = (

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-
-import alpha5_model as a5
 from fuzzing.cases import Case
 from fuzzing.values import Rng, pick
+
+import alpha5_model as a5
 
 
 class Quantity(NamedTuple):

@@ -11,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fuzzing import hostile, names, quantities
+from fuzzing.cases import Case, Target
+from fuzzing.values import TEXTS, Rng, pick, spoil
 
 import alpha5_model as a5
 from alpha5_model.description.reading import read_urdf, urdf_shapes
@@ -19,9 +22,6 @@ from alpha5_model.description.verification import verify_urdf
 from alpha5_model.numbers.parameters import convert
 from alpha5_model.numbers.reading import parse
 from alpha5_model.studies.sweep.study import read_study
-from fuzzing import hostile, names, quantities
-from fuzzing.cases import Case, Target
-from fuzzing.values import TEXTS, Rng, pick, spoil
 
 #: In place of a number in a text.
 NUMBERS = (

@@ -21,7 +21,6 @@ from typing import Any
 
 import coverage
 import pytest
-
 from mutating.mutants import REPOSITORY, Mutant, is_c
 
 #: Imported before the forks. The package is not: each child imports its own.

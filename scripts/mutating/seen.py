@@ -16,7 +16,6 @@ from functools import cache
 from pathlib import Path
 
 import coverage
-
 from mutating.mutants import REPOSITORY, Mutant, is_c
 from mutating.python_code import statement
 from mutating.sandbox import SURVIVED, Job, Outcome, Sandbox, Selection, run

@@ -18,15 +18,15 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-import recordings
+import shared_recordings as recordings
 from pages import DOCS, PAGES, REPOSITORY, generated_text
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, main
 
 sys.path.insert(0, str(REPOSITORY / "scripts"))
-import check_links
-import public_models
+from checks import check_links
+from robots import public_models
 
 #: Languages of blocks that hold nothing to run.
 SHOWN = {"", "text", "toctree", "include", "literalinclude", "eval-rst", "xml", "yaml"}

@@ -15,7 +15,7 @@ from reference import dh_frames
 import alpha5_model as a5
 
 sys.path.insert(0, str(REPOSITORY / "scripts"))
-from count_lines import code_lines
+from checks.count_lines import code_lines
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"

@@ -35,7 +35,7 @@ LEFT_OUT = {
 #: Page -> words -> the test that holds them, or the script that measures them.
 ELSEWHERE: dict[str, dict[str, str]] = {
     "docs/conformance.md": {
-        "SAPIEN gives a link without mass, the tcp, 1e-6 kg m²": "scripts/conformance_simulators.py",
+        "SAPIEN gives a link without mass, the tcp, 1e-6 kg m²": "scripts/conformance/simulators.py",
     },
     "docs/concepts/uncertainty.md": {
         "the 95 % intervals held": "tests/studies/test_uncertainty.py::test_identification_finds_the_truth",
@@ -57,7 +57,7 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "median over 20 000 random poses and directions": (
             "tests/water/test_moving_water_commands.py::test_the_documented_table_of_loads_is_the_strips"
         ),
-        "Of random base motions 98 % have": "scripts/added_mass.py",
+        "Of random base motions 98 % have": "scripts/hydrodynamics/added_mass.py",
     },
     "docs/proof.md": {
         "multi-start numerical minimisation | 1e-7 m": "tests/documentation/test_statements_proof.py::HELD",
@@ -75,14 +75,14 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     },
     "alpha5_model/description/templates/mjcf_readme.md": {
         "with an error of 4e-10 kg m^2": "tests/description/test_mjcf.py",
-        "Newton replaces smaller ones by 1e-6": "scripts/conformance_simulators.py",
+        "Newton replaces smaller ones by 1e-6": "scripts/conformance/simulators.py",
         "change the mass matrix by less than 1e-13 kg m^2": "tests/description/test_mjcf.py",
     },
     "alpha5_model/trajectory/smoothing.py": {
         "below this a sine's amplitude is off by more than 0.1 %": "tests/trajectory/test_trajectory_smoothing.py",
     },
     "alpha5_model/numbers/estimated_hydrodynamics.toml": {
-        "are 0.5 to 1.3 % apart at most": "scripts/added_mass.py",
+        "are 0.5 to 1.3 % apart at most": "scripts/hydrodynamics/added_mass.py",
     },
 }
 #: Words that give a meaning and measure nothing: units, definitions, what a document

@@ -19,8 +19,8 @@ from current_load import load as current_load
 from dynamics_cases import VARIANTS, make, moved, random_q, random_v
 from fk import sample, tip
 from newton_euler import newton_euler
-from recordings import RECORDINGS, needs_recordings
 from reference import LOWER, UPPER
+from shared_recordings import RECORDINGS, needs_recordings
 from statement_registry import (
     REPOSITORY,
     AtMost,
@@ -221,7 +221,7 @@ def test_a_test_holds_what_the_page_says(words: str) -> None:
 def test_the_script_refuses_what_the_page_says_of_added_mass() -> None:
     words = "sphere and ellipsoid after Lamb, cylinders by rings of sources | 1.5 %"
     assert Statement(PROOF, words, list).found()
-    assert "TOLERANCE = 0.015" in text_of("scripts/added_mass.py")
+    assert "TOLERANCE = 0.015" in text_of("scripts/hydrodynamics/added_mass.py")
 
 
 # --- the recordings of the pool ------------------------------------------------------
@@ -405,7 +405,7 @@ def longest_cylinder() -> Sequence[Figure]:
 
 
 def whole_arm(pose: str) -> dict[str, Any]:
-    """What scripts/added_mass.py found for the whole arm against the sum of its bodies."""
+    """What scripts/hydrodynamics/added_mass.py found for the whole arm against the sum of its bodies."""
     text = (REPOSITORY / "scripts" / "hydrodynamics" / "whole_arm.toml").read_text(
         "utf-8"
     )

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from recordings import JOINT_STATES, needs_recordings
 from reference import LOWER, UPPER
+from shared_recordings import JOINT_STATES, needs_recordings
 from test_meshes import BODIES, LINKS, MESHES, Mesh, finger_pose, link_poses, placed
 
 import alpha5_model as a5

@@ -25,7 +25,10 @@ from alpha5_model.loaders import alpha5_description, alpha5_mj_description
 from alpha5_model.loaders.files import loader_class, robot_files
 
 SCRIPT = (
-    Path(__file__).resolve().parents[2] / "scripts" / "add_to_example_robot_data.py"
+    Path(__file__).resolve().parents[2]
+    / "scripts"
+    / "robots"
+    / "add_to_example_robot_data.py"
 )
 #: What that collection's tests of loading look like.
 LOADING = """\

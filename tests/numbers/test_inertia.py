@@ -365,7 +365,7 @@ def test_size_finds_what_the_triangle_inequality_cannot() -> None:
 def script() -> Any:
     sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
     try:
-        import check_example_robots
+        from robots import check_example_robots
     finally:
         sys.path.pop(0)
     return check_example_robots

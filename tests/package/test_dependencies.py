@@ -62,7 +62,7 @@ FOLDERS = {
 }
 #: Not on Python's index: ROS 2, declared in package.xml.
 ROS = {"launch", "launch_ros"}
-#: Of ROS 1, as Debian's packages without their python3-: installed by scripts/real_tools.sh.
+#: Of ROS 1, as Debian's packages without their python3-: installed by scripts/conformance/real_tools.sh.
 ROS_1 = {"rospy", "sensor-msgs", "tf2-ros"}
 
 
@@ -135,7 +135,9 @@ def test_what_is_imported_is_declared(folder: str) -> None:
         allowed.add("example-robot-data-loaders")  # whoever asks for its loader has it
         assert len(used) > 10
     if folder == "scripts":
-        installer = (ROOT / "scripts" / "real_tools.sh").read_text("utf-8")
+        installer = (ROOT / "scripts" / "conformance" / "real_tools.sh").read_text(
+            "utf-8"
+        )
         assert all(f"python3-{name}" in installer for name in ROS_1)
         allowed |= ROS_1
     assert {name: file for name, file in used.items() if name not in allowed} == {}

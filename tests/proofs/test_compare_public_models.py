@@ -6,7 +6,7 @@ Each diagnosis here was found by hand from the files; skipped where the files ar
 from __future__ import annotations
 
 import pytest
-import recordings
+import shared_recordings as recordings
 
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.proofs.comparison.measure import compare

@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterable
 import numpy as np
 import pinocchio as pin
 import pytest
-import recordings
 import reference
+import shared_recordings as recordings
 
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf

@@ -48,7 +48,7 @@ def test_rows_are_ratios_to_the_first_of_their_work(
     timing: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(str(SCRIPTS))
-    import benchmark
+    from benchmarks import benchmark
 
     rows = [
         timing.Row("a", "ours", 2.0),  # type: ignore[attr-defined]
@@ -60,7 +60,7 @@ def test_rows_are_ratios_to_the_first_of_their_work(
 
 def test_unknown_section_is_refused() -> None:
     done = subprocess.run(
-        [sys.executable, str(SCRIPTS / "benchmark.py"), "nonsense"],
+        [sys.executable, str(SCRIPTS / "benchmarks" / "benchmark.py"), "nonsense"],
         capture_output=True,
         text=True,
     )
@@ -72,8 +72,7 @@ def test_peers_that_are_missing_are_named(
     timing: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.syspath_prepend(str(SCRIPTS))
-    import benchmark
-    from benchmarks import kinematics
+    from benchmarks import benchmark, kinematics
 
     absent = [*kinematics.missing(), "an absent peer"]
     benchmark.show([timing.Row("a", "ours", 2e-9, 1.0, "set up so")], absent)  # type: ignore[attr-defined]

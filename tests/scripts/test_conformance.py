@@ -15,7 +15,7 @@ import pytest
 from water_reference import Reference
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-import conformance
+from conformance import conformance
 
 from alpha5_model.errors import FileFormatError, MissingFileError
 

@@ -1,11 +1,11 @@
-"""The count of `scripts/count_lines.py` on a source whose lines of code are known."""
+"""The count of `scripts/checks/count_lines.py` on a source whose lines of code are known."""
 
 from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "count_lines.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "checks" / "count_lines.py"
 SOURCE = '''"""Docstring
 of two lines."""
 

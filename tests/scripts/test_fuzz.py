@@ -23,7 +23,7 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 def fuzz():
     sys.path.insert(0, str(SCRIPTS))
     try:
-        import fuzz
+        from fuzzing import fuzz
 
         yield fuzz
     finally:

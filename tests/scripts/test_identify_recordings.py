@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 import test_validate_recordings as made_up
-from recordings import RECORDINGS, needs_recordings
 from reference import COB, COM, MASS, VOLUME
+from shared_recordings import RECORDINGS, needs_recordings
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
@@ -23,7 +23,7 @@ def script() -> ModuleType:
     sys.path.insert(0, str(SCRIPTS))
     try:
         spec = importlib.util.spec_from_file_location(
-            "identify_recordings", SCRIPTS / "identify_recordings.py"
+            "identify_recordings", SCRIPTS / "recordings" / "identify_recordings.py"
         )
         assert spec is not None
         assert spec.loader is not None

@@ -12,10 +12,8 @@ import pytest
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-import gazebo_tools
-import real_tools
-import ros_tools
-from ros_tools import NotThereError, Result, Workspace
+from conformance import gazebo_tools, real_tools, ros_tools
+from conformance.ros_tools import NotThereError, Result, Workspace
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 CHECK = real_tools.Check(
@@ -82,7 +80,7 @@ def test_one_that_is_off_is_exit_status_1(
 
 
 def test_every_package_is_installed_by_the_script():
-    script = (SCRIPTS / "real_tools.sh").read_text("utf-8")
+    script = (SCRIPTS / "conformance" / "real_tools.sh").read_text("utf-8")
     named = re.search(r'packages="(.*?)"', script, re.DOTALL)[1].split()
     # a library comes with its headers
     bring = {"libsdformat12-12": "libsdformat-dev"}

@@ -13,12 +13,17 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from recordings import RECORDINGS, needs_recordings
 from reference import COB, COM, MASS, VOLUME, inertial_frames
+from shared_recordings import RECORDINGS, needs_recordings
 
 from alpha5_model.errors import FileFormatError
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "validate_recordings.py"
+SCRIPT = (
+    Path(__file__).resolve().parents[2]
+    / "scripts"
+    / "recordings"
+    / "validate_recordings.py"
+)
 FRESH = 1000.0
 STIFFNESS = {"roll": 4.0, "pitch": 5.0}
 

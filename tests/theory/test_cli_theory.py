@@ -18,7 +18,9 @@ from alpha5_model.errors import OutputError, UnknownNameError
 from alpha5_model.theory.planar.dexterous import PlanarArm
 from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "lecture_examples.py"
+SCRIPT = (
+    Path(__file__).resolve().parents[2] / "scripts" / "checks" / "lecture_examples.py"
+)
 
 
 @pytest.fixture(autouse=True)

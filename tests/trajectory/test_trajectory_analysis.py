@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import JOINT_STATES, needs_recordings
 from reference import LOWER, UPPER, dh_frames
+from shared_recordings import JOINT_STATES, needs_recordings
 
 import alpha5_model as a5
 from alpha5_model.dynamics.actuators import actuator

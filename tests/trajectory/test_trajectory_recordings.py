@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bag_writer import KINDS, State, write_bag
-from recordings import JOINT_STATES, needs_recordings
+from shared_recordings import JOINT_STATES, needs_recordings
 
 import alpha5_model as a5
 from alpha5_model.cli import main

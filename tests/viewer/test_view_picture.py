@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from recordings import JOINT_STATES
+from shared_recordings import JOINT_STATES
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -286,7 +286,7 @@ def test_the_readmes_figures_are_of_the_present_arm(
     root = Path(__file__).resolve().parents[2]
     monkeypatch.syspath_prepend(root / "scripts")
     spec = importlib.util.spec_from_file_location(
-        "make_figures", root / "scripts/make_figures.py"
+        "make_figures", root / "scripts/figures/make_figures.py"
     )
     figures = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(figures)

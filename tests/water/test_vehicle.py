@@ -11,11 +11,16 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from dynamics_cases import PAYLOAD, close, random_q, random_v
-from recordings import RECORDINGS, needs_recordings
+from shared_recordings import RECORDINGS, needs_recordings
 
 import alpha5_model as a5
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "validate_recordings.py"
+SCRIPT = (
+    Path(__file__).resolve().parents[2]
+    / "scripts"
+    / "recordings"
+    / "validate_recordings.py"
+)
 CURRENT = (0.3, -0.2, 0.1)
 Q = np.array([3.0, 0.9, 2.1, 0.4])
 

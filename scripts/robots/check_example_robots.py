@@ -3,8 +3,8 @@
 A finding about public models, not a failure: the same test that this package applies to its own
 links (`alpha5_model.numbers.inertia.inconsistencies`), applied to the inertials that those URDFs print.
 
-    python scripts/check_example_robots.py            # all robots
-    python scripts/check_example_robots.py panda ur5  # some
+    python scripts/robots/check_example_robots.py            # all robots
+    python scripts/robots/check_example_robots.py panda ur5  # some
 """
 
 from __future__ import annotations

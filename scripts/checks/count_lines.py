@@ -13,7 +13,7 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parent.parent / "alpha5_model"
+PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
 LANGUAGES = {"C": ".c .h", "JavaScript": ".js"}
 _NO_CODE = (
     tokenize.COMMENT,

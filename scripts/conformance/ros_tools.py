@@ -24,7 +24,7 @@ from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.numbers.parameters import parameters
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+REPOSITORY = Path(__file__).resolve().parents[2]
 NAME = "alpha5_description"
 PUBLISHER = "/usr/lib/robot_state_publisher/robot_state_publisher"
 #: Debian's own programs and Python, whatever else is on the path.
@@ -217,7 +217,7 @@ def poses(
         "frames": frames,
     }
     request.write_text(json.dumps(asked), encoding="utf-8")
-    script = str(REPOSITORY / "scripts" / "ros_states.py")
+    script = str(REPOSITORY / "scripts" / "conformance" / "ros_states.py")
     subprocess.run(
         ["/usr/bin/python3", script, str(request), str(answer)],
         env=environment,

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import numpy as np
-from conformance_tools import GRAVITY, JOINTS, Arrays, States, cpu_only
+from conformance.tools import GRAVITY, JOINTS, Arrays, States, cpu_only
 
 
 def adam(files: Path, states: States) -> Arrays:

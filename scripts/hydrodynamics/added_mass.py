@@ -1,9 +1,9 @@
 """Added mass and drag strips of the arm's bodies, into ``numbers/estimated_hydrodynamics.toml``.
 
     pip install -e '.[hydrodynamics]'
-    python scripts/added_mass.py                 # validates, computes, writes; about half an hour on one core
-    python scripts/added_mass.py --only validation link_2 whole_arm   # some of it; other bodies' numbers stay
-    python scripts/added_mass.py --check link_1  # computes one body again and compares with the file
+    python scripts/hydrodynamics/added_mass.py                 # validates, computes, writes; about half an hour on one core
+    python scripts/hydrodynamics/added_mass.py --only validation link_2 whole_arm   # some of it; other bodies' numbers stay
+    python scripts/hydrodynamics/added_mass.py --check link_1  # computes one body again and compares with the file
 
 What comes first validates the method: a sphere and an ellipsoid against Lamb, cylinders against rings of sources, an
 integral equation along the outline of a body of revolution, with DNV-RP-H103's two figures beside it. Then the drawn
@@ -21,6 +21,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
+from alpha5_model.description.bodies import joint_placements
+from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.geometry.parts import bodies, frames_in_links
+from alpha5_model.geometry.solid import cylinder, kernel, union
+from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.numbers.parameters import parameters
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
 from hydrodynamics.panels import Array, corners, panels
 from hydrodynamics.potential_flow import (
     DENSITY,
@@ -32,16 +44,8 @@ from hydrodynamics.potential_flow import (
 )
 from hydrodynamics.revolution import cylinder_across
 
-from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
-from alpha5_model.description.bodies import joint_placements
-from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.geometry.parts import bodies, frames_in_links
-from alpha5_model.geometry.solid import cylinder, kernel, union
-from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.parameters import parameters
-
 FILE = (
-    Path(__file__).resolve().parent.parent
+    Path(__file__).resolve().parents[2]
     / "alpha5_model"
     / "numbers"
     / "estimated_hydrodynamics.toml"
@@ -61,7 +65,7 @@ FINGERS = 0.4
 #: Of the whole arm; and where its comparison is kept, with motions at random that move a point so far from the base [m]
 #: as fast by turning as by moving.
 WHOLE_ARM = {"link_0": 10.0, "link_1": 6.0, "link_2": 8.0, "link_3": 6.0, "link_4": 9.5}
-COMPARISON = Path(__file__).resolve().parent / "hydrodynamics" / "whole_arm.toml"
+COMPARISON = Path(__file__).with_name("whole_arm.toml")
 MOTIONS, DISTANCE = 100_000, 0.25
 #: Links of which both have the same part, in frames of their own.
 TWINS = {"link_3": "link_1"}
@@ -314,7 +318,7 @@ def whole_arm() -> bool:
     return good
 
 
-COMPARED = """# The whole arm's added mass over the sum of its bodies' in three poses, by scripts/added_mass.py.
+COMPARED = """# The whole arm's added mass over the sum of its bodies' in three poses, by scripts/hydrodynamics/added_mass.py.
 # base: along and about x, y, z of base_link, all joints held; joints: axis_e to axis_b. directions: least and greatest
 # of all motions of the base. random: 1, 50 and 99 % of such motions at random. missing: the largest difference of any
 # direction over the largest added mass, moving and turning. kg: along x, y, z, the whole arm, then the sum.
@@ -441,7 +445,7 @@ def _list(texts: Iterable[str]) -> str:
     return "[" + ", ".join(f'"{text}"' for text in texts) + "]"
 
 
-SOURCE = "our own calculation (scripts/added_mass.py) on our own bodies (alpha5_model/geometry)"
+SOURCE = "our own calculation (scripts/hydrodynamics/added_mass.py) on our own bodies (alpha5_model/geometry)"
 SOURCES = {
     "link_4": SOURCE + ", jaws closed",
     "link_4_open": SOURCE + ", jaws fully open, as one body",
@@ -463,7 +467,7 @@ def method(name: str) -> str:
 
 
 HEAD = '''# ESTIMATED, not published: what the moving water does to each body, off unless asked for. Written by
-# scripts/added_mass.py; version 7 of the document prints neither added mass nor drag.
+# scripts/hydrodynamics/added_mass.py; version 7 of the document prints neither added mass nor drag.
 #
 # added_mass: 6x6, linear before angular, about the origin and in the axes of the link's frame, for water of 1000 kg/m^3
 #   [kg, kg m, kg m^2]; another fluid scales it by its density.

@@ -1,6 +1,6 @@
 """Follow every link inside a folder of HTML pages: its file and its place in the file must be there.
 
-    python scripts/check_links.py build/docs
+    python scripts/checks/check_links.py build/docs
 
 Exit status 1 if one leads nowhere.
 """

@@ -1,6 +1,6 @@
 """Walk through the lecture notes "7.1 Describing Robot Arms" with the package.
 
-    python scripts/lecture_examples.py [FOLDER]
+    python scripts/checks/lecture_examples.py [FOLDER]
 
 Prints every example of the notes, in their order, beside what the package computes, and writes the
 pictures to FOLDER (by default ``lecture_examples``). Exit status 1 if a printed number differs.

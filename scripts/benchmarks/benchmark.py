@@ -1,7 +1,7 @@
 """Speed against the peers that are installed, as ratios measured in one run.
 
-    python scripts/benchmark.py                    # every section
-    python scripts/benchmark.py kinematics --json
+    python scripts/benchmarks/benchmark.py                    # every section
+    python scripts/benchmarks/benchmark.py kinematics --json
 
 Install the peers with ``pip install alpha5-model[bench]``; one that is missing is left out of the
 table and named below it.
@@ -11,13 +11,19 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib import import_module
+from pathlib import Path
 
-from benchmarks.timing import Row
 from rich.console import Console
 from rich.table import Table
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from benchmarks.timing import Row
 
 #: Modules of ``scripts/benchmarks`` with ``rows() -> list[Row]`` and ``missing() -> list[str]``.
 SECTIONS = ("kernels", "kinematics", "dynamics", "trajectory")

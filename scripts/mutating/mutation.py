@@ -1,8 +1,8 @@
 """Mutation testing: do the tests see a random change of one operator or number?
 
-    python scripts/mutation.py                              # 200 mutants of all rooms
-    python scripts/mutation.py --sample 30 --seed 7 dh C
-    python scripts/mutation.py --at dynamics/batch.py:79    # every mutant of one line
+    python scripts/mutating/mutation.py                              # 200 mutants of all rooms
+    python scripts/mutating/mutation.py --sample 30 --seed 7 dh C
+    python scripts/mutating/mutation.py --at dynamics/batch.py:79    # every mutant of one line
 
 Mutants are made of all hand-written Python of the package and of all hand-written C: the
 kernels and the templates of the C library. Each room, which is a folder, a module or all C,
@@ -27,6 +27,9 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from mutating import c_code, python_code
 from mutating.mutants import (

@@ -2,7 +2,7 @@
 # Build the source archive and of it the wheel, install that into an empty environment, use it from an
 # unrelated folder; then install the sources where there is no C compiler.
 set -euo pipefail
-repository=$(cd "$(dirname "$0")/.." && pwd)
+repository=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_CONSTRAINT="$repository/constraints.txt" PIP_DISABLE_PIP_VERSION_CHECK=1

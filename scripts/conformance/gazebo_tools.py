@@ -10,8 +10,8 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-from conformance import installed
-from ros_tools import NotThereError, Result, Workspace
+from conformance.conformance import installed
+from conformance.ros_tools import NotThereError, Result, Workspace
 
 import alpha5_model as a5
 from alpha5_model._support.files import atomic_write

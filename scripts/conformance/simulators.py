@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from conformance_tools import (
+from conformance.tools import (
     GRAVITY,
     JOINTS,
     Arrays,

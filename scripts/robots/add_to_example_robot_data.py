@@ -1,6 +1,6 @@
 """Add the arm to a checkout of example-robot-data: its folder, its loaders, their names and their tests.
 
-python scripts/add_to_example_robot_data.py ../example-robot-data
+python scripts/robots/add_to_example_robot_data.py ../example-robot-data
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Measure public models of this arm by `compare`: two tables, into a page of the documentation.
 
-    python scripts/public_models.py FOLDER [--page docs/public-models.md]
+    python scripts/robots/public_models.py FOLDER [--page docs/public-models.md]
 
 FOLDER holds the models, expanded to URDF, under the names of `MODELS`; they are other people's and not
 part of this repository. What is not there is left out of the tables, which the last line says.
@@ -13,10 +13,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from conformance import insert
-
 import alpha5_model as a5
 from alpha5_model.proofs.comparison.records import Comparison
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from conformance.conformance import insert
 
 #: File in the folder -> repository, file there, as people look for it.
 MODELS = {

@@ -1,6 +1,6 @@
 """Run the tools that people run, on the package as they get it, and compare with Pinocchio: one table.
 
-    scripts/real_tools.sh PYTHON [--page docs/conformance.md] [--picture FILE]
+    scripts/conformance/real_tools.sh PYTHON [--page docs/conformance.md] [--picture FILE]
 
 `real_tools.sh` installs from Debian what is missing. A tool that is not there is reported as not run and why. Exit
 status 1 if one that ran is off.
@@ -17,10 +17,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import gazebo_tools
-import ros_tools
-from conformance import insert
-from ros_tools import Result, Workspace
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from conformance import gazebo_tools, ros_tools
+from conformance.conformance import insert
+from conformance.ros_tools import Result, Workspace
 
 MARKS = "<!-- real tools: begin -->", "<!-- real tools: end -->"
 

@@ -1,6 +1,6 @@
 """Make the figures of README and documentation from the package itself.
 
-    python scripts/make_figures.py [FOLDER]
+    python scripts/figures/make_figures.py [FOLDER]
 
 ``arm.png``: the arm with its frames and centres. ``workspace.png``: the published region against the exact
 one. ``self_collision.png``: what is reached in self-collision only. ``torque.png``: the torque over a recorded
@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from concept_figures import FIGURES
 
 import alpha5_model as a5
 from alpha5_model._support.files import atomic_write
@@ -29,7 +28,12 @@ from alpha5_model.viewer.figures import CAUSES, Color, new_figure, number, style
 from alpha5_model.viewer.picture import picture_png
 from alpha5_model.viewer.scene import framed
 
-ROOT = Path(__file__).resolve().parent.parent
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from figures.concept_figures import FIGURES
+
+ROOT = Path(__file__).resolve().parents[2]
 MUJOCO = ROOT / "mjcf"
 BESIDE = ROOT.parent / "shared" / "data"
 

@@ -1,6 +1,6 @@
 """Run every tool on the generated files and compare it with Pinocchio: one table.
 
-    python scripts/conformance.py [--readme docs/conformance.md] [--json FILE] [--states N] [--tools NAME,...]
+    python scripts/conformance/conformance.py [--readme docs/conformance.md] [--json FILE] [--states N] [--tools NAME,...]
 
 A tool that is not installed is reported as not run; what one warns of is listed below the table. Exit status 1 if one
 that ran is off.
@@ -22,12 +22,8 @@ from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
-import conformance_libraries as libraries
-import conformance_simulators as simulators
-import conformance_tools as tools
 import numpy as np
 import pinocchio as pin
-from conformance_tools import Arrays, States
 
 from alpha5_model._support.files import atomic_write
 from alpha5_model.description.bodies import mesh_assets
@@ -37,6 +33,12 @@ from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.fluids import SEA_WATER
 from alpha5_model.numbers.parameters import parameters
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from conformance import libraries, simulators, tools
+from conformance.tools import Arrays, States
 
 BEGIN, END = "<!-- conformance: begin -->", "<!-- conformance: end -->"
 QUANTITIES = {

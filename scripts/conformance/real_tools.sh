@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Install, where Debian's apt is, the tools that people run, then run them on the package: one table.
-#   scripts/real_tools.sh PYTHON [arguments of real_tools.py]
+#   scripts/conformance/real_tools.sh PYTHON [arguments of real_tools.py]
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 python=$1
 shift
 
@@ -23,4 +23,4 @@ if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
   fi
 fi
 
-exec "$python" scripts/real_tools.py "$@"
+exec "$python" scripts/conformance/real_tools.py "$@"

@@ -1,6 +1,6 @@
 """What does the tilt of a floating vehicle say about the arm that it carries?
 
-    python scripts/identify_recordings.py FOLDER... [--json]
+    python scripts/recordings/identify_recordings.py FOLDER... [--json]
 
 FOLDERs hold recordings as of `validate_recordings.py`, which are read, left out, averaged and fitted by its rules:
 tilt = compliance times static moment, one compliance for roll and one for pitch, each recording without its mean.
@@ -27,12 +27,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import validate_recordings as recordings
 
 import alpha5_model as a5
 from alpha5_model.dynamics.batch import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import printed
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from recordings import validate_recordings as recordings
 
 #: What a static moment of the moving links depends on.
 MOMENTS = [f"link_{i}.n{axis}" for i in (1, 2, 3, 4) for axis in "xy"]

@@ -1,8 +1,8 @@
 """Inputs at random to the package, its readers and its command line: each is answered or refused in one line.
 
-    python scripts/fuzz.py                              # 200 000 inputs, counts per target
-    python scripts/fuzz.py --count 2000 --seed 7 api    # one part: api, forms, texts or commands
-    python scripts/fuzz.py "alpha5 dh" --seed 7 --first 31 --count 1
+    python scripts/fuzzing/fuzz.py                              # 200 000 inputs, counts per target
+    python scripts/fuzzing/fuzz.py --count 2000 --seed 7 api    # one part: api, forms, texts or commands
+    python scripts/fuzzing/fuzz.py "alpha5 dh" --seed 7 --first 31 --count 1
 
 The parts are
 
@@ -37,6 +37,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
 from fuzzing import api, commands, forms, readers
 from fuzzing.cases import Target, outcome
 
@@ -172,9 +176,7 @@ def fuzz(
     kernels = os.environ.get("ALPHA5_KERNELS", "")
     before = f"ALPHA5_KERNELS={kernels} " if kernels else ""
     for number in numbers:
-        again = (
-            f'{before}scripts/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
-        )
+        again = f'{before}scripts/fuzzing/fuzz.py "{name}" --seed {seed} --first {number} --count 1'
         if mark is not None:
             mark.write_text(again, encoding="utf-8")
         rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])

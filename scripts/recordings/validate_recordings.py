@@ -1,6 +1,6 @@
 """Does the model know where the arm's weight is? Recordings of a real arm on a floating vehicle answer.
 
-    python scripts/validate_recordings.py FOLDER [--fit FOLDER] [--plot PAGE.png] [--json]
+    python scripts/recordings/validate_recordings.py FOLDER [--fit FOLDER] [--plot PAGE.png] [--json]
 
 FOLDER holds pairs ``NAME_joint_states.csv`` (joint positions) and ``NAME_mocap.csv`` (attitude of the vehicle,
 quaternion ``x_ori y_ori z_ori w_ori``, same clock), as published with arXiv 2209.13577 (repository

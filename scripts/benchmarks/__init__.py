@@ -1,1 +1,0 @@
-"""Sections of the benchmark table: one module per part of the package, each with ``rows()``."""
