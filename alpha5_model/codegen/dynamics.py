@@ -23,10 +23,9 @@ from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
 from alpha5_model.codegen.base_parameters import (
     BASE_PARAMETERS,
     SECOND,
-    STRIPS,
-    WATER_PARAMETERS,
 )
 from alpha5_model.codegen.program import named
+from alpha5_model.codegen.water_parameters import STRIPS, WATER_PARAMETERS
 from alpha5_model.numbers.parameters import parameters
 
 JOINTS = 4

@@ -12,6 +12,7 @@ import numpy as np
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
 from alpha5_model.kinematics.plane import DOUBLE
+from alpha5_model.numbers.parameters import parameters
 
 with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
@@ -46,7 +47,7 @@ def _with_payload() -> casadi.Function:
     p, nothing = casadi.SX.sym("parameters", len(BASE_PARAMETERS)), np.zeros((2, 4, 4))
     units = (tip @ unit @ tip.T for unit in np.eye(32).reshape(32, 2, 4, 4))
     shares = np.array(
-        [regrouped([nothing] * 4 + [unit], np.zeros(3)) for unit in units]
+        [regrouped([nothing] * 4 + [unit], np.zeros(3), parameters()) for unit in units]
     )
     body = casadi.veccat(*moments(*given.values(), stack=casadi.vertcat))
     out = {"parameters_with_payload": p + casadi.DM(shares.T.round(15)) @ body}

@@ -186,7 +186,7 @@ def kernel_parameters(arm: Any) -> FloatArray | None:
     for x in arm.displacements:
         water = moments(0.0, none, np.zeros((3, 3)), x.volume, x.cob, arm.fluid_density)
         links[model.getJointId(x.joint)] += water
-    return regrouped(links, model.gravity.linear)
+    return regrouped(links, model.gravity.linear, parameters())
 
 
 def _known(model: Any) -> bool:

@@ -190,11 +190,14 @@ def _statics(arm: Arm, loads: Sequence[Load], base: str) -> dict[str, Any]:
             moments[links.index(load.link), 1, :, 3] += net
         else:
             beyond.append((load.link, net))
+    catalogue = parameters()
     units = np.zeros((4, 5, 2, 4, 4))
     units[range(4), 4, 1, range(4), 3] = 1.0
-    share = np.stack([regrouped(unit, np.zeros(3)) for unit in units], axis=-1)
-    parameters = regrouped(moments, arm.model.gravity.linear)
-    return {"parameters": parameters, "share": share, "beyond": beyond}
+    share = np.stack(
+        [regrouped(unit, np.zeros(3), catalogue) for unit in units], axis=-1
+    )
+    values = regrouped(moments, arm.model.gravity.linear, catalogue)
+    return {"parameters": values, "share": share, "beyond": beyond}
 
 
 def _frames(

@@ -23,8 +23,8 @@ from alpha5_model._support.checks import (
     frozen,
     rigid_transform,
 )
-from alpha5_model.codegen.base_parameters import water_parameters
 from alpha5_model.codegen.kernels import choice as kernels
+from alpha5_model.codegen.water_parameters import water_parameters
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
 from alpha5_model.dynamics.buoyancy import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
@@ -36,6 +36,7 @@ from alpha5_model.numbers.hydrodynamics import (
     DragStrip,
     hydrodynamics,
 )
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.water.tree import HydrodynamicTree, JointWater
 
 #: One state in each row, or one for all.
@@ -398,7 +399,7 @@ class HydrodynamicArm:
             for name in joints
         ]
         added = self._tree.water.added_mass[1:]
-        water = water_parameters(added, strips, self.still.fluid_density)
+        water = water_parameters(added, strips, self.still.fluid_density, parameters())
         return None if water is None else np.concatenate([still + water[0], water[1]])
 
     @cached_property

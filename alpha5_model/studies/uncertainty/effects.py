@@ -194,7 +194,8 @@ def extremes(
 
 def payload(arm: Arm) -> FloatArray:
     """What an arm's base parameters have beyond those of the bare arm, (38,)."""
-    bare = base_parameters(parameters().links, arm.fluid_density)
+    catalogue = parameters()
+    bare = base_parameters(catalogue.links, arm.fluid_density, parameters=catalogue)
     return (arm_parameters(arm) - bare)[:-3]
 
 

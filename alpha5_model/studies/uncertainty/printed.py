@@ -30,7 +30,12 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
 from alpha5_model.numbers.inertia import second_moments
-from alpha5_model.numbers.parameters import Alpha5Parameters, convert, link_numbers
+from alpha5_model.numbers.parameters import (
+    Alpha5Parameters,
+    convert,
+    link_numbers,
+    parameters,
+)
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
@@ -200,7 +205,7 @@ def grouping(fluid_density: float) -> FloatArray:
         unit[link, :, i, j] = unit[link, :, j, i] = (
             1.0 if k < 10 else (0.0, -fluid_density)
         )
-        out.append(regrouped(unit, np.zeros(3))[:-3])
+        out.append(regrouped(unit, np.zeros(3), parameters())[:-3])
     return frozen(np.reshape(out, (5, 14, -1)))
 
 
