@@ -24,6 +24,7 @@ from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.plane import DOUBLE
+from alpha5_model.numbers.parameters import parameters as catalogue
 
 __all__ = ["load"]
 
@@ -61,7 +62,7 @@ def load(
         MissingDependencyError: ``compiled``, but the kernels run in NumPy here.
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
-    parameters, functions = arm_parameters(arm), products()
+    parameters, functions = arm_parameters(arm), products(catalogue())
     known = {"tolerances": DOUBLE, "fluid_density": arm.fluid_density}
     if flag("fold", fold):
         known["parameters"] = parameters

@@ -1,54 +1,92 @@
-"""The arm's equations, written once; everything else that computes them is generated from here.
+"""The arm's equations, written once; everything else that computes them is generated.
 
-CasADi is needed to generate, not to run.
+CasADi is needed to generate the code, not to run it.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
-from alpha5_model.kinematics.plane import DOUBLE
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.kinematics.plane import DOUBLE, arm_plane
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
-from alpha5_model.codegen.dynamics import dynamics, in_moving_water, turns
+from alpha5_model.codegen.chain import turns
+from alpha5_model.codegen.dynamics import dynamics
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
+from alpha5_model.codegen.moving_water import in_moving_water
 from alpha5_model.codegen.program import WORDS, folded, named
 
-#: Name -> what it is, of the functions that users get, in order.
+#: Name -> meaning of the functions that users get, in order.
 SUMMARIES = WORDS["functions"]
 
 
-@cache
-def functions() -> dict[str, casadi.Function]:
-    """Every function of the kernels by its name, inputs and outputs named as in ``words.toml``."""
-    targets = folded(inverse_kinematics(), tolerances=DOUBLE)
-    return {f.name(): f for f in (*dynamics(), *in_moving_water(), targets)}
+@lru_cache(maxsize=4)
+def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
+    """The functions of the kernels, by name.
+
+    Their inputs and outputs have the names of ``words.toml``.
+
+    Args:
+        parameters: The arm's parameters; its dimensions and joint limits become
+            constants of the functions.
+    """
+    solve = folded(inverse_kinematics(arm_plane()), tolerances=DOUBLE)
+    every = (*dynamics(parameters), *in_moving_water(parameters), solve)
+    return {function.name(): function for function in every}
 
 
-def products() -> dict[str, casadi.Function]:
-    """What JAX, CasADi and C users get, named as the methods of an arm: constants of kinematics folded, parameters not."""
-    known = functions() | {f.name(): f for f in (inverse_kinematics(), _with_payload())}
+def products(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
+    """The functions that users of JAX, CasADi and C get, named as the methods of an arm.
+
+    The base parameters and the tolerances are inputs.
+    """
+    known = functions(parameters) | {
+        "inverse_kinematics": inverse_kinematics(arm_plane()),
+        "with_payload": _with_payload(parameters),
+    }
     return {name: known[name] for name in SUMMARIES}
 
 
-def _with_payload() -> casadi.Function:
-    """Parameters are linear in the moments of the bodies."""
-    tip = np.array(casadi.evalf(turns(casadi.SX.zeros(4))[-1].pose()))
-    shapes = {"mass": (1,), "com": (3,), "inertia": (3, 3), "volume": (1,), "cob": (3,)}
-    shapes["fluid_density"] = (1,)
-    given = {name: casadi.SX.sym(name, *shape) for name, shape in shapes.items()}
-    p, nothing = casadi.SX.sym("parameters", len(BASE_PARAMETERS)), np.zeros((2, 4, 4))
-    units = (tip @ unit @ tip.T for unit in np.eye(32).reshape(32, 2, 4, 4))
-    shares = np.array(
-        [regrouped([nothing] * 4 + [unit], np.zeros(3), parameters()) for unit in units]
+def _with_payload(parameters: Alpha5Parameters) -> casadi.Function:
+    """The base parameters of an arm that holds a body at its tcp.
+
+    They are linear in the moments of the body.
+    """
+    base_parameters = casadi.SX.sym("parameters", len(BASE_PARAMETERS))
+    body = {
+        "mass": casadi.SX.sym("mass", 1),
+        "com": casadi.SX.sym("com", 3),
+        "inertia": casadi.SX.sym("inertia", 3, 3),
+        "volume": casadi.SX.sym("volume", 1),
+        "cob": casadi.SX.sym("cob", 3),
+        "fluid_density": casadi.SX.sym("fluid_density", 1),
+    }
+    moments_of_body = casadi.veccat(*moments(**body, stack=casadi.vertcat))
+    slope = casadi.DM(_slope_by_moments_at_the_tcp(parameters).round(15))
+    return named(
+        "with_payload",
+        {"parameters": base_parameters, **body},
+        {"parameters_with_payload": base_parameters + slope @ moments_of_body},
     )
-    body = casadi.veccat(*moments(*given.values(), stack=casadi.vertcat))
-    out = {"parameters_with_payload": p + casadi.DM(shares.T.round(15)) @ body}
-    return named("with_payload", {"parameters": p, **given}, out)
+
+
+def _slope_by_moments_at_the_tcp(parameters: Alpha5Parameters) -> FloatArray:
+    """Derivatives of the base parameters by the moments of a body in tcp, (41, 32)."""
+    *_, link_4_to_tcp = turns(casadi.SX.zeros(4), parameters)
+    tcp_in_link_4 = np.array(casadi.evalf(link_4_to_tcp.pose()))
+    nothing = np.zeros((2, 4, 4))
+
+    columns = []
+    for unit in np.eye(32).reshape(32, 2, 4, 4):
+        in_link_4 = tcp_in_link_4 @ unit @ tcp_in_link_4.T
+        links = [nothing, nothing, nothing, nothing, in_link_4]
+        columns.append(regrouped(links, np.zeros(3), parameters))
+    return np.array(columns).T

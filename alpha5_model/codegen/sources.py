@@ -19,6 +19,7 @@ from alpha5_model.codegen.program import (
     program,
     statements,
 )
+from alpha5_model.numbers.parameters import parameters
 
 #: Name of the input that a compiled kernel makes constants of.
 PARAMETERS = "parameters"
@@ -46,7 +47,7 @@ const formulas = {
 @cache
 def generated_sources() -> dict[str, str]:
     """Path in the repository -> text; the same every time."""
-    known, more = functions(), products()
+    known, more = functions(parameters()), products(parameters())
     programs = [program(function) for function in known.values()]
     own = [program(more[name]) for name in ("inverse_kinematics", "with_payload")]
     files = {
@@ -99,7 +100,7 @@ def javascript() -> str:
         "hydrostatic_torque",
         "inverse_kinematics",
     ):
-        one = program(functions()[name])
+        one = program(functions(parameters())[name])
         lines, results = statements(one, "javascript", element)
         outputs = {}
         for slot, result in zip(one.outputs, results, strict=True):

@@ -26,6 +26,7 @@ from alpha5_model.codegen.functions import functions
 from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.program import Program, program
 from alpha5_model.codegen.sources import PARAMETERS, UPRIGHT
+from alpha5_model.numbers.parameters import parameters
 
 if os.environ.get("ALPHA5_REQUIRE_KERNELS") == "1":
     compiled = importlib.import_module("alpha5_model.codegen.kernels._compiled")
@@ -33,7 +34,9 @@ else:
     compiled = pytest.importorskip(
         "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
     )
-PROGRAMS = {name: program(function) for name, function in functions().items()}
+PROGRAMS = {
+    name: program(function) for name, function in functions(parameters()).items()
+}
 ROOT = Path(__file__).resolve().parents[2]
 ROWS = 103  # three panels and a rest
 WIDTHS = {1: "scalar", 2: "sse2", 4: "avx2", 8: "avx512"}

@@ -11,11 +11,14 @@ from alpha5_model._support.checks import LARGEST
 from alpha5_model.codegen.functions import functions
 from alpha5_model.codegen.program import Program, program
 from alpha5_model.codegen.sources import PARAMETERS
+from alpha5_model.numbers.parameters import parameters
 
 compiled = pytest.importorskip(
     "alpha5_model.codegen.kernels._compiled", exc_type=ImportError
 )
-PROGRAMS = {name: program(function) for name, function in functions().items()}
+PROGRAMS = {
+    name: program(function) for name, function in functions(parameters()).items()
+}
 each_function = pytest.mark.parametrize("name", PROGRAMS)
 
 

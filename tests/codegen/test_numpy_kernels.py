@@ -13,7 +13,7 @@ from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.codegen.kernels.generated.formulas import KERNELS
 from alpha5_model.numbers.parameters import parameters
 
-PARAMETERS = base_parameters(parameters().links)
+PARAMETERS = base_parameters(parameters().links, parameters=parameters())
 
 
 def arrays(name: str, n: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:

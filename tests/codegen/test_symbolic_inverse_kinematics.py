@@ -17,7 +17,7 @@ import alpha5_model as a5
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 from alpha5_model.codegen.program import TRUTHS, folded, program
 from alpha5_model.codegen.sources import python_source
-from alpha5_model.kinematics.plane import DOUBLE, SINGLE
+from alpha5_model.kinematics.plane import DOUBLE, SINGLE, arm_plane
 
 
 def solve(
@@ -25,7 +25,7 @@ def solve(
 ) -> list[np.ndarray]:
     """q (N, 4, 4), exists and within_limits (N, 4), singular (N,)."""
     count = len(position)
-    function = folded(inverse_kinematics(), tolerances=tolerances).map(count)
+    function = folded(inverse_kinematics(arm_plane()), tolerances=tolerances).map(count)
     found = (
         np.array(x) for x in function.call([casadi.DM(position.T), casadi.DM(wrist).T])
     )
@@ -167,4 +167,6 @@ def test_what_is_not_a_number_is_within_no_limits(wrist: float) -> None:
 
 
 def test_it_is_short() -> None:
-    assert program(folded(inverse_kinematics(), tolerances=DOUBLE)).flops < 235
+    assert (
+        program(folded(inverse_kinematics(arm_plane()), tolerances=DOUBLE)).flops < 235
+    )

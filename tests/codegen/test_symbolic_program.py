@@ -12,6 +12,7 @@ from alpha5_model.codegen.functions import functions, products
 from alpha5_model.codegen.program import OPERATIONS as KNOWN
 from alpha5_model.codegen.program import Program, program
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import parameters
 
 OPERATIONS = {
     "add": lambda x, y: x + y,
@@ -105,9 +106,9 @@ def test_every_operation_gives_what_casadi_computes() -> None:
     against_casadi(function, np.random.default_rng(1))
 
 
-@pytest.mark.parametrize("name", functions())
+@pytest.mark.parametrize("name", functions(parameters()))
 def test_the_arms_functions_give_what_casadi_computes(name: str) -> None:
-    against_casadi(functions()[name], np.random.default_rng(2))
+    against_casadi(functions(parameters())[name], np.random.default_rng(2))
 
 
 def test_equal_expressions_are_computed_once_and_sine_stands_beside_cosine() -> None:
@@ -144,10 +145,10 @@ def test_what_no_emitter_knows_is_refused() -> None:
 
 
 def test_slots_are_named_with_shape_unit_and_meaning() -> None:
-    one = program(functions()["inverse_dynamics"])
+    one = program(functions(parameters())["inverse_dynamics"])
     assert [slot.name for slot in one.inputs] == ["q", "v", "a", "parameters"]
     assert [slot.shape for slot in one.outputs] == [(4,)]
     assert "[rad]" in one.documentation("Torque.")
-    for function in (functions() | products()).values():
+    for function in (functions(parameters()) | products(parameters())).values():
         every = program(function)
         assert all(slot.text for slot in (*every.inputs, *every.outputs)), every.name

@@ -129,7 +129,11 @@ def flat(result: Any) -> np.ndarray:
 def inputs(name: str) -> int:
     """Of q, v and a third one."""
     return len(
-        [given for given in functions()[name].name_in() if given != "parameters"]
+        [
+            given
+            for given in functions(a5.parameters())[name].name_in()
+            if given != "parameters"
+        ]
     )
 
 
@@ -147,7 +151,7 @@ def expected(name: str) -> np.ndarray:
 
 @cache
 def shapes(name: str) -> list[tuple[int, ...]]:
-    return [slot.shape for slot in program(functions()[name]).outputs]
+    return [slot.shape for slot in program(functions(a5.parameters())[name]).outputs]
 
 
 def by_kernel(
@@ -156,7 +160,7 @@ def by_kernel(
     """Its outputs, one after the other, (N, n)."""
     outputs = [
         np.empty((len(given[0]), *slot.shape))
-        for slot in program(functions()[name]).outputs
+        for slot in program(functions(a5.parameters())[name]).outputs
     ]
     assert kernels.batch(name, parameters, *map(np.ascontiguousarray, given), *outputs)
     return np.concatenate([out.reshape(len(out), -1) for out in outputs], axis=1)
@@ -171,7 +175,12 @@ def test_kernels_are_pinocchio_s_for_any_bodies_fluid_and_gravity(
         states()[: inputs(name)].reshape(-1, SETS, STATES, 4).swapaxes(0, 1)
     ):
         arm, links = random_arm(seed)
-        parameters = base_parameters(links, arm.fluid_density, arm.model.gravity.linear)
+        parameters = base_parameters(
+            links,
+            arm.fluid_density,
+            arm.model.gravity.linear,
+            parameters=a5.parameters(),
+        )
         ours = by_kernel(
             kernels, name, parameters if name != "jacobian" else np.empty(0), *rows
         )
@@ -297,7 +306,10 @@ def textbook() -> tuple[casadi.Function, SX]:
 
 
 def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None:
-    function, ours = textbook(), functions()["inverse_dynamics_with_base_wrench"]
+    function, ours = (
+        textbook(),
+        functions(a5.parameters())["inverse_dynamics_with_base_wrench"],
+    )
     rng = np.random.default_rng(8)
     for _ in range(500):
         q, v, a = rng.normal(size=(3, 4)) * [[3.0], [2.0], [5.0]]
@@ -314,7 +326,17 @@ def test_regrouped_parameters_give_what_all_numbers_of_the_bodies_give() -> None
         )
         got = flat(
             tuple(
-                map(np.array, ours(q, v, a, base_parameters(links, density, gravity)))
+                map(
+                    np.array,
+                    ours(
+                        q,
+                        v,
+                        a,
+                        base_parameters(
+                            links, density, gravity, parameters=a5.parameters()
+                        ),
+                    ),
+                )
             )
         )
         assert np.abs(got - expected).max() < 1e-13 * max(1.0, np.abs(expected).max())
@@ -331,19 +353,20 @@ def test_regrouping_saves_operations() -> None:
         textbook(), bodies=np.array(columns).T, gravity=np.array([0.0, 0.0, -9.81])
     )
     ours = folded(
-        functions()["inverse_dynamics_with_base_wrench"],
-        parameters=base_parameters(p.links),
+        functions(a5.parameters())["inverse_dynamics_with_base_wrench"],
+        parameters=base_parameters(p.links, parameters=p),
     )
     assert program(ours).flops < 0.9 * program(full).flops
     torque = folded(
-        functions()["inverse_dynamics"], parameters=base_parameters(p.links)
+        functions(a5.parameters())["inverse_dynamics"],
+        parameters=base_parameters(p.links, parameters=p),
     )
     assert program(torque).flops < 330
 
 
 def test_no_base_parameter_is_too_many() -> None:
     """Torques and load on the mount are linear in all but gravity; no parameter is a combination of others."""
-    function = functions()["inverse_dynamics_with_base_wrench"]
+    function = functions(a5.parameters())["inverse_dynamics_with_base_wrench"]
     given = [SX.sym(name, function.size1_in(name)) for name in function.name_in()]
     out = casadi.vertcat(*function(*given))
     regressor = casadi.Function("r", given, [casadi.jacobian(out, given[-1])])
@@ -364,7 +387,9 @@ def test_no_base_parameter_is_too_many() -> None:
 
 def test_parameters_of_the_arm_are_those_of_its_tables_and_payload() -> None:
     arm = a5.load(1000.0, gravity=TILTED)
-    by_table = base_parameters(a5.parameters().links, 1000.0, TILTED)
+    by_table = base_parameters(
+        a5.parameters().links, 1000.0, TILTED, parameters=a5.parameters()
+    )
     assert np.abs(arm._kernel_parameters - by_table).max() < 1e-15
     loaded = arm.with_payload(**PAYLOAD)._kernel_parameters
     change = dict(zip(BASE_PARAMETERS, loaded - by_table, strict=True))

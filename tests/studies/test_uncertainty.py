@@ -230,7 +230,9 @@ def test_base_parameters_of_samples(
     for k, ours in enumerate(drawn.base_parameters(1000.0, TILTED)):
         links = drawn.parameters(k).links
         np.testing.assert_allclose(
-            ours, base_parameters(links, 1000.0, TILTED), atol=1e-15
+            ours,
+            base_parameters(links, 1000.0, TILTED, parameters=a5.parameters()),
+            atol=1e-15,
         )
         values = dict(zip(drawn.names, drawn.values[k], strict=True))
         order = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -297,7 +299,7 @@ def test_regressor_is_pinocchios_regrouped() -> None:
     for link, k in np.ndindex(4, 10):
         moments = np.zeros((5, 2, 4, 4))
         moments[link + 1] = bodies[k]
-        groups[:, 10 * link + k] = regrouped(moments, np.zeros(3))[:-3]
+        groups[:, 10 * link + k] = regrouped(moments, np.zeros(3), a5.parameters())[:-3]
     for q, v, a in states(20, 1).swapaxes(0, 1):
         theirs = pin.computeJointTorqueRegressor(model, data, q, v, a)
         np.testing.assert_allclose(

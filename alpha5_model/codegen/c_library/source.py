@@ -46,7 +46,7 @@ def programs(arm: Arm, options: Any) -> list[Program]:
         symbolic.program(
             symbolic.folded(f, **{n: known[n] for n in f.name_in() if n in known})
         )
-        for name, f in products().items()
+        for name, f in products(parameters()).items()
         if options.struct or name != "with_payload"
     ]
 

@@ -1,0 +1,198 @@
+"""The arm in moving water as CasADi Functions: added mass, drag and a current.
+
+The equations are those of `alpha5_model.codegen.newton_euler`. What the water adds to
+them beside a rigid body has the numbers of `alpha5_model.codegen.water_parameters`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import casadi
+import numpy as np
+from casadi import SX, cross, horzcat, vertcat, vertsplit
+
+from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
+from alpha5_model.codegen.newton_euler import (
+    JOINTS,
+    STILL,
+    Motion,
+    mass_matrix,
+    newton_euler,
+    turning_moment,
+    weightless,
+)
+from alpha5_model.codegen.program import named
+from alpha5_model.codegen.water_parameters import STRIPS, WATER_PARAMETERS, StripKind
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+
+def in_moving_water(parameters: Alpha5Parameters) -> tuple[casadi.Function, ...]:
+    """Inverse and forward dynamics.
+
+    Their inputs are those of `alpha5_model.codegen.dynamics.dynamics`, and the current.
+    The input ``parameters`` holds the base parameters with what the water adds to them,
+    then `WATER_PARAMETERS`.
+    """
+    q = SX.sym("q", JOINTS)
+    v = SX.sym("v", JOINTS)
+    a = SX.sym("a", JOINTS)
+    tau = SX.sym("tau", JOINTS)
+    current = SX.sym("current", 3)
+    numbers = SX.sym("parameters", len(BASE_PARAMETERS) + len(WATER_PARAMETERS))
+    inputs = {
+        "q": q,
+        "v": v,
+        "a": a,
+        "tau": tau,
+        "current": current,
+        "parameters": numbers,
+    }
+
+    base, water = vertsplit(numbers, [0, len(BASE_PARAMETERS), numbers.shape[0]])
+    by_name = dict(zip(WATER_PARAMETERS, vertsplit(water), strict=True))
+    load = partial(_load, by_name)
+
+    torque, _ = newton_euler(q, v, a, base, parameters, current, load)
+    bias, _ = newton_euler(q, v, STILL, base, parameters, current, load)
+    inertial, _ = newton_euler(
+        q, STILL, a, weightless(base), parameters, SX.zeros(3), load
+    )
+    factors = casadi.ldl(mass_matrix(inertial, a), False)
+    acceleration = casadi.ldl_solve(tau - bias, *factors)
+    return (
+        named("inverse_dynamics_in_current", inputs, {"tau": torque}),
+        named("forward_dynamics_in_current", inputs, {"a": acceleration}),
+    )
+
+
+def _load(
+    numbers: Mapping[str, SX], link: int, first_moments: SX, motion: Motion
+) -> tuple[SX, SX]:
+    """What a link spends on the water beside what a rigid body would.
+
+    The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms ``omega x
+    C v + v x C omega`` are ``omega x D v + C (omega x v)``, and ``C alpha + omega x C
+    omega`` turns as second moments ``-D / 2`` do.
+
+    Args:
+        numbers: `WATER_PARAMETERS`, by name.
+        link: 1 to 4.
+        first_moments: Of the link, which its acceleration pulls on.
+        motion: Of the link.
+
+    Returns:
+        Force, and moment about the origin of the link, in its axes.
+    """
+    velocity = motion.velocity
+    omega = motion.omega
+
+    b = _symmetric(*_entries(numbers, f"link_{link}.b"))
+    c = _symmetric(*_entries(numbers, f"link_{link}.c"))
+    c[2, 2] = c[0, 0] + c[1, 1]
+    d = 2 * (c - c[2, 2] * SX.eye(3))
+    momentum = b @ velocity
+
+    relative = motion.acceleration - cross(omega, velocity)
+    force = b @ relative + cross(omega, momentum)
+    force += turning_moment(motion.rates, *(-d[at] / 2 for at in SECOND.values()))
+
+    moment = (c + casadi.skew(first_moments)) @ motion.acceleration
+    moment += cross(omega, d @ velocity) + cross(velocity, momentum)
+
+    for place, strip in enumerate(STRIPS):
+        if strip.link == link:
+            drag, moment_of_drag = _drag(strip, f"strip_{place}.", numbers, motion)
+            force += drag
+            moment += moment_of_drag
+    return force, moment
+
+
+def _entries(numbers: Mapping[str, SX], block: str) -> list[SX]:
+    """The entries ``SECOND`` of a symmetric block; those that it lacks are 0."""
+    return [numbers.get(f"{block}{name}", SX(0)) for name in SECOND]
+
+
+def _symmetric(xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
+    """A symmetric matrix without zz, (3, 3)."""
+    return vertcat(
+        horzcat(xx, xy, xz),
+        horzcat(xy, yy, yz),
+        horzcat(xz, yz, SX(0)),
+    )
+
+
+def _drag(
+    strip: StripKind, prefix: str, numbers: Mapping[str, SX], motion: Motion
+) -> tuple[SX, SX]:
+    """Force of a strip along an axis of its link, and moment about the origin.
+
+    At a distance x from the strip's middle, the velocity across it is ``middle velocity
+    + x slope``. Force and moment need only the sums of the speeds, times 1, x and x^2,
+    over Gauss's points.
+    """
+    middle = vertcat(*(numbers[f"{prefix}{axis}"] for axis in "xyz"))
+    along = numbers[f"{prefix}along"]
+
+    axis = strip.axis
+    one = (axis + 1) % 3
+    other = (axis + 2) % 3
+    at_middle = motion.velocity + cross(motion.omega, middle)
+    slope_one = motion.omega[other]
+    slope_other = -motion.omega[one]
+
+    square = at_middle[one] ** 2 + at_middle[other] ** 2
+    mixed = at_middle[one] * slope_one + at_middle[other] * slope_other
+    speeds, first, second = _sums_of_speeds(
+        strip.points,
+        half=numbers[f"{prefix}half"],
+        across=numbers[f"{prefix}across"],
+        square=square,
+        mixed=mixed,
+        slope_square=motion.rates[axis, axis],
+    )
+
+    force = SX.zeros(3)
+    force[axis] = along * casadi.fabs(at_middle[axis]) * at_middle[axis]
+    force[one] = speeds * at_middle[one] + first * slope_one
+    force[other] = speeds * at_middle[other] + first * slope_other
+
+    moment = SX.zeros(3)
+    moment[one] = -(first * at_middle[other] + second * slope_other)
+    moment[other] = first * at_middle[one] + second * slope_one
+    return force, moment + cross(middle, force)
+
+
+def _sums_of_speeds(
+    points: int, half: SX, across: SX, square: SX, mixed: SX, slope_square: SX
+) -> Sequence[SX]:
+    """Sums of the speeds across a strip over Gauss's points, times 1, x and x^2.
+
+    Args:
+        points: Their number, even.
+        half: Half the strip's length.
+        across: Drag across, the weight of the sums.
+        square: Of the velocity v across at the middle, ``v . v``.
+        mixed: With the slope w of the velocity, ``v . w``.
+        slope_square: ``-w . w``, an entry of U.
+    """
+    speeds = SX(0)
+    first = SX(0)
+    second = SX(0)
+    abscissas, weights = np.polynomial.legendre.leggauss(points)
+    for abscissa, weight in zip(abscissas, weights, strict=True):
+        if abscissa < 0:
+            continue  # computed with its mirror image
+        x = abscissa * half
+        share = weight / 2 * across
+        even = square - x**2 * slope_square
+        odd = 2 * x * mixed
+
+        ahead = casadi.sqrt(casadi.fabs(even + odd))
+        behind = casadi.sqrt(casadi.fabs(even - odd))
+        both = share * (ahead + behind)
+        speeds += both
+        first += x * share * (ahead - behind)
+        second += x**2 * both
+    return speeds, first, second

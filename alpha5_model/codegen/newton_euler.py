@@ -1,0 +1,216 @@
+"""Newton's and Euler's equations of the arm on a fixed base, as CasADi expressions.
+
+They are recursive, in the axes of the links, and in terms of the base parameters: moving
+links have first and second moments but no mass (`alpha5_model.codegen.base_parameters`).
+With the angular velocity omega and the angular acceleration alpha of a link, the matrix
+``U = [alpha]x + [omega]x [omega]x`` gives all accelerations and inertial forces
+[Khalil2002]: a point r accelerates by ``U r``, first moments h exert ``U h``, second
+moments S exert the moment in ``U S - (U S)^T``.
+
+References:
+    [Khalil2002] Khalil, Dombre: Modeling, Identification and Control of Robots, section
+        9.6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import casadi
+from casadi import SX, cross, horzcat, jacobian, vertcat, vertsplit
+
+from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
+from alpha5_model.codegen.chain import Turn, turns
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+JOINTS = 4
+#: No velocities, or no accelerations.
+STILL = SX.zeros(JOINTS)
+
+
+class Motion(NamedTuple):
+    """How a link moves, in its axes, (3, 1) each.
+
+    Attributes:
+        velocity: Of its origin relative to the water.
+        acceleration: Of its origin.
+        omega: Angular velocity.
+        alpha: Angular acceleration.
+        rates: U, (3, 3).
+        gravity: In the axes of the link.
+    """
+
+    velocity: SX
+    acceleration: SX
+    omega: SX
+    alpha: SX
+    rates: SX
+    gravity: SX
+
+    def beyond(self, step: Turn, speed: SX, acceleration: SX) -> Motion:
+        """Motion of the next link, whose joint has a speed and an acceleration."""
+        arm_velocity = self.velocity + cross(self.omega, step.origin)
+        arm_acceleration = self.acceleration + self.rates @ step.origin
+        carried_omega = step.outward(self.omega)
+        carried_alpha = step.outward(self.alpha)
+
+        omega = carried_omega + vertcat(0.0, 0.0, speed)
+        alpha = carried_alpha + vertcat(
+            carried_omega[1] * speed, -carried_omega[0] * speed, acceleration
+        )
+        return Motion(
+            velocity=step.outward(arm_velocity),
+            acceleration=step.outward(arm_acceleration),
+            omega=omega,
+            alpha=alpha,
+            rates=_rates(omega, alpha),
+            gravity=step.outward(self.gravity),
+        )
+
+
+def _rates(omega: SX, alpha: SX) -> SX:
+    """U, (3, 3)."""
+    x, y, z = vertsplit(omega)
+    xx, yy, zz = -x * x, -y * y, -z * z
+    xy, xz, yz = x * y, x * z, y * z
+
+    alpha_x, alpha_y, alpha_z = vertsplit(alpha)
+    return vertcat(
+        horzcat(yy + zz, xy - alpha_z, xz + alpha_y),
+        horzcat(xy + alpha_z, xx + zz, yz - alpha_x),
+        horzcat(xz - alpha_y, yz + alpha_x, xx + yy),
+    )
+
+
+#: Of a link's number, its first moments and its motion: the force on the link without
+#: that of its first moments, and the moment of force and first moments.
+Load = Callable[[int, SX, Motion], tuple[SX, SX]]
+
+
+def without_mass(link: int, first_moments: SX, motion: Motion) -> tuple[SX, SX]:
+    """The `Load` of a link that has moments but no mass."""
+    return SX.zeros(3), cross(first_moments, motion.acceleration)
+
+
+def newton_euler(
+    q: SX,
+    v: SX,
+    a: SX,
+    base_parameters: SX,
+    parameters: Alpha5Parameters,
+    current: SX | None = None,
+    load: Load = without_mass,
+) -> tuple[SX, SX]:
+    """Joint torques, and the load on the mount.
+
+    If velocities, accelerations or gravity are zero, only what does not vanish is left:
+    statics, Coriolis torques, ...
+
+    Args:
+        q, v, a: Joint positions, velocities and accelerations, (4, 1) each.
+        base_parameters: `BASE_PARAMETERS`, (41, 1).
+        parameters: The arm's parameters; only its dimensions are used.
+        current: Velocity of the water in base_link, (3, 1); none for still water.
+        load: What moves a link beside its first and second moments.
+
+    Returns:
+        Torques (4, 1), and force above moment on the mount in base_link (6, 1).
+    """
+    numbers = _by_name(base_parameters)
+    gravity = vertcat(*(numbers[f"gravity.{axis}"] for axis in "xyz"))
+    motion = Motion(
+        velocity=SX.zeros(3) if current is None else -current,
+        acceleration=SX.zeros(3),
+        omega=SX.zeros(3),
+        alpha=SX.zeros(3),
+        rates=SX.zeros(3, 3),
+        gravity=gravity,
+    )
+
+    steps = turns(q, parameters)[:JOINTS]
+    loads = []
+    for i, step in enumerate(steps):
+        motion = motion.beyond(step, v[i], a[i])
+        loads.append(_on_link(i + 1, motion, numbers, load))
+
+    torques: list[SX] = []
+    force = SX.zeros(3)
+    moment = SX.zeros(3)
+    inwards = reversed(list(zip(steps, loads, strict=True)))
+    for step, (own_force, own_moment) in inwards:
+        force = own_force + force
+        moment = own_moment + moment
+        torques.insert(0, moment[2])
+
+        force = step.inward(force)
+        moment = step.inward(moment) + cross(step.origin, force)
+
+    weight = numbers["link_0.n"] * gravity
+    moment += cross(gravity, _vector(numbers, 0, "n"))
+    return vertcat(*torques), vertcat(weight - force, -moment)
+
+
+def _by_name(base_parameters: SX) -> dict[str, SX]:
+    """The base parameters by their names."""
+    numbers = dict(zip(BASE_PARAMETERS, vertsplit(base_parameters), strict=True))
+    # Link 1 turns about its z only: all of xx + yy may stand in xx.
+    return numbers | {"link_1.xx": numbers["link_1.izz"]}
+
+
+def _on_link(
+    link: int, motion: Motion, numbers: Mapping[str, SX], load: Load
+) -> tuple[SX, SX]:
+    """Force and moment about the link's origin that its motion and weight take."""
+    first_moments = _vector(numbers, link, "h")
+    net_first_moments = _vector(numbers, link, "n")
+    second_moments = _entries(numbers, link, tuple(SECOND))
+
+    force, moment = load(link, first_moments, motion)
+    force = motion.rates @ first_moments + force
+    moment = turning_moment(motion.rates, *second_moments) + moment
+    return force, moment + cross(motion.gravity, net_first_moments)
+
+
+def _vector(numbers: Mapping[str, SX], link: int, name: str) -> SX:
+    """First moments of a link, (3, 1)."""
+    return vertcat(*_entries(numbers, link, tuple(f"{name}{axis}" for axis in "xyz")))
+
+
+def _entries(numbers: Mapping[str, SX], link: int, names: tuple[str, ...]) -> list[SX]:
+    """Numbers of a link; those that are no base parameters are 0."""
+    return [numbers.get(f"link_{link}.{name}", SX(0.0)) for name in names]
+
+
+def turning_moment(u: SX, xx: SX, yy: SX, xy: SX, xz: SX, yz: SX) -> SX:
+    """The moment in the skew part of ``U S``, (3, 1); S are second moments without zz."""
+    about_x = u[2, 0] * xy + u[2, 1] * yy + (u[2, 2] - u[1, 1]) * yz - u[1, 0] * xz
+    about_y = (u[0, 0] - u[2, 2]) * xz + u[0, 1] * yz - u[2, 0] * xx - u[2, 1] * xy
+    about_z = (
+        u[1, 0] * xx
+        - u[0, 1] * yy
+        + (u[1, 1] - u[0, 0]) * xy
+        + u[1, 2] * xz
+        - u[0, 2] * yz
+    )
+    return vertcat(about_x, about_y, about_z)
+
+
+def weightless(base_parameters: SX) -> SX:
+    """The base parameters without gravity."""
+    return vertcat(base_parameters[:-3], SX.zeros(3))
+
+
+def in_air(base_parameters: SX) -> SX:
+    """The base parameters without fluid around the moving links.
+
+    Their net first moments are those of the mass.
+    """
+    place = {name: i for i, name in enumerate(BASE_PARAMETERS)}
+    sources = [place.get(name.replace(".n", ".h"), i) for name, i in place.items()]
+    return base_parameters[sources]
+
+
+def mass_matrix(torque: SX, a: SX) -> SX:
+    """M (4, 4) from a torque linear in a: half of the derivative, mirrored."""
+    return casadi.tril2symm(casadi.tril(jacobian(torque, a)))
