@@ -5,10 +5,12 @@
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse
-from alpha5_model.trajectory.motions import Motion, motion, read_motion
+from alpha5_model.trajectory.arrays import motion
+from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory.recordings import read_motion
 from alpha5_model.trajectory.report import columns, summary, text, write
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
-from alpha5_model.trajectory.tables import MotionWarning
+from alpha5_model.trajectory.warning import MotionWarning
 
 __all__ = [
     "Analysis",
@@ -18,5 +20,9 @@ __all__ = [
     "analyse",
     "columns",
     "motion",
+    "read_motion",
+    "smooth",
+    "summary",
+    "text",
+    "write",
 ]
-__all__ += ["read_motion", "smooth", "summary", "text", "write"]

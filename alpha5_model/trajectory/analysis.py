@@ -14,9 +14,11 @@ from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
 from alpha5_model.errors import InputError, MissingParameterError
 from alpha5_model.numbers.parameters import parameters
-from alpha5_model.trajectory import smoothing, tables
+from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.trajectory import file_table, smoothing
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
+from alpha5_model.trajectory.warning import MotionWarning
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -89,7 +91,7 @@ class Analysis:
     torque_limits: Interval | None
     supply_voltage: float | None
     current_limit: float | None
-    warnings: tuple[tables.MotionWarning, ...]
+    warnings: tuple[MotionWarning, ...]
     moving_water: WaterTerms | None = None
 
     def causes(self) -> dict[str, FloatArray]:
@@ -115,7 +117,7 @@ def analyse(
     supply_voltage: float | None = None,
     current_limit: float | None = None,
     threads: int | None = None,
-    progress: tables.Progress | None = None,
+    progress: file_table.Progress | None = None,
     current: ArrayLike | None = None,
     efficiency: str = "gearbox",
 ) -> Analysis:
@@ -204,7 +206,7 @@ def _for_arm(motion: Motion, arm: Arm) -> Motion:
         raise InputError(
             "arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base"
         )
-    wanted = tables.JOINTS[: arm.model.nv]
+    wanted = JOINT_NAMES[: arm.model.nv]
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
@@ -254,7 +256,7 @@ def motor_side(
     return dict(zip(BY_MOTOR, out, strict=True)), limits
 
 
-def _velocity_warnings(motion: Motion) -> tuple[tables.MotionWarning, ...]:
+def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
     """Joints whose velocities are not the slope of their positions, by slow parts of both."""
     if motion.velocity is None:
         return ()
@@ -271,5 +273,5 @@ def _velocity_warnings(motion: Motion) -> tuple[tables.MotionWarning, ...]:
         gain = float(np.mean(slope[:, k] * given[:, k])) / power
         if not 0.8 < gain < 1.25:
             text = f"{joint.name}'s velocities are {gain:.3g} times the slope of its positions"
-            found.append(tables.MotionWarning("velocity", 1, "all samples", text))
+            found.append(MotionWarning("velocity", 1, "all samples", text))
     return tuple(found)

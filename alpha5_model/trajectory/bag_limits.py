@@ -18,7 +18,7 @@ from typing import Any
 
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError, MissingDependencyError
-from alpha5_model.trajectory.tables import EXPANSION
+from alpha5_model.trajectory.file_table import EXPANSION
 
 #: What any bag may expand to [bytes].
 _LEAST = 1_000_000

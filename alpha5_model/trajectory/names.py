@@ -1,6 +1,7 @@
-"""What the names of columns mean: a joint, a quantity, and what stands before the joint.
+"""What the names of columns mean: a joint, a quantity, what stands before the joint.
 
-A name is read only if each of its words is understood, so that no torque passes for a position.
+A name is read only if each of its words is understood, so that no torque is taken for a
+position.
 """
 
 from __future__ import annotations
@@ -9,9 +10,12 @@ import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
+from alpha5_model.errors import InputError
 from alpha5_model.numbers.tables import JOINT_NAMES
 
-POSITION, VELOCITY, EFFORT = "position", "velocity", "effort"
+POSITION = "position"
+VELOCITY = "velocity"
+EFFORT = "effort"
 #: Where a robot stands or what it is called; nothing that is measured.
 NAME = "name"
 #: Says how a quantity was found, but not which one.
@@ -24,16 +28,16 @@ _WORDS = {
     VELOCITY: "vel velocity velocities dq qdot dtheta thetadot",
     EFFORT: "effort efforts",
     NAME: """
-        alpha arm arms aft auv back blueprint bluerov bottom bravo follower fore front joint joints
-        leader left main manip manipulator master port primary reach real rear right robot rov
-        secondary sim slave starboard stbd top uvms vehicle""",
+        alpha arm arms aft auv back blueprint bluerov bottom bravo follower fore front
+        joint joints leader left main manip manipulator master port primary reach real
+        rear right robot rov secondary sim slave starboard stbd top uvms vehicle""",
     MEASURED: """
-        act actual est estimate estimated fb feedback filt filtered meas measured present sensed
-        sensor smooth smoothed unwrap unwrapped""",
+        act actual est estimate estimated fb feedback filt filtered meas measured
+        present sensed sensor smooth smoothed unwrap unwrapped""",
     COMMAND: """
-        cmd cmds command commands commanded dcmd ddes ddref demand demanded des desired dref goal
-        goals input nominal plan planned ref reference references req request requested set
-        setpoint setpoints sp target targets traj trajectory""",
+        cmd cmds command commands commanded dcmd ddes ddref demand demanded des desired
+        dref goal goals input nominal plan planned ref reference references req request
+        requested set setpoint setpoints sp target targets traj trajectory""",
     "raw value": "adc cnt cnts count counts enc encoder hall raw resolver tick ticks",
     "limit": "bound bounds lim limit limits lower margin range sat saturation upper",
     "torque": "mom moment moments nm taus tau torque torques tq trq",
@@ -46,19 +50,21 @@ _WORDS = {
     "acceleration": """
         acc accel acceleration accelerations accels ddot ddq ddtheta jerk qdd qddot snap""",
     "difference": """
-        delta der deriv derivative dev deviation diff difference dot err error errors inc increment
-        innovation lag mismatch residual residuals step track tracking""",
+        delta der deriv derivative dev deviation diff difference dot err error errors
+        inc increment innovation lag mismatch residual residuals step track tracking""",
     "statistic": """
-        average avg bias conf confidence cov covariance drift max maximum mean median min minimum
-        noise norm off offset peak rms sigma std stddev stdev sum uncertainty var variance
-        weight""",
-    "gain": "damping feedforward ff friction gain gains integral kd kff ki kp kv pid stiffness",
+        average avg bias conf confidence cov covariance drift max maximum mean median
+        min minimum noise norm off offset peak rms sigma std stddev stdev sum
+        uncertainty var variance weight""",
+    "gain": """
+        damping feedforward ff friction gain gains integral kd kff ki kp kv pid
+        stiffness""",
     "model term": "buoyancy coriolis drag gravity inertia mass",
     "control signal": "control controller ctrl duty output outputs pwm",
     "motor side": "gear gearbox motor motors rotor",
     "status": """
-        alarm brake code enable enabled fault faults flag flags health homed mode ok quality stall
-        stalled status valid warning""",
+        alarm brake code enable enabled fault faults flag flags health homed mode ok
+        quality stall stalled status valid warning""",
     "time": "age delay dt latency period stamp time timestamp timestamps",
     "environment": "depth humidity leak pressure",
     "angle in degrees": "deg degree degrees degs",
@@ -66,7 +72,8 @@ _WORDS = {
 _MEANING = {
     word: meaning for meaning, words in _WORDS.items() for word in words.split()
 }
-#: What may be a position all the same, if the caller names what stands before the joint.
+#: What may be a position all the same, if the caller names what stands before the
+#: joint.
 _ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
 _QUANTITIES = {POSITION, VELOCITY, EFFORT}
 #: How many columns a message explains.
@@ -74,7 +81,8 @@ _REASONS = 4
 
 #: The last joint in a name; ``axis_e2`` is another.
 _JOINT = re.compile(rf"(.*)({'|'.join(JOINT_NAMES)})(?![A-Za-z0-9])(.*)", re.DOTALL)
-#: Words of ``tau_``, ``jointVelocity/`` and ``arm2.``; other signs are words of their own.
+#: Words of ``tau_``, ``jointVelocity/`` and ``arm2.``; other signs are words of their
+#: own.
 _WORD = re.compile(r"^-|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|[^\sA-Za-z0-9_./:\-\[\]()]")
 _SEPARATORS = re.compile(r"[\s_./:\-\[\]()]*")
 
@@ -86,10 +94,10 @@ class Column:
     Attributes:
         name: As it stands in the file.
         joint: ``"axis_e"`` and so on.
-        group: What stands before the joint, without the words of the quantity: ``"left_"`` in
-            ``dq_left_axis_e``. Columns of one arm have the same.
-        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or what else it is: ``"torque"``,
-            ``"command"``, ``"unknown"`` and so on.
+        group: What stands before the joint, without the words of the quantity:
+            ``"left_"`` in ``dq_left_axis_e``. Columns of one arm have the same group.
+        meaning: ``"position"``, ``"velocity"``, ``"effort"``, or what else it is:
+            ``"torque"``, ``"command"``, ``"unknown"`` and so on.
     """
 
     name: str
@@ -103,118 +111,167 @@ def joint_columns(header: Iterable[str], asked: str | None = None) -> list[Colum
 
     Args:
         header: Names of all columns.
-        asked: What the caller says to stand before the joints of the arm; None for nothing.
+        asked: What the caller says to stand before the joints of the arm; None for
+            nothing.
     """
-    group = None if asked is None else _group(asked)
+    asked_group = None if asked is None else _group(asked)
     columns = []
     for name in header:
-        parts = _JOINT.fullmatch(name)
-        if parts:
-            before, joint, after = parts.groups()
-            own = _group(before)
-            meaning = _meaning(before, after, own == group)
-            columns.append(Column(name, joint, own, meaning))
+        match = _JOINT.fullmatch(name)
+        if not match:
+            continue
+        before, joint, after = match.groups()
+        group = _group(before)
+        column = Column(
+            name=name,
+            joint=joint,
+            group=group,
+            meaning=_meaning(before, after, on_request=group == asked_group),
+        )
+        columns.append(column)
     return columns
 
 
 def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
-    """The groups with a position of each arm joint, sorted."""
-    found: dict[str, set[str]] = {}
+    """The groups with a position of each arm joint, sorted; at most the one asked for."""
+    joints_of: dict[str, set[str]] = {}
     for column in columns:
         if column.meaning == POSITION:
-            found.setdefault(column.group, set()).add(column.joint)
+            joints_of.setdefault(column.group, set()).add(column.joint)
+
+    complete = _complete(joints_of)
     if asked is not None:
-        found = {
-            group: joints for group, joints in found.items() if group == _group(asked)
-        }
-    return sorted(
-        group for group, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])
-    )
+        complete = [group for group in complete if group == _group(asked)]
+    return sorted(complete)
 
 
 def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
-    """What stands before the joints among the names of a ``sensor_msgs/JointState``, sorted.
+    """What stands before the joints in the names of a ``sensor_msgs/JointState``, sorted.
 
-    Its field says that it has positions: words that are not known are a robot's name, unless others
-    among them say that these are no measured positions.
+    The message itself says that it holds positions. Unknown words are therefore a
+    robot's name, unless a known one among them says that these are no measured
+    positions.
     """
-    found: dict[str, set[str]] = {}
+    joints_of: dict[str, set[str]] = {}
     for name in names:
-        parts = _JOINT.fullmatch(name)
-        if parts and not parts[3]:
-            found.setdefault(parts[1], set()).add(parts[2])
-    whole = [
-        before for before, joints in found.items() if joints.issuperset(JOINT_NAMES[:4])
-    ]
+        match = _JOINT.fullmatch(name)
+        if not match:
+            continue
+        before, joint, after = match.groups()
+        if not after:
+            joints_of.setdefault(before, set()).add(joint)
+
+    complete = _complete(joints_of)
     if asked is not None:
-        return [before for before in whole if before == asked]
+        return [prefix for prefix in complete if prefix == asked]
     allowed = {POSITION, NAME, MEASURED, UNKNOWN}
-    return sorted(before for before in whole if allowed.issuperset(_meanings(before)))
+    return sorted(
+        prefix for prefix in complete if allowed.issuperset(_meanings(prefix))
+    )
+
+
+def only_choice(what: str, found: Collection[str]) -> str:
+    """The only one of some prefixes or topics; ``""`` if it is among them.
+
+    Joints named without a prefix are the arm's, whatever else there is.
+
+    Raises:
+        InputError: There are several.
+    """
+    if len(found) > 1 and "" not in found:
+        choices = ", ".join(sorted(found))
+        expected = f"one of {choices}: each has the joints of an arm"
+        raise InputError(what, None, expected)
+    return min(found)
 
 
 def explained(columns: Iterable[Column], joint: str) -> str:
-    """Why the columns of a joint are no positions, ``""`` if there are none."""
-    others = [x for x in columns if x.joint == joint and x.meaning != POSITION]
-    reasons = []
-    for column in others[:_REASONS]:
-        reason = f"{column.name[:60]} is {_article(column.meaning)}"
-        if joint_columns([column.name], column.group)[0].meaning == POSITION:
-            reason += f" (prefix {column.group[:60]} reads it as a position)"
-        reasons.append(reason)
+    """Why the columns of a joint are no positions; ``""`` if there are none."""
+    others = [
+        column
+        for column in columns
+        if column.joint == joint and column.meaning != POSITION
+    ]
+    reasons = [_reason(column) for column in others[:_REASONS]]
     if len(others) > _REASONS:
         reasons.append(f"{len(others) - _REASONS} more")
     return ", ".join(reasons)
 
 
-def _article(meaning: str) -> str:
+def _reason(column: Column) -> str:
+    """Why a column is no position, and how to read it as one if it can be."""
+    reason = f"{column.name[:60]} is {_with_article(column.meaning)}"
+    (on_request,) = joint_columns([column.name], asked=column.group)
+    if on_request.meaning == POSITION:
+        reason += f" (prefix {column.group[:60]} reads it as a position)"
+    return reason
+
+
+def _with_article(meaning: str) -> str:
+    """A meaning as it reads after "is"."""
     if meaning == UNKNOWN:
         return "not understood"
-    return ("an " if meaning[0] in "aeiou" else "a ") + meaning
+    article = "an" if meaning[0] in "aeiou" else "a"
+    return f"{article} {meaning}"
 
 
-def _meaning(before: str, after: str, asked: bool) -> str:
+def _complete(joints_of: dict[str, set[str]]) -> list[str]:
+    """The groups or prefixes that have each of the four arm joints."""
+    arm = JOINT_NAMES[:4]
+    return [group for group, joints in joints_of.items() if joints.issuperset(arm)]
+
+
+def _meaning(before: str, after: str, on_request: bool) -> str:
     """What a column holds.
 
     Args:
         before, after: What stands around the joint.
-        asked: Whether the caller named this group.
+        on_request: Whether the caller named this group.
     """
     ahead = _meanings(before)
     behind = _meanings(after)
-    if asked:
-        named = (
-            {*_ON_REQUEST, MEASURED, POSITION} if behind else {*_ON_REQUEST, MEASURED}
-        )
-        ahead = [meaning for meaning in ahead if meaning not in named]
+    if on_request:
+        overruled = {*_ON_REQUEST, MEASURED}
+        if behind:
+            overruled.add(POSITION)
+        ahead = [meaning for meaning in ahead if meaning not in overruled]
     every = ahead + behind
+
     if COMMAND in every:
         return COMMAND
-    others = [x for x in every if x not in _QUANTITIES | {NAME, MEASURED, UNKNOWN}]
+    harmless = {*_QUANTITIES, NAME, MEASURED, UNKNOWN}
+    others = [meaning for meaning in every if meaning not in harmless]
     if others:
         return others[0]
+
     quantities = _QUANTITIES.intersection(every)
     if len(quantities) > 1 or not {*_QUANTITIES, MEASURED}.issuperset(behind):
         return UNKNOWN
-    # ``any_axis_e_pos`` says what it is; ``any_pos_axis_e`` may be the gain of a controller.
+    # ``any_axis_e_pos`` says what it is; ``any_pos_axis_e`` may be the gain of a
+    # controller.
     if UNKNOWN in ahead and not _QUANTITIES.intersection(behind):
         return UNKNOWN
-    if not quantities and MEASURED in every:
-        return UNKNOWN
-    return quantities.pop() if quantities else POSITION
+    if not quantities:
+        return UNKNOWN if MEASURED in every else POSITION
+    return quantities.pop()
 
 
 def _meanings(text: str) -> list[str]:
-    """What each word means."""
-    words = _WORD.findall(text)
-    return [NAME if x.isdecimal() else _MEANING.get(x.lower(), UNKNOWN) for x in words]
+    """What each word of a text means."""
+    return [
+        NAME if word.isdecimal() else _MEANING.get(word.lower(), UNKNOWN)
+        for word in _WORD.findall(text)
+    ]
 
 
 def _group(before: str) -> str:
     """What stands before a joint, without the words of its quantity."""
-    kept, end = "", 0
+    kept = ""
+    end = 0
     for match in _WORD.finditer(before):
         kept += before[end : match.start()]
-        end = _SEPARATORS.match(before, match.end()).end()  # type: ignore[union-attr]
+        separators = _SEPARATORS.match(before, match.end())
+        end = separators.end() if separators else match.end()
         if _MEANING.get(match[0].lower()) not in _QUANTITIES:
             kept += before[match.start() : end]
     return kept + before[end:]

@@ -15,9 +15,9 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import PathLike, atomic_write, output_format
 from alpha5_model._support.text import plain, readable, table
 from alpha5_model.numbers.parameters import JointRange
-from alpha5_model.trajectory import smoothing, tables
+from alpha5_model.trajectory import file_table, smoothing
 from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
-from alpha5_model.trajectory.motions import LIMIT_SLACK
+from alpha5_model.trajectory.checks import LIMIT_SLACK
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")
@@ -367,7 +367,7 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
 
 
 def write(
-    analysis: Analysis, path: PathLike, progress: tables.Progress | None = None
+    analysis: Analysis, path: PathLike, progress: file_table.Progress | None = None
 ) -> Path:
     """Write the table; the suffix says how, ``.csv`` (also ``-``, devices and pipes) or ``.json``.
 

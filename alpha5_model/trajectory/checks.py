@@ -1,0 +1,244 @@
+"""Checks of a motion: what cannot be used is refused, what is odd is warned of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import BoolArray, FloatArray, frozen
+from alpha5_model.errors import Alpha5Error, InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange
+from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory.warning import MotionWarning
+
+#: Fewer samples give no useful acceleration.
+MINIMUM_SAMPLES = 5
+#: A step is a jump beyond this share of the joint's range plus twice its rated speed.
+JUMP_SHARE = 0.1
+#: A position beyond a limit by less than this share of the joint's range is at the
+#: limit.
+LIMIT_SLACK = 1e-3
+#: A gap is longer than this many median sample times.
+GAP_FACTOR = 10.0
+#: Times that differ by less are the same [s].
+_SAME_TIME = 1e-9
+#: Derivatives of larger numbers would overflow.
+_LARGEST_TIME = 1e12
+_LARGEST = 1e9
+
+
+class Origin(ABC):
+    """Where the samples of a motion come from, for messages."""
+
+    @abstractmethod
+    def name(self, motion: Motion) -> str:
+        """What the samples are called."""
+
+    @abstractmethod
+    def place(self, sample: int, joint: str | None) -> str:
+        """Where a sample is: the number of a joint, or the time if that is None."""
+
+    @abstractmethod
+    def error(
+        self, sample: int, joint: str | None, value: float, expected: str
+    ) -> Alpha5Error:
+        """The error about a number of a sample."""
+
+
+class ArrayOrigin(Origin):
+    """Samples from the caller's arrays."""
+
+    def name(self, motion: Motion) -> str:
+        """What the samples are called."""
+        return "time"
+
+    def place(self, sample: int, joint: str | None) -> str:
+        """Where a sample is."""
+        return f"sample {sample} of {joint}" if joint else f"sample {sample}"
+
+    def error(
+        self, sample: int, joint: str | None, value: float, expected: str
+    ) -> Alpha5Error:
+        """The error about a number of a sample."""
+        return InputError(f"{joint or 'time'}[{sample}]", float(value), expected)
+
+
+def checked(raw: Motion, parameters: Alpha5Parameters, origin: Origin) -> Motion:
+    """A motion with read-only arrays, without repeated times, with warnings added.
+
+    Args:
+        raw: Samples in the order of the joints; efforts need not be finite.
+        parameters: The arm, for the ranges and rated speeds of its joints.
+        origin: Where the samples come from.
+
+    Raises:
+        Alpha5Error: Too few samples, numbers that are too large, time that runs back.
+    """
+    raw = replace(raw, effort=_known(raw.effort))
+    _check_count(raw, origin)
+    _check_sizes(raw, origin)
+    _check_order(raw.time, origin)
+
+    samples, warnings = _distinct_samples(raw.time, origin)
+    if samples.size < MINIMUM_SAMPLES:
+        expected = f"at least {MINIMUM_SAMPLES} samples with different times"
+        raise origin.error(0, None, raw.time[0], expected)
+
+    time = raw.time[samples]
+    position = raw.position[samples]
+    warnings += _gap_warnings(time, samples, origin)
+    for k, limits in enumerate(parameters.joints[: len(raw.joints)]):
+        warnings += _joint_warnings(time, position[:, k], limits, samples, origin)
+
+    return replace(
+        raw,
+        time=frozen(time),
+        position=frozen(position),
+        velocity=None if raw.velocity is None else frozen(raw.velocity[samples]),
+        effort=None if raw.effort is None else frozen(raw.effort[samples]),
+        warnings=(*raw.warnings, *warnings),
+    )
+
+
+def _known(effort: FloatArray | None) -> FloatArray | None:
+    """Efforts with NaN for what is not finite; None if nothing is."""
+    if effort is None:
+        return None
+    known = np.isfinite(effort)
+    return np.where(known, effort, np.nan) if known.any() else None
+
+
+def _check_count(motion: Motion, origin: Origin) -> None:
+    """Refuse a motion of too few samples."""
+    if motion.time.size < MINIMUM_SAMPLES:
+        expected = f"at least {MINIMUM_SAMPLES} samples"
+        raise InputError(origin.name(motion), motion.time.size, expected)
+
+
+def _check_sizes(motion: Motion, origin: Origin) -> None:
+    """Refuse numbers that are too large to compute with."""
+    too_late = np.abs(motion.time) > _LARGEST_TIME
+    if too_late.any():
+        sample = int(np.argmax(too_late))
+        expected = f"a time of at most {_LARGEST_TIME:g} in size"
+        raise origin.error(sample, None, motion.time[sample], expected)
+
+    quantities = {
+        "position": motion.position,
+        "velocity": motion.velocity,
+        "recorded effort": motion.effort,
+    }
+    for name, values in quantities.items():
+        if values is None:
+            continue
+        too_large = np.argwhere(np.abs(values) > _LARGEST)
+        if too_large.size:
+            sample, k = too_large[0].tolist()
+            expected = f"a {name} of at most {_LARGEST:g} in size"
+            raise origin.error(sample, motion.joints[k], values[sample, k], expected)
+
+
+def _check_order(time: FloatArray, origin: Origin) -> None:
+    """Refuse time that runs back."""
+    runs_back = np.diff(time) < 0
+    if runs_back.any():
+        sample = int(np.argmax(runs_back)) + 1
+        before = time[sample - 1]
+        expected = f"a time of at least {before:.9g} s: time runs back"
+        raise origin.error(sample, None, time[sample], expected)
+
+
+def _distinct_samples(
+    time: FloatArray, origin: Origin
+) -> tuple[NDArray[np.intp], list[MotionWarning]]:
+    """The samples whose time is not that of the sample before, and a warning if needed."""
+    distinct = np.concatenate([[True], np.diff(time) >= _SAME_TIME])
+    warnings = _warning(
+        "repeated_time",
+        np.flatnonzero(~distinct),
+        None,
+        "time repeated, sample dropped",
+        origin,
+    )
+    return np.flatnonzero(distinct), warnings
+
+
+def _gap_warnings(
+    time: FloatArray, samples: NDArray[np.intp], origin: Origin
+) -> list[MotionWarning]:
+    """A warning about long times without a sample."""
+    steps = np.diff(time)
+    longest = GAP_FACTOR * float(np.median(steps))
+    text = f"more than {longest:.3g} s without a sample, bridged"
+    return _warning("gap", samples[1:][steps > longest], None, text, origin)
+
+
+def _joint_warnings(
+    time: FloatArray,
+    position: FloatArray,
+    limits: JointRange,
+    samples: NDArray[np.intp],
+    origin: Origin,
+) -> list[MotionWarning]:
+    """Warnings about the positions of a joint.
+
+    Args:
+        time, position: (N,) [s]; [rad], jaw rod [m].
+        limits: The joint's range and rated speed.
+        samples: (N,) The numbers of the samples in the file or arrays.
+        origin: Where the samples come from.
+    """
+    name = limits.name
+    jumps = f"{name} jumps farther than it can move"
+    jump = samples[1:][_jumps(time, position, limits)]
+
+    slack = LIMIT_SLACK * (limits.upper - limits.lower)
+    below = position < limits.lower - slack
+    above = position > limits.upper + slack
+    outside = samples[below | above]
+    return [
+        *_warning("jump", jump, name, jumps, origin),
+        *_warning(
+            "outside_limits", outside, name, _outside_text(position, limits), origin
+        ),
+    ]
+
+
+def _jumps(time: FloatArray, position: FloatArray, limits: JointRange) -> BoolArray:
+    """Which steps, (N - 1,), are longer than a joint can move in their time."""
+    span = limits.upper - limits.lower
+    possible = JUMP_SHARE * span + 2 * limits.velocity * np.diff(time)
+    return np.asarray(np.abs(np.diff(position)) > possible)
+
+
+def _outside_text(position: FloatArray, limits: JointRange) -> str:
+    """The warning about positions outside the range of a joint."""
+    name = limits.name
+    unit = "m" if name == "axis_a" else "rad"
+    text = f"{name} outside its range {limits.lower:.6g} to {limits.upper:.6g} {unit}"
+    if np.abs(position).max() > 4 * limits.upper:
+        likely = "mm" if unit == "m" else "degrees"
+        text += f" (is it in {likely}?)"
+    return text
+
+
+def _warning(
+    kind: str,
+    samples: NDArray[np.intp],
+    joint: str | None,
+    text: str,
+    origin: Origin,
+) -> list[MotionWarning]:
+    """One warning about some samples; none if there are no samples."""
+    if not samples.size:
+        return []
+    warning = MotionWarning(
+        kind=kind,
+        count=int(samples.size),
+        first=origin.place(int(samples[0]), joint),
+        text=text,
+    )
+    return [warning]

@@ -1,0 +1,101 @@
+"""The table of columns that every file of joint motion is read as.
+
+One file of this package holds each kind: `CsvTable`, `ParquetTable` and `BagTable`. What
+the columns mean is found afterwards, by `alpha5_model.trajectory.roles`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from alpha5_model import errors
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import PathLike
+from alpha5_model.trajectory.warning import MotionWarning
+
+#: Units of time, and how many of each make a second.
+PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+#: A bag or Parquet file may expand to this many times its size. Joint states of an arm
+#: at rest, compressed by zstd, expand to 10 times.
+EXPANSION = 100
+#: Called with a stage's name and the part done, 0 to 1.
+Progress = Callable[[str, float], None]
+
+
+class FileTable(ABC):
+    """Columns of a file of joint motion; their numbers are read when they are needed.
+
+    Attributes:
+        header: Names of all columns; see `read_motion`.
+        head: Where the names are in the file, for messages.
+        warnings: What was found odd so far.
+        ignored: Names in the file that are no columns and are not used.
+    """
+
+    header: Sequence[str]
+    head: str = ""
+    warnings: tuple[MotionWarning, ...] = ()
+    ignored: tuple[str, ...] = ()
+
+    @abstractmethod
+    def read(
+        self, needed: list[int], efforts: list[int]
+    ) -> tuple[FloatArray, str | None]:
+        """The numbers of some columns.
+
+        Args:
+            needed: Columns whose numbers must be finite, the time first.
+            efforts: Columns that are left out if they do not hold numbers.
+
+        Returns:
+            The numbers, (N, k), and the unit of the time if the file's format defines
+            it, else None.
+
+        Raises:
+            FileFormatError: A needed column has something that is no finite number.
+        """
+
+    @abstractmethod
+    def place(self, row: int, column: int) -> str:
+        """Where a number is in the file, for messages."""
+
+
+def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
+    """Times in seconds from whole numbers of a unit, NaN for None; exact to the last digit.
+
+    The division is Python's: nanoseconds since 1970 do not fit a float.
+    """
+    return np.array([np.nan if x is None else x / per_second for x in whole])
+
+
+@contextmanager
+def library(path: PathLike, extra: str) -> Iterator[None]:
+    """Turn whatever an optional library raises into an error about the file.
+
+    Args:
+        path: The file that is read.
+        extra: The extra of this package that installs the library.
+
+    Raises:
+        MissingDependencyError: The library is not installed.
+        FileFormatError: The library cannot read the file.
+    """
+    remedy = f"python -m pip install 'alpha5-model[{extra}]'"
+    try:
+        with errors.needing(f"reading {path}", remedy):
+            yield
+    except errors.Alpha5Error:
+        raise
+    except Exception as error:  # whatever a damaged file makes it raise
+        if extra == "bags":
+            problem = (
+                f"cannot be read as a ROS bag ({type(error).__name__}: {error}); "
+                "if it was cut off: rosbag reindex, ros2 bag reindex or mcap recover"
+            )
+        else:
+            problem = f"cannot be read as a table of numbers: {error}"
+        raise errors.FileFormatError(path, problem) from None

@@ -1,0 +1,192 @@
+"""Joint motion from files: CSV, Parquet and ROS bags."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.files import PathLike
+from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.trajectory.bag_table import BagTable
+from alpha5_model.trajectory.checks import Origin, checked
+from alpha5_model.trajectory.csv_table import CsvTable
+from alpha5_model.trajectory.file_table import PER_SECOND, FileTable, Progress
+from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory.parquet_table import ParquetTable
+from alpha5_model.trajectory.roles import Roles, find_roles
+from alpha5_model.trajectory.time_unit import time_unit
+from alpha5_model.trajectory.warning import MotionWarning
+
+_BAGS = (".bag", ".db3", ".mcap")
+_PARQUET = (".parquet", ".pq")
+
+
+def read_motion(
+    path: PathLike,
+    progress: Progress | None = None,
+    *,
+    topic: str | None = None,
+    prefix: str | None = None,
+) -> Motion:
+    """Read joint motion from a CSV or Parquet file, or from a ROS bag.
+
+    A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``,
+    ``time [us]`` and the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``,
+    ``q_axis_b``) and so on for ``axis_e, axis_d, axis_c, axis_b`` [rad] and, optionally,
+    for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``, ``dq_axis_b``)
+    and so on, optional, for all of these joints or none; ``axis_b_effort``
+    (``effort_axis_b``) [N m], optional, NaN where it is not known. A robot's name may
+    stand before the joints. A column is a position only if each word of its name says
+    so: torques, currents, commands, errors and words that are not known are not. They
+    are ignored and named in `Motion.ignored`, commands with a warning; without positions
+    the error says what they are. A column ``time`` in steps of a second or more is read
+    in milliseconds or a smaller unit if the joints can be so fast; a warning says so.
+    Without it the first of ``timestamp``, ``ros_time``, ``sim_time``, ``wall_time_sec``
+    and the like counts. Parquet (``.parquet``, needs pyarrow) may have times of its own
+    types instead.
+
+    A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
+    ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
+    stamps are the time; if a message has none, all times are those of recording.
+    Messages without all joints, or with positions that are not finite, are left out, and
+    messages out of order are sorted; each with a warning.
+
+    Args:
+        path: The file.
+        progress: Called with a stage's name and the part done, 0 to 1.
+        topic: Of a bag; None takes the only one that names the arm's joints.
+        prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``;
+            None takes the names as they are, else the only prefix. One that says
+            command, or nothing that is known, is read if it is given here; one that says
+            torque never is.
+
+    Raises:
+        InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
+            several topics or prefixes to choose from.
+        UnknownNameError: A topic that the bag does not have.
+        MissingFileError: No such file.
+        MissingDependencyError: rosbags or pyarrow is not installed.
+        FileFormatError: A missing or doubled column, another separator, an empty file, a
+            line of another length, text or NaN for a number, time that runs back, with
+            line and column or row; a bag that is damaged or has no joint states of the
+            arm.
+    """
+    table: FileTable
+    if _is_bag(path):
+        bag = BagTable(path, topic, prefix, progress)
+        table = bag
+        prefix = bag.prefix
+    elif topic is not None:
+        raise InputError("topic", topic, "no value: only a ROS bag has topics")
+    elif _file(path).suffix.lower() in _PARQUET:
+        table = ParquetTable(path)
+    else:
+        table = CsvTable(path, progress)
+
+    roles = find_roles(path, table, prefix)
+    origin = _FileOrigin(path, table, roles)
+    catalogue = parameters()
+    raw = _recorded(path, table, roles, catalogue)
+    return checked(raw, catalogue, origin)
+
+
+class _FileOrigin(Origin):
+    """Samples from the rows of a file."""
+
+    def __init__(self, path: PathLike, table: FileTable, roles: Roles) -> None:
+        self._path = path
+        self._table = table
+        self._roles = roles
+
+    def name(self, motion: Motion) -> str:
+        """The file, with what was odd: it may be why there are few samples."""
+        odd = "; ".join(map(str, motion.warnings))
+        return f"{motion.source} ({odd})" if odd else motion.source
+
+    def place(self, sample: int, joint: str | None) -> str:
+        """Where the time or the position of a sample is in the file."""
+        roles = self._roles
+        column = roles.time
+        if joint is not None:
+            column = roles.positions[roles.joints.index(joint)]
+        return self._table.place(sample, column)
+
+    def error(
+        self, sample: int, joint: str | None, value: float, expected: str
+    ) -> Alpha5Error:
+        """The error about a number of a sample."""
+        place = self.place(sample, joint)
+        return FileFormatError(self._path, f"expected {expected}", place)
+
+
+def _file(path: PathLike) -> Path:
+    """The path of anything that the caller gave; `read_named` refuses what is no path."""
+    return Path(str(path))
+
+
+def _is_bag(path: PathLike) -> bool:
+    """Whether a path is a ROS bag, by its suffix, or its ``metadata.yaml`` if a folder."""
+    file = _file(path)
+    if file.suffix.lower() in _BAGS:
+        return True
+    with suppress(OSError, ValueError):  # a name that no file can have
+        return (file / "metadata.yaml").is_file()
+    return False
+
+
+def _recorded(
+    path: PathLike, table: FileTable, roles: Roles, parameters: Alpha5Parameters
+) -> Motion:
+    """The motion in a file, before it is checked."""
+    needed = roles.needed
+    effort_columns = [*roles.efforts.values()]
+    numbers, unit = table.read(needed, effort_columns)
+
+    n = len(roles.joints)
+    time = numbers[:, 0]
+    position = numbers[:, 1 : 1 + n]
+    velocity = numbers[:, 1 + n : len(needed)] if roles.velocities else None
+    effort = _effort(numbers[:, len(needed) :], roles)
+
+    used = {*needed}
+    if effort is not None:
+        used.update(effort_columns)
+    unused = [name for k, name in enumerate(table.header) if k not in used]
+
+    warnings = [*table.warnings, *roles.warnings]
+    if unit is None:
+        name = table.header[roles.time]
+        unit, doubt = time_unit(name, time, position, parameters)
+        if doubt:
+            place = table.place(0, roles.time)
+            warnings.append(MotionWarning("time_unit", 1, place, doubt))
+    return Motion(
+        time=time / PER_SECOND[unit],
+        joints=roles.joints,
+        position=position,
+        velocity=velocity,
+        warnings=tuple(warnings),
+        source=str(path),
+        ignored=(*unused, *table.ignored),
+        time_unit=unit,
+        effort=effort,
+    )
+
+
+def _effort(columns: FloatArray, roles: Roles) -> FloatArray | None:
+    """Efforts of all joints, NaN for a joint that has none; None if none was read.
+
+    Args:
+        columns: (N, k) Efforts of the joints that have some; k = 0 if they are text.
+        roles: Which joints these are.
+    """
+    if not columns.shape[1]:
+        return None
+    recorded = [joint in roles.efforts for joint in roles.joints]
+    effort = np.full((len(columns), len(roles.joints)), np.nan)
+    effort[:, recorded] = columns
+    return effort

@@ -1,0 +1,199 @@
+"""Which columns of a table are the time and the quantities of the arm's joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from alpha5_model._support.files import PathLike
+from alpha5_model.errors import FileFormatError
+from alpha5_model.numbers.tables import JOINT_NAMES
+from alpha5_model.trajectory.file_table import FileTable
+from alpha5_model.trajectory.names import (
+    COMMAND,
+    EFFORT,
+    POSITION,
+    VELOCITY,
+    Column,
+    explained,
+    groups,
+    joint_columns,
+    only_choice,
+)
+from alpha5_model.trajectory.time_unit import CLOCK, TIME_WITH_UNIT
+from alpha5_model.trajectory.warning import MotionWarning
+
+_TIME = ("time_secs", "time")
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The columns that are read, and what is odd about the others.
+
+    Attributes:
+        time: Column of the time.
+        joints: Joints with a position, base to tip.
+        positions, velocities: Columns, joint by joint; no velocities if none is
+            recorded.
+        efforts: Joint -> column, of the joints that have one.
+        warnings: About columns that the caller may miss.
+    """
+
+    time: int
+    joints: tuple[str, ...]
+    positions: list[int]
+    velocities: list[int]
+    efforts: dict[str, int]
+    warnings: list[MotionWarning]
+
+    @property
+    def needed(self) -> list[int]:
+        """The columns whose numbers must be finite: time, positions, velocities."""
+        return [self.time, *self.positions, *self.velocities]
+
+
+def find_roles(path: PathLike, table: FileTable, asked: str | None) -> Roles:
+    """Which columns of a table are the time and the joints' quantities.
+
+    Args:
+        path: The file, for messages.
+        table: Its columns.
+        asked: What the caller says to stand before the joints; None for nothing.
+
+    Raises:
+        InputError: Several arms to choose from.
+        FileFormatError: A missing or a doubled column.
+    """
+    columns = _Columns(path, table, asked)
+    time_name, warnings = _time_column(table)
+    time = columns.only(
+        time_name, "the time", ": expected time_secs or time or time_ms"
+    )
+
+    has_rod = columns.names(JOINT_NAMES[4], POSITION)
+    joints = JOINT_NAMES if has_rod else JOINT_NAMES[:4]
+    return Roles(
+        time=time,
+        joints=joints,
+        positions=[columns.position(joint) for joint in joints],
+        velocities=columns.velocities(joints),
+        efforts=columns.efforts(joints),
+        warnings=[*warnings, *columns.command_warnings()],
+    )
+
+
+class _Columns:
+    """The columns of a table that name a joint, and those of them that are the arm's."""
+
+    def __init__(self, path: PathLike, table: FileTable, asked: str | None) -> None:
+        self._path = path
+        self._table = table
+        self._named = joint_columns(table.header, asked)
+        # If no group has all joints, a message of `only` says what is missing.
+        self._group = only_choice("prefix", groups(self._named, asked) or [asked or ""])
+        self._arm: list[Column] = [
+            column for column in self._named if column.group == self._group
+        ]
+
+    def names(self, joint: str, meaning: str) -> list[str]:
+        """Names of the columns with a quantity of a joint."""
+        return [
+            column.name
+            for column in self._arm
+            if column.joint == joint and column.meaning == meaning
+        ]
+
+    def only(self, names: list[str], what: str, missing: str = "") -> int:
+        """The column of the only name.
+
+        Args:
+            names: All names found.
+            what: What they stand for, for messages.
+            missing: What the message adds if there is none.
+
+        Raises:
+            FileFormatError: There is no name, or there are several.
+        """
+        header = self._table.header
+        if len(names) == 1:
+            columns = {name: column for column, name in enumerate(header)}
+            return columns[names[0]]
+        if names:
+            problem = f"two columns for {what}: {', '.join(names)}"
+        else:
+            got = ", ".join(header)[:200]
+            problem = f"no column for {what}{missing}, got {got}"
+        raise FileFormatError(self._path, problem, self._table.head)
+
+    def position(self, joint: str) -> int:
+        """The column with the positions of a joint."""
+        missing = self._expected(joint, ("_pos", "_position", ""))
+        reasons = explained(self._named, joint)
+        if reasons:
+            missing += f"; {reasons}"
+        return self.only(
+            self.names(joint, POSITION), f"the position of {joint}", missing
+        )
+
+    def velocities(self, joints: Sequence[str]) -> list[int]:
+        """The columns with the velocities of all joints; none if none is recorded."""
+        if not any(self.names(joint, VELOCITY) for joint in joints):
+            return []
+        columns = []
+        for joint in joints:
+            expected = self._expected(joint, ("_vel", "_velocity"))
+            missing = f", while others have one{expected}"
+            names = self.names(joint, VELOCITY)
+            columns.append(self.only(names, f"the velocity of {joint}", missing))
+        return columns
+
+    def efforts(self, joints: Sequence[str]) -> dict[str, int]:
+        """Joint -> column with its efforts, for the joints that have one."""
+        columns = {}
+        for joint in joints:
+            names = self.names(joint, EFFORT)
+            if names:
+                columns[joint] = self.only(names, f"the effort of {joint}")
+        return columns
+
+    def command_warnings(self) -> list[MotionWarning]:
+        """A warning about commands, if there are any: they are no measured positions."""
+        commands = [column.name for column in self._named if column.meaning == COMMAND]
+        if not commands:
+            return []
+        head = self._table.head
+        warning = MotionWarning(
+            kind="command",
+            count=len(commands),
+            first=f"{commands[0]}, {head}" if head else commands[0],
+            text="a command or reference, not measured; ignored",
+        )
+        return [warning]
+
+    def _expected(self, joint: str, endings: Sequence[str]) -> str:
+        """The names that a column of a joint may have, for messages."""
+        names = [self._group + joint + ending for ending in endings]
+        return f": expected {' or '.join(names)}"
+
+
+def _time_column(table: FileTable) -> tuple[list[str], list[MotionWarning]]:
+    """The names of columns that hold the time, and a warning if one was picked."""
+    header = table.header
+    plain = [name for name in header if name in _TIME]
+    if plain:
+        return plain, []
+    with_unit = [name for name in header if TIME_WITH_UNIT.fullmatch(name)]
+    if with_unit:
+        return with_unit, []
+
+    clocks = [name for name in header if CLOCK.fullmatch(name)]
+    if len(clocks) < 2:
+        return clocks, []
+    first, *others = clocks
+    warning = MotionWarning(
+        kind="time_column",
+        count=1,
+        first=table.head,
+        text=f"{first} read as the time, not {', '.join(others)}",
+    )
+    return [first], [warning]

@@ -1,0 +1,28 @@
+"""What is odd in a motion but does not stop the computation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MotionWarning:
+    """Something odd in a motion that does not stop the computation.
+
+    Attributes:
+        kind: ``"repeated_time"``, ``"gap"``, ``"jump"``, ``"outside_limits"``,
+            ``"velocity"``, ``"effort"``, ``"time_unit"``, ``"time_column"`` or
+            ``"command"``; of a bag also ``"missing_joints"``, ``"not_finite"``,
+            ``"no_stamp"``, ``"out_of_order"`` or ``"publishers"``.
+        count: How often it occurs.
+        first: Where it occurs first.
+        text: What it is, and what is done about it.
+    """
+
+    kind: str
+    count: int
+    first: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.count} x, first: {self.first}"
