@@ -1,7 +1,7 @@
 """Recorded or planned joint motion in, torques, currents, powers and mount load out.
 
-``read_motion(file)`` or ``motion(arrays)``, then ``analyse``, then ``summary``, ``text``,
-``columns`` or ``write``.
+``read_motion(file)`` or ``motion(arrays)``, then ``analyse``, then ``summary``,
+``text``, ``columns`` or ``write``.
 """
 
 from alpha5_model.trajectory.analysis import Analysis, analyse

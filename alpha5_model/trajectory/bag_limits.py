@@ -1,7 +1,8 @@
 """What reading a ROS bag may take, in proportion to its size.
 
-A bag of 65 kB can expand to gigabytes, or describe a table without end. rosbags has no limit of its
-own: within `limited` its decompressors, its index and SQLite's queries count against a budget.
+A bag of 65 kB can expand to gigabytes, or describe a table without end. rosbags has no
+limit of its own: within `limited` its decompressors, its index and SQLite's queries
+count against a budget.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from alpha5_model.errors import FileFormatError, MissingDependencyError
 from alpha5_model.trajectory.file_table import EXPANSION
 
 #: What any bag may expand to [bytes].
-_LEAST = 1_000_000
-#: Steps of SQLite's machine for each byte of a file; reading messages takes less than one.
+_LEAST_EXPANSION = 1_000_000
+#: Steps of SQLite's machine for each byte of a file; reading messages takes less than
+#: one.
 _STEPS = 20
 #: Steps between two looks at the budget.
 _STEPS_AT_ONCE = 10_000
@@ -49,7 +51,7 @@ class Budget:
     """
 
     def __init__(self, size: int) -> None:
-        self.allowed = _LEAST + EXPANSION * size
+        self.allowed = _LEAST_EXPANSION + EXPANSION * size
         self.exceeded = False
         self._taken = 0
 
@@ -57,7 +59,7 @@ class Budget:
         """Count bytes.
 
         Raises:
-            Exception: More than allowed; `limited` says it as an error about the file.
+            Exception: More than allowed; `limited` makes it an error about the file.
         """
         self._taken += count
         if self._taken > self.allowed:
@@ -88,26 +90,30 @@ def limited(path: PathLike) -> Iterator[Budget]:
         if not budget.exceeded:
             raise
         most = f"{budget.allowed / 1e6:.3g} MB, {EXPANSION} times its size"
-        problem = f"expands to more than {most}; a bag that is yours: write it without compression"
+        problem = (
+            f"expands to more than {most}; "
+            "a bag that is yours: write it without compression"
+        )
         raise FileFormatError(path, problem) from None
     finally:
         _current.reset(token)
 
 
 def _size(file: Path) -> int:
+    """Bytes of a file, or of all files in a folder."""
+    files = [file]
     if file.is_dir():
-        return sum(
-            inside.stat().st_size for inside in file.iterdir() if inside.is_file()
-        )
-    return file.stat().st_size
+        files = [inside for inside in file.iterdir() if inside.is_file()]
+    return sum(each.stat().st_size for each in files)
 
 
 def _check_metadata(path: PathLike, file: Path) -> None:
     """Refuse YAML that grows or nests without end, which no recorder writes."""
     reader: Any = import_module("rosbags.rosbag2.reader")
     events: Any = import_module("ruamel.yaml.events")
-    starts = events.MappingStartEvent, events.SequenceStartEvent
-    ends = events.MappingEndEvent, events.SequenceEndEvent
+    starts = (events.MappingStartEvent, events.SequenceStartEvent)
+    ends = (events.MappingEndEvent, events.SequenceEndEvent)
+
     depth = 0
     for event in reader.YAML(typ="safe").parse(file.read_text()):
         if isinstance(event, events.AliasEvent):
@@ -123,34 +129,36 @@ def _check_metadata(path: PathLike, file: Path) -> None:
 @lru_cache(maxsize=1)
 def _install() -> None:
     """Put the limits into rosbags, once; without a budget all works as before."""
-    first: Any = import_module("rosbags.rosbag1.reader")
-    second: Any = import_module("rosbags.rosbag2.reader")
+    ros1: Any = import_module("rosbags.rosbag1.reader")
+    ros2: Any = import_module("rosbags.rosbag2.reader")
     mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
     sqlite: Any = import_module("rosbags.rosbag2.storage_sqlite3")
     try:
-        for name, plain in {**first.decompressors}.items():
-            first.decompressors[name] = _counted(name, plain)
-        for name, wide in {**mcap.DECOMPRESSORS}.items():
-            mcap.DECOMPRESSORS[name] = _counted(name, wide)
-        zstd = second.zstd
-        second.zstd = SimpleNamespace(
+        _count_each(ros1.decompressors)
+        _count_each(mcap.DECOMPRESSORS)
+        zstd = ros2.zstd
+        ros2.zstd = SimpleNamespace(
             decompress=_counted("zstd", zstd.decompress), open=_file_opener(zstd)
         )
-        for module in (second, mcap, sqlite):
+        for module in (ros2, mcap, sqlite):
             module.parse_qos = _without_quality(module.parse_qos)
-        reading = first.Reader.read_index_data
-        first.Reader.read_index_data = _counted_index(reading)
+        ros1.Reader.read_index_data = _counted_index(ros1.Reader.read_index_data)
         sqlite.apsw.connection_hooks.append(_limit_queries)
     except AttributeError as error:
         needed = f"limiting what a bag expands to ({error})"
         remedy = "python -m pip install 'alpha5-model[bags]'"
-        raise MissingDependencyError(
-            "a known version of rosbags", needed, remedy
-        ) from None
+        library = "a known version of rosbags"
+        raise MissingDependencyError(library, needed, remedy) from None
+
+
+def _count_each(decompressors: dict[str, Callable[..., bytes]]) -> None:
+    """Replace each decompressor by one that counts what it returns."""
+    for name, plain in [*decompressors.items()]:
+        decompressors[name] = _counted(name, plain)
 
 
 def _counted(name: str, plain: Callable[..., bytes]) -> Callable[..., bytes]:
-    """A decompressor that counts what it gives, piece by piece."""
+    """A decompressor that counts what it returns, piece by piece."""
     machines = _machines()
 
     def decompress(data: bytes, *size: int) -> bytes:
@@ -206,15 +214,15 @@ def _file_opener(zstd: Any) -> Callable[..., Any]:
             return content
 
     def opened(file: Any, mode: str) -> Any:
-        return (
-            zstd.open(file, mode) if _current.get() is None else CountedFile(file, mode)
-        )
+        if _current.get() is None:
+            return zstd.open(file, mode)
+        return CountedFile(file, mode)
 
     return opened
 
 
 def _without_quality(plain: Callable[..., Any]) -> Callable[..., Any]:
-    """Qualities of service are YAML of their own, and not needed."""
+    """A parser of qualities of service, which are YAML of their own, that skips them."""
 
     def parse_qos(given: Any) -> Any:
         return plain(given) if _current.get() is None else []
@@ -223,7 +231,7 @@ def _without_quality(plain: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _counted_index(plain: Callable[..., None]) -> Callable[..., None]:
-    """Many chunks of a ROS 1 bag may claim the same index."""
+    """A reader of a ROS 1 index that counts it: many chunks may claim the same one."""
 
     def read_index_data(self: Any, position: int, indexes: Any) -> None:
         before = self.bio.tell()
@@ -236,13 +244,13 @@ def _counted_index(plain: Callable[..., None]) -> Callable[..., None]:
 
 
 def _limit_queries(connection: Any) -> None:
-    """A damaged table may have no end, and a column may be a formula."""
+    """Limit SQLite: damaged tables may have no end, and columns may be formulas."""
     apsw: Any = import_module("apsw")
     budget = _current.get()
     if budget is None:
         return
     size = Path(connection.filename).stat().st_size
-    left = _LEAST + _STEPS * size
+    left = _LEAST_EXPANSION + _STEPS * size
 
     def beyond() -> bool:
         nonlocal left
@@ -250,7 +258,7 @@ def _limit_queries(connection: Any) -> None:
         budget.exceeded |= left < 0
         return left < 0
 
-    connection.limit(apsw.SQLITE_LIMIT_LENGTH, max(size, _LEAST))
+    connection.limit(apsw.SQLITE_LIMIT_LENGTH, max(size, _LEAST_EXPANSION))
     connection.set_progress_handler(beyond, _STEPS_AT_ONCE)
     if list(connection.execute(_FORMULAS)):
         raise FileFormatError(connection.filename, "has columns that are formulas")

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
 from alpha5_model.trajectory.bag_messages import (
     Message,
@@ -36,6 +36,8 @@ class BagTable(FileTable):
         prefix: What stands before the joints' names in the bag.
     """
 
+    header: list[str]
+
     def __init__(
         self,
         path: PathLike,
@@ -51,8 +53,9 @@ class BagTable(FileTable):
         time = _time(found)
         order = np.argsort(time, kind="stable")
         in_order = _without_missing_rod(found.rows(order))
-        whole = np.isfinite(in_order.values[:, _POSITION]).all(axis=1)
+        whole = _all_finite(in_order.values[:, _POSITION])
         samples = in_order.rows(whole)
+        samples_time = time[order][whole]
 
         self.prefix = chosen.prefix
         self._topic = chosen.topic
@@ -60,17 +63,12 @@ class BagTable(FileTable):
         self.warnings = _warnings(stream, chosen, found, in_order, samples)
         self.ignored = _other_names(stream, samples.joints)
 
-        quantities = _quantities(samples)
-        self.header = [
-            "time",
-            *(name + _ENDINGS[k] for k in quantities for name in samples.joints),
-        ]
-        self._columns = np.column_stack(
-            [
-                seconds(time[order][whole].tolist(), 10**9),
-                *(samples.values[:, k] for k in quantities),
-            ]
-        )
+        self.header = ["time"]
+        columns = [seconds(samples_time.tolist(), 10**9)]
+        for k in _quantities(samples):
+            self.header += [joint + _ENDINGS[k] for joint in samples.joints]
+            columns.append(samples.values[:, k])
+        self._columns = np.column_stack(columns)
 
     def read(self, needed: list[int], efforts: list[int]) -> tuple[FloatArray, str]:
         """The numbers of some columns; see `FileTable.read`."""
@@ -137,7 +135,7 @@ def _samples(stream: list[Message], joints: list[str]) -> _Samples:
 
 def _unstamped(samples: _Samples) -> _IntArray:
     """The messages that state no time."""
-    numbers = samples.number[samples.stamp == 0]
+    numbers: _IntArray = samples.number[samples.stamp == 0]
     simulated = np.count_nonzero(samples.stamp < _SIMULATED)
     if numbers.size == 1 and simulated > 1:
         return numbers[:0]  # simulated time starts at zero
@@ -150,7 +148,7 @@ def _time(samples: _Samples) -> _IntArray:
 
 
 def _without_missing_rod(samples: _Samples) -> _Samples:
-    """The samples without the jaw rod, if that and nothing else has no position at all."""
+    """The samples without the jaw rod, if it is the one joint that has no positions."""
     unknown = np.isnan(samples.values[:, _POSITION]).all(axis=0)
     if unknown.tolist() != [False, False, False, False, True]:
         return samples
@@ -159,8 +157,13 @@ def _without_missing_rod(samples: _Samples) -> _Samples:
 
 def _without_velocity(samples: _Samples) -> _IntArray:
     """The messages that lack a velocity of some joint."""
-    known = np.isfinite(samples.values[:, _VELOCITY]).all(axis=1)
+    known = _all_finite(samples.values[:, _VELOCITY])
     return samples.number[~known]
+
+
+def _all_finite(values: FloatArray) -> BoolArray:
+    """Which rows (N, n) hold only finite numbers, (N,)."""
+    return np.asarray(np.isfinite(values).all(axis=1))
 
 
 def _quantities(samples: _Samples) -> list[int]:

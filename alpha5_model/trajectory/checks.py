@@ -154,7 +154,7 @@ def _check_order(time: FloatArray, origin: Origin) -> None:
 def _distinct_samples(
     time: FloatArray, origin: Origin
 ) -> tuple[NDArray[np.intp], list[MotionWarning]]:
-    """The samples whose time is not that of the sample before, and a warning if needed."""
+    """The samples without those that repeat a time, and a warning about these."""
     distinct = np.concatenate([[True], np.diff(time) >= _SAME_TIME])
     warnings = _warning(
         "repeated_time",

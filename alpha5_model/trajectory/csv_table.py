@@ -6,7 +6,6 @@ import csv
 import math
 from collections.abc import Iterable
 from contextlib import suppress
-from typing import NoReturn
 
 import numpy as np
 
@@ -52,7 +51,7 @@ class CsvTable(FileTable):
                 if np.isfinite(numbers[:, : len(needed)]).all():
                     return numbers, None
 
-        self._refuse(needed)
+        raise self._problem(needed)
 
     def place(self, row: int, column: int) -> str:
         """Where a number is in the file, for messages."""
@@ -79,22 +78,23 @@ class CsvTable(FileTable):
                 self._progress("read", min(end, count) / count)
         return np.concatenate(blocks)
 
-    def _refuse(self, needed: list[int]) -> NoReturn:
-        """Raise an error about the first line that cannot be read."""
+    def _problem(self, needed: list[int]) -> FileFormatError:
+        """The error about the first line that cannot be read."""
         for row, line in enumerate(self._lines[1:]):
             number = f"line {self._line_numbers[row + 1]}"
             fields = _fields(self._path, line, number)
             if len(fields) != len(self.header):
                 expected = f"expected {len(self.header)} as in line 1"
                 problem = f"{len(fields)} fields, {expected}"
-                raise FileFormatError(self._path, problem, number)
+                return FileFormatError(self._path, problem, number)
             for column in needed:
-                value = _number(fields[column])
-                if value is None or not math.isfinite(value):
-                    problem = f"expected a finite number, got {fields[column][:40]!r}"
-                    raise FileFormatError(self._path, problem, self.place(row, column))
+                text = fields[column]
+                if not _is_finite(text):
+                    problem = f"expected a finite number, got {text[:40]!r}"
+                    place = self.place(row, column)
+                    return FileFormatError(self._path, problem, place)
 
-        raise FileFormatError(self._path, "cannot be read as a table of numbers")
+        return FileFormatError(self._path, "cannot be read as a table of numbers")
 
 
 def _lines_of(path: PathLike) -> list[str]:
@@ -122,7 +122,7 @@ def _header(path: PathLike, line: str) -> list[str]:
             raise FileFormatError(path, problem, "line 1")
 
     header = _fields(path, line, "line 1")
-    if _number(header[0]) is not None:
+    if _is_number(header[0]):
         problem = "starts with numbers, expected column names"
         raise FileFormatError(path, problem, "line 1")
 
@@ -158,8 +158,15 @@ def _block_numbers(lines: list[str], used: list[int]) -> FloatArray:
     )
 
 
-def _number(text: str) -> float | None:
-    """The number that a text is, if it is one."""
-    with suppress(ValueError):
-        return float(text)
-    return None
+def _is_number(text: str) -> bool:
+    """Whether a text is a number, finite or not."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_finite(text: str) -> bool:
+    """Whether a text is a finite number."""
+    return _is_number(text) and math.isfinite(float(text))

@@ -1,7 +1,7 @@
 """The table of columns that every file of joint motion is read as.
 
-One file of this package holds each kind: `CsvTable`, `ParquetTable` and `BagTable`. What
-the columns mean is found afterwards, by `alpha5_model.trajectory.roles`.
+One file of this package holds each kind: `CsvTable`, `ParquetTable` and `BagTable`.
+What the columns mean is found afterwards, by `alpha5_model.trajectory.roles`.
 """
 
 from __future__ import annotations
@@ -65,9 +65,10 @@ class FileTable(ABC):
 
 
 def seconds(whole: Iterable[int | None], per_second: int) -> FloatArray:
-    """Times in seconds from whole numbers of a unit, NaN for None; exact to the last digit.
+    """Times in seconds from whole numbers of another unit, NaN for None.
 
-    The division is Python's: nanoseconds since 1970 do not fit a float.
+    Python divides the whole numbers, to the last digit: nanoseconds since 1970 do not
+    fit a float.
     """
     return np.array([np.nan if x is None else x / per_second for x in whole])
 

@@ -48,7 +48,8 @@ _WORDS = {
     "temperature": "celsius degc heat temp temperature temperatures temps thermal",
     "speed of another unit": "omega rate rates rpm speed speeds",
     "acceleration": """
-        acc accel acceleration accelerations accels ddot ddq ddtheta jerk qdd qddot snap""",
+        acc accel acceleration accelerations accels ddot ddq ddtheta jerk qdd qddot
+        snap""",
     "difference": """
         delta der deriv derivative dev deviation diff difference dot err error errors
         inc increment innovation lag mismatch residual residuals step track tracking""",
@@ -133,7 +134,12 @@ def joint_columns(header: Iterable[str], asked: str | None = None) -> list[Colum
 
 
 def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
-    """The groups with a position of each arm joint, sorted; at most the one asked for."""
+    """The groups that have a position of each arm joint, sorted.
+
+    Args:
+        columns: From `joint_columns`.
+        asked: As there; only its group counts.
+    """
     joints_of: dict[str, set[str]] = {}
     for column in columns:
         if column.meaning == POSITION:
@@ -146,7 +152,7 @@ def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
 
 
 def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
-    """What stands before the joints in the names of a ``sensor_msgs/JointState``, sorted.
+    """The prefixes of complete arms in the names of a ``JointState`` message, sorted.
 
     The message itself says that it holds positions. Unknown words are therefore a
     robot's name, unless a known one among them says that these are no measured

@@ -52,9 +52,11 @@ class ParquetTable(FileTable):
             columns = self._file.read(names)
             numbers = np.stack([_numbers(columns[name]) for name in names], axis=1)
 
-        for row, k in np.argwhere(~np.isfinite(numbers[:, : len(needed)])):
+        not_finite = np.argwhere(~np.isfinite(numbers[:, : len(needed)]))
+        if not_finite.size:
+            row, k = not_finite[0].tolist()
             problem = f"expected a finite number, got {numbers[row, k]:g}"
-            place = self.place(int(row), needed[k])
+            place = self.place(row, needed[k])
             raise FileFormatError(self._path, problem, place)
 
         time = columns[names[0]]

@@ -36,24 +36,24 @@ def read_motion(
 
     A table has columns in any order: ``time_secs`` or ``time`` [s], or ``time_ms``,
     ``time [us]`` and the like; ``axis_b_pos`` (also ``axis_b_position``, ``axis_b``,
-    ``q_axis_b``) and so on for ``axis_e, axis_d, axis_c, axis_b`` [rad] and, optionally,
-    for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``, ``dq_axis_b``)
-    and so on, optional, for all of these joints or none; ``axis_b_effort``
-    (``effort_axis_b``) [N m], optional, NaN where it is not known. A robot's name may
-    stand before the joints. A column is a position only if each word of its name says
-    so: torques, currents, commands, errors and words that are not known are not. They
-    are ignored and named in `Motion.ignored`, commands with a warning; without positions
-    the error says what they are. A column ``time`` in steps of a second or more is read
-    in milliseconds or a smaller unit if the joints can be so fast; a warning says so.
-    Without it the first of ``timestamp``, ``ros_time``, ``sim_time``, ``wall_time_sec``
-    and the like counts. Parquet (``.parquet``, needs pyarrow) may have times of its own
-    types instead.
+    ``q_axis_b``) and so on for ``axis_e, axis_d, axis_c, axis_b`` [rad] and,
+    optionally, for the jaw rod ``axis_a`` [m]; ``axis_b_vel`` (``axis_b_velocity``,
+    ``dq_axis_b``) and so on, optional, for all of these joints or none;
+    ``axis_b_effort`` (``effort_axis_b``) [N m], optional, NaN where it is not known. A
+    robot's name may stand before the joints. A column is a position only if each word
+    of its name says so: torques, currents, commands, errors and words that are not
+    known are not. They are ignored and named in `Motion.ignored`, commands with a
+    warning; without positions the error says what they are. A column ``time`` in steps
+    of a second or more is read in milliseconds or a smaller unit if the joints can be
+    so fast; a warning says so. Without it the first of ``timestamp``, ``ros_time``,
+    ``sim_time``, ``wall_time_sec`` and the like counts. Parquet (``.parquet``, needs
+    pyarrow) may have times of its own types instead.
 
     A bag (ROS 1 ``.bag``, ROS 2 ``.db3``, ``.mcap``, or the folder with its
     ``metadata.yaml``; needs rosbags) holds ``sensor_msgs/JointState`` messages. Their
     stamps are the time; if a message has none, all times are those of recording.
-    Messages without all joints, or with positions that are not finite, are left out, and
-    messages out of order are sorted; each with a warning.
+    Messages without all joints, or with positions that are not finite, are left out,
+    and messages out of order are sorted; each with a warning.
 
     Args:
         path: The file.
@@ -61,8 +61,8 @@ def read_motion(
         topic: Of a bag; None takes the only one that names the arm's joints.
         prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``;
             None takes the names as they are, else the only prefix. One that says
-            command, or nothing that is known, is read if it is given here; one that says
-            torque never is.
+            command, or nothing that is known, is read if it is given here; one that
+            says torque never is.
 
     Raises:
         InputError: Not a path, fewer than 5 samples, a topic for a file that is no bag,
@@ -70,10 +70,10 @@ def read_motion(
         UnknownNameError: A topic that the bag does not have.
         MissingFileError: No such file.
         MissingDependencyError: rosbags or pyarrow is not installed.
-        FileFormatError: A missing or doubled column, another separator, an empty file, a
-            line of another length, text or NaN for a number, time that runs back, with
-            line and column or row; a bag that is damaged or has no joint states of the
-            arm.
+        FileFormatError: A missing or doubled column, another separator, an empty file,
+            a line of another length, text or NaN for a number, time that runs back,
+            with line and column or row; a bag that is damaged or has no joint states of
+            the arm.
     """
     table: FileTable
     if _is_bag(path):
@@ -124,12 +124,12 @@ class _FileOrigin(Origin):
 
 
 def _file(path: PathLike) -> Path:
-    """The path of anything that the caller gave; `read_named` refuses what is no path."""
+    """The path of what the caller gave; `read_named` refuses what is no path."""
     return Path(str(path))
 
 
 def _is_bag(path: PathLike) -> bool:
-    """Whether a path is a ROS bag, by its suffix, or its ``metadata.yaml`` if a folder."""
+    """Whether a path is a ROS bag: by its suffix, or a folder's ``metadata.yaml``."""
     file = _file(path)
     if file.suffix.lower() in _BAGS:
         return True

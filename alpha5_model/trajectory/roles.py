@@ -65,10 +65,9 @@ def find_roles(path: PathLike, table: FileTable, asked: str | None) -> Roles:
         FileFormatError: A missing or a doubled column.
     """
     columns = _Columns(path, table, asked)
-    time_name, warnings = _time_column(table)
-    time = columns.only(
-        time_name, "the time", ": expected time_secs or time or time_ms"
-    )
+    time_names, time_warnings = _time_names(table)
+    expected = ": expected time_secs or time or time_ms"
+    time = columns.only(time_names, "the time", expected)
 
     has_rod = columns.names(JOINT_NAMES[4], POSITION)
     joints = JOINT_NAMES if has_rod else JOINT_NAMES[:4]
@@ -78,12 +77,12 @@ def find_roles(path: PathLike, table: FileTable, asked: str | None) -> Roles:
         positions=[columns.position(joint) for joint in joints],
         velocities=columns.velocities(joints),
         efforts=columns.efforts(joints),
-        warnings=[*warnings, *columns.command_warnings()],
+        warnings=[*time_warnings, *columns.command_warnings()],
     )
 
 
 class _Columns:
-    """The columns of a table that name a joint, and those of them that are the arm's."""
+    """The columns of a table that name a joint, and which of them are the arm's."""
 
     def __init__(self, path: PathLike, table: FileTable, asked: str | None) -> None:
         self._path = path
@@ -157,7 +156,7 @@ class _Columns:
         return columns
 
     def command_warnings(self) -> list[MotionWarning]:
-        """A warning about commands, if there are any: they are no measured positions."""
+        """A warning about commands, which are not measured, if there are any."""
         commands = [column.name for column in self._named if column.meaning == COMMAND]
         if not commands:
             return []
@@ -176,7 +175,7 @@ class _Columns:
         return f": expected {' or '.join(names)}"
 
 
-def _time_column(table: FileTable) -> tuple[list[str], list[MotionWarning]]:
+def _time_names(table: FileTable) -> tuple[list[str], list[MotionWarning]]:
     """The names of columns that hold the time, and a warning if one was picked."""
     header = table.header
     plain = [name for name in header if name in _TIME]

@@ -174,9 +174,9 @@ def bandwidth() -> Sequence[Figure]:
 )
 def expansion_of_bags() -> Sequence[Figure]:
     """How far an arm at rest expands: tests/trajectory/test_trajectory_limits.py."""
-    from alpha5_model.trajectory import tables
+    from alpha5_model.trajectory import file_table
 
-    return [Near(tables.EXPANSION)]
+    return [Near(file_table.EXPANSION)]
 
 
 @statement(

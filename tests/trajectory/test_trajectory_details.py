@@ -17,9 +17,9 @@ import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.trajectory import analysis as analysis_module
 from alpha5_model.trajectory import report
+from alpha5_model.trajectory.csv_table import CHUNK
 from alpha5_model.trajectory.report import columns
 from alpha5_model.trajectory.smoothing import savitzky_golay
-from alpha5_model.trajectory.tables import CHUNK
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
 ROD = (0.0013, 0.0133)

@@ -184,7 +184,7 @@ def test_a_short_and_a_long_line_do_not_make_two_right_ones(tmp_path: Path) -> N
 def test_place_counts_blank_lines_and_chunks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("alpha5_model.trajectory.tables.CHUNK", 3)
+    monkeypatch.setattr("alpha5_model.trajectory.csv_table.CHUNK", 3)
     lines = [",".join(row) for row in [HEADER, *with_cell(9, 0, "0.05")]]
     lines.insert(3, "")
     path = tmp_path / "m.csv"

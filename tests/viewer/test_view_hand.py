@@ -18,8 +18,7 @@ from PIL import Image
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.description.reading import urdf_shapes
-from alpha5_model.trajectory import analyse
-from alpha5_model.trajectory.motions import Motion
+from alpha5_model.trajectory import Motion, analyse
 from alpha5_model.viewer.build import build_scene, pose_of, tour
 from alpha5_model.viewer.page import static_page
 from alpha5_model.viewer.shapes import drawn
