@@ -13,7 +13,7 @@ from alpha5_model._support.files import atomic_write_all, check_outputs, is_stre
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.cli import options
 from alpha5_model.cli.options import HELP
-from alpha5_model.codegen.c_library.files import COptions, c_files
+from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf
 from alpha5_model.description.bodies import mesh_assets
 from alpha5_model.description.urdf import Variant, urdf

@@ -12,6 +12,7 @@ import casadi
 from casadi import SX, horzcat, jacobian, vertcat
 
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS
+from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.codegen.chain import link_poses
 from alpha5_model.codegen.newton_euler import (
     JOINTS,
@@ -21,7 +22,6 @@ from alpha5_model.codegen.newton_euler import (
     newton_euler,
     weightless,
 )
-from alpha5_model.codegen.program import named
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Name of a function -> name of an output -> its expression.

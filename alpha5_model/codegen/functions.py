@@ -18,11 +18,12 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 with needing("making code of the equations", "pip install casadi"):
     import casadi as casadi  # for alpha5_model.casadi, too
 
+from alpha5_model.codegen.casadi_functions import folded, named
 from alpha5_model.codegen.chain import turns
 from alpha5_model.codegen.dynamics import dynamics
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 from alpha5_model.codegen.moving_water import in_moving_water
-from alpha5_model.codegen.program import WORDS, folded, named
+from alpha5_model.codegen.words import WORDS
 
 #: Name -> meaning of the functions that users get, in order.
 SUMMARIES = WORDS["functions"]

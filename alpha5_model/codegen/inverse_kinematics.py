@@ -26,7 +26,7 @@ from typing import NamedTuple
 import casadi
 from casadi import SX, fabs, fmax, fmin, if_else, logic_and, logic_or
 
-from alpha5_model.codegen.program import named
+from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.kinematics.plane import ArmPlane, Tolerances
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from casadi import SX, cross, horzcat, vertcat, vertsplit
 
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
+from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.codegen.newton_euler import (
     JOINTS,
     STILL,
@@ -23,7 +24,6 @@ from alpha5_model.codegen.newton_euler import (
     turning_moment,
     weightless,
 )
-from alpha5_model.codegen.program import named
 from alpha5_model.codegen.water_parameters import STRIPS, WATER_PARAMETERS, StripKind
 from alpha5_model.numbers.parameters import Alpha5Parameters
 

@@ -15,7 +15,7 @@ from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
 from alpha5_model.casadi import load
-from alpha5_model.codegen.c_library.source import answer
+from alpha5_model.codegen.c_library.self_test import answer
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.errors import MissingDependencyError
 

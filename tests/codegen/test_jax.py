@@ -16,7 +16,7 @@ from ik_targets import EDGES, at_edge, ordinary
 from product_cases import ARMS, DYNAMICS, states
 
 import alpha5_model as a5
-from alpha5_model.codegen.c_library.source import answer
+from alpha5_model.codegen.c_library.self_test import answer
 from alpha5_model.errors import MissingDependencyError, ShapeError
 from alpha5_model.jax import JaxArm, Solutions, inverse_kinematics, load
 

@@ -11,8 +11,8 @@ import casadi
 import numpy as np
 import pytest
 
+from alpha5_model.codegen.compiled_code import kernels
 from alpha5_model.codegen.program import program
-from alpha5_model.codegen.sources import kernels
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]

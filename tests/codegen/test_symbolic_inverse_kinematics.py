@@ -14,9 +14,10 @@ from ik_targets import EDGES, at_edge, ordinary
 from reference import LOWER, UPPER
 
 import alpha5_model as a5
+from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
-from alpha5_model.codegen.program import TRUTHS, folded, program
-from alpha5_model.codegen.sources import python_source
+from alpha5_model.codegen.program import TRUTHS, program
+from alpha5_model.codegen.python_code import python_source
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE, arm_plane
 
 

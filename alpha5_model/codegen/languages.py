@@ -1,0 +1,143 @@
+"""The instructions of a program as statements of a language.
+
+`languages.toml` holds the words of each language; what goes around the statements is
+where a file of that language is written.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from alpha5_model.codegen.program import TRUTHS, Program, Slot, Step
+from alpha5_model.codegen.words import LANGUAGES
+
+
+def constant(value: float, language: str) -> str:
+    """A number."""
+    table = LANGUAGES[language]
+    if math.isnan(value):
+        return table["nan"]
+    text = table["constant"].format(repr(value))
+    return f"({text})" if value < 0.0 else text
+
+
+def element(slot: Slot, index: int) -> str:
+    """An element of an array, or the number itself."""
+    return slot.name if slot.shape == (1,) else f"{slot.name}[{index}]"
+
+
+def statements(
+    program: Program,
+    language: str,
+    element: Callable[[Slot, int], str],
+    reuse: bool = False,
+) -> tuple[list[str], list[list[str]]]:
+    """A program's statements, and what stands for the elements of each output.
+
+    All inputs are read first, so that outputs may take their place. A language with a
+    statement ``store`` reads and writes each element next to its computation instead, so
+    that fewer registers are held at a time.
+
+    Args:
+        program: What to compute.
+        language: How to write it.
+        element: Text of an element of an input.
+        reuse: Give names again, and with them memory.
+    """
+    steps = program.steps
+    if "store" not in LANGUAGES[language]:
+        steps = tuple(sorted(steps, key=lambda step: step.op != "input"))
+
+    writer = _Writer(program, language, element, reuse)
+    last_uses = _last_uses(steps)
+    for i, step in enumerate(steps):
+        done = [register for register in {*step.read} if last_uses[register] == i]
+        writer.write(step, done)
+    return writer.lines, writer.results
+
+
+def _last_uses(steps: tuple[Step, ...]) -> dict[int, int]:
+    """Register -> place of the last step that reads it; outputs are kept to the end."""
+    last_uses = {}
+    for i, step in enumerate(steps):
+        for register in step.read:
+            last_uses[register] = i
+    for step in steps:
+        if step.op == "output":
+            for register in step.read:
+                last_uses[register] = len(steps)
+    return last_uses
+
+
+class _Writer:
+    """Writes the steps of a program one after the other.
+
+    Attributes:
+        lines: The statements so far.
+        results: What stands for the elements of each output.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        language: str,
+        element: Callable[[Slot, int], str],
+        reuse: bool,
+    ) -> None:
+        self.lines: list[str] = []
+        self.results = [[""] * slot.size for slot in program.outputs]
+        self._program = program
+        self._language = language
+        self._table = LANGUAGES[language]
+        self._element = element
+        self._reuse = reuse
+        self._names: dict[int, str] = {}
+        self._truths: set[int] = set()
+        self._free: list[str] = []
+
+    def write(self, step: Step, done: Sequence[int]) -> None:
+        """Write a step after which some registers are read no more."""
+        if step.op == "output":
+            self._hand_out(step)
+        elif step.op == "const":
+            value = float(step.value or 0.0)
+            self._names[step.result] = constant(value, self._language)
+        else:
+            self._compute(step, done)
+
+    def _hand_out(self, step: Step) -> None:
+        slot, index, register = step.arguments
+        text = self._names[register]
+        if register in self._truths:
+            text = self._table["flag"].format(text)
+        self.results[slot][index] = text
+
+        if "store" in self._table:
+            before = sum(output.size for output in self._program.outputs[:slot])
+            self.lines.append(self._table["store"].format(before + index, text))
+
+    def _compute(self, step: Step, done: Sequence[int]) -> None:
+        text = self._expression(step)
+        name = self._name_for(step.result, done)
+        form = "number"
+        if step.op in TRUTHS:
+            form = "truth"
+            self._truths.add(step.result)
+        self.lines.append(self._table[form].format(name, text))
+
+    def _expression(self, step: Step) -> str:
+        if step.op == "input":
+            slot, index = step.arguments
+            return self._element(self._program.inputs[slot], index)
+        return self._table[step.op].format(*(self._names[r] for r in step.arguments))
+
+    def _name_for(self, register: int, done: Sequence[int]) -> str:
+        """A name for a register: one that is free, or a new one."""
+        if self._reuse:
+            names = (self._names[one] for one in done)
+            # What does not start with r is a constant.
+            self._free += [name for name in names if name.startswith("r")]
+        name = self._free.pop() if self._free else f"r{register}"
+        self._names[register] = name
+        return name
