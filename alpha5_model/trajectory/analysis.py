@@ -1,50 +1,52 @@
-"""What a joint motion takes: torques by cause, motors, power, load on the mount, TCP path."""
+"""What a joint motion takes: torques by cause, motors, power, mount load, TCP path."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
 from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
-from alpha5_model.errors import InputError, MissingParameterError
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
-from alpha5_model.trajectory import file_table, smoothing
+from alpha5_model.trajectory import smoothing
+from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.loads import loads_of
 from alpha5_model.trajectory.motions import Motion
-from alpha5_model.trajectory.smoothing import SmoothMotion, smooth
+from alpha5_model.trajectory.motors import Drive, drive_limits, motor_columns
+from alpha5_model.trajectory.smoothing import SmoothMotion, smooth_for
 from alpha5_model.trajectory.warning import MotionWarning
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
     from alpha5_model.dynamics.batch import WaterTerms
 
-#: Attributes of an analysis that need a motor's constants: NaN without.
-BY_MOTOR = (
-    "friction",
-    "current",
-    "current_lower",
-    "current_upper",
-    "voltage",
-    "electrical_power",
-)
-#: Rows computed between two reports of progress.
-_CHUNK = 25_000
+#: Bandwidth at which velocities and positions are compared [Hz], and as a share of the
+#: sample rate.
+_SLOW_BANDWIDTH = 0.5
+_SLOW_SHARE = 0.1
+#: A joint whose speed is below this share of its rated speed is too slow to judge.
+_JUDGED_SHARE = 0.02
+#: Velocities that are less or more than this times the slope of positions are odd.
+_LEAST_GAIN = 0.8
+_MOST_GAIN = 1.25
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """A motion's forces, currents and powers; rows are samples, columns joints base to tip.
+    """A motion's forces, currents and powers; rows are samples, columns joints base to
+    tip.
 
-    Torques are those at the joint: N m, for the jaw rod N. The sum of ``inertia``, ``coriolis``,
-    ``weight``, ``buoyancy`` and, if asked for, what moving water adds is ``torque``; ``torque +
-    friction`` is what the motor gives, ``K_t i`` times the gear ratio. Columns of a motor that
-    cannot be computed (jaw rod without screw lead) are NaN.
+    Torques are those at the joint: N m, for the jaw rod N. The sum of ``inertia``,
+    ``coriolis``, ``weight``, ``buoyancy`` and, if asked for, what moving water adds is
+    ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear
+    ratio. Columns of a motor that cannot be computed (jaw rod without screw lead) are
+    NaN.
 
     Attributes:
         motion: The samples as given.
@@ -53,21 +55,26 @@ class Analysis:
         arm: The model.
         inertia, coriolis, weight, buoyancy: Torques by cause, (N, n).
         torque: Joint torque, (N, n).
-        friction: Motor friction and gear loss at the joint, (N, n). At rest friction holds the load
-            and the motor gives the least torque that keeps it there, in most cases none.
+        friction: Motor friction and gear loss at the joint, (N, n). At rest friction
+            holds the load and the motor gives the least torque that keeps it there, in
+            most cases none.
         current: Motor currents, (N, n) [A].
-        current_lower, current_upper: Over the printed tolerance of friction, (N, n) [A].
+        current_lower, current_upper: Over the printed tolerance of friction,
+            (N, n) [A].
         voltage: Winding voltages, (N, n) [V]; di/dt is left out (L/R is below 0.1 ms).
-        electrical_power, mechanical_power: (N, n) [W]; negative where the joint feeds back.
-        base_wrench: Force and moment on the mount at base_link, in its axes, (N, 6) [N, N m].
+        electrical_power, mechanical_power: (N, n) [W]; negative where the joint feeds
+            back.
+        base_wrench: Force and moment on the mount at base_link, in its axes,
+            (N, 6) [N, N m].
         tcp: TCP in base_link, (N, 3) [m].
-        torque_limits: Lower and upper (N, n) limits from supply voltage and current limit; None
-            without them.
+        torque_limits: Lower and upper (N, n) limits from supply voltage and current
+            limit; None without them.
         supply_voltage, current_limit: As given [V], [A]; None if not.
-        warnings: What was found odd in the motion, velocities that contradict positions included.
-        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and high; the
-            nominal ones are in ``torque``, ``base_wrench`` and all that follows from them. None if
-            no current was given.
+        warnings: What was found odd in the motion, velocities that contradict positions
+            included.
+        moving_water: What a current adds, (N, 3, n) with all numbers low, nominal and
+            high; the nominal ones are in ``torque``, ``base_wrench`` and all that
+            follows from them. None if no current was given.
     """
 
     motion: Motion
@@ -95,14 +102,17 @@ class Analysis:
     moving_water: WaterTerms | None = None
 
     def causes(self) -> dict[str, FloatArray]:
-        """Torques by cause, (N, n) each: those of the joint, then ``friction`` at the motor."""
-        out = {
-            name: getattr(self, name)
-            for name in ("inertia", "coriolis", "weight", "buoyancy")
+        """Torques by cause, (N, n) each; the last, ``friction``, is at the motor."""
+        causes = {
+            "inertia": self.inertia,
+            "coriolis": self.coriolis,
+            "weight": self.weight,
+            "buoyancy": self.buoyancy,
         }
         if self.moving_water is not None:
-            out["moving_water"] = self.moving_water.torque[:, 1]
-        return {**out, "friction": self.friction}
+            causes["moving_water"] = self.moving_water.torque[:, 1]
+        causes["friction"] = self.friction
+        return causes
 
 
 def analyse(
@@ -117,7 +127,7 @@ def analyse(
     supply_voltage: float | None = None,
     current_limit: float | None = None,
     threads: int | None = None,
-    progress: file_table.Progress | None = None,
+    progress: Progress | None = None,
     current: ArrayLike | None = None,
     efficiency: str = "gearbox",
 ) -> Analysis:
@@ -125,153 +135,165 @@ def analyse(
 
     Args:
         motion: From `read_motion` or `motion`.
-        arm: The model; its joints decide whether the jaw rod is used. None loads the jaws variant
-            in sea water if the motion has ``axis_a``, and the one with locked jaws otherwise.
+        arm: The model; its joints decide whether the jaw rod is used. None loads the
+            jaws variant in sea water if the motion has ``axis_a``, and the one with
+            locked jaws otherwise.
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
-        constants: Which of the contradicting motor constants to believe (`alpha5_model.dynamics.actuators`).
-        actuators: Motors by joint name, in place of those of Table 4: say, with a rotor inertia.
-        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits; not
-            published.
+        constants: Which of the contradicting motor constants to believe
+            (`alpha5_model.dynamics.actuators`).
+        actuators: Motors by joint name, in place of those of Table 4: say, with a rotor
+            inertia.
+        supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits;
+            not published.
         threads: Of Pinocchio; None for all that this process may use.
         progress: Called with a stage's name and the part done, 0 to 1.
-        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added mass, which are
-            estimated, not published. None for water that only bears.
-        efficiency: Whose efficiency Table 4's eta_max is (`alpha5_model.dynamics.actuators`).
+        current: Velocity of the water in base_link, (3,) [m/s]: adds drag and added
+            mass, which are estimated, not published. None for water that only bears.
+        efficiency: Whose efficiency Table 4's eta_max is
+            (`alpha5_model.dynamics.actuators`).
 
     Raises:
-        InputError: An arm with other joints than the motion, or one limit without the other.
+        InputError: An arm with other joints than the motion, or one limit without the
+            other.
         UnknownNameError: No such method, constants, efficiency or joint.
     """
-    from alpha5_model.dynamics.batch import (
-        WaterTerms,
-        frame_positions,
-        torque_terms,
-        water_terms,
-    )
-
     if arm is None:
-        from alpha5_model.dynamics.load import load
-
-        arm = load(gripper="jaws" if "axis_a" in motion.joints else "locked")
+        arm = _default_arm(motion)
     motion = _for_arm(motion, arm)
-    if supply_voltage is not None:
-        supply_voltage = real("supply_voltage", supply_voltage)
-    if current_limit is not None:
-        current_limit = real("current_limit", current_limit)
-    given: Any = supply_voltage, current_limit
-    if (supply_voltage is None) != (current_limit is None):
-        raise InputError("supply_voltage and current_limit", given, "both or neither")
-    by_joint = {
-        name: actuator(name, constants, efficiency=efficiency) for name in motion.joints
-    }
-    own = (actuators or {}).items()
-    by_joint |= {choice("joint", name, motion.joints): motor for name, motor in own}
-    motors = tuple(by_joint.values())
-    s = smooth(motion, method, bandwidth, use_velocity)
-    parts: list[dict[str, FloatArray]] = []
-    for start in range(0, s.time.size, _CHUNK):
-        q, v, a = (
-            x[start : start + _CHUNK] for x in (s.position, s.velocity, s.acceleration)
-        )
-        parts.append({**vars(torque_terms(arm, q, v, a, threads))})
-        parts[-1]["base_wrench"] = arm.base_wrench_batch(q, v, a, threads)
-        parts[-1]["tcp"] = frame_positions(arm, q)
-        if current is not None:
-            water = water_terms(arm, q, v, a, current)
-            parts[-1] |= {"water_torque": water.torque, "water_wrench": water.wrench}
-        if progress:
-            progress("compute", min(start + _CHUNK, s.time.size) / s.time.size)
-    out = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    out["torque"] = out["inertia"] + out["coriolis"] + out["weight"] + out["buoyancy"]
-    moving = None
-    if current is not None:
-        added = (frozen(out.pop(f"water_{name}")) for name in ("torque", "wrench"))
-        moving = WaterTerms(water.current, *added)
-        out["torque"] += moving.torque[:, 1]
-        out["base_wrench"] += moving.wrench[:, 1]
-    out["mechanical_power"] = out["torque"] * s.velocity
-    drive = None if current_limit is None else given
-    by_motor, limits = motor_side(motors, s, out["torque"], drive)
-    columns: dict[str, Any] = {name: frozen(x) for name, x in (out | by_motor).items()}
-    columns |= {"supply_voltage": supply_voltage, "current_limit": current_limit}
-    columns["warnings"] = motion.warnings + _velocity_warnings(motion)
+    drive = _drive(supply_voltage, current_limit)
+    motors = _motors(motion.joints, constants, efficiency, actuators or {})
+
+    catalogue = parameters()
+    smooth = smooth_for(catalogue, motion, method, bandwidth, use_velocity)
+    loads = loads_of(arm, smooth, current, threads, progress)
+    torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
+    base_wrench = loads.base_wrench
+    if loads.moving_water is not None:
+        torque = torque + loads.moving_water.torque[:, 1]
+        base_wrench = base_wrench + loads.moving_water.wrench[:, 1]
+
+    by_motor = motor_columns(motors, smooth, torque)
+    limits = None
+    if drive is not None:
+        limits = drive_limits(motors, smooth, torque, drive)
+
     return Analysis(
-        motion, s, motors, arm, **columns, torque_limits=limits, moving_water=moving
+        motion=motion,
+        smooth=smooth,
+        actuators=motors,
+        arm=arm,
+        inertia=frozen(loads.inertia),
+        coriolis=frozen(loads.coriolis),
+        weight=frozen(loads.weight),
+        buoyancy=frozen(loads.buoyancy),
+        torque=frozen(torque),
+        friction=frozen(by_motor["friction"]),
+        current=frozen(by_motor["current"]),
+        current_lower=frozen(by_motor["current_lower"]),
+        current_upper=frozen(by_motor["current_upper"]),
+        voltage=frozen(by_motor["voltage"]),
+        electrical_power=frozen(by_motor["electrical_power"]),
+        mechanical_power=frozen(torque * smooth.velocity),
+        base_wrench=frozen(base_wrench),
+        tcp=frozen(loads.tcp),
+        torque_limits=limits,
+        supply_voltage=None if drive is None else drive.supply_voltage,
+        current_limit=None if drive is None else drive.current_limit,
+        warnings=(*motion.warnings, *_velocity_warnings(motion, catalogue)),
+        moving_water=loads.moving_water,
     )
+
+
+def _default_arm(motion: Motion) -> Arm:
+    """The arm in sea water, with jaws if the motion has the jaw rod."""
+    from alpha5_model.dynamics.load import load
+
+    return load(gripper="jaws" if "axis_a" in motion.joints else "locked")
 
 
 def _for_arm(motion: Motion, arm: Arm) -> Motion:
-    """The motion of the joints that the arm has; a locked gripper leaves the jaw rod out."""
+    """The motion of the joints that the arm has: a locked gripper has no jaw rod."""
     if arm.floating_base or arm.model.nv not in (4, 5):
-        raise InputError(
-            "arm", f"a model with nv = {arm.model.nv}", "an arm on a fixed base"
-        )
+        found = f"a model with nv = {arm.model.nv}"
+        raise InputError("arm", found, "an arm on a fixed base")
+
     wanted = JOINT_NAMES[: arm.model.nv]
     if len(wanted) > len(motion.joints):
         expected = "a motion of axis_a too, since the arm's gripper has jaws"
         raise InputError("motion", motion.joints, expected)
     if len(wanted) == len(motion.joints):
         return motion
-    arrays = {
-        name: getattr(motion, name) for name in ("position", "velocity", "effort")
-    }
-    fewer: dict[str, Any] = {k: x[:, :4] for k, x in arrays.items() if x is not None}
-    warnings = tuple(w for w in motion.warnings if "axis_a" not in w.text)
-    ignored = (*motion.ignored, "axis_a")
-    return replace(motion, joints=wanted, warnings=warnings, ignored=ignored, **fewer)
 
-
-def motor_side(
-    motors: Sequence[Actuator],
-    s: SmoothMotion,
-    torque: FloatArray,
-    drive: Sequence[float] | None,
-) -> tuple[dict[str, FloatArray], Interval | None]:
-    """`BY_MOTOR`, and what the drive can give while the joint moves and hold where it rests."""
-    out = np.full((len(BY_MOTOR), *torque.shape), np.nan)
-    lower, upper = np.full((2, *torque.shape), np.nan)
-    velocity = s.signed_velocity
-    for k, motor in enumerate(motors):
-        v, tau, rest = velocity[:, k], torque[:, k], s.direction[:, k] == 0
-        state = tau, v, None if motor.rotor_inertia is None else s.acceleration[:, k]
-        with suppress(MissingParameterError):
-            every = motor, *motor.extremes()
-            held = [np.clip(0.0, *m.holding_current(tau)) for m in every]
-            current, *ends = np.where(rest, held, [m.current(*state) for m in every])
-            friction = motor.torque_constant * motor.ratio * current - tau
-            voltage = motor.voltage(current, v)
-            interval = np.minimum(*ends), np.maximum(*ends)
-            out[..., k] = friction, current, *interval, voltage, voltage * current
-            if drive is not None:
-                supply, limit = drive
-                moving = motor.torque_limits(v, supply, limit)  # checks both
-                most = min(limit, supply / motor.parameters.resistance)
-                lower[:, k] = np.where(
-                    rest, motor.holding_torque(-most).lower, moving.lower
-                )
-                upper[:, k] = np.where(
-                    rest, motor.holding_torque(most).upper, moving.upper
-                )
-    limits = None if drive is None else Interval(frozen(lower), frozen(upper))
-    return dict(zip(BY_MOTOR, out, strict=True)), limits
-
-
-def _velocity_warnings(motion: Motion) -> tuple[MotionWarning, ...]:
-    """Joints whose velocities are not the slope of their positions, by slow parts of both."""
-    if motion.velocity is None:
-        return ()
-    rate = 1 / float(np.median(np.diff(motion.time)))
-    bandwidth = max(min(0.5, 0.1 * rate), smoothing.LEAST_BANDWIDTH * rate)
-    slope, given = (
-        smooth(motion, "spline", bandwidth, use).velocity for use in (False, True)
+    velocity = motion.velocity
+    effort = motion.effort
+    return replace(
+        motion,
+        joints=wanted,
+        position=motion.position[:, :4],
+        velocity=None if velocity is None else velocity[:, :4],
+        warnings=tuple(w for w in motion.warnings if "axis_a" not in w.text),
+        ignored=(*motion.ignored, "axis_a"),
+        effort=None if effort is None else effort[:, :4],
     )
-    found = []
-    for k, joint in enumerate(parameters().joints[: len(motion.joints)]):
-        power = float(np.mean(slope[:, k] ** 2))
-        if power < (0.02 * joint.velocity) ** 2:  # too slow to judge its velocities
+
+
+def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive | None:
+    """The limits of the motors' drive; None if none are given.
+
+    Raises:
+        InputError: One limit without the other, or a limit that is no number.
+    """
+    if supply_voltage is not None:
+        supply_voltage = real("supply_voltage", supply_voltage)
+    if current_limit is not None:
+        current_limit = real("current_limit", current_limit)
+
+    if supply_voltage is None and current_limit is None:
+        return None
+    if supply_voltage is None or current_limit is None:
+        given = (supply_voltage, current_limit)
+        name = "supply_voltage and current_limit"
+        raise InputError(name, given, "both or neither")
+    return Drive(supply_voltage=supply_voltage, current_limit=current_limit)
+
+
+def _motors(
+    joints: Sequence[str],
+    constants: str,
+    efficiency: str,
+    own: Mapping[str, Actuator],
+) -> tuple[Actuator, ...]:
+    """The motor of each joint: the caller's own one, else that of Table 4."""
+    motors = {name: actuator(name, constants, efficiency=efficiency) for name in joints}
+    for name, motor in own.items():
+        motors[choice("joint", name, joints)] = motor
+    return tuple(motors.values())
+
+
+def _velocity_warnings(
+    motion: Motion, parameters: Alpha5Parameters
+) -> list[MotionWarning]:
+    """Warnings about velocities that are not the slope of their positions.
+
+    Only the slow parts of both are compared.
+    """
+    if motion.velocity is None:
+        return []
+    rate = 1 / float(np.median(np.diff(motion.time)))
+    slow = min(_SLOW_BANDWIDTH, _SLOW_SHARE * rate)
+    bandwidth = max(slow, smoothing.LEAST_BANDWIDTH * rate)
+    of_positions = smooth_for(parameters, motion, "spline", bandwidth, False)
+    given = smooth_for(parameters, motion, "spline", bandwidth, True)
+
+    warnings = []
+    for k, joint in enumerate(parameters.joints[: len(motion.joints)]):
+        slope = of_positions.velocity[:, k]
+        power = float(np.mean(slope**2))
+        if power < (_JUDGED_SHARE * joint.velocity) ** 2:
             continue
-        gain = float(np.mean(slope[:, k] * given[:, k])) / power
-        if not 0.8 < gain < 1.25:
-            text = f"{joint.name}'s velocities are {gain:.3g} times the slope of its positions"
-            found.append(MotionWarning("velocity", 1, "all samples", text))
-    return tuple(found)
+        gain = float(np.mean(slope * given.velocity[:, k])) / power
+        if not _LEAST_GAIN < gain < _MOST_GAIN:
+            times = f"{gain:.3g} times the slope of its positions"
+            text = f"{joint.name}'s velocities are {times}"
+            warnings.append(MotionWarning("velocity", 1, "all samples", text))
+    return warnings

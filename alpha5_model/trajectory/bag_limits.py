@@ -222,7 +222,7 @@ def _file_opener(zstd: Any) -> Callable[..., Any]:
 
 
 def _without_quality(plain: Callable[..., Any]) -> Callable[..., Any]:
-    """A parser of qualities of service, which are YAML of their own, that skips them."""
+    """A parser that skips qualities of service, which are YAML of their own."""
 
     def parse_qos(given: Any) -> Any:
         return plain(given) if _current.get() is None else []

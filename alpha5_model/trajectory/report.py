@@ -16,8 +16,9 @@ from alpha5_model._support.files import PathLike, atomic_write, output_format
 from alpha5_model._support.text import plain, readable, table
 from alpha5_model.numbers.parameters import JointRange
 from alpha5_model.trajectory import file_table, smoothing
-from alpha5_model.trajectory.analysis import BY_MOTOR, Analysis
+from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.checks import LIMIT_SLACK
+from alpha5_model.trajectory.motors import BY_MOTOR
 
 #: Of the table: CSV, or JSON with the key figures on top.
 FORMATS = (".csv", ".json")

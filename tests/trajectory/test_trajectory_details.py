@@ -15,8 +15,7 @@ from scipy.signal import savgol_coeffs, savgol_filter
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.trajectory import analysis as analysis_module
-from alpha5_model.trajectory import report
+from alpha5_model.trajectory import loads, report
 from alpha5_model.trajectory.csv_table import CHUNK
 from alpha5_model.trajectory.report import columns
 from alpha5_model.trajectory.smoothing import savitzky_golay
@@ -243,7 +242,7 @@ def test_parts_are_put_together_in_order(
     motion = moving(count=101)
     whole = a5.trajectory.analyse(motion)
     seen: list[tuple[str, float]] = []
-    monkeypatch.setattr(analysis_module, "_CHUNK", 25)
+    monkeypatch.setattr(loads, "_CHUNK", 25)
     monkeypatch.setattr(report, "_CHUNK", 40)
     parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
     a5.trajectory.write(

@@ -27,7 +27,8 @@ from alpha5_model.numbers.fluids import SEA_WATER, gravity_in_base
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.studies.sweep.study import BLOCK, Output, Study
 from alpha5_model.studies.uncertainty.effects import sample
-from alpha5_model.trajectory import SmoothMotion, analysis, read_motion, smooth
+from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
+from alpha5_model.trajectory.motors import motor_columns
 
 #: Numbers set aside for the samples of a recording.
 _RECORDED = 2**32
@@ -183,7 +184,7 @@ def _quantities(
         # No rating is published: this is the effort that public models have.
         out["margin"] = arm.limits.effort - np.abs(tau)
     if wanted & {"current", "power"}:
-        found, _ = analysis.motor_side(motors, motion, tau, None)
+        found = motor_columns(motors, motion, tau)
         out |= {"current": found["current"], "power": found["electrical_power"]}
     if wanted & {"mount_force", "mount_moment"}:
         wrench = arm.base_wrench_batch(q, v, a, 1)

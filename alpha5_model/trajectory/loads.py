@@ -1,0 +1,116 @@
+"""Joint torques by cause, load on the mount and TCP of every sample of a motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, frozen
+from alpha5_model.trajectory.file_table import Progress
+from alpha5_model.trajectory.smoothing import SmoothMotion
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.dynamics.batch import WaterTerms
+
+#: Samples computed between two reports of progress.
+_CHUNK = 25_000
+
+
+class Loads(NamedTuple):
+    """What the arm's joints and mount bear, sample by sample.
+
+    Attributes:
+        inertia, coriolis, weight, buoyancy: Torques by cause, (N, n) [N m, N].
+        base_wrench: Force and moment on the mount in still water, (N, 6) [N, N m].
+        tcp: TCP in base_link, (N, 3) [m].
+        moving_water: What a current adds; None without one.
+    """
+
+    inertia: FloatArray
+    coriolis: FloatArray
+    weight: FloatArray
+    buoyancy: FloatArray
+    base_wrench: FloatArray
+    tcp: FloatArray
+    moving_water: WaterTerms | None
+
+
+def loads_of(
+    arm: Arm,
+    motion: SmoothMotion,
+    current: ArrayLike | None,
+    threads: int | None,
+    progress: Progress | None,
+) -> Loads:
+    """Torques by cause, load on the mount and TCP of a motion.
+
+    Args:
+        arm: On a fixed base.
+        motion: Of the arm's joints.
+        current: Velocity of the water in base_link, (3,) [m/s]; None for still water.
+        threads: Of Pinocchio; None for all that this process may use.
+        progress: Called with ``"compute"`` and the part done, 0 to 1.
+    """
+    count = motion.time.size
+    parts = []
+    for start in range(0, count, _CHUNK):
+        end = start + _CHUNK
+        parts.append(_part(arm, motion, slice(start, end), current, threads))
+        if progress:
+            progress("compute", min(end, count) / count)
+
+    return Loads(
+        inertia=np.concatenate([part.inertia for part in parts]),
+        coriolis=np.concatenate([part.coriolis for part in parts]),
+        weight=np.concatenate([part.weight for part in parts]),
+        buoyancy=np.concatenate([part.buoyancy for part in parts]),
+        base_wrench=np.concatenate([part.base_wrench for part in parts]),
+        tcp=np.concatenate([part.tcp for part in parts]),
+        moving_water=_joined([part.moving_water for part in parts]),
+    )
+
+
+def _part(
+    arm: Arm,
+    motion: SmoothMotion,
+    samples: slice,
+    current: ArrayLike | None,
+    threads: int | None,
+) -> Loads:
+    """`loads_of` some samples."""
+    from alpha5_model.dynamics.batch import (
+        frame_positions,
+        torque_terms,
+        water_terms,
+    )
+
+    q = motion.position[samples]
+    v = motion.velocity[samples]
+    a = motion.acceleration[samples]
+    terms = torque_terms(arm, q, v, a, threads)
+    return Loads(
+        inertia=terms.inertia,
+        coriolis=terms.coriolis,
+        weight=terms.weight,
+        buoyancy=terms.buoyancy,
+        base_wrench=arm.base_wrench_batch(q, v, a, threads),
+        tcp=frame_positions(arm, q),
+        moving_water=None if current is None else water_terms(arm, q, v, a, current),
+    )
+
+
+def _joined(parts: list[WaterTerms | None]) -> WaterTerms | None:
+    """What a current adds to all samples; None without a current."""
+    from alpha5_model.dynamics.batch import WaterTerms
+
+    found = [part for part in parts if part is not None]
+    if not found:
+        return None
+    return WaterTerms(
+        current=found[0].current,
+        torque=frozen(np.concatenate([part.torque for part in found])),
+        wrench=frozen(np.concatenate([part.wrench for part in found])),
+    )

@@ -1,0 +1,143 @@
+"""Currents, voltages and powers of the motors in a motion, and limits of a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import BoolArray, FloatArray, frozen
+from alpha5_model.dynamics.actuators import Actuator, Interval
+from alpha5_model.errors import MissingParameterError
+from alpha5_model.trajectory.smoothing import SmoothMotion
+
+#: Columns of `motor_columns`: NaN without a motor's constants.
+BY_MOTOR = (
+    "friction",
+    "current",
+    "current_lower",
+    "current_upper",
+    "voltage",
+    "electrical_power",
+)
+
+
+class Drive(NamedTuple):
+    """What a drive gives each motor at most.
+
+    Attributes:
+        supply_voltage: [V].
+        current_limit: [A].
+    """
+
+    supply_voltage: float
+    current_limit: float
+
+
+class _JointState(NamedTuple):
+    """The motion of one joint, as its motor feels it, (N,) each.
+
+    Attributes:
+        torque: [N m, N].
+        velocity: Signed by the direction of motion [rad/s, m/s].
+        acceleration: [rad/s^2, m/s^2].
+        at_rest: Whether friction holds the joint.
+    """
+
+    torque: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    at_rest: BoolArray
+
+
+def motor_columns(
+    motors: Sequence[Actuator], motion: SmoothMotion, torque: FloatArray
+) -> dict[str, FloatArray]:
+    """`BY_MOTOR` of each joint, (N, n) each.
+
+    Args:
+        motors: Of the n joints.
+        motion: Of the same joints.
+        torque: At the joints, (N, n) [N m, N].
+    """
+    columns = {name: np.full(torque.shape, np.nan) for name in BY_MOTOR}
+    for k, motor in enumerate(motors):
+        with suppress(MissingParameterError):  # the jaw rod without a screw lead
+            for name, column in _columns(motor, _state(motion, torque, k)).items():
+                columns[name][:, k] = column
+    return columns
+
+
+def drive_limits(
+    motors: Sequence[Actuator], motion: SmoothMotion, torque: FloatArray, drive: Drive
+) -> Interval:
+    """Torques that a drive can give while a joint moves and hold while it rests, (N,
+    n).
+
+    Args:
+        motors: Of the n joints.
+        motion: Of the same joints.
+        torque: At the joints, (N, n) [N m, N].
+        drive: The limits of each motor.
+
+    Raises:
+        InputError: A supply voltage or current limit that is not positive.
+    """
+    lower = np.full(torque.shape, np.nan)
+    upper = np.full(torque.shape, np.nan)
+    for k, motor in enumerate(motors):
+        with suppress(MissingParameterError):  # the jaw rod without a screw lead
+            limits = _limits(motor, _state(motion, torque, k), drive)
+            lower[:, k] = limits.lower
+            upper[:, k] = limits.upper
+    return Interval(frozen(lower), frozen(upper))
+
+
+def _state(motion: SmoothMotion, torque: FloatArray, k: int) -> _JointState:
+    """The motion of joint k."""
+    return _JointState(
+        torque=torque[:, k],
+        velocity=motion.signed_velocity[:, k],
+        acceleration=motion.acceleration[:, k],
+        at_rest=motion.direction[:, k] == 0,
+    )
+
+
+def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
+    """`BY_MOTOR` of one joint, (N,) each."""
+    current = _current(motor, state)
+    ends = [_current(extreme, state) for extreme in motor.extremes()]
+    voltage = motor.voltage(current, state.velocity)
+    motor_torque = motor.torque_constant * motor.ratio * current
+    return {
+        "friction": motor_torque - state.torque,
+        "current": current,
+        "current_lower": np.minimum(*ends),
+        "current_upper": np.maximum(*ends),
+        "voltage": voltage,
+        "electrical_power": voltage * current,
+    }
+
+
+def _current(motor: Actuator, state: _JointState) -> FloatArray:
+    """The current of a motor [A]; at rest the least that keeps the joint there."""
+    acceleration = None if motor.rotor_inertia is None else state.acceleration
+    moving = motor.current(state.torque, state.velocity, acceleration)
+    holding = motor.holding_current(state.torque)
+    least = np.clip(0.0, holding.lower, holding.upper)
+    return np.where(state.at_rest, least, moving)
+
+
+def _limits(motor: Actuator, state: _JointState, drive: Drive) -> Interval:
+    """Torques that the drive of a motor can give while it moves and hold at rest."""
+    moving = motor.torque_limits(
+        state.velocity, drive.supply_voltage, drive.current_limit
+    )
+    stalled = drive.supply_voltage / motor.parameters.resistance
+    most = min(drive.current_limit, stalled)
+    return Interval(
+        lower=np.where(state.at_rest, motor.holding_torque(-most).lower, moving.lower),
+        upper=np.where(state.at_rest, motor.holding_torque(most).upper, moving.upper),
+    )
