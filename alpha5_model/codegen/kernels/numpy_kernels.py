@@ -1,37 +1,81 @@
-"""The kernels without a compiler: the generated formulas on Python's numbers, and on blocks of NumPy's arrays.
+"""The kernels without a compiler, with the functions of the compiled module.
 
-The same two functions as the compiled module has.
+The generated formulas run on Python's numbers, or on blocks of NumPy's arrays.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial, update_wrapper
 from itertools import product
 from struct import pack
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import LARGEST, FloatArray
+from alpha5_model._support.checks import LARGEST, BoolArray, FloatArray
 from alpha5_model.codegen.kernels.generated import formulas, numbers
 
 #: States in a block: what a formula holds of them at a time stays in the cache.
 BLOCK = 4096
 #: Fewer targets of the inverse kinematics take less time one by one.
 FEW = 25
-_KERNELS: dict[str, tuple[Any, ...]] = formulas.KERNELS
 _FLOAT64 = np.dtype(np.float64)
-#: The formulas that hold for Python's numbers.
-_ONE: dict[str, tuple[Any, ...]] = {**formulas.KERNELS, **numbers.KERNELS}
-_SOLVE: Callable[..., Any] = numbers.inverse_kinematics
-#: Shared by all answers; arrays of bytes cannot be made writeable.
-_FLAGS: dict[Any, Any] = {
-    bits: np.ndarray(4, np.bool_, bytes(bits))
-    for bits in product((False, True), repeat=4)
-}
-_FLAGS |= {bit: np.ndarray((), np.bool_, bytes([bit])) for bit in (False, True)}
+
+Shape = tuple[int, ...]
+Formula = Callable[..., Any]
+
+
+class _Kernel(NamedTuple):
+    """A generated formula.
+
+    Attributes:
+        formula: Takes a sequence of elements for each input and the elementary
+            functions, returns a tuple of elements for each output.
+        inputs: Shapes, the parameters' last if it has any.
+        outputs: Shapes.
+    """
+
+    formula: Formula
+    inputs: tuple[Shape, ...]
+    outputs: tuple[Shape, ...]
+
+    def inputs_of_states(self, has_parameters: bool) -> tuple[Shape, ...]:
+        """Shapes of the inputs without the parameters."""
+        return self.inputs[:-1] if has_parameters else self.inputs
+
+    def has_parameters(self, parameters: Sequence[float] | FloatArray) -> bool:
+        """Whether its last input are such parameters."""
+        return self.inputs[-1] == np.shape(parameters)
+
+
+def _kernels(table: Mapping[str, Any]) -> dict[str, _Kernel]:
+    return {
+        name: _Kernel(formula=formula, inputs=inputs, outputs=outputs)
+        for name, (formula, inputs, outputs) in table.items()
+    }
+
+
+_OF_ARRAYS = _kernels(formulas.KERNELS)
+_OF_NUMBERS = _OF_ARRAYS | _kernels(numbers.KERNELS)
+_SOLVE: Formula = numbers.inverse_kinematics
+
+
+def _flags() -> dict[Any, BoolArray]:
+    """Truth values -> array of them.
+
+    All answers share these; arrays of bytes cannot be made writeable.
+    """
+    flags: dict[Any, BoolArray] = {}
+    for bits in product((False, True), repeat=4):
+        flags[bits] = np.ndarray(4, np.bool_, bytes(bits))
+    for bit in (False, True):
+        flags[bit] = np.ndarray((), np.bool_, bytes([bit]))
+    return flags
+
+
+_FLAGS = _flags()
 
 
 def bind(
@@ -43,39 +87,43 @@ def bind(
 
     Args:
         name: Of a kernel.
-        parameters: Its last input, copied; of no meaning where it takes none.
-        fallback: Computes where the kernel does not; the function has its name and documentation.
+        parameters: Its last input, copied; ignored if it takes none.
+        fallback: Computes what the kernel cannot; the returned function has its name and
+            documentation.
 
     Returns:
-        A function of the other inputs: a new array for each output, several in a tuple. What ``fallback``
-        makes of the arguments unless each is a C-contiguous float64 array of the right shape whose entries
-        can be computed with.
+        A function of the other inputs that returns a new array, or a tuple of them if
+        there are several outputs. Unless each input is a C-contiguous float64 array of
+        the right shape with entries that can be computed with, it returns what
+        ``fallback`` makes of the inputs.
     """
-    formula, inputs, outputs = _ONE[name]
-    last = (
-        ([float(x) for x in parameters],) if inputs[-1] == np.shape(parameters) else ()
-    )
-    shapes = inputs[: len(inputs) - len(last)]
-    return update_wrapper(
-        partial(_one, formula, shapes, outputs, last, fallback), fallback
-    )
+    kernel = _OF_NUMBERS[name]
+    bound = kernel.has_parameters(parameters)
+    last = ([float(x) for x in parameters],) if bound else ()
+    shapes = kernel.inputs_of_states(bound)
+    compute = partial(_one, kernel.formula, shapes, kernel.outputs, last, fallback)
+    return update_wrapper(compute, fallback)
 
 
 def _one(
-    formula: Any,
-    shapes: Any,
-    outputs: Any,
-    last: Any,
-    fallback: Any,
+    formula: Formula,
+    inputs: tuple[Shape, ...],
+    outputs: tuple[Shape, ...],
+    last: tuple[Any, ...],
+    fallback: Callable[..., Any],
+    /,
     *given: Any,
     **named: Any,
 ) -> Any:
-    if named or len(given) != len(shapes) or not all(map(_clean, given, shapes)):
+    """A formula of one state, see `bind`; ``last`` are its parameters if it has any."""
+    if named or len(given) != len(inputs) or not all(map(_can_compute, given, inputs)):
         return fallback(*given, **named)
-    results = formula(*(x.ravel().tolist() for x in given), *last, math)
+
+    elements = [x.ravel().tolist() for x in given]
+    results = formula(*elements, *last, math)
     arrays = [
-        np.array(r, np.float64).reshape(s)
-        for r, s in zip(results, outputs, strict=True)
+        np.array(result, np.float64).reshape(shape)
+        for result, shape in zip(results, outputs, strict=True)
     ]
     return arrays[0] if len(arrays) == 1 else tuple(arrays)
 
@@ -87,53 +135,86 @@ def batch(
 
     Args:
         name: Of a kernel.
-        parameters: Its last input, for all rows; not looked at where it takes none.
-        arrays: The other inputs, then the outputs, one state in each row; inputs may be repeated by
-            `numpy.broadcast_to`.
+        parameters: Its last input, for all rows; ignored if it takes none.
+        arrays: The other inputs, then the outputs, one state in each row; inputs may be
+            repeated by `numpy.broadcast_to`.
 
     Returns:
-        False, with nothing in the outputs to rely on, unless all are C-contiguous float64 arrays of as many
-        rows of the right size, and the entries of the inputs can be computed with.
+        True, unless they are not all C-contiguous float64 arrays of as many rows of the
+        right size, or entries of the inputs cannot be computed with. Then the outputs
+        hold nothing to rely on.
     """
-    formula, inputs, outputs = _KERNELS[name]
-    last = (
-        ([np.array(x) for x in parameters],)
-        if inputs[-1] == np.shape(parameters)
-        else ()
-    )
-    given = len(inputs) - len(last)
-    shapes = (*inputs[:given], *outputs)
+    kernel = _OF_ARRAYS[name]
+    bound = kernel.has_parameters(parameters)
+    inputs = kernel.inputs_of_states(bound)
+    shapes = (*inputs, *kernel.outputs)
     if len(arrays) != len(shapes):
         return False
-    n = len(arrays[0]) if np.ndim(arrays[0]) else 0
-    for place, (x, shape) in enumerate(zip(arrays, shapes, strict=True)):
-        is_input = place < given
-        if not _plain(x, rows=is_input) or not (is_input or x.flags.writeable):
+
+    given = arrays[: len(inputs)]
+    results = arrays[len(inputs) :]
+    if not all(_plain(x, rows=True) for x in given):
+        return False
+    if not all(_plain(x) and x.flags.writeable for x in results):
+        return False
+
+    rows = _as_rows(arrays, shapes)
+    if rows is None:
+        return False
+    given_rows = rows[: len(inputs)]
+    result_rows = rows[len(inputs) :]
+    if len(given_rows[0]) < FEW and name in numbers.KERNELS:
+        return _row_by_row(_OF_NUMBERS[name].formula, given_rows, result_rows)
+    last = ([np.array(x) for x in parameters],) if bound else ()
+    return _block_by_block(kernel.formula, given_rows, last, result_rows)
+
+
+def _as_rows(
+    arrays: Sequence[FloatArray], shapes: Sequence[Shape]
+) -> list[FloatArray] | None:
+    """The arrays with one row for each state; None if their sizes do not fit."""
+    n = len(arrays[0]) if arrays[0].ndim else 0
+    rows = []
+    for x, shape in zip(arrays, shapes, strict=True):
+        size = math.prod(shape)
+        if x.ndim == 0 or len(x) != n or x.size != n * size:
+            return None
+        rows.append(x.reshape(n, size))
+    return rows
+
+
+def _row_by_row(
+    formula: Formula, inputs: Sequence[FloatArray], outputs: Sequence[FloatArray]
+) -> bool:
+    """A formula of Python's numbers for each row; False if one cannot be computed with."""
+    for i in range(len(inputs[0])):
+        state = [x[i].tolist() for x in inputs]
+        if not all(abs(number) <= LARGEST for part in state for number in part):
             return False
-        if x.ndim == 0 or len(x) != n or x.size != n * math.prod(shape):
-            return False
-    rows = [x.reshape(n, math.prod(s)) for x, s in zip(arrays, shapes, strict=True)]
-    if n < FEW and name in numbers.KERNELS:
-        for i in range(n):
-            states = [x[i].tolist() for x in rows[:given]]
-            if not all(abs(e) <= LARGEST for state in states for e in state):
-                return False
-            for out, result in zip(
-                rows[given:], _ONE[name][0](*states, math), strict=True
-            ):
-                out[i] = result
-        return True
+        results = formula(*state, math)
+        for out, result in zip(outputs, results, strict=True):
+            out[i] = result
+    return True
+
+
+def _block_by_block(
+    formula: Formula,
+    inputs: Sequence[FloatArray],
+    last: tuple[Any, ...],
+    outputs: Sequence[FloatArray],
+) -> bool:
+    """A formula of arrays for all rows; False if a number cannot be computed with."""
     with np.errstate(all="ignore"):
-        for start in range(0, n, BLOCK):
-            here = slice(start, start + BLOCK)
-            columns = [np.ascontiguousarray(x[here].T) for x in rows[:given]]
+        for start in range(0, len(inputs[0]), BLOCK):
+            block = slice(start, start + BLOCK)
+            columns = [np.ascontiguousarray(x[block].T) for x in inputs]
             if not all(np.abs(x).max() <= LARGEST for x in columns):
                 return False
-            for out, result in zip(
-                rows[given:], formula(*columns, *last, np), strict=True
-            ):
+
+            results = formula(*columns, *last, np)
+            for out, result in zip(outputs, results, strict=True):
                 for k, column in enumerate(result):
-                    out[here, k] = column
+                    out[block, k] = column
     return True
 
 
@@ -146,33 +227,31 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
         wrist: [rad].
 
     Returns:
-        None where position is not a float64 array, a list or a tuple of three floats, wrist not a float, or a
-        number too large or not finite.
+        None if position is not a float64 array, a list or a tuple of three floats, wrist
+        is not a float, or a number is too large or not finite.
     """
     x = position
     if type(x) is np.ndarray and x.shape == (3,):
         x = x.tolist()
-    if (
-        type(x) not in (list, tuple)
-        or len(x) != 3
-        or {*map(type, x), type(wrist)} != {float}
-    ):
+    if type(x) not in (list, tuple) or len(x) != 3:
+        return None
+    if {*map(type, x), type(wrist)} != {float}:
         return None
     if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
         return None
+
     q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
-    angles, target = (
-        np.ndarray((4, 4), float, pack("16d", *q)),
-        np.frombuffer(pack("3d", *x)),
-    )
+    angles = np.ndarray((4, 4), float, pack("16d", *q))
+    target = np.frombuffer(pack("3d", *x))
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
-    return tuple.__new__(kind, answer)
+    return tuple.__new__(kind, answer)  # far faster than by keyword
 
 
 def is_state(nq: int, nv: int, *state: Any) -> bool:
-    """Whether q is a contiguous, aligned float64 array (nq,), the others are (nv,), and all can be computed with.
+    """Whether arrays are a state that can be computed with.
 
-    Near the largest number: no.
+    q is a contiguous, aligned float64 array (nq,), the others are (nv,). A state with
+    numbers near `LARGEST` is none.
     """
     n = nq
     for x in state:
@@ -187,6 +266,7 @@ def is_state(nq: int, nv: int, *state: Any) -> bool:
 
 
 def _plain(x: Any, rows: bool = False) -> bool:
+    """Whether a value is a contiguous float64 array, or one row for all if rows may be."""
     if type(x) is not np.ndarray or x.dtype != np.float64:
         return False
     if rows and x.ndim == 2 and x.strides[0] == 0:
@@ -194,9 +274,8 @@ def _plain(x: Any, rows: bool = False) -> bool:
     return bool(x.flags.c_contiguous and x.flags.aligned)
 
 
-def _clean(x: Any, shape: tuple[int, ...]) -> bool:
-    return (
-        _plain(x)
-        and x.shape == shape
-        and all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))
-    )
+def _can_compute(x: Any, shape: Shape) -> bool:
+    """Whether a value is such an array of a shape with numbers that are not too large."""
+    if not _plain(x) or x.shape != shape:
+        return False
+    return all(map(LARGEST.__ge__, map(abs, x.ravel().tolist())))
