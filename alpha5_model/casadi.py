@@ -6,8 +6,9 @@
     tau = arm.inverse_dynamics(q, v, a)  # of numbers, SX or MX
     print(arm.inverse_dynamics.__doc__)  # names, shapes and units
 
-They are of SX kind, so that all of CasADi's means work on them, which interpret them; ``load(compiled=True)`` gives
-calls of the compiled kernels, some four times faster. From Python, ``f.buffer()`` is far faster than a plain call.
+They are of SX kind, so that all of CasADi works on them, and are interpreted. With
+``load(compiled=True)`` they call the compiled kernels, which is some four times faster.
+From Python, ``f.buffer()`` is far faster than a plain call.
 """
 
 from __future__ import annotations
@@ -25,17 +26,16 @@ from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.plane import DOUBLE
-from alpha5_model.numbers.parameters import parameters as catalogue
+from alpha5_model.numbers.parameters import parameters
 
 __all__ = ["load"]
 
 #: Function -> kernel that has its derivatives.
 _DERIVATIVES = {
     "hydrostatic_torque": "hydrostatic_torque_derivative",
-    **{
-        f: f"{f}_derivatives"
-        for f in ("inverse_dynamics", "forward_dynamics", "base_wrench")
-    },
+    "inverse_dynamics": "inverse_dynamics_derivatives",
+    "forward_dynamics": "forward_dynamics_derivatives",
+    "base_wrench": "base_wrench_derivatives",
 }
 
 
@@ -46,67 +46,101 @@ def load(
 
     Args:
         arm: On a fixed base with its jaws locked; ``a5.load(**options)`` if None.
-        fold: Put its parameters into the Functions. Otherwise they are the last input, named ``parameters``, of every
-            Function that depends on them.
-        compiled: Call the compiled kernels, for values and, with ``fold``, for first derivatives of torques,
-            accelerations and the load on the mount; other derivatives are interpreted. They take numbers and MX,
-            are not inlined, and cannot be made C of. ``with_payload`` stays as it is.
+        fold: Put its parameters into the Functions. Otherwise they are the last input,
+            named ``parameters``, of every Function that depends on them.
+        compiled: Call the compiled kernels, for values and, with ``fold``, for first
+            derivatives of torques, accelerations and the load on the mount; other
+            derivatives are interpreted. These Functions take numbers and MX, are not
+            inlined and cannot be exported to C. ``with_payload`` stays interpreted.
         options: Of `alpha5_model.load`.
 
     Returns:
-        casadi.Functions by the names of `Arm`'s methods, ``link_poses`` and ``inverse_kinematics``, each with
-        names, shapes and units in its ``__doc__``. Poses are (4, 4), flags 0 or 1. ``parameters`` are the arm's base
-        parameters, (41,); ``with_payload`` makes those of the arm that holds a body.
+        casadi.Functions by the names of `Arm`'s methods, ``link_poses`` and
+        ``inverse_kinematics``, each with names, shapes and units in its ``__doc__``.
+        Poses are (4, 4), flags 0 or 1. ``parameters`` are the arm's base parameters,
+        (41,); ``with_payload`` makes those of the arm that holds a body.
 
     Raises:
         InputError: The arm's base floats, or its jaws move.
         MissingDependencyError: ``compiled``, but the kernels run in NumPy here.
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
-    parameters, functions = arm_parameters(arm), products(catalogue())
-    known = {"tolerances": DOUBLE, "fluid_density": arm.fluid_density}
+    base_parameters = arm_parameters(arm)
+    known: dict[str, Any] = {
+        "tolerances": DOUBLE,
+        "fluid_density": arm.fluid_density,
+    }
     if flag("fold", fold):
-        known["parameters"] = parameters
-    if flag("compiled", compiled) and kernels.backend() == "numpy":
-        remedy = "install alpha5-model where a C compiler is, or load(compiled=False)"
-        raise MissingDependencyError(
-            "alpha5_model.codegen.kernels._compiled", "compiled=True", remedy
-        )
-    out = SimpleNamespace(parameters=parameters)
-    for name, function in functions.items():
-        given = {n for n in known if n in function.name_in()}
-        if name == "with_payload":
-            given.discard("parameters")
-        made = folded(function, **{n: known[n] for n in given})
+        known["parameters"] = base_parameters
+    if flag("compiled", compiled):
+        _check_compiled()
+
+    out = SimpleNamespace(parameters=base_parameters)
+    for name, function in products(parameters()).items():
+        made = folded(function, **_inputs_to_fold(function, known))
         summary = program(made).documentation(SUMMARIES[name])
         if compiled and name != "with_payload":
-            made = _compiled(made, parameters)
+            made = _compiled(made, base_parameters)
         made.__doc__ = summary
         setattr(out, name, made)
     return out
 
 
+def _check_compiled() -> None:
+    """Raise an error if the kernels are not compiled."""
+    if kernels.backend() == "numpy":
+        raise MissingDependencyError(
+            "alpha5_model.codegen.kernels._compiled",
+            "compiled=True",
+            "install alpha5-model where a C compiler is, or load(compiled=False)",
+        )
+
+
+def _inputs_to_fold(function: casadi.Function, known: dict[str, Any]) -> dict[str, Any]:
+    """The known inputs of a function; ``with_payload`` keeps its parameters free."""
+    given = {name: known[name] for name in function.name_in() if name in known}
+    if function.name() == "with_payload":
+        given.pop("parameters", None)
+    return given
+
+
 def _compiled(
     function: casadi.Function, parameters: FloatArray, kernel: str | None = None
 ) -> casadi.Function:
-    """What looks like a Function and calls a kernel; its derivatives call theirs, or are interpreted."""
-    called = casadi.external(
-        f"alpha5_{kernel or function.name()}", kernels.module().__file__
-    )
-    names, slope = function.name_in(), function.jacobian()
-    inputs: list[Any] = [casadi.MX.sym(x, function.sparsity_in(x)) for x in names]
-    last, given = called.n_in() - 1, inputs
-    if "parameters" not in names and called.size1_in(last) == len(parameters):
+    """A Function that calls a kernel.
+
+    Its derivatives call theirs, or are interpreted.
+
+    Args:
+        function: Whose name, inputs and outputs it has.
+        parameters: Base parameters, for the kernel if they are no input.
+        kernel: Name of the kernel; the function's own if None.
+    """
+    library = kernels.module().__file__
+    called = casadi.external(f"alpha5_{kernel or function.name()}", library)
+    names = function.name_in()
+    inputs: list[Any] = [
+        casadi.MX.sym(name, function.sparsity_in(name)) for name in names
+    ]
+
+    given = inputs
+    derivative = function.jacobian()
+    last = called.n_in() - 1
+    takes_parameters = called.size1_in(last) == len(parameters)
+    if takes_parameters and "parameters" not in names:
         given = [*inputs[:last], parameters]
         if function.name() in _DERIVATIVES:
-            slope = _compiled(slope, parameters, _DERIVATIVES[function.name()])
+            kernel = _DERIVATIVES[function.name()]
+            derivative = _compiled(derivative, parameters, kernel)
+
     outputs: list[Any] = []
-    for i, rows in enumerate(called.call(given)):  # of matrices, one after the other
-        shape = function.sparsity_out(i)
-        matrix = casadi.reshape(rows, shape.size2(), shape.size1()).T
-        outputs.append(casadi.project(matrix, shape))
+    for i, rows in enumerate(called.call(given)):
+        # The rows of a matrix come one after the other.
+        sparsity = function.sparsity_out(i)
+        matrix = casadi.reshape(rows, sparsity.size2(), sparsity.size1()).T
+        outputs.append(casadi.project(matrix, sparsity))
     options: dict[str, Any] = {
-        "custom_jacobian": slope,
+        "custom_jacobian": derivative,
         "jac_penalty": 0,
         "never_inline": True,
     }

@@ -7,8 +7,9 @@
     batch = jax.jit(jax.vmap(arm.forward_dynamics))(q, v, tau)       # rows of states
     slope = jax.grad(lambda mass: arm.with_payload(mass).inverse_dynamics(q, v, a)[1])(0.5)
 
-Results have the precision of the input. Without ``jax_enable_x64`` JAX computes in float32, torques then to some 1e-6.
-Compile what is called more than once: without ``jax.jit`` each of some hundred operations is a call of its own.
+Results have the precision of the input. Without ``jax_enable_x64``, JAX computes in
+float32, torques then to some 1e-6. Compile what you call more than once: without
+``jax.jit``, each of some hundred operations is a call of its own.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from alpha5_model._support.checks import instance
+from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model.codegen.kernels.generated import formulas, products
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
@@ -37,6 +38,7 @@ with needing("alpha5_model.jax", "pip install jax"):
 #: Anything that JAX or NumPy reads as real numbers.
 Numbers: TypeAlias = Any
 Arrays: TypeAlias = tuple[Array, ...]
+#: Name -> formula, shapes of its inputs and of its outputs.
 _KERNELS: dict[str, Any] = {**formulas.KERNELS, **products.KERNELS}
 
 
@@ -44,7 +46,8 @@ class Solutions(NamedTuple):
     """All solutions of one target, as `alpha5_model.inverse_kinematics` has them.
 
     Attributes:
-        q: (4, 4): branch (`alpha5_model.BRANCHES`) and joint [rad]; NaN, with its derivatives, where it does not reach the target.
+        q: (4, 4): branch (`alpha5_model.BRANCHES`) and joint [rad]; NaN, with its
+            derivatives, if the branch does not reach the target.
         exists, within_limits: (4,).
         singular: ().
     """
@@ -60,13 +63,15 @@ class Solutions(NamedTuple):
 )
 @dataclass(frozen=True, eq=False)
 class JaxArm:
-    """The arm on a fixed base with its jaws locked; a pytree, so that it can go through JAX's transformations.
+    """The arm on a fixed base with its jaws locked.
 
-    Methods are those of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
+    It is a pytree, so that it can go through JAX's transformations. Methods are those of
+    `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
 
     Attributes:
-        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`. A NumPy array is folded into what is
-            compiled; a JAX array is an input like any other.
+        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`. A
+            NumPy array is folded into what is compiled; a JAX array is an input like any
+            other.
         fluid_density: Around a payload [kg/m^3].
     """
 
@@ -134,7 +139,10 @@ class JaxArm:
         return _computed("forward_dynamics_derivatives", q, v, tau, self.parameters)
 
     def base_wrench(self, q: Numbers, v: Numbers, a: Numbers) -> Array:
-        """Force above moment that the arm exerts on its mount, at and in base_link, (6,) [N, N m]."""
+        """Force above moment that the arm exerts on its mount, (6,) [N, N m].
+
+        Both are at the origin and in the axes of base_link.
+        """
         return _only("base_wrench", q, v, a, self.parameters)
 
     def base_wrench_derivatives(self, q: Numbers, v: Numbers, a: Numbers) -> Arrays:
@@ -152,22 +160,23 @@ class JaxArm:
         """A new arm that holds a rigid body fixed to its tcp.
 
         Args:
-            mass: [kg]; not checked, as are the others, since they may be what is sought.
+            mass: [kg]. Like the other numbers it is not checked, as you may look for it.
             com: Centre of mass in tcp, (3,) [m].
             inertia: At the COM in the axes of tcp, (3, 3) [kg m^2]; None for a point mass.
             volume: Displaced volume [m^3].
             cob: Centre of buoyancy in tcp, (3,) [m]; None for the COM.
         """
-        inertia = np.zeros((3, 3)) if inertia is None else inertia
-        body = (
+        parameters = _only(
+            "with_payload",
+            self.parameters,
             mass,
             com,
-            inertia,
+            np.zeros((3, 3)) if inertia is None else inertia,
             volume,
             com if cob is None else cob,
             self.fluid_density,
         )
-        return replace(self, parameters=_only("with_payload", self.parameters, *body))
+        return replace(self, parameters=parameters)
 
 
 def load(arm: Arm | None = None, **options: Any) -> JaxArm:
@@ -181,45 +190,54 @@ def load(arm: Arm | None = None, **options: Any) -> JaxArm:
         InputError: The arm's base floats, or its jaws move.
     """
     arm = load_arm(**options) if arm is None else instance("arm", arm, Arm)
-    return JaxArm(arm_parameters(arm), arm.fluid_density)
+    return JaxArm(parameters=arm_parameters(arm), fluid_density=arm.fluid_density)
 
 
 def inverse_kinematics(position: Numbers, wrist: Numbers = 0.0) -> Solutions:
-    """Every joint position that puts the tcp at a point.
+    """All joint positions that put the tcp at a point.
 
-    Of a branch that does not reach the target, joint positions and their derivatives are NaN.
+    If a branch does not reach the target, its joint positions and their derivatives are
+    NaN.
 
     Args:
         position: tcp in base_link, (3,) [m].
         wrist: theta_3 [rad].
     """
-    single = jnp.result_type(_given(position), float) == np.float32
-    tolerances = SINGLE if single else DOUBLE
+    is_single = jnp.result_type(_given(position), float) == np.float32
+    tolerances = SINGLE if is_single else DOUBLE
     q, exists, within, singular = _computed(
         "inverse_kinematics", position, wrist, tolerances
     )
     moved = jnp.sum(_given(position)) + jnp.sum(_given(wrist))
-    return Solutions(_without_slope(q, exists, moved), exists, within, singular[0])
+    return Solutions(
+        q=_without_slope(q, exists, moved),
+        exists=exists,
+        within_limits=within,
+        singular=singular[0],
+    )
 
 
 def _without_slope(q: Array, exists: Array, moved: Array) -> Array:
-    """q, its derivatives by ``moved`` NaN where a branch does not exist.
+    """q, whose derivatives by ``moved`` are NaN if a branch does not exist.
 
-    A slope of NaN would also spoil derivatives of the branches that exist, by 0 times NaN. Here the two parts of the
-    slope overflow to infinities that leave NaN, unless nothing is asked of the branch: then both are 0.
+    A slope of NaN would also spoil derivatives of the branches that exist, by 0 times
+    NaN. Here, the two parts of the slope overflow to infinities whose difference is NaN.
+    If the derivative of the branch is not used, both are 0.
     """
     largest = float(np.finfo(q.dtype).max)
-    half, quarter = (jnp.where(exists, 0.0, largest / n)[:, None] for n in (2, 4))
+    half = jnp.where(exists, 0.0, largest / 2)[:, None]
+    quarter = jnp.where(exists, 0.0, largest / 4)[:, None]
     return q + half * (half * moved) - quarter * (quarter * moved)
 
 
-def _only(name: str, *given: Any) -> Array:
+def _only(name: str, *given: Numbers) -> Array:
+    """The one output of a formula."""
     (result,) = _computed(name, *given)
     return result
 
 
-def _computed(name: str, *given: Any) -> Arrays:
-    """Outputs of a formula."""
+def _computed(name: str, *given: Numbers) -> Arrays:
+    """The outputs of a formula."""
     formula, inputs, outputs = _KERNELS[name]
     elements = [
         _elements(name, x, shape) for x, shape in zip(given, inputs, strict=True)
@@ -228,25 +246,34 @@ def _computed(name: str, *given: Any) -> Arrays:
     return tuple(_array(r, shape) for r, shape in zip(results, outputs, strict=True))
 
 
-def _elements(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    """Entries, row by row: JAX's own as they are, others as numbers, which leave the precision to JAX's."""
+def _elements(name: str, value: Numbers, shape: tuple[int, ...]) -> Array | list[float]:
+    """Entries, row by row.
+
+    Those of JAX stay as they are. Others become numbers, which leave the precision to
+    those of JAX.
+    """
     array = _given(value)
-    if array.shape != shape and (array.shape or shape != (1,)):
+    is_number = array.shape == () and shape == (1,)
+    if array.shape != shape and not is_number:
         raise ShapeError(f"an input of {name}", array.shape, f"shape {shape}")
+
     flat = array.reshape(-1)
     return flat if isinstance(flat, Array) else flat.tolist()
 
 
-def _given(value: Any) -> Any:
-    """An array of JAX's if any part is one or has single precision, else one of NumPy's."""
-    own = any(
-        isinstance(x, Array) or getattr(x, "dtype", 0) == np.float32
-        for x in leaves(value)
-    )
-    return jnp.asarray(value) if own else np.asarray(value, np.float64)
+def _given(value: Numbers) -> Array | FloatArray:
+    """JAX's array if any part is one or has single precision, else NumPy's."""
+    if any(_is_for_jax(leaf) for leaf in leaves(value)):
+        return jnp.asarray(value)
+    return np.asarray(value, np.float64)
+
+
+def _is_for_jax(leaf: Any) -> bool:
+    return isinstance(leaf, Array) or getattr(leaf, "dtype", 0) == np.float32
 
 
 def _array(elements: Sequence[Any], shape: tuple[int, ...]) -> Any:
-    """Numbers alone stay folded."""
-    folded = all(isinstance(x, float) for x in elements)
-    return (np.array(elements) if folded else jnp.stack(elements)).reshape(shape)
+    """An array of elements: NumPy's if all are numbers, so that they stay folded."""
+    if all(isinstance(x, float) for x in elements):
+        return np.array(elements).reshape(shape)
+    return jnp.stack(elements).reshape(shape)
