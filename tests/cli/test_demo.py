@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 from demo_run import demo_run
 from reference import configurations, inertial_frames
+from urdf_edits import with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -75,7 +76,7 @@ def test_a_wrong_description_fails_the_demo(
     monkeypatch.setattr(
         variants,
         "urdf",
-        lambda variant: right(variant).replace('value="0.38"', 'value="0.83"'),
+        lambda variant: with_mass(right(variant), "0.83"),
     )
     assert main(["demo", "--output", str(tmp_path)]) == 1
     assert "FAILED" in capsys.readouterr().out

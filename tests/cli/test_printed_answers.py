@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 import pytest
 from demo_run import demo_run
+from urdf_edits import with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import COMMANDS, _loaded, demo, generate, main, options, proofs
@@ -84,7 +85,7 @@ def folder_of_a_user() -> None:
     """What the answers are about, into the current folder."""
     ours = Path(a5.URDF_PATH).read_text("utf-8")
     Path("arm.urdf").write_text(ours, "utf-8")
-    Path("other.urdf").write_text(ours.replace('value="0.38"', 'value="0.5"'), "utf-8")
+    Path("other.urdf").write_text(with_mass(ours, "0.5"), "utf-8")
     bodies = "".join(f'<link name="{x}"/>' for x in "ab")
     joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
     Path("two.urdf").write_text(f'<robot name="two">{bodies}{joint}</robot>', "utf-8")

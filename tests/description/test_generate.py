@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from urdf_edits import mass_text, with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.files import atomic_write, atomic_write_all
@@ -182,12 +183,13 @@ def test_the_committed_files_are_fresh(capsys):
 def test_a_stale_file_is_found_and_mended(tmp_path):
     update(str(tmp_path))
     urdf_file = tmp_path / "urdf" / "alpha5.urdf"
-    urdf_file.write_text(urdf_file.read_text().replace('value="0.38"', 'value="0.39"'))
+    right = urdf_file.read_text()
+    urdf_file.write_text(with_mass(right, "0.9"))
     (tmp_path / "urdf" / "alpha5_jaws.urdf").unlink()
     stale = {file.path: file.diff for file in stale_files(str(tmp_path))}
     assert set(stale) == {"urdf/alpha5.urdf", "urdf/alpha5_jaws.urdf"}
     assert (
-        '-      <mass value="0.39"/>\n+      <mass value="0.38"/>'
+        f'-      <mass value="0.9"/>\n+      <mass value="{mass_text(right)}"/>'
         in stale["urdf/alpha5.urdf"]
     )
     assert stale["urdf/alpha5_jaws.urdf"].endswith("missing\n")

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from urdf_edits import with_mass
 
 import alpha5_model as a5
 from alpha5_model.cli import main
@@ -60,7 +61,7 @@ def with_program(program: str) -> str:
 def test_no_file_is_executed(reader, program, suffix, tmp_path, secret, capfd):
     mark = tmp_path / "executed"
     text = with_program(PROGRAMS[program].format(mark=mark, secret=secret))
-    for content in (text, text.replace('value="0.38"', 'value="${1 + 1}"')):
+    for content in (text, with_mass(text, "${1 + 1}")):
         path = tmp_path / f"arm{suffix}"
         path.write_text(content)
         said = ""
@@ -132,7 +133,7 @@ def test_options_of_xacro_need_a_xacro_file(tmp_path):
 
 def test_a_urdf_with_xacro_in_it_says_so(tmp_path):
     path = tmp_path / "arm.urdf"
-    path.write_text(with_program("1").replace('value="0.38"', 'value="${1 + 1}"'))
+    path.write_text(with_mass(with_program("1"), "${1 + 1}"))
     with pytest.raises(
         FileFormatError, match=r"only a file whose name ends in \.xacro"
     ):
@@ -223,8 +224,8 @@ HOSTILE = {
     "external entity": '<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret}">]><robot name="a">&x;</robot>',
     "parameter entity": '<!DOCTYPE robot [<!ENTITY % x SYSTEM "{secret}"> %x;]><robot/>',
     "external subset": '<!DOCTYPE robot SYSTEM "{secret}"><robot><link name="a"/></robot>',
-    "long number": OWN.replace('value="0.38"', f'value="{"9" * 100_000}"'),
-    "long zero": OWN.replace('value="0.38"', f'value="0.{"0" * 100_000}38"'),
+    "long number": with_mass(OWN, "9" * 100_000),
+    "long zero": with_mass(OWN, f"0.{'0' * 100_000}38"),
     "many numbers": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="{"0 " * 50_000}"', 1),
     "zero to a power": OWN.replace(
         'rpy="0.0 0.0 0.0"', 'rpy="0e400 0e-400 0e99999999999999999999"'

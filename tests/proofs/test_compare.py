@@ -16,6 +16,7 @@ import pytest
 import reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from urdf_edits import with_mass
 
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
@@ -356,11 +357,11 @@ def test_joints_are_mapped_by_name_prefix_order_or_hand():
         ),
         ("<robot><link name='a'/><link name='b'/></robot>", "2 root links: a, b"),
         (
-            OWN.replace('value="0.38"', 'value="heavy"'),
+            with_mass(OWN, "heavy"),
             "expected a finite number, got 'heavy'",
         ),
         (
-            OWN.replace('value="0.38"', 'value="nan"'),
+            with_mass(OWN, "nan"),
             "expected a finite number, got 'nan'",
         ),
         (
@@ -396,10 +397,9 @@ def test_broken_files_say_where(text, words, tmp_path, capsys):
 
 
 def test_a_lighter_body_has_a_negative_mass_error():
-    comparison = compare_robots(
-        parse_urdf(OWN.replace('value="0.38"', 'value="0.3"')), samples=5
-    )
-    assert comparison.bodies[2].mass_error == pytest.approx(-0.08)
+    comparison = compare_robots(parse_urdf(with_mass(OWN, "0.3")), samples=5)
+    mass = a5.parameters().links[2].mass
+    assert comparison.bodies[2].mass_error == pytest.approx(0.3 - mass)
 
 
 def test_rounding_shows_no_minus_at_zero(capsys):
@@ -414,11 +414,13 @@ def test_command_line(tmp_path, capsys):
     assert main(["compare", a5.URDF_PATH, "--samples", "5"]) == 0
     assert "agrees" in capsys.readouterr().out
     path, picture = tmp_path / "other.urdf", tmp_path / "errors.png"
-    path.write_text(OWN.replace('value="0.38"', 'value="0.5"'))
+    path.write_text(with_mass(OWN, "0.5"))
     assert main(["compare", str(path), "--json", "--plot", str(picture)]) == 1
     content = json.loads(capsys.readouterr().out)
     assert content["agrees"] is False
-    assert content["bodies"][2]["mass_error_kg"] == pytest.approx(0.12)
+    assert content["bodies"][2]["mass_error_kg"] == pytest.approx(
+        0.5 - a5.parameters().links[2].mass
+    )
     assert any("../meshes/link_0.obj" in f["where"] for f in content["findings"])
     assert picture.read_bytes().startswith(b"\x89PNG")
 

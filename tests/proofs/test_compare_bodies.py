@@ -12,12 +12,15 @@ import pinocchio as pin
 import pytest
 import reference
 
+import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.proofs.comparison import findings
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.records import Finding
+
+MASS_2 = a5.parameters().links[2].mass
 
 OWN = urdf()
 SAMPLES = 40
@@ -299,15 +302,22 @@ def test_jaws_beside_a_whole_wrist_are_counted_twice():
 
 def test_a_mass_that_nothing_explains_is_given_as_a_factor():
     text = found(
-        compared(edited(("link_2", "mass", {"value": "0.95"}))), "link_2", "mass "
+        compared(edited(("link_2", "mass", {"value": str(2.5 * MASS_2)}))),
+        "link_2",
+        "mass ",
     ).text
-    assert text == "mass 0.95 kg in place of 0.38 kg (2.5 times)"
+    assert text == f"mass {2.5 * MASS_2:.4g} kg in place of {MASS_2:.4g} kg (2.5 times)"
 
 
 @pytest.mark.parametrize(
     ("edit", "words", "just", "over"),
     [
-        ("mass", "mass ", {"value": "0.38037"}, {"value": "0.38039"}),
+        (
+            "mass",
+            "mass ",
+            {"value": str(MASS_2 * 1.00097)},
+            {"value": str(MASS_2 * 1.00103)},
+        ),
         (
             "origin",
             "COM ",
@@ -380,9 +390,11 @@ def test_the_table_is_readable_in_80_columns_without_colour(
     assert rows[13][5:] == ["62.46", "616.03", "625.31"]
     said = " ".join(out.split())
     cost = found(compared(root, 5), "link_2", "mass ").cost
-    text = "✗ link_2: mass 0.5 kg in place of 0.38 kg (1.32 times)"
+    text = (
+        f"✗ link_2: mass 0.5 kg in place of {MASS_2:.4g} kg ({0.5 / MASS_2:.3g} times)"
+    )
     assert f"{text} [{cost:.3g} N·m]" in said
-    assert 'write link_2: <mass value="0.38"/> ' in said
+    assert f'write link_2: <mass value="{MASS_2}"/> ' in said
     assert "[0 N·m]" not in said
     assert "The model differs: 4 findings." in said
     assert said.startswith(

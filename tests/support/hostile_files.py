@@ -12,6 +12,7 @@ import struct
 from pathlib import Path
 
 from bag_writer import State, write_bag
+from urdf_edits import with_mass
 
 from alpha5_model.description.urdf import urdf
 
@@ -116,16 +117,16 @@ URDFS = {
     "levels": "<robot>" * 14_000,
     "attributes": "<robot " + " ".join(f"a{k}=''" for k in range(20_000)) + "/>",
     "attribute": f'<robot name="{"a" * 100_000}"><link name="b"/></robot>',
-    "number": OWN.replace('value="0.38"', f'value="{"9" * 100_000}"'),
-    "digits": OWN.replace('value="0.38"', f'value="0.{"0" * 100_000}38"'),
+    "number": with_mass(OWN, "9" * 100_000),
+    "digits": with_mass(OWN, f"0.{'0' * 100_000}38"),
     "power": OWN.replace('rpy="0.0 0.0 0.0"', f'rpy="0e{"9" * 50_000} 0 0"'),
     "joints": _chain(700),
     "more joints": _chain(5000),
     "same name": '<robot name="x">' + '<link name="a"/>' * 6_000 + "</robot>",
     "loop": _loop(),
-    "infinite": OWN.replace('value="0.38"', 'value="inf"'),
+    "infinite": with_mass(OWN, "inf"),
     "not a number": OWN.replace('xyz="', 'xyz="nan ', 3),
-    "huge": OWN.replace('value="0.38"', 'value="1e308"'),
+    "huge": with_mass(OWN, "1e308"),
     "screen": with_name("\x9b31m\x9d0;title\x9c\u202e\u2066"),
     "empty": "",
     "nothing": "\0" * 100_000,

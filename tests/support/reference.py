@@ -1,12 +1,15 @@
-"""The document's kinematics and Tables 1 to 3, typed again for the tests: an independent second route.
+"""The document's kinematics, typed again for the tests, and Tables 2 and 3: an independent second route.
 
-Nothing here comes from the package. Lengths in mm, volumes in L, inertias in kg mm^2 with SolidWorks signs;
+No code here comes from the package. The tables are read from its data file as text, which
+`tests/numbers` compares with the document. Lengths in mm, volumes in L, inertias in kg mm^2 with SolidWorks signs;
 lists run from link_0 to link_4.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 
@@ -23,25 +26,27 @@ DH = [
 LOWER = np.array([0.01745, 0.01745, 0.01745, 0.0])
 UPPER = np.array([6.143, 3.40339, 3.40339, 6.2])
 
-MASS = [0.234, 0.161, 0.38, 0.142, 0.355]
-COM = [
-    (-52.425, -7.120, -0.037),
-    (7.746, 0.112, 25.038),
-    (73.563, -0.091, -0.734),
-    (11.188, -16.660, 0.148),
-    (-0.030, -1.482, -100.881),
-]
+_PRINTED = tomllib.loads(
+    (
+        Path(__file__).resolve().parents[2]
+        / "alpha5_model"
+        / "numbers"
+        / "reach_alpha_mk2_v7.toml"
+    ).read_text("utf-8")
+)
+_TABLE_2, _TABLE_3 = (_PRINTED[name]["rows"] for name in ("table_2", "table_3"))
+
+MASS = [float(row["mass"]) for row in _TABLE_2]
+COM = [tuple(map(float, row["com"])) for row in _TABLE_2]
+#: Element of the printed tensor, row and column, in the order xx, yy, zz, xy, xz, yz.
+_ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 #: xx, yy, zz, xy, xz, yz at the COM
 INERTIA = [
-    (45.012, 393.932, 397.995, 2.832, -4.115, -0.010),
-    (109.469, 122.362, 43.987, 0.808, 29.828, 0.544),
-    (82.697, 847.148, 868.483, -74.836, -1.866, 0.317),
-    (63.596, 40.651, 75.158, -21.363, -0.802, 0.337),
-    (615.921, 625.307, 62.574, 0.067, -7.916, -0.428),
+    tuple(float(row["inertia_com"][i][j]) for i, j in _ELEMENTS) for row in _TABLE_2
 ]
 #: Table 3: displaced volume and centre of buoyancy.
-VOLUME = [0.157, 0.032, 0.218, 0.032, 0.134]
-COB = [(-53, -3, -1), (2, -4, 31), (76, 0, -1), (2, -4, 29), (0, 0, -97)]
+VOLUME = [float(row["volume"]) for row in _TABLE_3]
+COB = [tuple(map(float, row["cob"])) for row in _TABLE_3]
 
 
 def rotation_z(angle: float) -> np.ndarray:
