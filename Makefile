@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # What the compiled kernels are made of: after a change they are compiled again.
 KERNELS := hatch_build.py $(wildcard alpha5_model/codegen/kernels/*.[ch] alpha5_model/codegen/kernels/generated/*.h)
 
-.PHONY: demo test docs lint format benchmark conformance fuzz mutation clean
+.PHONY: demo test docs lint format benchmark conformance lowest fuzz mutation clean
 
 demo: $(VENV)/.demo ## the main job on the real numbers; ends with a picture page
 	$(BIN)/alpha5 demo
@@ -37,6 +37,9 @@ benchmark: $(VENV)/.bench ## ratios against other packages, measured in one run
 conformance: $(VENV)/.conformance ## every tool on the generated files, one table, into the documentation
 	$(BIN)/python scripts/conformance/conformance.py --readme docs/conformance.md
 	bash scripts/conformance/real_tools.sh $(BIN)/python --page docs/conformance.md
+
+lowest: $(VENV)/.test ## the tests with the lowest versions that pyproject.toml declares
+	bash scripts/checks/lowest_versions.sh $(BIN)/uv
 
 fuzz: $(VENV)/.test ## 200 000 inputs to the package, its readers and its command line; counts by kind
 	$(BIN)/python scripts/fuzzing/fuzz.py

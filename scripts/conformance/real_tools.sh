@@ -18,8 +18,12 @@ packages="
 if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
   # shellcheck disable=SC2086
   if ! dpkg -s $packages >/dev/null 2>&1; then
-    apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
-      $packages >/dev/null || echo "some of Debian's packages did not install: see the table"
+    retry=(bash scripts/checks/retry.sh)
+    export DEBIAN_FRONTEND=noninteractive
+    if ! { "${retry[@]}" apt-get update -qq &&
+      "${retry[@]}" apt-get install -y -qq --no-install-recommends $packages >/dev/null; }; then
+      echo "some of Debian's packages did not install: see the table"
+    fi
   fi
 fi
 

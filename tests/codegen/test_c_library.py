@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from compilers import ADDRESS_AND_UNDEFINED, builds
 from dynamics_cases import TILTED
 
 import alpha5_model as a5
@@ -17,7 +18,7 @@ from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.codegen.functions import SUMMARIES
 
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O0"]
-SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+SANITIZERS = [ADDRESS_AND_UNDEFINED, "-fno-sanitize-recover=all"]
 #: Each compiler with each type, place of the parameters and check; in air, too, where much is zero.
 BUILDS = {
     "gcc, float, struct, sanitizers": (
@@ -47,6 +48,8 @@ def built(folder: Path, compiler: str, *flags: str) -> subprocess.CompletedProce
     """Compile in a folder and run the test program."""
     if shutil.which(compiler) is None:
         pytest.skip(f"there is no {compiler}")
+    if ADDRESS_AND_UNDEFINED in flags and not builds(compiler, ADDRESS_AND_UNDEFINED):
+        pytest.skip(f"{compiler} has no sanitizers")
     command = [
         compiler,
         *STRICT,

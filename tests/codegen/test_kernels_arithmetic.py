@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-import shutil
 import subprocess
 from pathlib import Path
 
 import casadi
 import numpy as np
 import pytest
+from compilers import UNDEFINED, builds
 
 from alpha5_model.codegen.compiled_code import kernels
 from alpha5_model.codegen.program import program
 
 ROOT = Path(__file__).resolve().parents[2]
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+COMPILERS = [name for name in ("gcc", "clang") if builds(name, UNDEFINED)]
 NAMES = ("sin", "cos", "atan2", "floor", "fmin", "fmax", "sqrt", "atan")
 LONG_DOUBLES = pytest.mark.skipif(
     np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here"
 )
-pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+pytestmark = pytest.mark.skipif(
+    not COMPILERS, reason="no C compiler with sanitizers here"
+)
 
 
 def pairs() -> np.ndarray:
@@ -92,7 +94,7 @@ def computed(request, tmp_path_factory) -> dict[int, np.ndarray]:
         [
             request.param,
             *(*flags, "-Wno-psabi", "-Wno-unused-function"),
-            *("-fsanitize=undefined", "-fno-sanitize-recover"),
+            *(UNDEFINED, "-fno-sanitize-recover"),
             *(f"-D{name}={size}" for name, size in sizes.items()),
             *(f"-I{folder}", f"-I{ROOT / 'alpha5_model' / 'codegen' / 'kernels'}"),
             *(

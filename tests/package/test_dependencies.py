@@ -39,6 +39,7 @@ USED_WITHOUT_IMPORT = {
     "ruff": "make lint",
     "mypy": "make lint",
     "types-pyyaml": "make lint",
+    "uv": "make lowest",
     "ipykernel": "runs the notebooks",
     "myst-nb": "docs/conf.py, by name",
     "furo": "docs/conf.py, by name",

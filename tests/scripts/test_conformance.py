@@ -270,3 +270,21 @@ def test_bad_arguments_end_with_status_2(arguments, capsys):
         conformance.main(arguments)
     assert caught.value.code == 2
     assert "choose from" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("status", "passes", "passes_complete"),
+    [
+        ("agrees", True, True),
+        ("not run", True, False),
+        ("not run: built without SDFormat", True, True),
+        ("differs", False, False),
+        ("failed: out of memory", False, False),
+    ],
+)
+def test_a_complete_run_needs_every_tool(
+    status: str, passes: bool, passes_complete: bool
+) -> None:
+    row = conformance.Row("tool", "URDF", "1.0", {}, status)
+    assert conformance.passed(row, complete=False) is passes
+    assert conformance.passed(row, complete=True) is passes_complete

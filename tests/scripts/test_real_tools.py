@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -107,3 +109,29 @@ def test_the_world_for_dart_is_our_model_fixed_in_air(tmp_path):
         assert value in np.array(
             re.findall(rf"<{name}>(.*?)</{name}>", text), dtype=float
         )
+
+
+def test_a_complete_run_needs_every_tool(monkeypatch, capsys):
+    ghost = replace(CHECK, needs=("/no/such/program",))
+    monkeypatch.setattr(real_tools, "CHECKS", (ghost,))
+    assert real_tools.main([]) == 0
+    assert real_tools.main(["--complete"]) == 1
+    assert "not run" in capsys.readouterr().out
+
+
+def test_a_command_is_tried_three_times(tmp_path):
+    """The third try passes; one that always fails gives its status."""
+    script = SCRIPTS / "checks" / "retry.sh"
+    pauses = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    (tmp_path / "sleep").write_text("#!/bin/sh\n")  # no waiting here
+    (tmp_path / "sleep").chmod(0o755)
+    count = tmp_path / "count"
+    third = f'echo x >> {count}; test "$(wc -l < {count})" = 3'
+    command = ["bash", str(script), "sh", "-c"]
+    assert subprocess.run([*command, third], env=pauses, check=False).returncode == 0
+    assert count.read_text() == "x\n" * 3
+    done = subprocess.run(
+        [*command, "exit 7"], env=pauses, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 7
+    assert done.stderr.count("failed with status 7") == 3
