@@ -16,7 +16,7 @@ from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.errors import Alpha5Error, FileFormatError, InputError
-from alpha5_model.proofs.comparison.reading import last_place
+from alpha5_model.proofs.comparison.printed_digits import last_place
 
 OWN = urdf()
 NAMESPACE = "xmlns:xacro='http://www.ros.org/wiki/xacro'"

@@ -29,11 +29,12 @@ from alpha5_model.errors import (
     InputError,
     UnknownNameError,
 )
-from alpha5_model.proofs.comparison.arm import reduce_robot
+from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
-from alpha5_model.proofs.comparison.reading import find_chains
+from alpha5_model.proofs.comparison.reduction import reduce_robot
 
 OWN = urdf()
+RECORD = a5.parameters()
 Defect = Callable[[ET.Element], None]
 
 
@@ -301,7 +302,7 @@ def test_dynamic_errors_equal_pinocchio_on_the_files():
 def test_bodies_equal_pinocchio_on_the_jaws():
     text = Path(JAWS_URDF_PATH).read_text()
     robot = parse_urdf(text)
-    arm = reduce_robot(robot, find_chains(robot)[0].joints)
+    arm = reduce_robot(robot, find_chains(robot, RECORD)[0].joints, RECORD)
     full = pin.buildModelFromXML(text)
     rest = pin.neutral(full)
     rest[full.joints[full.getJointId("axis_a")].idx_q] = 0.0013
@@ -322,22 +323,22 @@ def test_joints_are_mapped_by_name_prefix_order_or_hand():
     for i, axis in enumerate(("axis_e", "axis_d", "axis_c", "axis_b")):
         renamed = renamed.replace(f'"{axis}"', f'"joint{i}"')
     robot = parse_urdf(renamed)
-    assert [j.name for j in find_chains(robot)[0].joints] == [
+    assert [j.name for j in find_chains(robot, RECORD)[0].joints] == [
         "joint0",
         "joint1",
         "joint2",
         "joint3",
     ]
     jaws = Path(JAWS_URDF_PATH).read_text().replace('"axis_d"', '"shoulder"')
-    assert find_chains(parse_urdf(jaws))[0].joints[1].name == "shoulder"
+    assert find_chains(parse_urdf(jaws), RECORD)[0].joints[1].name == "shoulder"
     assert (
-        find_chains(parse_urdf(jaws), {"axis_d": "shoulder"})[0].joints[1].name
+        find_chains(parse_urdf(jaws), RECORD, {"axis_d": "shoulder"})[0].joints[1].name
         == "shoulder"
     )
     with pytest.raises(UnknownNameError, match="choose from link_0_fixed"):
-        find_chains(robot, {"axis_e": "waist"})
+        find_chains(robot, RECORD, {"axis_e": "waist"})
     with pytest.raises(InputError, match="four different joints"):
-        find_chains(parse_urdf(OWN), {"axis_e": "axis_d"})
+        find_chains(parse_urdf(OWN), RECORD, {"axis_e": "axis_d"})
     with pytest.raises(InputError, match="follow each other"):
         compare_robots(parse_urdf(OWN), {"axis_e": "axis_d", "axis_d": "axis_e"})
 

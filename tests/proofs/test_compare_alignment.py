@@ -19,8 +19,9 @@ from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
+from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
-from alpha5_model.proofs.comparison.reading import find_chains, last_digits, meant_angle
+from alpha5_model.proofs.comparison.printed_digits import last_digits, meant_angle
 from alpha5_model.viewer.figures import plot_comparison
 
 OWN = urdf()
@@ -437,7 +438,7 @@ def test_joints_need_no_names():
         ET.SubElement(joint, "parent", link=parent)
         ET.SubElement(joint, "child", link=child)
     robot = parse_urdf(ET.tostring(turned))
-    assert len(find_chains(robot)) == 3
+    assert len(find_chains(robot, a5.parameters())) == 3
     comparison = compare_robots(robot)
     assert [name[-1] for name in comparison.joints.values()] == list("edcb")
     assert comparison.agrees

@@ -16,8 +16,15 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
-from alpha5_model.proofs.comparison import findings
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.proofs.comparison.body_findings import (
+    BodyCase,
+    Replacement,
+    body_findings,
+)
+from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.measure import compare_robots
+from alpha5_model.proofs.comparison.own_arm import own_arm_of
 from alpha5_model.proofs.comparison.records import Finding
 
 MASS_2 = a5.parameters().links[2].mass
@@ -423,9 +430,15 @@ def test_links_that_together_make_a_body_are_explained_together():
 def test_a_body_that_the_other_model_lacks_is_said_to_be_missing():
     ours = compared(edited(), 5).bodies[2]
     empty = replace(ours, links=(), mass=0.0)
-    (finding,) = findings._of_body(
-        2, empty, [], ("", "", ""), [], lambda body, mass, moment: body - mass
+    case = BodyCase(
+        body=empty,
+        known=hypotheses_of(own_arm_of(parameters()), 2),
+        written=[],
+        bare=[],
+        instead=Replacement(),
+        cost=lambda body, mass, moment: body - mass,
     )
+    (finding,) = body_findings(case)
     assert finding == Finding(
         "link_2", "no link of the other model is this body", True, 2.38, ""
     )

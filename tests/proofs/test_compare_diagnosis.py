@@ -13,17 +13,18 @@ import reference
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.proofs.comparison import findings
 from alpha5_model.proofs.comparison.diagnosis import (
-    Inertial,
     explain_com,
-    explain_guess,
     explain_inertia,
     explain_mass,
-    solid_of_size,
-    subjects,
 )
-from alpha5_model.proofs.comparison.hypotheses import revisions
+from alpha5_model.proofs.comparison.guesses import explain_guess, solid_of_size
+from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
+from alpha5_model.proofs.comparison.inertials import Inertial, subjects
+from alpha5_model.proofs.comparison.own_arm import own_arm_of
+from alpha5_model.proofs.comparison.revisions import revisions
 
 LINKS = parameters().links
+KNOWN = [hypotheses_of(own_arm_of(parameters()), body) for body in range(5)]
 HERE = np.eye(4)
 
 #: The earlier revision, typed again: kg, mm, kg mm^2 (xx, yy, zz, xy, xz, yz in the document's sign).
@@ -83,7 +84,7 @@ ASTRAY[:3, 3] = (0.02, 0.03, 0.05)
 def com_reason(body: int, com, pose=HERE) -> str | None:
     """Why, for a COM (3,) [m] as written in a link that stands at ``pose`` in our link frame."""
     return explain_com(
-        LINKS[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose)
+        KNOWN[body], Inertial("limb", 0.2, np.array(com, float), np.eye(3), pose)
     )
 
 
@@ -92,13 +93,13 @@ def inertia_reason(
 ) -> str | None:
     mass = reference.MASS[body] if mass is None else mass
     return explain_inertia(
-        LINKS[body], Inertial("limb", mass, np.zeros(3), np.array(inertia), pose)
+        KNOWN[body], Inertial("limb", mass, np.zeros(3), np.array(inertia), pose)
     )
 
 
 def mass_reason(body: int, mass: float, inertia=None) -> str | None:
     inertia = np.eye(3) if inertia is None else inertia
-    return explain_mass(LINKS[body], Inertial("limb", mass, np.zeros(3), inertia, HERE))
+    return explain_mass(KNOWN[body], Inertial("limb", mass, np.zeros(3), inertia, HERE))
 
 
 # ----------------------------------------------------------------- the earlier revision's numbers
@@ -140,11 +141,12 @@ def test_nothing_but_comparison_reads_it():
     }
     assert sorted(name for name in texts if "earlier_revision" in texts[name]) == [
         "numbers/reading.py",
-        "proofs/comparison/hypotheses.py",
+        "proofs/comparison/revisions.py",
     ]
     assert sorted(name for name in texts if "revisions()" in texts[name]) == [
-        "proofs/comparison/diagnosis.py",
+        "proofs/comparison/added_inertia.py",
         "proofs/comparison/hypotheses.py",
+        "proofs/comparison/revisions.py",
     ]
 
 

@@ -10,8 +10,9 @@ import shared_recordings as recordings
 
 import alpha5_model as a5
 from alpha5_model.description.reading import read_urdf
+from alpha5_model.numbers.parameters import parameters
+from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare
-from alpha5_model.proofs.comparison.reading import find_chains
 
 MODELS = recordings.RECORDINGS / "models"
 HKOLANO = {
@@ -131,7 +132,10 @@ def test_what_is_wrong_with_public_models_is_said_by_name(name):
 @pytest.mark.skipif(not MODELS.is_dir(), reason="no public models beside the checkout")
 def test_most_efforts_are_9_newton_metres_but_not_all():
     efforts = {
-        path.stem: [joint.effort for joint in find_chains(read_urdf(path))[0].joints]
+        path.stem: [
+            joint.effort
+            for joint in find_chains(read_urdf(path), parameters())[0].joints
+        ]
         for path in sorted(MODELS.glob("*.urdf"))
     }
     placeholders = [all(effort == 9.0 for effort in four) for four in efforts.values()]

@@ -11,15 +11,13 @@ from numpy.typing import ArrayLike
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import rpy_from_rotation
 from alpha5_model.description.reading import UrdfJoint, UrdfRobot
-from alpha5_model.numbers.parameters import JointParameters, parameters
-from alpha5_model.proofs.comparison.alignment import (
-    LENGTH_TOLERANCE,
-    Alignment,
-    mended_transforms,
-)
-from alpha5_model.proofs.comparison.arm import FourJointArm, our_arm
+from alpha5_model.numbers.parameters import JointParameters
+from alpha5_model.proofs.comparison.alignment import LENGTH_TOLERANCE, Alignment
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
+from alpha5_model.proofs.comparison.own_arm import OwnArm
+from alpha5_model.proofs.comparison.placement import mended_transforms
 
-#: What an angle is worth where lengths and angles are told apart by one number [m/rad]: the length
+#: What an angle is worth if one number stands for lengths and angles [m/rad]: the length
 #: of the arm behind it.
 LEVER = 0.4
 #: Limits are printed to a tenth of a degree.
@@ -36,7 +34,7 @@ class JointCorrection:
         joint: The joint as it is written.
         origin: Pose of the child in the parent, (4, 4).
         axis: In the child's frame, (3,).
-        ours: Our joint; None for one that does not move.
+        ours: Our joint; None if the joint does not move.
     """
 
     joint: UrdfJoint
@@ -54,36 +52,41 @@ class JointCorrection:
         """The elements to write in place of its own; empty if it is right as it is."""
         elements = []
         if self.off > LENGTH_TOLERANCE / 10:
-            xyz, rpy = self.origin[:3, 3], rpy_from_rotation(self.origin[:3, :3])
-            elements.append(f'<origin xyz="{numbers(xyz)}" rpy="{numbers(rpy)}"/>')
+            xyz = numbers(self.origin[:3, 3])
+            rpy = numbers(rpy_from_rotation(self.origin[:3, :3]))
+            elements.append(f'<origin xyz="{xyz}" rpy="{rpy}"/>')
         if not np.allclose(self.joint.axis, self.axis, atol=1e-12):
             elements.append(f'<axis xyz="{numbers(self.axis)}"/>')
-        if limits := self.limits:
+        limits = self.limits
+        if limits:
             elements.append(f"<limit {limits}/>")
         return f"{self.joint.name}: {' '.join(elements)}" if elements else ""
 
     @property
     def limits(self) -> str:
-        """The attributes of the limits that are not ours; empty if they are."""
+        """The attributes of the limits that are not ours; empty if all are."""
         if self.ours is None:
             return ""
-        lower, upper = self.joint.lower, self.joint.upper
-        out = []
-        if lower is None or abs(lower - self.ours.lower) > LIMIT_TOLERANCE:
-            out.append(f'lower="{self.ours.lower:.5g}"')
-        if upper is None or abs(upper - self.ours.upper) > LIMIT_TOLERANCE:
-            out.append(f'upper="{self.ours.upper:.5g}"')
+        attributes = []
+        if _differs(self.joint.lower, self.ours.lower):
+            attributes.append(f'lower="{self.ours.lower:.5g}"')
+        if _differs(self.joint.upper, self.ours.upper):
+            attributes.append(f'upper="{self.ours.upper:.5g}"')
         if in_degrees(self.joint.velocity, self.ours.velocity):
-            out.append(f'velocity="{self.ours.velocity:.5g}"')
-        return " ".join(out)
+            attributes.append(f'velocity="{self.ours.velocity:.5g}"')
+        return " ".join(attributes)
 
 
 def numbers(values: ArrayLike) -> str:
     """Numbers as a URDF has them, to 7 decimals."""
-    return " ".join(
-        f"{x + 0.0:.7f}".rstrip("0").rstrip(".")
-        for x in np.round(np.asarray(values), 7)
-    )
+    rounded = np.round(np.asarray(values), 7) + 0.0  # no negative zeros
+    texts = [f"{x:.7f}".rstrip("0").rstrip(".") for x in rounded]
+    return " ".join(texts)
+
+
+def _differs(theirs: float | None, ours: float) -> bool:
+    """Whether a limit is missing or is not ours [rad]."""
+    return theirs is None or abs(theirs - ours) > LIMIT_TOLERANCE
 
 
 def in_degrees(theirs: float | None, ours: float) -> bool:
@@ -103,57 +106,52 @@ def angle_between(one: FloatArray, other: FloatArray) -> float:
     """Angle between two orientations, of poses (4, 4) [rad]."""
     relative = one[:3, :3].T @ other[:3, :3]
     sine = float(np.linalg.norm(relative - relative.T)) / math.sqrt(8)
-    return math.atan2(sine, (float(np.trace(relative)) - 1) / 2)
+    cosine = (float(np.trace(relative)) - 1) / 2
+    return math.atan2(sine, cosine)
 
 
 def joint_corrections(
-    written: FourJointArm, theirs: FourJointArm, alignment: Alignment
+    ours: OwnArm, written: FourJointArm, theirs: FourJointArm, alignment: Alignment
 ) -> tuple[JointCorrection, ...]:
-    """Of the four joints, base to tip.
+    """Corrections of the four joints, base to tip.
 
     Args:
+        ours: Our arm.
         written: The other arm as it is written.
-        theirs: As it is meant, see `alpha5_model.proofs.comparison.reading.as_meant`.
-        alignment: Of theirs.
+        theirs: The other arm as it is meant, with exact multiples of pi.
+        alignment: Its alignment.
     """
-    transforms = mended_transforms(theirs, alignment)
-    poses = our_arm().poses(np.zeros(4)) @ transforms
+    transforms = mended_transforms(ours, theirs, alignment)
+    poses = ours.reduced.poses(np.zeros(4)) @ transforms
     found = []
-    for k, (joint, ours) in enumerate(
-        zip(written.joints, parameters().joints[:4], strict=True)
-    ):
+    for k, joint in enumerate(written.joints):
         parent = poses[k] @ theirs.link_poses[joint.parent]
+        child = poses[k + 1]
         found.append(
             JointCorrection(
                 joint=joint,
-                origin=np.linalg.inv(parent) @ poses[k + 1],
+                origin=np.linalg.inv(parent) @ child,
                 axis=alignment.sign[k] * joint.axis,
-                ours=ours,
+                ours=ours.parameters.joints[k],
             )
         )
     return tuple(found)
 
 
-def tool_pose(theirs: FourJointArm, alignment: Alignment) -> FloatArray:
-    """Pose of their tool frame in our link_4, (4, 4): of ours if they have none."""
+def tool_pose(ours: OwnArm, theirs: FourJointArm, alignment: Alignment) -> FloatArray:
+    """Pose of their tool frame in our link_4, (4, 4); of ours if they have none."""
     if not theirs.tool:
-        return our_tool()
-    return np.asarray(
-        mended_transforms(theirs, alignment)[4] @ theirs.link_poses[theirs.tool]
-    )
-
-
-def our_tool() -> FloatArray:
-    """Pose of our tcp, Table 1's {5}, in link_4, (4, 4)."""
-    ours = our_arm()
-    return ours.link_poses[ours.tool]
+        return ours.tool_pose
+    wrist = mended_transforms(ours, theirs, alignment)[4]
+    return np.asarray(wrist @ theirs.link_poses[theirs.tool])
 
 
 def tool_correction(
-    other: UrdfRobot, theirs: FourJointArm, alignment: Alignment
+    ours: OwnArm, other: UrdfRobot, theirs: FourJointArm, alignment: Alignment
 ) -> JointCorrection:
-    """Of the fixed joint that carries their tool frame."""
+    """Correction of the fixed joint that carries their tool frame."""
     (joint,) = (joint for joint in other.joints.values() if joint.child == theirs.tool)
-    parent = mended_transforms(theirs, alignment)[4] @ theirs.link_poses[joint.parent]
-    origin = np.linalg.inv(parent) @ our_tool()
+    wrist = mended_transforms(ours, theirs, alignment)[4]
+    parent = wrist @ theirs.link_poses[joint.parent]
+    origin = np.linalg.inv(parent) @ ours.tool_pose
     return JointCorrection(joint=joint, origin=origin, axis=joint.axis)

@@ -1,24 +1,47 @@
-"""Measure how far another model of the arm is off."""
+"""Compare another model of the arm with ours: read, align, measure, judge."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from alpha5_model._support.checks import count
+from alpha5_model._support.checks import FloatArray, count
 from alpha5_model.description.reading import UrdfRobot
-from alpha5_model.numbers.parameters import parameters
-from alpha5_model.proofs.comparison import arm, findings, reading
-from alpha5_model.proofs.comparison.alignment import align, bodies_in_our_frames
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.proofs.comparison.alignment import Alignment
+from alpha5_model.proofs.comparison.best_alignment import align
+from alpha5_model.proofs.comparison.chains import (
+    ANGLES,
+    AXES,
+    LENGTHS,
+    TURNING,
+    Chain,
+    find_chains,
+    our_shape,
+)
+from alpha5_model.proofs.comparison.evidence import Evidence
+from alpha5_model.proofs.comparison.findings import FINDINGS, finding
+from alpha5_model.proofs.comparison.four_joint_arm import DOWN, FourJointArm
+from alpha5_model.proofs.comparison.inspection import all_findings
+from alpha5_model.proofs.comparison.model_file import read_model
+from alpha5_model.proofs.comparison.own_arm import OwnArm, own_arm_of, random_positions
+from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
+from alpha5_model.proofs.comparison.printed_digits import as_meant
 from alpha5_model.proofs.comparison.records import BodyDifference, Comparison, Finding
+from alpha5_model.proofs.comparison.reduction import reduce_robot
 from alpha5_model.proofs.comparison.tool import measure_tool
 
-#: Shapes of axes that lie farther apart than this are not the same arm's: a third of the upper arm.
-#: A model of this arm with an offset on the wrong side comes to 40 mm at most.
-OTHER_ARM, SAME_SHAPE = 0.05, 0.005  # [m]
+#: Axes whose shapes lie farther apart than this are not the same arm's: a third of the
+#: upper arm. A model of this arm with an offset on the wrong side comes to 40 mm at most.
+OTHER_ARM = 0.05  # [m]
+#: If more joints follow, as on many arms, the shape has to be just this one.
+SAME_SHAPE = 0.005  # [m]
+#: How many differences of another arm are named.
+WORST = 3
 
 
 def compare(
@@ -32,32 +55,34 @@ def compare(
 ) -> Comparison:
     """Compare another model of this arm with ours.
 
-    The arm is found by the shape of its axes, the bases are aligned by the joint axes, every other
-    joint is frozen with the jaws closed, what carries the arm is left out, and each body is
-    compared in our link frame with the tables.
+    The arm is found by the shape of its axes. The bases are aligned by the joint axes,
+    every other joint is frozen with the jaws closed, and what carries the arm is left out.
+    Each body is then compared in our link frame with the tables.
 
     Args:
-        path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF is read as
-            it is: nothing in it is executed, and no other file is read.
+        path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF is
+            read as it is: nothing in it is executed, and no other file is read.
         joints: Our joint name -> theirs, for those that cannot be found by axes and names.
         samples: Random configurations for the kinematic and dynamic errors.
-        base: The first link of the arm, if something carries it; found by its mass if None.
-        packages: Of a xacro file: name of each package in ``$(find NAME)`` -> its folder. The
-            package that the file is in is found by the ``package.xml`` above it.
-        arguments: Of a xacro file: values of its arguments, as text.
-        xacro: Expand a xacro file. It is a program, which can read files and run commands: do so
-            only if you trust it.
+        base: The first link of the arm, if something carries it; found by its mass if
+            None.
+        packages: For a xacro file: name of each package in ``$(find NAME)`` -> its folder.
+            The package of the file itself is found by the ``package.xml`` above it.
+        arguments: For a xacro file: values of its arguments, as text.
+        xacro: Expand a xacro file. It is a program, which can read files and run commands:
+            do so only if you trust it.
 
     Returns:
-        The comparison; ``agrees`` and ``verdict`` say how it ends. Another arm is no error: the
-        verdict says that it is not a Reach Alpha 5, and why.
+        The comparison; ``agrees`` and ``verdict`` tell how it ends. Another arm is no
+        error: the verdict tells that it is not a Reach Alpha 5, and why.
 
     Raises:
-        MissingFileError, FileFormatError: The file cannot be read, or is a xacro file that is not to
-            be expanded; the message says where, and what to do.
-        UnknownNameError, InputError: A joint or link is not there, or the joints cannot be mapped.
+        MissingFileError, FileFormatError: The file cannot be read, or is a xacro file that
+            is not to be expanded; the message tells where, and what to do.
+        UnknownNameError, InputError: A joint or link is not there, or the joints cannot be
+            mapped.
     """
-    other = reading.read_model(path, packages, arguments, xacro)
+    other = read_model(path, packages, arguments, xacro)
     return compare_robots(other, joints, samples, Path(path).parent, base)
 
 
@@ -68,78 +93,206 @@ def compare_robots(
     folder: Path | None = None,
     base: str | None = None,
 ) -> Comparison:
-    """As `compare`, for a model that is read already; ``folder`` is where its meshes are."""
-    q, meant = arm.random_positions(count("samples", samples)), reading.as_meant(other)
-    chains = reading.find_chains(meant, names)
+    """Compare a model that is read already.
+
+    Args:
+        other: The model.
+        names: Our joint name -> theirs; see `compare`.
+        samples: Random configurations; see `compare`.
+        folder: Where its meshes are; None if unknown.
+        base: The first link of the arm; see `compare`.
+    """
+    number = count("samples", samples)
+    record = parameters()
+    meant = as_meant(other)
+    chains = find_chains(meant, record, names)
     if not chains or not _is_ours(chains[0]):
-        return Comparison(other.name, (_another_arm(other, chains),))
-    mapped = chains[0].joints
-    theirs = arm.reduce_robot(meant, mapped, base)
-    alignment = align(theirs)
-    way = theirs.base_path[: theirs.base_path.index(alignment.base_link)]
-    if base is None and alignment.same_base and not set(way) <= set(theirs.carried):
+        return Comparison(
+            name=other.name, findings=(_another_arm(record, other, chains),)
+        )
+
+    ours = own_arm_of(record)
+    q = random_positions(record, number)
+    arms = _reduced(ours, other, meant, chains[0], base)
+    evidence = Evidence(
+        ours=ours,
+        other=other,
+        theirs=arms.meant,
+        written=arms.written,
+        alignment=arms.alignment,
+        bodies=_bodies(ours, arms.meant, arms.alignment),
+        folder=folder,
+        q=q,
+    )
+    return _compared(evidence, chains)
+
+
+class _Arms(NamedTuple):
+    """The other arm as it is meant and as it is written, and the alignment of the first."""
+
+    meant: FourJointArm
+    written: FourJointArm
+    alignment: Alignment
+
+
+def _reduced(
+    ours: OwnArm, other: UrdfRobot, meant: UrdfRobot, chain: Chain, base: str | None
+) -> _Arms:
+    """Reduce the other model to four joints, and align it with ours.
+
+    Args:
+        ours: Our arm.
+        other: The other model as it is written.
+        meant: The other model as it is meant.
+        chain: Its four joints.
+        base: The first link of its arm, if it is given.
+    """
+    arm = reduce_robot(meant, chain.joints, ours.parameters, base)
+    alignment = align(ours, arm)
+
+    before_base = arm.base_path[: arm.base_path.index(alignment.base_link)]
+    all_carried = set(before_base) <= set(arm.carried)
+    if base is None and alignment.same_base and not all_carried:
         # What stands before our base_link carries it, even if it weighs nothing.
         base = alignment.base_link
-        theirs = arm.reduce_robot(meant, mapped, base)
-    written = arm.reduce_robot(other, tuple(other.joints[j.name] for j in mapped), base)
-    com, inertia = bodies_in_our_frames(theirs, alignment)
-    exact = bodies_in_our_frames(theirs, alignment.exact or alignment)[0]
-    ours, slack = parameters().links, np.linalg.norm(exact - com, axis=1).tolist()
-    columns = (theirs.links, theirs.mass.tolist(), com, inertia, ours, slack)
-    bodies = tuple(map(BodyDifference, [link.name for link in ours], *columns))
-    # Gravity points down in our base frame, wherever the other root stands.
-    there, down = alignment.theirs(q), alignment.base[:3, :3].T @ arm.DOWN
-    torques, signs = (
-        arm.our_arm().gravity_torque(q),
-        np.outer(alignment.sign, alignment.sign),
+        arm = reduce_robot(meant, chain.joints, ours.parameters, base)
+
+    written_joints = tuple(other.joints[name] for name in chain.names)
+    written = reduce_robot(other, written_joints, ours.parameters, base)
+    return _Arms(meant=arm, written=written, alignment=alignment)
+
+
+def _bodies(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment
+) -> tuple[BodyDifference, ...]:
+    """The bodies of the other arm, each with ours."""
+    coms, inertias = bodies_in_our_frames(ours, theirs, alignment)
+    exact_coms, _ = bodies_in_our_frames(ours, theirs, alignment.exact or alignment)
+    slack = np.linalg.norm(exact_coms - coms, axis=1)
+    return tuple(
+        BodyDifference(
+            name=link.name,
+            links=theirs.links[k],
+            mass=float(theirs.mass[k]),
+            com=coms[k],
+            inertia=inertias[k],
+            ours=link,
+            slack=float(slack[k]),
+        )
+        for k, link in enumerate(ours.parameters.links)
     )
-    gravity = written.gravity_torque(there, down) * alignment.sign - torques
-    inertias = written.mass_matrix(there) * signs - arm.our_arm().mass_matrix(q)
-    found = list(
-        findings.all_findings(other, theirs, written, alignment, bodies, folder, q)
-    )
-    found.sort(key=lambda f: (-round(f.cost, 6), not f.serious))
-    # Further chains of the shape of this arm, such as a second arm on the vehicle.
-    named = [
-        dict(zip(reading.AXES, c.names, strict=True)) for c in chains if _is_ours(c)
-    ]
-    second = [n for n in named[1:] if set(n.values()).isdisjoint(chains[0].names)]
-    mappings = [",".join(map("=".join, n.items())) for n in second]
-    found += [findings.finding("second_arm", mapping=mapping) for mapping in mappings]
-    carried = {name: other.links[name].mass or 0.0 for name in theirs.carried}
+
+
+def _compared(evidence: Evidence, chains: Sequence[Chain]) -> Comparison:
+    """The comparison of a model of this arm.
+
+    Args:
+        evidence: Both arms.
+        chains: All that could be this arm's joints; the first is compared.
+    """
+    theirs = evidence.theirs
+    found = sorted(all_findings(evidence), key=_by_cost)
+    links = evidence.other.links
     return Comparison(
-        name=other.name,
-        findings=tuple(found),
-        joints=named[0],
-        alignment=alignment,
-        bodies=bodies,
-        tool=measure_tool(written, theirs, alignment, q),
-        gravity_error=np.abs(gravity).max(axis=0),
-        mass_matrix_error=float(np.abs(inertias).max()),
+        name=evidence.other.name,
+        findings=(*found, *_second_arms(chains)),
+        joints=_joint_names(chains[0]),
+        alignment=evidence.alignment,
+        bodies=evidence.bodies,
+        tool=measure_tool(
+            evidence.ours, evidence.written, theirs, evidence.alignment, evidence.q
+        ),
+        gravity_error=_gravity_error(evidence),
+        mass_matrix_error=_mass_matrix_error(evidence),
         volume=theirs.volume or math.nan,
-        carried=carried,
+        carried={name: links[name].mass or 0.0 for name in theirs.carried},
     )
 
 
-def _is_ours(chain: reading.Chain) -> bool:
-    """If more joints follow, as on many arms, the shape has to be just this one."""
-    return chain.misfit <= (OTHER_ARM if chain.following < 2 else SAME_SHAPE)
+def _by_cost(one: Finding) -> tuple[float, bool]:
+    """Sorts the costliest first, and serious findings before remarks."""
+    return -round(one.cost, 6), not one.serious
 
 
-def _another_arm(other: UrdfRobot, chains: list[reading.Chain]) -> Finding:
-    """Why a model is not of this arm."""
-    turning = sum(
-        j.kind in reading.TURNING and j.mimic is None for j in other.joints.values()
-    )
+def _gravity_error(evidence: Evidence) -> FloatArray:
+    """Largest difference of the gravity torque in air, per joint, (4,) [N m]."""
+    alignment = evidence.alignment
+    # Gravity points down in our base frame, wherever the other root stands.
+    down = alignment.base[:3, :3].T @ DOWN
+    theirs = evidence.written.gravity_torque(alignment.theirs(evidence.q), down)
+    ours = evidence.ours.reduced.gravity_torque(evidence.q)
+    return np.asarray(np.abs(theirs * alignment.sign - ours).max(axis=0))
+
+
+def _mass_matrix_error(evidence: Evidence) -> float:
+    """Largest difference of an entry of the mass matrix [kg m^2]."""
+    alignment = evidence.alignment
+    signs = np.outer(alignment.sign, alignment.sign)
+    theirs = evidence.written.mass_matrix(alignment.theirs(evidence.q))
+    ours = evidence.ours.reduced.mass_matrix(evidence.q)
+    return float(np.abs(theirs * signs - ours).max())
+
+
+# ------------------------------------------------------------------------- other arms
+
+
+def _is_ours(chain: Chain) -> bool:
+    """Whether four joints have the shape of this arm's."""
+    within = OTHER_ARM if chain.following < 2 else SAME_SHAPE
+    return chain.misfit <= within
+
+
+def _joint_names(chain: Chain) -> dict[str, str]:
+    """Our joint name -> theirs."""
+    return dict(zip(AXES, chain.names, strict=True))
+
+
+def _second_arms(chains: Sequence[Chain]) -> list[Finding]:
+    """Remarks on further arms of this shape, such as a second one on the vehicle."""
+    found = []
+    for chain in chains[1:]:
+        is_apart = set(chain.names).isdisjoint(chains[0].names)
+        if _is_ours(chain) and is_apart:
+            mapping = ",".join(map("=".join, _joint_names(chain).items()))
+            found.append(finding("second_arm", mapping=mapping))
+    return found
+
+
+def _another_arm(
+    record: Alpha5Parameters, other: UrdfRobot, chains: Sequence[Chain]
+) -> Finding:
+    """Why a model is not of this arm.
+
+    Args:
+        record: Our arm.
+        other: The model.
+        chains: All that could be its joints, the best first.
+    """
+    turning = 0
+    for joint in other.joints.values():
+        if joint.kind in TURNING and joint.mimic is None:
+            turning += 1
     if not chains:
-        return findings.finding("another_arm.without_joints", turning=turning)
-    best, off = chains[0], chains[0].differences
-    words = findings.FINDINGS["another_arm"]["shape"]
-    scale = np.repeat([1e3, 180 / math.pi], (4, 3))
-    rows = zip(words, best.shape * scale, reading.our_shape() * scale, strict=True)
-    texts = [text.format(theirs, ours) for text, theirs, ours in rows]
-    worst = ", ".join(
-        texts[k] for k in np.argsort(-off, kind="stable")[:3] if off[k] > 1e-3
+        return finding("another_arm.without_joints", turning=turning)
+
+    best = chains[0]
+    return finding(
+        "another_arm",
+        turning=turning,
+        joints=", ".join(best.names),
+        worst=", ".join(_worst_differences(best, our_shape(record))),
     )
-    names = ", ".join(best.names)
-    return findings.finding("another_arm", turning=turning, joints=names, worst=worst)
+
+
+def _worst_differences(chain: Chain, ours: FloatArray) -> list[str]:
+    """The largest differences of a chain's shape from ours (7,), in words."""
+    words = FINDINGS["another_arm"]["shape"]
+    in_print = np.repeat([1e3, 180 / math.pi], (LENGTHS, ANGLES))  # [mm], [deg]
+    theirs = chain.shape * in_print
+    printed = ours * in_print
+    worst = np.argsort(-chain.differences, kind="stable")[:WORST]
+    return [
+        words[k].format(theirs[k], printed[k])
+        for k in worst
+        if chain.differences[k] > 1e-3
+    ]

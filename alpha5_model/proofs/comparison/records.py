@@ -1,4 +1,4 @@
-"""What a comparison is made of: findings, bodies, and the whole."""
+"""The result of a comparison: findings, bodies, and the whole."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ class Finding:
     """Something wrong or odd in the other model.
 
     Attributes:
-        where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or a file.
+        where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or
+            a file.
         text: What is wrong.
         serious: Whether the models differ by it; otherwise it is a remark.
-        cost: Largest gravity torque in air that this alone is worth over the sampled positions
-            [N m]; 0 where it costs none.
-        instead: What to write in its place; empty where there is nothing to write.
+        cost: Largest gravity torque in air that this alone is worth over the sampled
+            positions [N m]; 0 if it costs none.
+        instead: What to write in its place; empty if there is nothing to write.
     """
 
     where: str
@@ -47,7 +48,7 @@ class BodyDifference:
         com: (3,) [m].
         inertia: At the COM, (3, 3) [kg m^2].
         ours: The body of the tables.
-        slack: By how much of its COM the rounded origins of the joints are to blame [m].
+        slack: How much of the COM's error comes from the rounded origins of joints [m].
     """
 
     name: str
@@ -66,9 +67,9 @@ class BodyDifference:
     @property
     def com_error(self) -> float:
         """Distance of the COMs [m]; NaN for a body without mass, which has none."""
-        return (
-            float(np.linalg.norm(self.com - self.ours.com)) if self.mass else math.nan
-        )
+        if not self.mass:
+            return math.nan
+        return float(np.linalg.norm(self.com - self.ours.com))
 
     @property
     def inertia_error(self) -> float:
@@ -77,21 +78,28 @@ class BodyDifference:
 
     def as_dict(self) -> dict[str, Any]:
         """Both sides and their difference, for JSON."""
-        out = {
-            "name": self.name,
-            "links": self.links,
-            **_side(self),
-            "ours": _side(self.ours),
-        }
-        out |= {"mass_error_kg": self.mass_error, "com_error_m": self.com_error}
-        record: dict[str, Any] = plain(out | {"inertia_error_kgm2": self.inertia_error})
+        record: dict[str, Any] = plain(
+            {
+                "name": self.name,
+                "links": self.links,
+                **_side(self),
+                "ours": _side(self.ours),
+                "mass_error_kg": self.mass_error,
+                "com_error_m": self.com_error,
+                "inertia_error_kgm2": self.inertia_error,
+            }
+        )
         return record
 
 
 def _side(body: BodyDifference | LinkParameters) -> dict[str, Any]:
-    com, moments = body.com if body.mass else None, principal_moments(body.inertia)
-    out = {"mass_kg": body.mass, "com_m": com, "inertia_kgm2": body.inertia}
-    return out | {"principal_moments_kgm2": moments}
+    """The numbers of one side, for JSON."""
+    return {
+        "mass_kg": body.mass,
+        "com_m": body.com if body.mass else None,
+        "inertia_kgm2": body.inertia,
+        "principal_moments_kgm2": principal_moments(body.inertia),
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,14 +112,16 @@ class Comparison:
         joints: Ours -> theirs.
         alignment: Base, signs and zeros.
         bodies: Base to tip.
-        tool: How far the tool is from ours, which frame of theirs that is, and in which of their
-            frames it was measured; None for another arm.
-        gravity_error: Largest difference of the gravity torque in air, per joint, (4,) [N m].
+        tool: How far the tool is from ours, which frame of theirs it is, and in which of
+            their frames it was measured; None for another arm.
+        gravity_error: Largest difference of the gravity torque in air, per joint, (4,)
+            [N m].
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
-        volume: Of its collision primitives [m^3]; NaN if it has none.
+        volume: Volume of its collision primitives [m^3]; NaN if it has none.
         carried: Links that move with the base and are not the arm's -> mass [kg].
 
-    Another arm has no joints and no bodies, its errors are NaN, and its one finding says why.
+    Another arm has no joints and no bodies, its errors are NaN, and its one finding says
+    why.
     """
 
     name: str
@@ -147,25 +157,39 @@ class Comparison:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and texts, for JSON."""
-        a, keys = self.alignment, {"cost": "cost_Nm"}
-        out = {"name": self.name, "agrees": self.agrees, "verdict": self.verdict}
-        out |= {"joints": self.joints, "base": a.base, "base_link": a.base_link}
-        out |= {"carried_kg": self.carried, "sign": a.sign, "zero_rad": a.zero}
-        length, angle = a.residual
-        out |= {
-            "dimension_error": a.changes(),
-            "residual_m": length,
-            "residual_rad": angle,
-        }
-        tool = None if self.tool is None else self.tool.as_dict()
-        out |= {"tip_error_m": self.tip_error, "tool": tool}
-        out["gravity_error_Nm"] = self.gravity_error
-        out |= {
-            "mass_matrix_error_kgm2": self.mass_matrix_error,
-            "volume_m3": self.volume,
-        }
-        out["bodies"] = [body.as_dict() for body in self.bodies]
-        found = (vars(finding).items() for finding in self.findings)
-        out["findings"] = [{keys.get(k, k): v for k, v in one} for one in found]
-        record: dict[str, Any] = plain(out)
+        length, angle = self.alignment.residual
+        record: dict[str, Any] = plain(
+            {
+                "name": self.name,
+                "agrees": self.agrees,
+                "verdict": self.verdict,
+                "joints": self.joints,
+                "base": self.alignment.base,
+                "base_link": self.alignment.base_link,
+                "carried_kg": self.carried,
+                "sign": self.alignment.sign,
+                "zero_rad": self.alignment.zero,
+                "dimension_error": self.alignment.changes(),
+                "residual_m": length,
+                "residual_rad": angle,
+                "tip_error_m": self.tip_error,
+                "tool": None if self.tool is None else self.tool.as_dict(),
+                "gravity_error_Nm": self.gravity_error,
+                "mass_matrix_error_kgm2": self.mass_matrix_error,
+                "volume_m3": self.volume,
+                "bodies": [body.as_dict() for body in self.bodies],
+                "findings": [_told(finding) for finding in self.findings],
+            }
+        )
         return record
+
+
+def _told(finding: Finding) -> dict[str, Any]:
+    """A finding, for JSON."""
+    return {
+        "where": finding.where,
+        "text": finding.text,
+        "serious": finding.serious,
+        "cost_Nm": finding.cost,
+        "instead": finding.instead,
+    }

@@ -8,25 +8,26 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.proofs.comparison.alignment import Alignment, mended_transforms
-from alpha5_model.proofs.comparison.arm import FourJointArm, our_arm
-from alpha5_model.proofs.comparison.correction import our_tool
+from alpha5_model.proofs.comparison.alignment import Alignment
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
+from alpha5_model.proofs.comparison.own_arm import OwnArm
+from alpha5_model.proofs.comparison.placement import mended_transforms
 
 
 @dataclass(frozen=True, eq=False)
 class ToolDifference:
-    """How far the other model's tool is from ours, both in base_link, over random positions.
+    """How far the other model's tool is from ours, in base_link, at random positions.
 
     Attributes:
-        frame: Name of their link that was measured; empty if none is a tool: then the point of
-            their wrist where Table 1's {5} would be.
-        base: Name of their link that was taken for base_link; empty if none was meant to be: then
-            the base is where their axes put it.
+        frame: Name of their link that was measured. Empty if none is a tool: then the
+            point of their wrist where Table 1's {5} would be was measured.
+        base: Name of their link that was taken for base_link. Empty if none was meant to
+            be: then the base is where their axes put it.
         distance: At the same joint positions, (N,) [m].
         angle: At the same joint positions, (N,) [rad].
         matched_distance: At positions that mean the same once signs and zeros are matched,
             (N,) [m].
-        matched_angle: As that, (N,) [rad].
+        matched_angle: At the same positions, (N,) [rad].
     """
 
     frame: str
@@ -37,7 +38,7 @@ class ToolDifference:
     matched_angle: FloatArray
 
     def as_dict(self) -> dict[str, Any]:
-        """The largest, and the median of the distance, for JSON."""
+        """The largest values, and the median of the distance, for JSON."""
         return {
             "frame": self.frame,
             "base": self.base,
@@ -50,39 +51,57 @@ class ToolDifference:
 
 
 def measure_tool(
-    written: FourJointArm, theirs: FourJointArm, alignment: Alignment, q: FloatArray
+    ours: OwnArm,
+    written: FourJointArm,
+    theirs: FourJointArm,
+    alignment: Alignment,
+    q: FloatArray,
 ) -> ToolDifference:
-    """Measure it.
+    """How far their tool is from ours.
 
     Args:
+        ours: Our arm.
         written: The other arm as it is written.
-        theirs: As it is meant, with its alignment.
-        alignment: Of theirs.
+        theirs: The other arm as it is meant.
+        alignment: Its alignment.
         q: Our joint positions, (N, 4) [rad].
     """
-    ours = our_arm().poses(q)[:, 4] @ our_tool()
-    base: Any = alignment.base
-    if alignment.same_base:
-        base = np.linalg.inv(written.link_poses[alignment.base_link])
-    tool: Any = np.linalg.inv(mended_transforms(theirs, alignment)[4]) @ our_tool()
-    if theirs.tool:
-        tool = written.link_poses[theirs.tool]
+    expected = ours.reduced.poses(q)[:, 4] @ ours.tool_pose
+    base = _to_base_link(written, alignment)
+    tool = _tool_in_wrist(ours, written, theirs, alignment)
 
-    def apart(there: FloatArray) -> tuple[FloatArray, FloatArray]:
-        poses = base @ written.poses(there)[:, 4] @ tool
-        shift = np.linalg.norm(poses[:, :3, 3] - ours[:, :3, 3], axis=1)
-        return shift, _angles(poses, ours)
-
-    distance, angle = apart(q)
-    matched_distance, matched_angle = apart(alignment.theirs(q))
+    same = base @ written.poses(q)[:, 4] @ tool
+    matched = base @ written.poses(alignment.theirs(q))[:, 4] @ tool
     return ToolDifference(
         frame=theirs.tool,
         base=alignment.base_link if alignment.same_base else "",
-        distance=distance,
-        angle=angle,
-        matched_distance=matched_distance,
-        matched_angle=matched_angle,
+        distance=_distances(same, expected),
+        angle=_angles(same, expected),
+        matched_distance=_distances(matched, expected),
+        matched_angle=_angles(matched, expected),
     )
+
+
+def _to_base_link(written: FourJointArm, alignment: Alignment) -> FloatArray:
+    """transform_root_to_base_link of the other model, (4, 4)."""
+    if not alignment.same_base:
+        return alignment.base
+    return np.asarray(np.linalg.inv(written.link_poses[alignment.base_link]))
+
+
+def _tool_in_wrist(
+    ours: OwnArm, written: FourJointArm, theirs: FourJointArm, alignment: Alignment
+) -> FloatArray:
+    """Pose of the tool in the other model's last body, (4, 4)."""
+    if theirs.tool:
+        return written.link_poses[theirs.tool]
+    wrist = mended_transforms(ours, theirs, alignment)[4]
+    return np.asarray(np.linalg.inv(wrist) @ ours.tool_pose)
+
+
+def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Distances between the origins of poses (N, 4, 4), (N,) [m]."""
+    return np.asarray(np.linalg.norm(one[:, :3, 3] - other[:, :3, 3], axis=1))
 
 
 def _angles(one: FloatArray, other: FloatArray) -> FloatArray:

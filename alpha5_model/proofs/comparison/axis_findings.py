@@ -1,0 +1,364 @@
+"""What is wrong with mount, axes and tool, what it costs, and what to write instead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import rotation_about, wrap
+from alpha5_model.proofs.comparison.alignment import (
+    ANGLE_TOLERANCE,
+    LENGTH_TOLERANCE,
+    Alignment,
+)
+from alpha5_model.proofs.comparison.axis_lines import Z
+from alpha5_model.proofs.comparison.best_alignment import without_zero
+from alpha5_model.proofs.comparison.chains import AXES
+from alpha5_model.proofs.comparison.correction import (
+    LEVER,
+    JointCorrection,
+    angle_between,
+    tool_pose,
+)
+from alpha5_model.proofs.comparison.evidence import Evidence
+from alpha5_model.proofs.comparison.findings import finding
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS
+from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
+from alpha5_model.proofs.comparison.records import Finding
+
+#: The collar of the jaws begins this far from axis_c, by the manufacturer's CAD. A tool
+#: frame between it and the finger tips, this close to the axis and with axes this close to
+#: ours, is a choice.
+JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
+#: A COM of link_0 this close to ours settles the zero of axis_e.
+SAME_COM = 1e-3  # [m]
+#: The first of `DIMENSIONS` are lengths, the others angles.
+LENGTHS = 4
+#: How many of the bodies that the base carries are named.
+NAMED = 3
+
+
+def axis_findings(evidence: Evidence) -> list[Finding]:
+    """What is wrong with the axes and the tool, base to tip."""
+    return [
+        *_shoulder(evidence),
+        *_zeros(evidence),
+        *_dimensions(evidence),
+        *_tool(evidence),
+    ]
+
+
+# ---------------------------------------------------------------------------------- base
+
+
+def mount_findings(evidence: Evidence) -> Iterator[Finding]:
+    """Where the root of the other model stands, and what it carries besides the arm."""
+    yield from _mount(evidence)
+    yield from _carried(evidence)
+
+
+def _mount(evidence: Evidence) -> Iterator[Finding]:
+    alignment = evidence.alignment
+    rotation = alignment.base[:3, :3]
+    shift = alignment.base[:3, 3]
+    cosine = float(np.clip((np.trace(rotation) - 1) / 2, -1, 1))
+    angle = math.acos(cosine)
+
+    base_link = evidence.theirs.link_poses[alignment.base_link]
+    at_base = alignment.same_base and np.allclose(
+        base_link, np.eye(4), atol=LENGTH_TOLERANCE
+    )
+    elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
+    if elsewhere and not at_base:
+        x, y, z = shift * 1e3
+        yield finding(
+            "mount" if alignment.same_base else "mount.or_zero",
+            root=evidence.other.root,
+            x=x,
+            y=y,
+            z=z,
+            turned=math.degrees(angle),
+        )
+
+
+def _carried(evidence: Evidence) -> Iterator[Finding]:
+    masses: dict[str, float] = {}
+    for name in evidence.theirs.carried:
+        mass = evidence.other.links[name].mass
+        if mass:
+            masses[name] = mass
+    total = sum(masses.values())
+    if not total:
+        return
+
+    heaviest = sorted(masses, key=lambda name: -masses[name])
+    names = ", ".join(f"{name} ({masses[name]:.5g} kg)" for name in heaviest[:NAMED])
+    if len(heaviest) > NAMED:
+        names += f" and {len(heaviest) - NAMED} more, {total:.5g} kg in all"
+    excess = total + evidence.theirs.mass[0] - evidence.parameters.links[0].mass
+    yield finding("carried", names=names, excess=excess)
+
+
+def _shoulder(evidence: Evidence) -> Iterator[Finding]:
+    """Where the link that was meant to be base_link stands below the shoulder."""
+    alignment = evidence.alignment
+    if not alignment.same_base:
+        return
+    length, angle = evidence.tolerance
+    x, y, z = alignment.stands[:3, 3] * 1e3
+    beside = math.hypot(x, y)
+    tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
+    line = "; ".join(filter(None, evidence.lines[:2]))
+    if beside > length * 1e3 or tilt > angle:
+        yield finding(
+            "beside",
+            link=alignment.base_link,
+            beside=beside,
+            tilt=math.degrees(tilt),
+            line=line,
+        )
+    elif abs(z) > length * 1e3:
+        d = evidence.parameters.dh[0].d * 1e3
+        yield finding(
+            "height",
+            link=alignment.base_link,
+            d=d,
+            above=d - z,
+            off=abs(z),
+            way="lower" if z < 0 else "higher",
+            line=line,
+        )
+
+
+# --------------------------------------------------------------------------------- zeros
+
+
+def _zeros(evidence: Evidence) -> Iterator[Finding]:
+    """Joints that turn the other way or have another zero."""
+    alignment = evidence.alignment
+    for joint in range(4):
+        if alignment.sign[joint] < 0:
+            yield _reversed(evidence, joint)
+        if abs(alignment.zero[joint]) > evidence.tolerance.angle:
+            yield _shifted(evidence, joint)
+
+
+def _reversed(evidence: Evidence, joint: int) -> Finding:
+    """A joint that turns the other way."""
+    q = evidence.q.copy()
+    q[:, joint] = -q[:, joint]
+    cost = evidence.torque_change(evidence.ours.reduced, q)
+    return finding(
+        "reversed",
+        where=AXES[joint],
+        cost=round(cost, 9),
+        line=evidence.lines[joint],
+    )
+
+
+def _shifted(evidence: Evidence, joint: int) -> Finding:
+    """A joint with another zero."""
+    alignment = evidence.alignment
+    zero = float(alignment.zero[joint])
+    q = evidence.q.copy()
+    q[:, joint] -= alignment.sign[joint] * zero
+    cost = evidence.torque_change(evidence.ours.reduced, q)
+
+    key = "zero"
+    words = {"shift": math.degrees(zero), "line": evidence.lines[joint]}
+    if joint in (1, 2):
+        key = "zero.fitted"
+        without = without_zero(evidence.ours, evidence.theirs, alignment, joint)
+        words |= {"fit": _fit(alignment), "without": without * 1e3}
+    elif joint == 0 and not _base_is_known(evidence):
+        key = "zero.or_base"
+    return finding(key, where=AXES[joint], cost=round(cost, 9), **words)
+
+
+def _base_is_known(evidence: Evidence) -> bool:
+    """Whether link_0 fits to the base far better than to one turned by the zero."""
+    alignment = evidence.alignment
+    coms, _ = bodies_in_our_frames(evidence.ours, evidence.theirs, alignment)
+    ours = evidence.ours.reduced.com[0]
+    turn = rotation_about(Z, alignment.sign[0] * alignment.zero[0])
+    here = float(np.linalg.norm(coms[0] - ours))
+    turned = float(np.linalg.norm(turn @ coms[0] - ours))
+    return bool(evidence.theirs.mass[0]) and (here < SAME_COM or 3 * here < turned)
+
+
+# ---------------------------------------------------------------------------- dimensions
+
+
+def _dimensions(evidence: Evidence) -> Iterator[Finding]:
+    """Dimensions that differ by more than the digits explain."""
+    length, angle = evidence.tolerance
+    for index, change in enumerate(evidence.alignment.dimensions):
+        within = length if index < LENGTHS else angle
+        if abs(change) > within:
+            yield _dimension(evidence, index, change)
+
+
+def _dimension(evidence: Evidence, index: int, change: float) -> Finding:
+    """A dimension that differs.
+
+    Args:
+        evidence: Both arms.
+        index: Its place in `DIMENSIONS`.
+        change: Theirs minus ours [m or rad].
+    """
+    name = DIMENSIONS[index]
+    kind, _, number = name.partition("_")
+    row = int(number)
+    is_length = index < LENGTHS
+    scale = 1e3 if is_length else 180 / math.pi
+    ours = getattr(evidence.parameters.dh[row], kind, 0.0) * scale
+    theirs = ours + change * scale
+    if not is_length:
+        theirs = float(wrap(math.radians(theirs), math.radians(ours)) * scale)
+
+    only = np.zeros(len(DIMENSIONS))
+    only[index] = change
+    q = evidence.q
+    shifts = evidence.ours.tips(q, only) - evidence.ours.tips(q)
+    return finding(
+        f"dimension.{name}",
+        cost=evidence.torque_change(evidence.ours.with_dimensions(only), q),
+        theirs=theirs,
+        ours=ours,
+        unit="mm" if is_length else "deg",
+        off=np.linalg.norm(shifts, axis=1).max() * 1e3,
+        line=evidence.lines[row + 1],
+    )
+
+
+# ---------------------------------------------------------------------------------- rest
+
+
+def rest_findings(
+    evidence: Evidence, corrections: list[JointCorrection]
+) -> Iterator[Finding]:
+    """Joints that no other finding mends, and what the number of printed digits does.
+
+    Args:
+        evidence: Both arms.
+        corrections: Corrections of the joints that no other finding mends.
+    """
+    length, angle = evidence.tolerance
+    rounded = []
+    for correction in corrections:
+        if correction.off > 3 * (length + LEVER * angle):
+            yield _misplaced(correction)
+        elif correction.off > LENGTH_TOLERANCE:
+            rounded.append(correction.text)
+    yield from _digits(evidence, "; ".join(rounded))
+
+
+def _misplaced(correction: JointCorrection) -> Finding:
+    """A joint that stands elsewhere by more than its digits explain."""
+    return finding(
+        "misplaced",
+        where=correction.ours.name if correction.ours else "tool",
+        off=correction.off * 1e3,
+        line=correction.text,
+    )
+
+
+def _digits(evidence: Evidence, line: str) -> Iterator[Finding]:
+    """What the number of printed digits does to the axes and to the tip.
+
+    Args:
+        evidence: Both arms.
+        line: What to write in place of the joints that are rounded.
+    """
+    alignment = evidence.alignment
+    there = alignment.theirs(evidence.q)
+    meant = evidence.theirs.poses(there)[:, 4, :3, 3]
+    written = evidence.written.poses(there)[:, 4, :3, 3]
+    off = float(np.linalg.norm(meant - written, axis=1).max())
+    pi_is_cut = off > LENGTH_TOLERANCE
+    if pi_is_cut:
+        yield finding("digits.of_pi", off=off * 1e3, line=line)
+
+    zeros = _small_zeros(evidence)
+    axes_are_off = alignment.residual[0] > LENGTH_TOLERANCE
+    if axes_are_off or zeros or (line and not pi_is_cut):
+        yield finding(
+            "digits",
+            length=evidence.tolerance.length * 1e3,
+            angle=math.degrees(evidence.tolerance.angle),
+            fit=_fit(alignment),
+            zeros=zeros,
+            line="" if pi_is_cut else line,
+        )
+
+
+def _small_zeros(evidence: Evidence) -> str:
+    """The zeros of axis_d and axis_c that the digits explain, in words."""
+    words = ""
+    for joint in (1, 2):
+        zero = evidence.alignment.zero[joint]
+        if ANGLE_TOLERANCE < abs(zero) <= evidence.tolerance.angle:
+            words += f", zero of {AXES[joint]} {math.degrees(zero):.2f} deg"
+    return words
+
+
+def _fit(alignment: Alignment) -> FloatArray:
+    """What is left between the axes, root mean square [mm] and [deg]."""
+    return np.multiply(alignment.residual, (1e3, 180 / math.pi))
+
+
+# ---------------------------------------------------------------------------------- tool
+
+
+def _tool(evidence: Evidence) -> Iterator[Finding]:
+    """Where the frame of their tool stands in link_4, if they have one."""
+    correction = evidence.tool_correction
+    if correction is None:
+        return
+    ours = evidence.ours.tool_pose
+    theirs = tool_pose(evidence.ours, evidence.theirs, evidence.alignment)
+    relative = np.linalg.inv(ours) @ theirs
+    off = float(np.linalg.norm(relative[:3, 3]))
+    turned = angle_between(ours, theirs)
+    length, angle = evidence.tolerance
+    if off <= length and turned <= angle:
+        return
+
+    # Another point of the gripper, and axes that are named otherwise, are a choice.
+    same_point = off <= length or _on_gripper(evidence, theirs[:3, 3])
+    is_choice = same_point and _axes_are_a_choice(theirs, TURNED + angle)
+    x, y, z = theirs[:3, 3] * 1e3
+    yield finding(
+        "tool.choice" if is_choice else "tool",
+        frame=evidence.theirs.tool,
+        x=x,
+        y=y,
+        z=z,
+        off=off * 1e3,
+        turned=math.degrees(turned),
+        line=correction.text,
+    )
+
+
+def _on_gripper(evidence: Evidence, point: FloatArray) -> bool:
+    """Whether a point (3,) of link_4 lies on the wrist axis, in the jaws."""
+    tips = evidence.parameters.links[4].bounds[2, 0]
+    beside = math.hypot(*point[:2])
+    in_jaws = tips <= point[2] <= -JAWS_FROM
+    return bool(beside < BESIDE + evidence.tolerance.length and in_jaws)
+
+
+def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
+    """Whether one axis of a frame in link_4 lies along the wrist, at a roll of n * 30 deg."""
+    along = np.abs(tool[2, :3])
+    axis = int(along.argmax())
+    tilt = math.acos(min(1.0, float(along[axis])))
+
+    across = tool[:3, (axis + 1) % 3]
+    roll = math.atan2(across[1], across[0])
+    step = math.radians(30)
+    off_roll = abs(roll - step * round(roll / step))
+    return tilt < within and off_roll < within

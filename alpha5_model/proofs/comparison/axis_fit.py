@@ -1,0 +1,353 @@
+"""Fit another model's joint axes to ours, as lines, by least squares.
+
+Free are the pose of the other base, the zeros of axis_d and axis_c, and the dimensions of
+our arm. A shifted zero of axis_e is a yaw of the base, and one of axis_b a roll of the last
+body: the axes do not show them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import rotation_about, transform, wrap
+from alpha5_model.proofs.comparison.alignment import Alignment
+from alpha5_model.proofs.comparison.axis_lines import (
+    AxisLines,
+    X,
+    Y,
+    Z,
+    cross,
+    foot,
+    z_axes,
+)
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm, random_positions
+
+#: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
+POSITIONS = 10
+#: Fewer positions tell how well a first guess fits.
+GUESS_POSITIONS = 4
+#: Steps of a fit, and how often a step that does not help is cut.
+STEPS, CUTS = 50, 20
+
+#: The unknowns that move their lines: rotation and shift of the base, and two zeros.
+POSE_UNKNOWNS = (
+    "base about x",
+    "base about y",
+    "base about z",
+    "base along x",
+    "base along y",
+    "base along z",
+    "zero of axis_d",
+    "zero of axis_c",
+)
+#: All unknowns; the dimensions move our lines.
+UNKNOWNS = (*POSE_UNKNOWNS, *DIMENSIONS)
+
+#: A vector for each of `POSITIONS`: none.
+NOTHING = np.zeros((POSITIONS, 3))
+
+
+class Screw(NamedTuple):
+    """How an unknown moves the lines behind it, for each position.
+
+    Attributes:
+        angular: Rotation per unit of the unknown, (POSITIONS, 3).
+        linear: Velocity of the point at our root, (POSITIONS, 3).
+        first: Index of the first axis that moves.
+    """
+
+    angular: FloatArray = NOTHING
+    linear: FloatArray = NOTHING
+    first: int = 0
+
+
+def _everywhere(vector: FloatArray) -> FloatArray:
+    """The same vector for each of `POSITIONS`."""
+    return np.tile(vector, (POSITIONS, 1))
+
+
+BASE_SCREWS = {
+    "base about x": Screw(angular=_everywhere(X)),
+    "base about y": Screw(angular=_everywhere(Y)),
+    "base about z": Screw(angular=_everywhere(Z)),
+    "base along x": Screw(linear=_everywhere(X)),
+    "base along y": Screw(linear=_everywhere(Y)),
+    "base along z": Screw(linear=_everywhere(Z)),
+}
+
+
+class Linearized(NamedTuple):
+    """Difference of the lines of an alignment, and its derivative.
+
+    Attributes:
+        alignment: Where they are taken.
+        error: Their axes minus ours, (24 * POSITIONS,): for each axis and position the
+            moment about our root [m] and the direction.
+        jacobian: Derivative by the `UNKNOWNS`, (24 * POSITIONS, 16).
+        square: Sum of the squares of the error.
+    """
+
+    alignment: Alignment
+    error: FloatArray
+    jacobian: FloatArray
+    square: float
+
+
+@dataclass(frozen=True, eq=False)
+class AxisFit:
+    """Our axes and theirs, to be brought together.
+
+    Attributes:
+        ours: Our arm.
+        theirs: The other arm.
+    """
+
+    ours: OwnArm
+    theirs: FourJointArm
+
+    def their_lines(self, alignment: Alignment, q: FloatArray) -> AxisLines:
+        """Their axes at our positions q (..., 4), in our root frame, turning our way."""
+        points, directions = self.theirs.axis_lines(alignment.theirs(q))
+        rotation = alignment.base[:3, :3]
+        shift = alignment.base[:3, 3]
+        return AxisLines(
+            points=points @ rotation.T + shift,
+            directions=directions @ rotation.T * alignment.sign[:, None],
+        )
+
+    def closed_form(self, sign: FloatArray, dimensions: FloatArray) -> Alignment:
+        """The alignment with these signs (4,) and dimensions (8,), exact if they are right.
+
+        The first two axes, which cross at a right angle, place the base. A turn about
+        axis_d brings axis_c to its side of the shoulder, and one about axis_c brings the
+        wrist into its direction.
+        """
+        zero = np.zeros(4)
+        ours = z_axes(self.ours.frames(zero, dimensions))
+        start = Alignment(sign=sign, dimensions=dimensions)
+        theirs = self.their_lines(start, zero)
+
+        turn = _base_frame(ours) @ _base_frame(theirs).T
+        shift = foot(ours, 0, 1) - turn @ foot(theirs, 0, 1)
+        placed = replace(start, base=transform(turn, shift))
+
+        theirs = self.their_lines(placed, zero)
+        shoulder = _angle_about(
+            ours.directions[1], start=_upper_arm(theirs), end=_upper_arm(ours)
+        )
+        placed = replace(placed, zero=np.array([0.0, sign[1] * shoulder, 0.0, 0.0]))
+
+        theirs = self.their_lines(placed, zero)
+        elbow = _angle_about(
+            ours.directions[2], start=theirs.directions[3], end=ours.directions[3]
+        )
+        turned = np.array([0.0, sign[1] * shoulder, sign[2] * elbow, 0.0])
+        return replace(placed, zero=turned)
+
+    def line_error(self, alignment: Alignment) -> float:
+        """Root mean square of the difference of the lines, from fewer positions."""
+        q = random_positions(self.ours.parameters, POSITIONS)[:GUESS_POSITIONS]
+        ours = z_axes(self.ours.frames(q, alignment.dimensions))
+        theirs = self.their_lines(alignment, q)
+        moments = cross(*theirs) - cross(*ours)
+        directions = theirs.directions - ours.directions
+        return math.sqrt(np.square([moments, directions]).mean())
+
+    def fit(self, start: Alignment, free: Collection[str]) -> Alignment:
+        """The best alignment near a first one, by Gauss-Newton.
+
+        Args:
+            start: The first one.
+            free: Those of `UNKNOWNS` that may change.
+        """
+        columns = [k for k, name in enumerate(UNKNOWNS) if name in free]
+        best = self.linearized(start)
+        for _ in range(STEPS):
+            step = _newton_step(best, columns)
+            tried, step = self._cut_until_it_helps(best, step)
+            gain = best.square - tried.square
+            if gain > 0:
+                best = tried
+            if gain <= 1e-9 * tried.square or np.abs(step).max() < 1e-9:
+                break
+
+        zero = wrap(best.alignment.zero)
+        return replace(best.alignment, zero=zero, residual=_residual(best.error))
+
+    def _cut_until_it_helps(
+        self, best: Linearized, step: FloatArray
+    ) -> tuple[Linearized, FloatArray]:
+        """Take a step, cut until it makes the error no larger; and the step (16,)."""
+        for _ in range(CUTS):
+            tried = self.linearized(_changed(best.alignment, step))
+            if best.square - tried.square >= 0:
+                break
+            step = step / 4
+        return tried, step
+
+    def linearized(self, alignment: Alignment) -> Linearized:
+        """The difference of the lines and its derivative.
+
+        A screw (w, v) moves a line with moment m and direction d by ``w x m + v x d`` and
+        ``w x d``.
+        """
+        q = random_positions(self.ours.parameters, POSITIONS)
+        frames = np.moveaxis(self.ours.frames(q, alignment.dimensions), 1, 0)
+        ours = z_axes(frames)  # axis, position
+        theirs = _by_axis(self.their_lines(alignment, q))
+        our_moments = cross(*ours)
+        their_moments = cross(*theirs)
+
+        moment_errors = their_moments - our_moments
+        direction_errors = theirs.directions - ours.directions
+        error = np.concatenate([moment_errors, direction_errors], axis=-1).ravel()
+
+        screws = {
+            **BASE_SCREWS,
+            **_zero_screws(alignment, theirs.directions, their_moments),
+            **self._dimension_screws(alignment, frames),
+        }
+        # The base and the zeros move their lines, the dimensions move ours.
+        pairs = [their_moments, -our_moments]
+        moments = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
+        pairs = [theirs.directions, -ours.directions]
+        directions = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
+        columns = _columns(list(screws.values()), moments, directions)
+        return Linearized(
+            alignment=alignment,
+            error=error,
+            jacobian=columns.T,
+            square=float(error @ error),
+        )
+
+    def _dimension_screws(
+        self, alignment: Alignment, frames: FloatArray
+    ) -> dict[str, Screw]:
+        """How our dimensions move our lines.
+
+        Args:
+            alignment: With the dimensions.
+            frames: Our DH frames, (4, POSITIONS, 4, 4).
+        """
+        x, y, z, points = (frames[..., :3, k] for k in range(4))
+        alpha_change = alignment.dimensions[DIMENSIONS.index("alpha_1")]
+        alpha = self.ours.parameters.dh[1].alpha + alpha_change
+        tilt = math.cos(alpha) * y[1] + math.sin(alpha) * z[1]
+        return {
+            "a_0": Screw(linear=x[0], first=1),
+            "a_1": Screw(linear=x[1], first=2),
+            "a_2": Screw(linear=x[2], first=3),
+            "d_1": Screw(linear=z[1], first=2),
+            "alpha_0": Screw(angular=x[0], linear=cross(points[1], x[0]), first=1),
+            "alpha_1": Screw(angular=x[1], linear=cross(points[2], x[1]), first=2),
+            "alpha_2": Screw(angular=x[2], linear=cross(points[3], x[2]), first=3),
+            "beta_1": Screw(angular=tilt, linear=cross(points[2], tilt), first=2),
+        }
+
+
+def _by_axis(lines: AxisLines) -> AxisLines:
+    """Lines (position, axis, 3), by axis first."""
+    return AxisLines(
+        points=np.moveaxis(lines.points, 1, 0),
+        directions=np.moveaxis(lines.directions, 1, 0),
+    )
+
+
+def _zero_screws(
+    alignment: Alignment, directions: FloatArray, moments: FloatArray
+) -> dict[str, Screw]:
+    """How the zeros of axis_d and axis_c move their lines (4, POSITIONS, 3)."""
+    sign = alignment.sign
+    return {
+        "zero of axis_d": Screw(
+            angular=sign[1] * directions[1], linear=sign[1] * moments[1], first=2
+        ),
+        "zero of axis_c": Screw(
+            angular=sign[2] * directions[2], linear=sign[2] * moments[2], first=3
+        ),
+    }
+
+
+def _columns(
+    screws: Sequence[Screw], moments: FloatArray, directions: FloatArray
+) -> FloatArray:
+    """Derivatives of lines by the unknowns that move them, (16, 24 * POSITIONS).
+
+    Args:
+        screws: One per unknown.
+        moments: Of the lines that it moves, (16, 4, POSITIONS, 3) [m].
+        directions: Of the same.
+    """
+    angular = np.stack([screw.angular for screw in screws])[:, None]
+    linear = np.stack([screw.linear for screw in screws])[:, None]
+    first = np.array([screw.first for screw in screws])
+    moment_rates = cross(angular, moments) + cross(linear, directions)
+    direction_rates = cross(angular, directions)
+    columns = np.concatenate([moment_rates, direction_rates], axis=-1)
+
+    moved = np.arange(4) >= first[:, None]
+    columns *= moved[..., None, None]
+    return columns.reshape(len(screws), -1)
+
+
+def _newton_step(at: Linearized, columns: list[int]) -> FloatArray:
+    """The step (16,) that would make the error least if it were linear."""
+    step = np.zeros(len(UNKNOWNS))
+    solution = np.linalg.lstsq(at.jacobian[:, columns], at.error, rcond=None)[0]
+    step[columns] = -solution
+    return step
+
+
+def _changed(alignment: Alignment, step: FloatArray) -> Alignment:
+    """The alignment, changed by a step (16,) in order of the `UNKNOWNS`."""
+    rotation = step[:3]
+    shift = step[3:6]
+    zeros = step[6:8]
+    dimensions = step[8:]
+
+    angle = float(np.linalg.norm(rotation))
+    turn = rotation_about(rotation / angle, angle) if angle else None
+    base = transform(turn) @ alignment.base
+    base[:3, 3] += shift
+    return replace(
+        alignment,
+        base=base,
+        zero=alignment.zero + np.array([0.0, zeros[0], zeros[1], 0.0]),
+        dimensions=alignment.dimensions + dimensions,
+    )
+
+
+def _residual(error: FloatArray) -> tuple[float, float]:
+    """Root mean square of an error: of all coordinates [m], and of the angles [rad]."""
+    directions = error.reshape(-1, 6)[:, 3:]
+    squared_angles = np.square(directions).sum(axis=1)
+    return math.sqrt(np.square(error).mean()), math.sqrt(squared_angles.mean())
+
+
+def _base_frame(lines: AxisLines) -> FloatArray:
+    """Rotation with z along the first axis and the second in the y-z plane, (3, 3)."""
+    z = lines.directions[0]
+    normal = np.cross(lines.directions[1], z)
+    length = np.linalg.norm(normal)
+    # If both have one direction, any x across it will do.
+    x = normal / length if length > 1e-9 else np.linalg.svd(z[None])[2][1]
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _upper_arm(lines: AxisLines) -> FloatArray:
+    """From axis_d to axis_c, (3,) [m]."""
+    return np.asarray(lines.points[2] - lines.points[1])
+
+
+def _angle_about(axis: FloatArray, start: FloatArray, end: FloatArray) -> float:
+    """Angle about a unit vector that turns one vector (3,) towards another [rad]."""
+    sine = np.cross(start, end) @ axis
+    cosine = start @ end - (start @ axis) * (end @ axis)
+    return math.atan2(sine, cosine)

@@ -1,0 +1,79 @@
+"""Joint axes as lines in space: their moments, their common normals, their shape."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+
+X, Y, Z = np.eye(3)
+
+
+class AxisLines(NamedTuple):
+    """Axes as lines.
+
+    Attributes:
+        points: A point on each, (..., 3) [m].
+        directions: Unit vectors, (..., 3).
+    """
+
+    points: FloatArray
+    directions: FloatArray
+
+
+def z_axes(frames: FloatArray) -> AxisLines:
+    """The z axes of frames (..., 4, 4), as lines (..., 3)."""
+    return AxisLines(points=frames[..., :3, 3], directions=frames[..., :3, 2])
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """NumPy's cross product without its overhead, (..., 3)."""
+    after = [1, 2, 0]
+    before = [2, 0, 1]
+    product: FloatArray = (
+        a[..., after] * b[..., before] - a[..., before] * b[..., after]
+    )
+    return product
+
+
+def foot(lines: AxisLines, at: int, other: int) -> FloatArray:
+    """Foot, on one of the axes (..., N, 3), of its common normal with another, (..., 3)."""
+    point = lines.points[..., at, :]
+    direction = lines.directions[..., at, :]
+    other_direction = lines.directions[..., other, :]
+    between = point - lines.points[..., other, :]
+
+    cosine = _dot(direction, other_direction)
+    along_other = _dot(other_direction, between)
+    along = _dot(direction, between)
+    squared_sine = np.maximum(1 - cosine * cosine, 1e-12)
+    return np.asarray(point + (cosine * along_other - along) / squared_sine * direction)
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(np.sum(a * b, -1, keepdims=True))
+
+
+def axis_shape(lines: AxisLines) -> FloatArray:
+    """Shape of four axes (4, 3) that follow each other, (7,).
+
+    Returns:
+        Distance of each axis from the one before it, (3,), and of the first from the last
+        common normal along the second axis [m]; angle of each axis with the one before it,
+        (3,), up to pi/2 [rad].
+    """
+    before = lines.directions[:-1]
+    after = lines.directions[1:]
+    normals = np.cross(before, after)
+    sines = np.linalg.norm(normals, axis=1)
+    cosines = np.abs(np.sum(before * after, axis=1))
+    steps = np.diff(lines.points, axis=0)
+    lengths = np.abs(np.sum(steps * normals, axis=1)) / np.maximum(sines, 1e-9)
+
+    # The second and third axis are parallel, or nearly so: they have no common normal.
+    upper_arm = foot(lines, 2, 3) - foot(lines, 1, 0)
+    offset = upper_arm @ lines.directions[1]
+    lengths[1] = np.linalg.norm(upper_arm - offset * lines.directions[1])
+    return np.array([*lengths, abs(offset), *np.arctan2(sines, cosines)])

@@ -1,0 +1,97 @@
+"""Which link of another model was meant to be our base_link."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import moved
+from alpha5_model.proofs.comparison.alignment import Alignment
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
+from alpha5_model.proofs.comparison.own_arm import OwnArm
+
+#: A frame that lies closer to our base_link than this was meant to be the same one; a
+#: radian of tilt counts as 0.1 m.
+SAME_FRAME = 0.05  # [m]
+#: So was a frame in which the COM of link_0 lies as close to ours.
+SAME_COM = 0.02  # [m]
+
+
+class _Candidate(NamedTuple):
+    """A link between the root and axis_e.
+
+    Attributes:
+        name: Its name.
+        pose: Its pose in our root frame, (4, 4).
+        distance: How far it is from our base_link [m]; see `distance_from_base`.
+        same: Whether it could be meant to be base_link.
+        named: Whether it has such a name.
+    """
+
+    name: str
+    pose: FloatArray
+    distance: float
+    same: bool
+    named: bool
+
+    @property
+    def unlikeliness(self) -> tuple[bool, float]:
+        """Sorts the likeliest first: a named one, then the closest that faces forward."""
+        facing = self.pose[0, 0]
+        return not (self.same and self.named), round(self.distance - 1e-3 * facing, 6)
+
+
+def with_base_link(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment
+) -> Alignment:
+    """The alignment, with the link that comes closest to being our base_link.
+
+    A link is known by its frame; by the COM of link_0 in it, if axis_e stands elsewhere;
+    or by its place and name, if axis_e is upside down. If several frames could be meant,
+    the one with the right name is taken.
+    """
+    candidates = [
+        _candidate(ours, theirs, alignment, name) for name in theirs.base_path
+    ]
+    best = min(candidates, key=lambda candidate: candidate.unlikeliness)
+    return replace(
+        alignment, base_link=best.name, stands=best.pose, same_base=best.same
+    )
+
+
+def _candidate(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment, name: str
+) -> _Candidate:
+    """Judge one link."""
+    pose = alignment.base @ theirs.link_poses[name]
+    distance = distance_from_base(pose)
+    named = name.lower().endswith(("base", "base_link"))
+
+    in_place = np.linalg.norm(pose[:3, 3]) < SAME_FRAME
+    same = distance < SAME_FRAME or bool(named and in_place)
+    if theirs.mass[0]:
+        com_error = _com_error(ours, theirs, name)
+        if com_error < SAME_COM:
+            same = True
+            distance = min(distance, SAME_FRAME + com_error)
+    return _Candidate(name=name, pose=pose, distance=distance, same=same, named=named)
+
+
+def _com_error(ours: OwnArm, theirs: FourJointArm, name: str) -> float:
+    """How far link_0's COM is from ours, if a link is base_link [m]."""
+    to_link: FloatArray = np.asarray(np.linalg.inv(theirs.link_poses[name]), np.float64)
+    com = moved(to_link, theirs.com[0])
+    return float(np.linalg.norm(com - ours.reduced.com[0]))
+
+
+def distance_from_base(pose: FloatArray) -> float:
+    """Distance of a frame (4, 4) from ours, whatever its yaw [m].
+
+    A radian of tilt counts as 0.1 m.
+    """
+    tilt = math.acos(np.clip(pose[2, 2], -1, 1))
+    return float(np.linalg.norm(pose[:3, 3]) + 0.1 * tilt)

@@ -1,0 +1,205 @@
+"""Choose the likeliest of the alignments that bring another model's axes onto ours.
+
+Lines have no direction, so that several alignments fit equally well: an arm upside down
+with every joint reversed, or one whose joint is mounted the wrong way round, with all that
+follows. The axes do not show two of the zeros either, see `axis_fit`. Bodies, collision
+shapes, the base frame and the tool frame decide these.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import moved, rotation_about, transform, wrap
+from alpha5_model.proofs.comparison.alignment import Alignment, allowed
+from alpha5_model.proofs.comparison.axis_fit import POSE_UNKNOWNS, UNKNOWNS, AxisFit
+from alpha5_model.proofs.comparison.axis_lines import Z
+from alpha5_model.proofs.comparison.base_link import distance_from_base, with_base_link
+from alpha5_model.proofs.comparison.chains import AXES
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm
+from alpha5_model.proofs.comparison.placement import body_errors, body_transforms
+
+#: Residual of the closed form beyond which an axis points the other way [m and rad].
+REVERSED = 0.05
+#: How many alignments are fitted, the likeliest of those that fit as lines.
+FITTED = 8
+#: Bodies, tools and shapes that lie farther off than this count as much as they can.
+ELSEWHERE = 0.05  # [m]
+
+
+def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
+    """Best alignment of another model of this arm.
+
+    Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as
+    they can. The dimensions that are then still off by more than the printed digits allow
+    are fitted too: an offset must not look like a shifted zero. Of alignments that fit
+    equally well, the one with the fewest oddities is taken.
+    """
+    axes = AxisFit(ours=ours, theirs=theirs)
+    within = np.repeat(allowed(ours.parameters, theirs), 4)
+    judge = _Judge(ours=ours, theirs=theirs, within=within)
+
+    close = [with_base_link(ours, theirs, start) for start in _close_starts(axes)]
+    likely = sorted(close, key=judge.oddity)[:FITTED]
+
+    # With all dimensions free the axes coincide: each dimension shows its own error only.
+    fits = [with_base_link(ours, theirs, axes.fit(one, UNKNOWNS)) for one in likely]
+    exact = min(fits, key=judge.oddity)
+
+    wrong = np.abs(exact.dimensions) > within
+    start = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
+    free = {*POSE_UNKNOWNS, *itertools.compress(DIMENSIONS, wrong)}
+    best = with_base_link(ours, theirs, axes.fit(start, free))
+    return replace(
+        _settle_zeros(ours, theirs, best), exact=_settle_zeros(ours, theirs, exact)
+    )
+
+
+def without_zero(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment, joint: int
+) -> float:
+    """Residual [m] of the best fit with the zero of axis_d or axis_c held at ours.
+
+    Args:
+        ours: Our arm.
+        theirs: The other arm.
+        alignment: Its best alignment.
+        joint: 1 for axis_d, 2 for axis_c.
+    """
+    zero = alignment.zero.copy()
+    zero[joint] = 0.0
+    held = replace(alignment, zero=zero)
+    free = {*POSE_UNKNOWNS, *alignment.changes()} - {f"zero of {AXES[joint]}"}
+    return AxisFit(ours=ours, theirs=theirs).fit(held, free).residual[0]
+
+
+def _close_starts(axes: AxisFit) -> list[Alignment]:
+    """Alignments with any signs and directions that fit as lines."""
+    starts = [axes.closed_form(sign, twists) for sign, twists in _directions()]
+    errors = [axes.line_error(start) for start in starts]
+
+    # If a direction is reversed no dimension helps.
+    most = max(REVERSED, 2 * min(errors))
+    return [start for start, error in zip(starts, errors, strict=True) if error <= most]
+
+
+def _directions() -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Signs of the joints, (4,), and dimensions, (8,), with any twists turned by pi."""
+    for sign in itertools.product((1.0, -1.0), repeat=4):
+        for turned in itertools.product((0.0, math.pi), repeat=3):
+            yield np.array(sign), np.array([0.0, 0.0, 0.0, 0.0, *turned, 0.0])
+
+
+# ------------------------------------------------------------------------------ oddities
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Tells how unlikely alignments are.
+
+    Attributes:
+        ours: Our arm.
+        theirs: The other arm.
+        within: Changes of the dimensions that are none, (8,) [m, rad].
+    """
+
+    ours: OwnArm
+    theirs: FourJointArm
+    within: FloatArray
+
+    def oddity(self, alignment: Alignment) -> float:
+        """How unlikely an alignment is: what somebody must have changed in the model.
+
+        A turned sign or a shifted zero counts one, a wrong dimension four, one to the other
+        side two, and a base that stands elsewhere or upside down up to six. Bodies
+        elsewhere count up to four together, and so do collision shapes; a tool frame
+        counts up to six.
+        """
+        base = min(6.0, 30 * distance_from_base(alignment.stands))
+        transforms = body_transforms(self.ours, self.theirs, alignment)
+        odd = alignment.oddities + base + self._changed_dimensions(alignment)
+        odd += 4 * _elsewhere(self._off_bodies(transforms))
+        odd += 4 * _elsewhere(self._off_shapes(transforms))
+        if self.theirs.tool:
+            odd += 6 * _elsewhere(self._off_tool(transforms))
+        return float(odd)
+
+    def _changed_dimensions(self, alignment: Alignment) -> float:
+        """Four for each wrong dimension; two for a distance to the other side."""
+        wrong = np.abs(alignment.dimensions) > self.within
+        lengths = [row.a for row in self.ours.parameters.dh[:3]]
+        # One joint mounted the wrong way round makes its distance negative.
+        opposite = np.multiply(-2, lengths)
+        mirrored = np.isclose(alignment.dimensions[:3], opposite, atol=5e-3)
+        return float(4 * wrong.sum() - 2 * mirrored.sum())
+
+    def _off_bodies(self, transforms: FloatArray) -> FloatArray:
+        """Their COMs minus ours of the bodies from 2 on that have a mass, (N, 3) [m]."""
+        off = moved(transforms, self.theirs.com) - self.ours.reduced.com
+        solid = self.theirs.mass[2:] > 0
+        return np.asarray(off[2:][solid])
+
+    def _off_shapes(self, transforms: FloatArray) -> FloatArray:
+        """Their centroids minus ours of the shapes of moving bodies, (N, 3) [m]."""
+        centres = moved(transforms, self.theirs.shape_centres)
+        off = (centres - self.ours.reduced.shape_centres)[1:]
+        return np.asarray(off[np.isfinite(off[:, 0])])
+
+    def _off_tool(self, transforms: FloatArray) -> FloatArray:
+        """Their tool minus ours, (1, 3) [m]."""
+        point = self.theirs.link_poses[self.theirs.tool][:3, 3]
+        tool = moved(transforms[4], point)
+        return np.asarray(tool[None] - self.ours.tool_pose[:3, 3])
+
+
+def _elsewhere(off: FloatArray) -> float:
+    """How far off points (N, 3) are on average, from 0 to 1; 0 without any."""
+    if not len(off):
+        return 0.0
+    shares = np.linalg.norm(off, axis=1) / ELSEWHERE
+    return float(np.minimum(1.0, shares).mean())
+
+
+# --------------------------------------------------------------------------------- zeros
+
+
+def _settle_zeros(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment
+) -> Alignment:
+    """Zeros of axis_e and axis_b: as the base frame stands, and as the last body fits."""
+    if alignment.same_base:
+        alignment = _without_yaw(alignment)
+    turned = _without_roll(ours, theirs, alignment)
+    error = body_errors(ours, theirs, alignment)[4]
+    if 4 * body_errors(ours, theirs, turned)[4] < error:
+        alignment = turned
+    return replace(alignment, zero=wrap(alignment.zero))
+
+
+def _without_yaw(alignment: Alignment) -> Alignment:
+    """Their base frame turned into ours about z, by the zero of axis_e."""
+    stands = alignment.stands
+    yaw = math.atan2(stands[1, 0], stands[0, 0])
+    back = transform(rotation_about(Z, -yaw))
+    return replace(
+        alignment,
+        base=back @ alignment.base,
+        stands=back @ stands,
+        zero=alignment.zero + alignment.sign * [yaw, 0, 0, 0],
+    )
+
+
+def _without_roll(
+    ours: OwnArm, theirs: FourJointArm, alignment: Alignment
+) -> Alignment:
+    """Their last body turned into ours about the wrist, by the zero of axis_b."""
+    wrist = body_transforms(ours, theirs, alignment)[4]
+    roll = math.atan2(wrist[1, 0], wrist[0, 0])
+    return replace(alignment, zero=alignment.zero - alignment.sign * [0, 0, 0, roll])

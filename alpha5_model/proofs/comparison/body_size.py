@@ -1,0 +1,21 @@
+"""How large a body of the tables is, by its bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.parameters import LinkParameters
+
+#: How far a solid of the body's size may exceed its bounds.
+SIZE_SLACK = 1.25
+
+
+def body_radius(link: LinkParameters) -> float:
+    """Half the least width of a body: all are turned parts [m]."""
+    return float(np.ptp(link.bounds, axis=1).min() / 2)
+
+
+def largest_sizes(link: LinkParameters) -> FloatArray:
+    """What a solid of the body's size may measure along its sides, sorted, (3,) [m]."""
+    return np.sort(SIZE_SLACK * np.ptp(link.bounds, axis=1))

@@ -1,0 +1,109 @@
+"""What the links of another model write about their mass, and to how many digits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.numbers.inertia import combine
+from alpha5_model.proofs.comparison.four_joint_arm import carried_to
+from alpha5_model.proofs.comparison.printed_digits import last_place
+
+#: How closely a hypothesis must give a number: half of its last digit, within these.
+MASS_DIGITS = (5e-5, 5e-4)  # [kg]
+COM_DIGITS = (1e-4, 5e-4)  # [m]
+INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
+#: A link frame that lies closer to ours was meant to be ours: the rest is an error of the
+#: geometry.
+SAME_FRAME = (0.002, 0.02)  # [m], [rad]
+#: A lighter link is a dummy: some tools ask for a mass on every link.
+TOKEN_MASS = 1e-3  # [kg]
+
+
+@dataclass(frozen=True, eq=False)
+class Inertial:
+    """What one link of the other model writes, or several together.
+
+    Attributes:
+        link: Its name; empty for several.
+        mass: [kg].
+        com: In its own frame, (3,) [m].
+        inertia: At the COM, in its own axes, (3, 3) [kg m^2].
+        pose: transform_link_to_ours, (4, 4).
+    """
+
+    link: str
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    pose: FloatArray
+
+    def in_our_frame(self) -> Inertial:
+        """The same, in our link frame."""
+        com, inertia = carried_to(self.pose, self.com, self.inertia)
+        return replace(self, com=com, inertia=inertia, pose=np.eye(4))
+
+    @property
+    def meant_in_our_frame(self) -> bool:
+        """Whether its frame is ours but for an error of the geometry."""
+        length, angle = SAME_FRAME
+        near = np.linalg.norm(self.pose[:3, 3]) < length
+        upright = np.trace(self.pose[:3, :3]) > 1 + 2 * np.cos(angle)
+        return bool(near and upright)
+
+    @property
+    def mass_digits(self) -> float:
+        """How closely a hypothesis must give the mass [kg]."""
+        return self._half_last_digit(MASS_DIGITS, self.mass)
+
+    @property
+    def com_digits(self) -> float:
+        """How closely a hypothesis must give the COM [m]."""
+        return self._half_last_digit(COM_DIGITS, *self.com)
+
+    @property
+    def inertia_digits(self) -> float:
+        """How closely a hypothesis must give the tensor [kg m^2]."""
+        low, high = np.array(INERTIA_DIGITS) * np.abs(self.inertia).max()
+        return self._half_last_digit((low, high), *self.inertia.ravel())
+
+    def _half_last_digit(self, limits: tuple[float, float], *numbers: float) -> float:
+        """Half of the finest last place of the numbers, within the limits.
+
+        For several links together it is the lower limit: nobody wrote their numbers.
+        """
+        places = [last_place(repr(float(x))) for x in numbers if x]
+        if not self.link or not places:
+            return limits[0]
+        return float(np.clip(0.5 * min(places), *limits))
+
+
+def solid_links(written: Sequence[Inertial]) -> list[Inertial]:
+    """The links that are no dummies."""
+    return [link for link in written if abs(link.mass) > TOKEN_MASS]
+
+
+def subjects(written: Sequence[Inertial]) -> list[Inertial]:
+    """What may carry a printed number: the whole body without dummies, and one link.
+
+    Returns:
+        The whole and the heaviest link; only the link if it is the only one, or if all
+        masses add up to zero; nothing if all are dummies.
+    """
+    solid = solid_links(written)
+    solid.sort(key=lambda link: -abs(link.mass))
+    masses = [link.mass for link in solid]
+    if len(solid) < 2 or sum(masses) == 0:
+        return solid[:1]
+
+    placed = [link.in_our_frame() for link in solid]
+    mass, com, inertia = combine(
+        masses,
+        [link.com for link in placed],
+        [link.inertia for link in placed],
+    )
+    whole = Inertial(link="", mass=mass, com=com, inertia=inertia, pose=np.eye(4))
+    return [whole, solid[0]]

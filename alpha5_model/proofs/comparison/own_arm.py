@@ -1,0 +1,116 @@
+"""Our own arm, as another model of it is measured against it, also with other dimensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import rotation_about, transform
+from alpha5_model.description.reading import parse_urdf
+from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.proofs.comparison.axis_lines import X, Y, Z, foot, z_axes
+from alpha5_model.proofs.comparison.chains import AXES
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm, chain_poses
+from alpha5_model.proofs.comparison.reduction import reduce_robot
+
+#: The dimensions of our arm that another model may have otherwise: distances and twists
+#: of axes that follow each other, the offset of the elbow along axis_d, and its tilt
+#: (parallel axes have no twist about their second direction).
+DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
+#: Changes of `DIMENSIONS`: none.
+AS_IT_IS = np.zeros(len(DIMENSIONS))
+
+
+@dataclass(frozen=True, eq=False)
+class OwnArm:
+    """Our arm. A ``change`` of its dimensions is (8,) [m, rad], in order of `DIMENSIONS`.
+
+    Attributes:
+        parameters: Its numbers.
+        reduced: Its URDF, generated from the numbers and read like any other.
+    """
+
+    parameters: Alpha5Parameters
+    reduced: FourJointArm
+
+    @cached_property
+    def tool_pose(self) -> FloatArray:
+        """Pose of our tcp, Table 1's {5}, in link_4, (4, 4)."""
+        return self.reduced.link_poses[self.reduced.tool]
+
+    def frames(self, q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
+        """DH frames {0} to {3}, (..., 4, 4, 4), at q (..., 4), with changed dimensions.
+
+        Their z axes are the joint axes. Each frame is turned by its own joint already,
+        ready for the next link.
+        """
+        rows = self.parameters.dh[:4]
+        offset = np.array([row.theta_offset for row in rows])
+        alpha = np.array([row.alpha for row in rows[:3]])
+        a = np.array([row.a for row in rows[:3]])
+        d = np.array([row.d for row in rows[:3]])
+
+        a += change[:3]
+        d[1] += change[3]
+        twist = rotation_about(X, alpha + change[4:7])
+        twist[1] = twist[1] @ rotation_about(Y, change[7])
+
+        lengths = np.column_stack([a, np.zeros(3), d])
+        placements = np.stack([np.eye(4), *transform(twist, lengths)])
+        axes = np.tile(Z, (4, 1))
+        return chain_poses(placements, axes, q + offset)[..., 1:, :, :]
+
+    @cached_property
+    def _bodies_in_frames(self) -> FloatArray:
+        """Poses of the bodies 1 to 4 in the DH frames {0} to {3}, (4, 4, 4)."""
+        zero = np.zeros(4)
+        to_frames = np.linalg.inv(self.frames(zero))
+        return np.asarray(to_frames @ self.reduced.poses(zero)[1:])
+
+    def zero_poses(self, change: FloatArray) -> FloatArray:
+        """Poses of the bodies at zero, (5, 4, 4), with changed dimensions.
+
+        Each body stays with its own joint.
+        """
+        zero = np.zeros(4)
+        poses = self.reduced.poses(zero)
+        poses[1:] = self.frames(zero, change) @ self._bodies_in_frames
+        return poses
+
+    def with_dimensions(self, change: FloatArray) -> FourJointArm:
+        """The arm with changed dimensions; each body stays with its own joint."""
+        poses = self.zero_poses(change)
+        placements = np.linalg.inv(poses[:-1]) @ poses[1:]
+        return replace(self.reduced, placements=placements)
+
+    def tips(self, q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
+        """Tips of the arm, (N, 3) [m], at q (N, 4), with changed dimensions.
+
+        A tip lies on the wrist axis, d_3 from the foot of its normal with axis_c.
+        """
+        lines = z_axes(self.frames(q, change))
+        reach = self.parameters.dh[3].d
+        return foot(lines, 3, 2) + reach * lines.directions[:, 3]
+
+
+@lru_cache(maxsize=4)
+def own_arm_of(parameters: Alpha5Parameters) -> OwnArm:
+    """Our arm, from the catalogue's numbers with any corrections."""
+    text = urdf(Variant(dh_frames=True, corrections=parameters.corrections))
+    robot = parse_urdf(text)
+    joints = tuple(robot.joints[axis] for axis in AXES)
+    reduced = reduce_robot(robot, joints, parameters)
+    return OwnArm(parameters=parameters, reduced=reduced)
+
+
+@lru_cache(maxsize=4)
+def random_positions(parameters: Alpha5Parameters, count: int) -> FloatArray:
+    """Joint positions within our limits, (count, 4) [rad]; always the same."""
+    joints = parameters.joints[:4]
+    lower = [joint.lower for joint in joints]
+    upper = [joint.upper for joint in joints]
+    return np.random.default_rng(0).uniform(lower, upper, (count, 4))

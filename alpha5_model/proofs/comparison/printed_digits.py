@@ -1,0 +1,122 @@
+"""What the printed digits of a URDF mean, and what they leave open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import pose
+from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+
+#: Angles that people write as fractions of pi: multiples of 15 deg, up to a full turn.
+MULTIPLES = np.arange(1, 25)[:, None] / 12
+#: The multiples of 90 deg among them.
+QUARTERS = MULTIPLES[5::6]
+#: The least digits and the most that pi is cut or rounded to.
+PI_DIGITS = range(2, 16)
+
+
+class Rounding(NamedTuple):
+    """By how much printed digits may be off.
+
+    Attributes:
+        length: Of lengths [m].
+        angle: Of angles [rad].
+        pi: Of multiples of pi that are cut short [rad].
+    """
+
+    length: float
+    angle: float
+    pi: float
+
+
+def as_meant(robot: UrdfRobot) -> UrdfRobot:
+    """The robot with exact multiples of pi in its joints' rpy, whatever is printed."""
+    joints = dict(robot.joints)
+    for name, joint in robot.joints.items():
+        angles = [meant_angle(text) for text in joint.printed[1].split()]
+        if angles:
+            meant = pose(joint.transform[:3, 3], angles)
+            joints[name] = replace(joint, transform=meant)
+    return replace(robot, joints=joints)
+
+
+@cache
+def meant_angle(text: str) -> float:
+    """The multiple of pi that a printed angle stands for; the angle itself if none.
+
+    An angle stands for a multiple of 15 deg if it equals one to its last printed digit,
+    with pi cut or rounded to 3 digits or more: 3.1415 and 1.57075, but neither 1.5 nor
+    1.572.
+    """
+    angle = float(text)
+    unit = last_place(text)
+
+    # Two decimals are too few to tell thirds of pi from any other angle.
+    multiples = MULTIPLES if unit < 5e-3 else QUARTERS
+
+    # An angle computed from a short pi is not exact. The slack must stay below the
+    # error of 3.14, or other angles would count.
+    slack = min(1.01 * unit + 1e-12, (math.pi - 3.14) * abs(angle) / 3)
+    off = np.abs(multiples * _short_pis() - abs(angle))
+    close = (off <= slack).any(axis=1)
+    if not close.any():
+        return angle
+    multiple = float(multiples[close][0, 0])
+    return math.copysign(multiple * math.pi, angle)
+
+
+@cache
+def _short_pis() -> FloatArray:
+    """Pi, cut and rounded to each number of `PI_DIGITS`."""
+    pis = []
+    for digits in PI_DIGITS:
+        scale = 10.0**digits
+        pis.append(math.floor(math.pi * scale) / scale)
+        pis.append(round(math.pi * scale) / scale)
+    return np.array(pis)
+
+
+def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
+    """What the digits of the joints' origins leave open.
+
+    For lengths and angles this is half of the last decimal place, added in quadrature.
+    A number may have lost its trailing zeros: all lengths are taken to have as many
+    decimals as the longest of them, and so for the angles. Zeros and integers are exact.
+    For multiples of pi it is the largest error of any.
+    """
+    lengths = _fractions(joint.printed[0] for joint in joints)
+    angles = _fractions(joint.printed[1] for joint in joints)
+    cuts = [abs(meant_angle(text) - float(text)) for text in angles]
+    uncut = [text for text, cut in zip(angles, cuts, strict=True) if not cut]
+    return Rounding(
+        length=_half_last_place(lengths),
+        angle=_half_last_place(uncut),
+        pi=max(cuts, default=0.0),
+    )
+
+
+def _fractions(printed: Iterable[str]) -> list[str]:
+    """The numbers in some texts that are no integers."""
+    texts = " ".join(printed).split()
+    return [text for text in texts if float(text) % 1]
+
+
+def _half_last_place(texts: Sequence[str]) -> float:
+    """Half of the finest last place of printed numbers, added in quadrature."""
+    finest = min(map(last_place, texts), default=0.0)
+    return 0.5 * finest * math.sqrt(len(texts))
+
+
+def last_place(text: str) -> float:
+    """What one unit of the last digit of a printed number is worth."""
+    mantissa, _, power = text.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    exponent = float(power or 0) - decimals
+    return float(10.0 ** np.clip(exponent, -300, 300))
