@@ -24,7 +24,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.studies.sweep.run import sweep as computed
 from alpha5_model.studies.uncertainty.effects import torque_margin
-from alpha5_model.trajectory.report import FORMATS
+from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
 
 #: Values of an output of a study that are printed; its file has all, and where they come from.

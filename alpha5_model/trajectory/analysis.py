@@ -294,6 +294,11 @@ def _velocity_warnings(
         gain = float(np.mean(slope * given.velocity[:, k])) / power
         if not _LEAST_GAIN < gain < _MOST_GAIN:
             times = f"{gain:.3g} times the slope of its positions"
-            text = f"{joint.name}'s velocities are {times}"
-            warnings.append(MotionWarning("velocity", 1, "all samples", text))
+            warning = MotionWarning(
+                kind="velocity",
+                count=1,
+                first="all samples",
+                text=f"{joint.name}'s velocities are {times}",
+            )
+            warnings.append(warning)
     return warnings

@@ -49,22 +49,27 @@ class ParquetTable(FileTable):
         with library(self._path, "parquet"):
             from pyarrow import types
 
-            columns = self._file.read(names)
-            numbers = np.stack([_numbers(columns[name]) for name in names], axis=1)
+            table = self._file.read(names)
+            columns = [_numbers(table[name]) for name in names]
+            numbers = np.stack(columns, axis=1)
 
+        self._check_finite(numbers, needed)
+        time = table[names[0]]
+        unit = "s" if types.is_temporal(time.type) else None
+        return numbers, unit
+
+    def place(self, row: int, column: int) -> str:
+        """Where a number is in the file, for messages."""
+        return f"row {row + 1} ({self.header[column]})"
+
+    def _check_finite(self, numbers: FloatArray, needed: list[int]) -> None:
+        """Refuse needed columns with something that is no finite number."""
         not_finite = np.argwhere(~np.isfinite(numbers[:, : len(needed)]))
         if not_finite.size:
             row, k = not_finite[0].tolist()
             problem = f"expected a finite number, got {numbers[row, k]:g}"
             place = self.place(row, needed[k])
             raise FileFormatError(self._path, problem, place)
-
-        time = columns[names[0]]
-        return numbers, "s" if types.is_temporal(time.type) else None
-
-    def place(self, row: int, column: int) -> str:
-        """Where a number is in the file, for messages."""
-        return f"row {row + 1} ({self.header[column]})"
 
     def _check_expansion(self, names: list[str]) -> None:
         """Refuse columns that take far more memory than the file does.

@@ -162,8 +162,13 @@ def _recorded(
         name = table.header[roles.time]
         unit, doubt = time_unit(name, time, position, parameters)
         if doubt:
-            place = table.place(0, roles.time)
-            warnings.append(MotionWarning("time_unit", 1, place, doubt))
+            warning = MotionWarning(
+                kind="time_unit",
+                count=1,
+                first=table.place(0, roles.time),
+                text=doubt,
+            )
+            warnings.append(warning)
     return Motion(
         time=time / PER_SECOND[unit],
         joints=roles.joints,

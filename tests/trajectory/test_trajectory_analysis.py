@@ -18,7 +18,7 @@ import alpha5_model as a5
 from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.dynamics.batch import frame_positions, torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
-from alpha5_model.trajectory.report import columns
+from alpha5_model.trajectory import columns
 
 JAW_LOWER, JAW_UPPER = 0.0013, 0.0133
 

@@ -15,9 +15,8 @@ from scipy.signal import savgol_coeffs, savgol_filter
 
 import alpha5_model as a5
 from alpha5_model.errors import FileFormatError, InputError
-from alpha5_model.trajectory import loads, report
+from alpha5_model.trajectory import columns, loads, time_series
 from alpha5_model.trajectory.csv_table import CHUNK
-from alpha5_model.trajectory.report import columns
 from alpha5_model.trajectory.smoothing import savitzky_golay
 
 JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b", "axis_a")
@@ -243,7 +242,7 @@ def test_parts_are_put_together_in_order(
     whole = a5.trajectory.analyse(motion)
     seen: list[tuple[str, float]] = []
     monkeypatch.setattr(loads, "_CHUNK", 25)
-    monkeypatch.setattr(report, "_CHUNK", 40)
+    monkeypatch.setattr(time_series, "_CHUNK", 40)
     parts = a5.trajectory.analyse(motion, progress=lambda *report: seen.append(report))
     a5.trajectory.write(
         parts, tmp_path / "parts.csv", lambda *report: seen.append(report)
@@ -403,8 +402,10 @@ def test_columns_by_name(tmp_path: Path) -> None:
     # JSON has no NaN.
     holes = replace(r, torque=np.where(np.arange(30)[:, None] == 7, np.nan, r.torque))
     a5.trajectory.write(replace(holes, warnings=()), tmp_path / "t.csv")
-    assert report._json(holes.torque[:, 0])[7] is None
-    assert [x is None for x in report._json(holes.torque[:, 0])].count(True) == 1
+    assert time_series._json_column(holes.torque[:, 0])[7] is None
+    assert [x is None for x in time_series._json_column(holes.torque[:, 0])].count(
+        True
+    ) == 1
 
 
 def test_quoted_cells_and_unused_columns(tmp_path: Path) -> None:

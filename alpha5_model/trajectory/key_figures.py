@@ -1,0 +1,355 @@
+"""The key figures of an analysed motion: peaks, margins, energies, warnings."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.text import plain
+from alpha5_model.numbers.parameters import JointRange
+from alpha5_model.trajectory.analysis import Analysis
+from alpha5_model.trajectory.checks import LIMIT_SLACK
+from alpha5_model.trajectory.smoothing import SmoothMotion
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+#: Torques less than this are rounding.
+ROUNDING = 1e-12
+#: Units of a joint's figures.
+TURNING = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+SLIDING = {"position": "m", "velocity": "m/s", "torque": "N"}
+
+
+def summary(analysis: Analysis) -> dict[str, Any]:
+    """Peaks, margins, energies and warnings, in types that JSON has.
+
+    Units: s, A, V, W, J, N, m; a joint's position, velocity and torque are in its
+    ``units``: rad, rad/s, N m, for the jaw rod ``axis_a`` m, m/s, N. A margin is what
+    is left to a limit, negative beyond it. ``null`` if a motor cannot be computed, a
+    limit is not given or no effort is recorded; an effort's differences are those of
+    what was recorded less the torque computed.
+    """
+    a = analysis
+    time = a.smooth.time
+    steps = np.diff(time)
+    ranges = _ranges(a.arm)
+    figures = {
+        "source": a.motion.source,
+        "samples": time.size,
+        "start_s": time[0],
+        "duration_s": time[-1] - time[0],
+        "time_unit_of_file": a.motion.time_unit,
+        "sample_time_s": {"median": np.median(steps), "longest": steps.max()},
+        "model": _model(a),
+        "smoothing": _smoothing(a.smooth),
+        "motors": _motors(a),
+        "joints": {joint.name: _joint(a, k, joint) for k, joint in enumerate(ranges)},
+        "energy": _energy(a),
+        "mount": _mount(a),
+        "tcp": _tcp_path(a.tcp),
+        "warnings": a.warnings,
+        "ignored_columns": a.motion.ignored,
+    }
+    # JSON refuses NaN: what may be missing is None instead.
+    record: dict[str, Any] = plain(figures, unknown=math.nan)
+    return record
+
+
+def _ranges(arm: Arm) -> list[JointRange]:
+    """The limits of the arm's joints, which may differ from the catalogue's."""
+    limits = arm.limits
+    return [
+        JointRange(
+            name=name,
+            lower=float(limits.lower[k]),
+            upper=float(limits.upper[k]),
+            velocity=float(limits.velocity[k]),
+            effort=float(limits.effort[k]),
+        )
+        for k, name in enumerate(arm.joint_names)
+    ]
+
+
+def _model(a: Analysis) -> dict[str, Any]:
+    """The arm and the water around it."""
+    model: dict[str, Any] = {
+        "gripper": "jaws" if "axis_a" in a.smooth.joints else "locked",
+        "fluid_density": a.arm.fluid_density,
+        "gravity": a.arm.model.gravity.linear,
+    }
+    if a.moving_water is not None:
+        model["water_current"] = a.moving_water.current
+    return model
+
+
+def _smoothing(motion: SmoothMotion) -> dict[str, Any]:
+    """How the derivatives were found."""
+    return {
+        "method": motion.method,
+        "bandwidth_hz": motion.bandwidth,
+        "derivatives_from": "velocities" if motion.from_velocity else "positions",
+    }
+
+
+def _motors(a: Analysis) -> dict[str, Any]:
+    """What is assumed of the motors and their drive."""
+    return {
+        "constants": a.actuators[0].constants,
+        "constants_ratio": {m.joint: m.constants_ratio for m in a.actuators},
+        "efficiency": a.actuators[0].efficiency,
+        "supply_voltage": a.supply_voltage,
+        "current_limit": a.current_limit,
+    }
+
+
+def _energy(a: Analysis) -> dict[str, Any]:
+    """Power and energy of all motors together."""
+    time = a.smooth.time
+    power = np.nansum(a.electrical_power, axis=1)
+    return {
+        "electrical_peak_w": power.max(),
+        "drawn_j": _drawn(power, time),
+        "drawn_interval_j": _drawn_interval(a),
+        "fed_back_j": _drawn(-power, time),
+        "mechanical_j": _integral(a.mechanical_power.sum(axis=1), time),
+        "contradiction_j": _integral(_contradicting_power(a), time),
+    }
+
+
+def _known_motors(a: Analysis) -> list[int]:
+    """The joints whose motors can be computed."""
+    joints = range(len(a.actuators))
+    return [k for k in joints if np.isfinite(a.current[:, k]).all()]
+
+
+def _drawn_interval(a: Analysis) -> list[float | None]:
+    """The energy drawn over the printed tolerance of friction: least and most [J]."""
+    least_current = _powers(a, a.current_lower)
+    most_current = _powers(a, a.current_upper)
+    least = np.minimum(least_current, most_current).sum(axis=0)
+    most = np.maximum(least_current, most_current).sum(axis=0)
+    return [_drawn(least, a.smooth.time), _drawn(most, a.smooth.time)]
+
+
+def _powers(a: Analysis, current: FloatArray) -> FloatArray:
+    """The electrical power of each known motor for some currents, (motors, N) [W]."""
+    velocity = a.smooth.signed_velocity
+    powers = []
+    for k in _known_motors(a):
+        voltage = a.actuators[k].voltage(current[:, k], velocity[:, k])
+        powers.append(voltage * current[:, k])
+    return np.stack(powers)
+
+
+def _contradicting_power(a: Analysis) -> FloatArray:
+    """Electrical power that the contradicting motor constants leave unexplained [W]."""
+    velocity = a.smooth.signed_velocity
+    powers = []
+    for k in _known_motors(a):
+        motor = a.actuators[k]
+        excess = (motor.back_emf_constant - motor.torque_constant) * motor.ratio
+        powers.append(excess * a.current[:, k] * velocity[:, k])
+    return np.asarray(sum(powers))
+
+
+def _mount(a: Analysis) -> dict[str, Any]:
+    """Peaks of the load on the mount, and of what moving water adds to it."""
+    time = a.smooth.time
+    force, moment = _force_and_moment(a.base_wrench)
+    mount = {
+        "force_peak_n": _peak(force, time),
+        "moment_peak_nm": _peak(moment, time),
+    }
+    if a.moving_water is not None:
+        water_force, water_moment = _force_and_moment(a.moving_water.wrench)
+        mount["water_force_peak_n"] = _water_peak(water_force, time)
+        mount["water_moment_peak_nm"] = _water_peak(water_moment, time)
+    return mount
+
+
+def _force_and_moment(wrenches: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The size of force and of moment of wrenches, (..., 6)."""
+    force = np.linalg.norm(wrenches[..., :3], axis=-1)
+    moment = np.linalg.norm(wrenches[..., 3:], axis=-1)
+    return force, moment
+
+
+def _tcp_path(tcp: FloatArray) -> dict[str, Any]:
+    """Ends, bounds and length of the TCP's path."""
+    return {
+        "first_m": tcp[0],
+        "last_m": tcp[-1],
+        "lowest_m": tcp.min(axis=0),
+        "highest_m": tcp.max(axis=0),
+        "path_length_m": np.linalg.norm(np.diff(tcp, axis=0), axis=1).sum(),
+    }
+
+
+def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
+    """The figures of joint k."""
+    time = a.smooth.time
+    velocity = a.smooth.velocity[:, k]
+    torque = a.torque[:, k]
+    fastest = np.abs(velocity).max()
+    position = a.motion.position[:, k]
+    figures = {
+        "units": SLIDING if joint.name == "axis_a" else TURNING,
+        "position_range": [position.min(), position.max()],
+        "position_margin": _position_margin(position, joint),
+        "velocity_margin": joint.velocity - fastest,
+        "beyond_rated_velocity": np.count_nonzero(np.abs(velocity) > joint.velocity),
+        "velocity_peak": _peak(velocity, time),
+        "acceleration_peak": _peak(a.smooth.acceleration[:, k], time),
+        "torque_peak": _peak(torque, time),
+        "smoothing_deviation": a.smooth.deviation[k],
+        "torque_rms": _rms(torque, time),
+        # Against the effort that every public model copies; no rating is published.
+        "torque_margin": joint.effort - np.abs(torque).max(),
+        "causes_peak": _causes_peak(a, k),
+        "effort": _effort(a, k),
+        **_motor(a, k),
+        **_drive_margins(a, k),
+    }
+    if a.moving_water is not None:
+        water = a.moving_water.torque[:, :, k]
+        figures["moving_water_peak"] = _water_peak(water, time)
+    return figures
+
+
+def _position_margin(position: FloatArray, joint: JointRange) -> float:
+    """What is left to the ends of a joint's range; 0 at an end, as warnings have it."""
+    margin = min(position.min() - joint.lower, joint.upper - position.max())
+    slack = LIMIT_SLACK * (joint.upper - joint.lower)
+    return 0.0 if -slack <= margin < 0 else margin
+
+
+def _causes_peak(a: Analysis, k: int) -> dict[str, float | None]:
+    """The largest torque of each cause at joint k."""
+    causes = a.causes().items()
+    return {name: _finite(np.abs(torque[:, k]).max()) for name, torque in causes}
+
+
+def _motor(a: Analysis, k: int) -> dict[str, Any]:
+    """What the motor of joint k does."""
+    time = a.smooth.time
+    current = a.current[:, k]
+    lower = a.current_lower[:, k]
+    upper = a.current_upper[:, k]
+    power = a.electrical_power[:, k]
+    return {
+        "current_peak": _peak(current, time, lower, upper),
+        "current_rms": _rms(current, time),
+        "voltage_peak": _peak(a.voltage[:, k], time),
+        "power_peak": _peak(power, time),
+        "energy_drawn_j": _drawn(power, time),
+    }
+
+
+def _drive_margins(a: Analysis, k: int) -> dict[str, Any]:
+    """What is left of the drive's limits at joint k; None without limits or motor."""
+    known = k in _known_motors(a)
+    if not (a.torque_limits and a.current_limit and a.supply_voltage and known):
+        return {
+            "current_margin": None,
+            "voltage_margin": None,
+            "drive_torque_margin": None,
+            "beyond_drive_limits": None,
+        }
+
+    ends = [a.current_lower[:, k], a.current_upper[:, k]]
+    torque = a.torque[:, k]
+    to_upper = a.torque_limits.upper[:, k] - torque
+    to_lower = torque - a.torque_limits.lower[:, k]
+    reserve = np.minimum(to_upper, to_lower)
+    possible = reserve[np.isfinite(reserve)]
+    return {
+        "current_margin": a.current_limit - np.abs(ends).max(),
+        "voltage_margin": a.supply_voltage - np.abs(a.voltage[:, k]).max(),
+        "drive_torque_margin": possible.min() if possible.size else None,
+        "beyond_drive_limits": np.count_nonzero(~(reserve >= 0)),
+    }
+
+
+def _effort(a: Analysis, k: int) -> dict[str, Any] | None:
+    """The recorded effort of joint k against the torque computed.
+
+    Samples without an effort are left out; None if there is no effort at all.
+    """
+    if a.motion.effort is None:
+        return None
+    recorded = np.isfinite(a.motion.effort[:, k])
+    if not recorded.any():
+        return None
+
+    time = a.smooth.time[recorded]
+    effort = a.motion.effort[recorded, k]
+    torque = a.torque[recorded, k]
+    difference = effort - torque
+    varied = min(np.ptp(effort), np.ptp(torque)) > ROUNDING
+    return {
+        "samples": effort.size,
+        "peak": _peak(effort, time),
+        "rms": _plain_rms(effort),
+        "difference_mean": difference.mean(),
+        "difference_rms": _plain_rms(difference),
+        "difference_peak": _peak(difference, time),
+        "difference_rms_with_friction": _plain_rms(
+            difference - a.friction[recorded, k]
+        ),
+        "correlation": np.corrcoef(effort, torque)[0, 1] if varied else None,
+    }
+
+
+def _peak(
+    values: FloatArray, time: FloatArray, *ends: FloatArray
+) -> dict[str, Any] | None:
+    """The value of largest size, its time, and the interval between the ends there.
+
+    None if the value is not finite: its motor cannot be computed.
+    """
+    at = int(np.abs(values).argmax())
+    if not np.isfinite(values[at]):
+        return None
+    peak: dict[str, Any] = {"value": values[at], "time_s": time[at]}
+    if ends:
+        peak["interval"] = [end[at] for end in ends]
+    return peak
+
+
+def _water_peak(levels: FloatArray, time: FloatArray) -> dict[str, Any] | None:
+    """The largest nominal value, and its interval from all numbers low to all high.
+
+    Args:
+        levels: With all numbers low, nominal and high, (N, 3).
+        time: (N,) [s].
+    """
+    return _peak(levels[:, 1], time, levels.min(axis=1), levels.max(axis=1))
+
+
+def _integral(values: FloatArray, time: FloatArray) -> float:
+    """The integral over time, by the trapezoidal rule."""
+    return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(time)))
+
+
+def _drawn(power: FloatArray, time: FloatArray) -> float | None:
+    """The energy of the positive part of a power; None if that is not finite [J]."""
+    return _finite(_integral(np.maximum(power, 0.0), time))
+
+
+def _rms(values: FloatArray, time: FloatArray) -> float | None:
+    """The root mean square over time; None if it is not finite."""
+    return _finite(np.sqrt(_integral(values**2, time) / (time[-1] - time[0])))
+
+
+def _plain_rms(values: FloatArray) -> float | None:
+    """The root mean square over samples; None if it is not finite."""
+    return _finite(np.sqrt(np.mean(values**2)))
+
+
+def _finite(value: float) -> float | None:
+    """A number, or None if it is not finite."""
+    return value if np.isfinite(value) else None
