@@ -13,7 +13,7 @@ so one arm may be used from any number of threads. What a method returns belongs
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -35,7 +35,9 @@ from alpha5_model.dynamics.states import (
 )
 from alpha5_model.errors import InputError, UnknownNameError
 from alpha5_model.kinematics.pose import ApproachDirections, approach_directions
+from alpha5_model.numbers import parameters as records
 from alpha5_model.numbers.fluids import SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
@@ -91,6 +93,8 @@ class Arm:
             buoyancy.
         displacements: The displaced volumes.
         fluid_density: [kg/m^3].
+        parameters: The record that the arm was made from; the catalogue's for an arm that
+            you made of a model of your own.
         floating_base: Whether the first joint is Pinocchio's free-flyer.
     """
 
@@ -99,6 +103,8 @@ class Arm:
         model: Any,
         displacements: Iterable[Displacement],
         fluid_density: float = SEA_WATER,
+        *,
+        parameters: Alpha5Parameters | None = None,
     ) -> None:
         if not isinstance(model, pin.Model) or not any(
             i.mass for i in list(model.inertias)[1:]
@@ -109,6 +115,8 @@ class Arm:
             instance("displacements", b, Displacement) for b in bodies
         )
         self.fluid_density = real("fluid_density", fluid_density, minimum=0.0)
+        own = records.parameters() if parameters is None else parameters
+        self.parameters = instance("parameters", own, Alpha5Parameters)
         hydrostatics.check_inertias(model)
         self._model = model.copy()
         self._fluid = hydrostatics.displaced_fluid_model(
@@ -579,11 +587,10 @@ class Arm:
             ImplausibleWarning: A mass, distance, volume or density that is most likely meant in
                 another unit, such as 500 g or 20 mm.
         """
-        model, volumes, *rest = self._arguments
         model, displaced = hydrostatics.with_body(
-            model, frame, mass, com, inertia, volume, cob
+            self._arguments[0], frame, mass, com, inertia, volume, cob
         )
-        return type(self)(model, (*volumes, displaced), *rest)
+        return self._made_of(model, (*self.displacements, displaced))
 
     def with_hydrodynamics(
         self,
@@ -670,11 +677,20 @@ class Arm:
 
     @property
     def _arguments(self) -> tuple[Any, ...]:
-        """What makes the same arm."""
+        """What makes the same arm, beside its record: the model comes first."""
         return self._model, self.displacements, self.fluid_density
 
+    def _made_of(self, model: Any, displacements: Iterable[Displacement]) -> Self:
+        """An arm like this one with another model and its volumes."""
+        others = self._arguments[2:]
+        return type(self)(model, displacements, *others, parameters=self.parameters)
+
+    def _afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
+        """The same for a model on a free-flyer."""
+        return self._made_of(model, displacements)
+
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), self._arguments
+        return partial(type(self), parameters=self.parameters), self._arguments
 
     def __repr__(self) -> str:
         base = "floating" if self.floating_base else "fixed"

@@ -298,17 +298,17 @@ def afloat(still: Any) -> Any:
     """The arm on a floating base."""
     if still.floating_base:
         return still
-    model, volumes, *rest = still._arguments
     volumes = [
-        replace(v, joint="root_joint") if v.joint == "universe" else v for v in volumes
+        replace(v, joint="root_joint") if v.joint == "universe" else v
+        for v in still.displacements
     ]
-    return getattr(still, "_afloat", type(still))(on_free_flyer(model), volumes, *rest)
+    return still._afloat(on_free_flyer(still._arguments[0]), volumes)
 
 
 def carrying(still: Any, vehicle: Vehicle) -> Any:
     """The floating arm with the vehicle's body at its base, in a new frame ``vehicle``."""
     instance("vehicle", vehicle, Vehicle)
-    model, volumes, *rest = still._arguments
+    model = still._arguments[0]
     placement = pin.SE3(np.array(vehicle.transform_vehicle_to_base))
     model, base = model.copy(), model.getFrameId("base_link")
     at = model.frames[base].placement * placement
@@ -316,7 +316,7 @@ def carrying(still: Any, vehicle: Vehicle) -> Any:
     model.addFrame(pin.Frame("vehicle", joint, base, at, pin.FrameType.OP_FRAME))
     body = vehicle.mass, vehicle.com, vehicle.inertia, vehicle.volume, vehicle.cob
     model, displaced = with_body(model, "vehicle", *body, name="vehicle_body")
-    return type(still)(model, (*volumes, displaced), *rest)
+    return still._made_of(model, (*still.displacements, displaced))
 
 
 def trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:

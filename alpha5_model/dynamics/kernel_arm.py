@@ -28,6 +28,7 @@ from alpha5_model.dynamics.arm import Arm, Forces
 from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.states import Embedding, Partials, expanded, state_vectors
 from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Inputs -> methods of `Arm` that the kernels of the same names compute.
 _METHODS = {
@@ -59,11 +60,15 @@ class JawArm(Arm):
         displacements: Iterable[Displacement],
         fluid_density: float,
         mimics: Iterable[UrdfJoint],
+        *,
+        parameters: Alpha5Parameters | None = None,
     ) -> None:
         self._mimics = tuple(mimics)
         model = mimicking(tree, self._mimics)
-        super().__init__(model, displacements, fluid_density)
-        self._tree = Arm(tree, self.displacements, fluid_density)
+        super().__init__(model, displacements, fluid_density, parameters=parameters)
+        self._tree = Arm(
+            tree, self.displacements, fluid_density, parameters=self.parameters
+        )
         embedding = _expansion(model, tree, self._mimics)
         self._embedded = self._tree._model, self._tree._fluid, embedding
         self._g, self._expand = embedding[0], partial(expanded, embedding)
@@ -135,28 +140,34 @@ class KernelArm(Arm):
     The methods of an instance are its kernels. They leave to those of the class what is not plainly a state.
     """
 
-    #: What it is on a floating base.
-    _afloat = Arm
-
     def __init__(
-        self, model: Any, displacements: Iterable[Displacement], fluid_density: float
+        self,
+        model: Any,
+        displacements: Iterable[Displacement],
+        fluid_density: float,
+        *,
+        parameters: Alpha5Parameters | None = None,
     ) -> None:
-        super().__init__(model, displacements, fluid_density)
-        parameters, bind = self._kernel_parameters, kernels.module().bind
-        if parameters is None:
+        super().__init__(model, displacements, fluid_density, parameters=parameters)
+        numbers = self._kernel_parameters
+        bind = kernels.module().bind
+        if numbers is None:
             raise InputError(
                 "model", model, "the joints of a Reach Alpha 5 on a fixed base"
             )
         names = " ".join(_METHODS.values()).split()
-        self._kernels = {
-            name: bind(name, parameters) for name in [*names, "base_wrench"]
-        }
+        self._kernels = {name: bind(name, numbers) for name in [*names, "base_wrench"]}
         # Of another object: a circle through this one would keep its memory for long.
         plain = object.__new__(type(self))
         plain.__dict__ |= self.__dict__
         self.__dict__ |= {
-            name: bind(name, parameters, getattr(plain, name)) for name in names
+            name: bind(name, numbers, getattr(plain, name)) for name in names
         }
+
+    def _afloat(self, model: Any, displacements: Iterable[Displacement]) -> Arm:
+        # The kernels do not know a floating base.
+        density = self.fluid_density
+        return Arm(model, displacements, density, parameters=self.parameters)
 
     def base_wrench(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, fext: Forces = None

@@ -80,9 +80,11 @@ def load(
     )
     tree = parsed.copy()
     tree.gravity.linear = g
+    record = parameters(chosen)
     if mimics:
-        return JawArm(tree, displaced, density, mimics)
-    return (KernelArm if on_kernels else Arm)(tree, displaced, density)
+        return JawArm(tree, displaced, density, mimics, parameters=record)
+    kind = KernelArm if on_kernels else Arm
+    return kind(tree, displaced, density, parameters=record)
 
 
 def arm_of(
@@ -112,7 +114,8 @@ def arm_of(
         frame = model.frames[model.getFrameId(link.name)]
         body = pin.Inertia(link.mass, link.com, link.inertia)
         model.inertias[frame.parentJoint] = frame.placement.act(body)
-    return Arm(model, displacements(model, p, "locked"), fluid_density)
+    displaced = displacements(model, p, "locked")
+    return Arm(model, displaced, fluid_density, parameters=p)
 
 
 def robot_wrapper(

@@ -22,6 +22,7 @@ from alpha5_model._support.checks import LARGEST
 from alpha5_model.dynamics import load as dynamics
 from alpha5_model.dynamics.batch import torque_terms
 from alpha5_model.dynamics.collision import CollisionModel
+from alpha5_model.dynamics.load import arm_of
 from alpha5_model.errors import (
     InputError,
     MissingFileError,
@@ -418,6 +419,36 @@ def test_external_forces_are_checked():
             call(q, v, a, fext=[*zero[:-1], bad])
         with pytest.raises(InputError, match=r"fext\[4\].* overflow"):
             call(q, v, a, fext=[*zero[:-1], pin.Force(np.full(6, 1e60))])
+
+
+@pytest.mark.parametrize("options", [{}, {"gripper": "jaws"}, {"backend": "kernels"}])
+def test_an_arm_keeps_its_record(options: dict[str, str]) -> None:
+    corrections = ("base_frame", "link3_cob")
+    record = a5.parameters(corrections)
+    arm = a5.load(corrections=corrections, **options)
+    vehicle = a5.Vehicle(10.0, np.zeros(3), np.eye(3), 0.01, np.zeros(3))
+    wet = arm.with_hydrodynamics()
+    for made in (
+        arm,
+        arm.with_payload(0.1).with_payload(0.2),
+        copy.copy(arm),
+        wet,
+        wet.with_payload(0.1),
+        arm.on_vehicle(vehicle),
+        wet.on_vehicle(vehicle).on_vehicle(vehicle).with_payload(0.1),
+    ):
+        assert made.parameters is record
+    for again in (copy.deepcopy(arm), pickle.loads(pickle.dumps(arm))):
+        assert again.parameters.corrections == corrections
+        np.testing.assert_array_equal(
+            again.with_payload(0.1).parameters.links[3].cob, record.links[3].cob
+        )
+    made_by_hand = a5.Arm(a5.load().model, a5.load().displacements)
+    assert made_by_hand.parameters is a5.parameters()
+    sampled = a5.uncertainty.sample(1).parameters(0)
+    assert arm_of(sampled).parameters is sampled
+    with pytest.raises(InputError, match="parameters"):
+        a5.Arm(made_by_hand.model, (), parameters=corrections)
 
 
 def test_batch_arguments():
