@@ -27,7 +27,7 @@ import numpy as np
 from alpha5_model._support.checks import LARGEST, BoolArray, FloatArray
 from alpha5_model.codegen.kernels.choice import compute
 from alpha5_model.errors import KernelError, PublishedDataError
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 #: A joint angle this far beyond its limit [rad] is on it, and is returned as the limit itself.
 LIMIT_TOLERANCE = 1e-12
@@ -92,29 +92,47 @@ class ArmPlane(NamedTuple):
     longest: float
     shortest: float
 
+    @classmethod
+    def from_parameters(cls, parameters: Alpha5Parameters) -> ArmPlane:
+        """The plane of the arm that a record describes.
+
+        Raises:
+            PublishedDataError: Table 1 is not of the shape that this closed form solves.
+        """
+        base, upper, fore, wrist, tip = parameters.dh[:5]
+        alphas = [base.alpha, upper.alpha, fore.alpha]
+        zeros = [upper.d, fore.d, wrist.a, tip.d, tip.a]
+        upright = alphas == [math.pi / 2, math.pi, -math.pi / 2]
+        if not upright or any(zeros) or wrist.d >= 0.0:
+            raise PublishedDataError(
+                "Table 1", "not a vertical plane with two links in it"
+            )
+
+        l_1 = upper.a
+        l_2 = math.hypot(fore.a, wrist.d)
+        wrist_angle = math.atan2(-wrist.d, fore.a)
+
+        joints = parameters.joints[:4]
+        return cls(
+            a_0=base.a,
+            d_0=base.d,
+            l_1=l_1,
+            l_2=l_2,
+            azimuth_offset=base.theta_offset,
+            phi_offset=upper.theta_offset,
+            gamma_offset=fore.theta_offset + math.pi - wrist_angle,
+            lower=tuple(joint.lower for joint in joints),
+            upper=tuple(joint.upper for joint in joints),
+            middle=tuple((joint.lower + joint.upper) / 2 for joint in joints),
+            longest=l_1 + l_2,
+            shortest=abs(l_1 - l_2),
+        )
+
 
 @cache
 def arm_plane() -> ArmPlane:
-    """The Reach Alpha 5's plane.
-
-    Raises:
-        PublishedDataError: Table 1 is not of the shape that this closed form solves.
-    """
-    p = parameters()
-    base, upper, fore, wrist = p.dh[:4]
-    alphas = [row.alpha for row in p.dh[:3]]
-    zeros = upper.d, fore.d, wrist.a, p.dh[4].d, p.dh[4].a
-    if alphas != [math.pi / 2, math.pi, -math.pi / 2] or any(zeros) or wrist.d >= 0.0:
-        raise PublishedDataError("Table 1", "not a vertical plane with two links in it")
-    l_1, l_2 = upper.a, math.hypot(fore.a, wrist.d)
-    elbow = fore.theta_offset + math.pi - math.atan2(-wrist.d, fore.a)
-    lengths, offsets = (
-        (base.a, base.d, l_1, l_2),
-        (base.theta_offset, upper.theta_offset, elbow),
-    )
-    low, high = zip(*((j.lower, j.upper) for j in p.joints[:4]), strict=True)
-    middle = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
-    return ArmPlane(*lengths, *offsets, low, high, middle, l_1 + l_2, abs(l_1 - l_2))
+    """The plane of the Reach Alpha 5."""
+    return ArmPlane.from_parameters(parameters())
 
 
 def on_axis(position: FloatArray) -> BoolArray:
