@@ -21,7 +21,8 @@ from alpha5_model._support.checks import choice
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model._support.spatial import Placement, Triple
 from alpha5_model.errors import MissingFileError, PublishedDataError
-from alpha5_model.geometry.collision_shapes import Primitive, collision_primitives
+from alpha5_model.geometry.collision_shapes import collision_primitives
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
 from alpha5_model.numbers.parameters import (
     Alpha5Parameters,

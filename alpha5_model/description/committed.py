@@ -17,9 +17,10 @@ from alpha5_model.description.bodies import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
 from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
-from alpha5_model.geometry.formats import MTL_NAME, Node, glb, mtl, obj
-from alpha5_model.geometry.parts import bodies
-from alpha5_model.geometry.solid import Surface, surface
+from alpha5_model.geometry.drawing import bodies
+from alpha5_model.geometry.gltf import Node, glb
+from alpha5_model.geometry.triangles import Surface, surface
+from alpha5_model.geometry.wavefront import MTL_NAME, mtl, obj
 from alpha5_model.numbers.parameters import parameters
 
 GLB_NAME = "alpha5.glb"

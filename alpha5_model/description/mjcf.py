@@ -27,8 +27,8 @@ from alpha5_model.description.bodies import Body, Value, add
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.urdf import COLLISIONS
 from alpha5_model.errors import InputError
-from alpha5_model.geometry.collision_shapes import Primitive
-from alpha5_model.geometry.formats import MATERIALS, material_of
+from alpha5_model.geometry.materials import MATERIALS, material_of
+from alpha5_model.geometry.primitives import Primitive
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import DragStrip, hydrodynamics

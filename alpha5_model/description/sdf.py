@@ -28,7 +28,7 @@ from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.spatial import Placement, cross_matrix
 from alpha5_model.description import bodies as tree
 from alpha5_model.description.bodies import Body, add, text_of
-from alpha5_model.geometry.formats import material_of
+from alpha5_model.geometry.materials import material_of
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
 from alpha5_model.numbers.hydrodynamics import (

@@ -33,7 +33,7 @@ from alpha5_model.errors import (
     MissingFileError,
     ShapeError,
 )
-from alpha5_model.geometry.formats import MATERIALS
+from alpha5_model.geometry.materials import MATERIALS
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters

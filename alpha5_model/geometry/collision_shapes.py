@@ -1,222 +1,254 @@
-"""Collision bodies: the primitives that URDF knows, around the drawn bodies of each link."""
+"""Collision bodies: primitives around the drawn bodies of each link. Lengths in mm."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
-from alpha5_model._support.spatial import Triple, pose, rpy_from_rotation
-from alpha5_model.geometry import parts as meshing
-from alpha5_model.geometry.parts import (
-    BASE,
-    FINGER,
-    JAWS,
-    RADIUS,
-    SHELL,
-    UPPER_ARM,
-    WRIST,
-    ribbon,
-)
-from alpha5_model.geometry.solid import AXES
-from alpha5_model.numbers.jaws import GRIPPERS, split_link_4
+from alpha5_model._support.spatial import pose
+from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
+from alpha5_model.geometry.drawing import frames_in_links
+from alpha5_model.geometry.parts import ribbon
+from alpha5_model.geometry.primitives import Primitive, box, box_around, cylinder
+from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
 from alpha5_model.numbers.parameters import parameters
 
 #: Added to the boxes around curved outlines, which are known at stations only [mm].
 _MARGIN = 0.1
 
 
-@dataclass(frozen=True)
-class Primitive:
-    """One collision shape in its link's frame.
-
-    Attributes:
-        kind: ``box``, ``cylinder`` (along its own z) or ``sphere``.
-        size: Edges x, y, z; radius and length; or radius [m].
-        xyz: Its centre [m].
-        rpy: Fixed-axis roll, pitch, yaw [rad].
-    """
-
-    kind: str
-    size: tuple[float, ...]
-    xyz: tuple[float, ...]
-    rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
-
-
 @cache
 def collision_primitives(gripper: str = "jaws") -> dict[str, tuple[Primitive, ...]]:
-    """Primitives of each link.
+    """Primitives of each link of the published arm.
 
-    Together they enclose the drawn body and stay within 3 mm of it; bodies that turn against each
-    other at a joint overlap, so adjacent pairs are to be left out (`alpha5_model.description.srdf`).
+    Together they enclose the drawn body and stay within 3 mm of it. Bodies that turn
+    against each other at a joint overlap, so leave adjacent pairs out
+    (`alpha5_model.description.srdf`).
 
     Args:
-        gripper: ``jaws`` has ``finger_1`` and ``finger_2`` as links of their own, in ``locked`` they
-            belong to ``link_4``, closed.
+        gripper: ``jaws`` has ``finger_1`` and ``finger_2`` as links of their own, in
+            ``locked`` they belong to ``link_4``, closed.
 
     Raises:
         UnknownNameError: Another gripper.
     """
     moving = choice("gripper", gripper, GRIPPERS) == "jaws"
-    shell, blade, jaws = _shell(), _finger(), split_link_4(parameters(()))
-    end = JAWS.collar_base + WRIST.collar_height
-    wrist = [_cylinder(RADIUS, -end, -WRIST.tube_start, "z")]
-    shapes = {
-        "link_0": _base(),
-        "link_1": shell,
-        "link_2": _upper_arm(),
-        "link_3": shell,
+    shapes = _shapes(drawn_dimensions())
+    if not moving:
+        shapes = _with_closed_fingers(shapes, split_link_4(parameters(())))
+    return {
+        link: tuple(shape.as_written() for shape in items)
+        for link, items in shapes.items()
     }
-    shapes |= {"link_4": wrist, "finger_1": blade, "finger_2": blade}
-    for name, frame in meshing.frames_in_links().items():
-        shapes[name] = [_moved(shape, frame) for shape in shapes[name]]
-    for finger in () if moving else (jaws.finger_1, jaws.finger_2):
-        closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
-        wrist += [_moved(shape, closed) for shape in shapes.pop(finger.name)]
-    return {link: tuple(map(_as_written, items)) for link, items in shapes.items()}
 
 
-def _moved(shape: Primitive, frame: FloatArray) -> Primitive:
-    """The shape in another frame; ``frame``, (3, 4) or (4, 4), maps its coordinates to that one."""
-    placed = frame[:3] @ pose(shape.xyz, shape.rpy)
-    xyz = tuple(placed[:3, 3].tolist())
-    return Primitive(shape.kind, shape.size, xyz, rpy_from_rotation(placed[:3, :3]))
-
-
-def _as_written(shape: Primitive) -> Primitive:
-    """In metres, to a nanometre and 1e-12 rad: a URDF does not show the last bits of a sine."""
-    size, xyz = (
-        tuple(round(c * 1e-3, 9) + 0.0 for c in mm) for mm in (shape.size, shape.xyz)
-    )
-    return Primitive(
-        shape.kind, size, xyz, tuple(round(a, 12) + 0.0 for a in shape.rpy)
-    )
-
-
-def _cylinder(
-    r: float, low: float, high: float, axis: str, at: Triple = (0, 0, 0)
-) -> Primitive:
-    """A cylinder between two heights along x, y or z through a point."""
-    xyz = tuple(
-        a + (low + high) / 2 * (n == axis) for a, n in zip(at, "xyz", strict=True)
-    )
-    return Primitive(
-        "cylinder", (r, high - low), xyz, tuple(np.radians(AXES[axis]).tolist())
-    )
-
-
-def _box(low: Triple, high: Triple) -> Primitive:
-    """A box between two corners."""
-    ends = list(zip(low, high, strict=True))
-    return Primitive(
-        "box", tuple(b - a for a, b in ends), tuple((a + b) / 2 for a, b in ends)
-    )
-
-
-def _slabs(heights: Iterable[float]) -> Iterator[tuple[float, float, float]]:
-    """Low, high, and half of the largest width between them of a circle of `RADIUS`."""
-    for low, high in pairwise(heights):
-        yield low, high, math.sqrt(RADIUS**2 - max(low, -high, 0.0) ** 2)
-
-
-def _base() -> list[Primitive]:
-    d = BASE
-    run, rise, depth = d.foot_slope - d.foot_front, d.foot_edge - d.foot_face, 7.0
-    slope, angle = math.hypot(run, rise), math.atan2(rise, run)
-    x = d.foot_front + run / 2 - depth / 2 * math.sin(angle)
-    y = d.foot_face + rise / 2 + depth / 2 * math.cos(angle)
-    half = d.foot_half_width
-    return [
-        _cylinder(RADIUS, d.cap, d.tube_front, "x"),
-        _cylinder(d.plug_radius, d.rear, d.cap, "x"),
-        _cylinder(1.6 * d.plug_radius, d.cap - 5.0, d.cap, "x"),
-        _cylinder(RADIUS, d.hub_low, d.hub_high, "z"),
-        *(
-            _box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high)))
-            for y, z in d.neck
-        ),
-        _box((d.foot_rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
-        _box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
-        Primitive("box", (slope, depth, 2 * half), (x, y, 0.0), (0.0, 0.0, angle)),
-    ]
-
-
-def _shell() -> list[Primitive]:
-    d, y = SHELL, (0.0, 9.7, 13.3, 16.8, SHELL.floor)
-    # It closes round link 2's barrel where y is positive.
-    inner = [math.sqrt((RADIUS + 0.5) ** 2 - b**2) for b in y[1:3]]
-    slabs = []
-    for low, high, half in _slabs(sorted([*d.slabs, d.cheek_inner])):
-        near = (
-            inner[0]
-            if high <= 0
-            else d.axes_apart + (0.5 if low < d.cheek_inner else -half)
-        )
-        slabs.append(
-            _box((near, d.mitre - high, low), (d.axes_apart + half, d.floor, high))
-        )
-    beside, top = d.axes_apart + 1.0, d.cheek_inner
-    return [
-        _cylinder(RADIUS, d.cheek_inner, d.cheek_outer, "z"),
-        _cylinder(RADIUS, d.floor, d.collar_face, "y", (d.axes_apart, 0.0, 0.0)),
-        *slabs,
-        _box((inner[0], y[0], 0.0), (beside, y[1], top)),
-        _box((inner[1], y[1], d.mitre - y[2]), (beside, y[2], top)),
-        _box((d.inside, y[2], d.mitre - y[3]), (beside, y[4], top)),
-        _box((d.inside, y[3], -RADIUS), (beside, y[4], d.mitre - y[3])),
-    ]
-
-
-def _upper_arm() -> list[Primitive]:
-    d = UPPER_ARM
-    middle, start = d.drop / 2, d.mitre + d.slabs[-1]
-    near = [_cylinder(RADIUS, d.barrel_low, d.barrel_high, "z")]
-    for low, high, half in _slabs(d.slabs):
-        near.append(
-            _box(
-                (d.mitre + low, middle - half, low), (start + 1.0, middle + half, high)
-            )
-        )
-    near.append(
-        _box((14.0, 2.1, 3.0), (d.mitre + d.barrel_high, d.neck, d.barrel_high))
-    )
-    opposite = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
-    tube = _cylinder(RADIUS, start, d.reach - start, "x", (0.0, middle, 0.0))
-    return [tube, *near, *(_moved(shape, opposite) for shape in near)]
-
-
-def _finger() -> list[Primitive]:
-    thick, limits = JAWS.finger_width / 2, (JAWS.pivot_offset, JAWS.finger_length)
-    shapes = [_cylinder(FINGER.lug_radius, -thick, thick, "z")]
-    pieces = [
-        *((start, stop, 0.0) for start, stop in pairwise(FINGER.boxes)),
-        *FINGER.tip_boxes,
-    ]
-    for start, stop, side in pieces:
-        # Near the tip, the half below the middle stops short of the plane where the fingers meet.
-        outline, limit = ribbon(start, stop), np.add(limits, (side * FINGER.hook, 0.0))
-        outline = np.minimum(outline[outline[:, 0] < limit[0] + 2.0], limit)
-        half = float(np.interp(outline[:, 1], *np.array(FINGER.outline).T).max())
-        span = (-0.2 if side > 0 else -half, half if side >= 0 else 0.2)
-        last = len(outline) // 2
-        ends = outline[last - 1 : last + 1].mean(0) - outline[[0, -1]].mean(0)
-        tip = (start, stop, side) == tuple(FINGER.tip_boxes[-1])
-        shapes.append(_around(outline, span, np.array([0.0, 1.0]) if tip else ends))
+def _shapes(dimensions: Dimensions) -> dict[str, list[Primitive]]:
+    """Shapes of each link and finger, in its frame [mm]."""
+    shell = _shell(dimensions)
+    finger = _finger(dimensions)
+    shapes = {
+        "link_0": _base(dimensions),
+        "link_1": shell,
+        "link_2": _upper_arm(dimensions),
+        "link_3": shell,
+        "link_4": [_wrist(dimensions)],
+        "finger_1": finger,
+        "finger_2": finger,
+    }
+    for name, frame in frames_in_links(dimensions).items():
+        shapes[name] = [shape.moved(frame) for shape in shapes[name]]
     return shapes
 
 
-def _around(
-    outline: FloatArray, span: tuple[float, float], direction: FloatArray
+def _with_closed_fingers(
+    shapes: dict[str, list[Primitive]], jaws: Jaws
+) -> dict[str, list[Primitive]]:
+    """The shapes with those of the fingers in link 4."""
+    links = dict(shapes)
+    for finger in (jaws.finger_1, jaws.finger_2):
+        closed = pose(finger.origin * 1e3, (finger.roll, 0.0, 0.0))
+        moved = [shape.moved(closed) for shape in links.pop(finger.name)]
+        links["link_4"] = links["link_4"] + moved
+    return links
+
+
+def _slabs(
+    heights: Iterable[float], radius: float
+) -> Iterator[tuple[float, float, float]]:
+    """Low, high, and half of the largest width of a circle between them."""
+    for low, high in pairwise(heights):
+        nearest = max(low, -high, 0.0)
+        yield low, high, math.sqrt(radius**2 - nearest**2)
+
+
+def _base(dimensions: Dimensions) -> list[Primitive]:
+    d = dimensions.base
+    radius = dimensions.radius
+    neck = [
+        box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high))) for y, z in d.neck
+    ]
+    half = d.foot_half_width
+    return [
+        cylinder(radius, d.cap, d.tube_front, "x"),
+        cylinder(d.plug_radius, d.rear, d.cap, "x"),
+        cylinder(1.6 * d.plug_radius, d.cap - 5.0, d.cap, "x"),
+        cylinder(radius, d.hub_low, d.hub_high, "z"),
+        *neck,
+        box((d.foot_rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
+        box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
+        _slope_of_foot(dimensions),
+    ]
+
+
+def _slope_of_foot(dimensions: Dimensions) -> Primitive:
+    """A box under the foot's sloped face."""
+    d = dimensions.base
+    depth = 7.0
+    run = d.foot_slope - d.foot_front
+    rise = d.foot_edge - d.foot_face
+    angle = math.atan2(rise, run)
+    x = d.foot_front + run / 2 - depth / 2 * math.sin(angle)
+    y = d.foot_face + rise / 2 + depth / 2 * math.cos(angle)
+    return Primitive(
+        kind="box",
+        size=(math.hypot(run, rise), depth, 2 * d.foot_half_width),
+        xyz=(x, y, 0.0),
+        rpy=(0.0, 0.0, angle),
+    )
+
+
+def _shell(dimensions: Dimensions) -> list[Primitive]:
+    d = dimensions.shell
+    radius = dimensions.radius
+    collar_axis = (d.axes_apart, 0.0, 0.0)
+    return [
+        cylinder(radius, d.cheek_inner, d.cheek_outer, "z"),
+        cylinder(radius, d.floor, d.collar_face, "y", collar_axis),
+        *_half_shell(dimensions),
+        *_sides_of_shell(dimensions),
+    ]
+
+
+#: y of the boxes beside link 2's barrel, up to the shell's floor.
+_BESIDE_BARREL = (0.0, 9.7, 13.3, 16.8)
+
+
+def _inner_x(dimensions: Dimensions, y: float) -> float:
+    """x from which the shell closes round link 2's barrel at a y."""
+    return math.sqrt((dimensions.radius + 0.5) ** 2 - y**2)
+
+
+def _half_shell(dimensions: Dimensions) -> list[Primitive]:
+    """Boxes around the half-shell, slab by slab up to its cut at 45 deg."""
+    d = dimensions.shell
+    inner = _inner_x(dimensions, _BESIDE_BARREL[1])
+    boxes = []
+    heights = sorted([*d.slabs, d.cheek_inner])
+    for low, high, half in _slabs(heights, dimensions.radius):
+        if high <= 0:
+            near = inner
+        elif low < d.cheek_inner:
+            near = d.axes_apart + 0.5
+        else:
+            near = d.axes_apart - half
+        far = d.axes_apart + half
+        boxes.append(box((near, d.mitre - high, low), (far, d.floor, high)))
+    return boxes
+
+
+def _sides_of_shell(dimensions: Dimensions) -> list[Primitive]:
+    """Boxes where the shell closes round link 2's barrel: at positive y."""
+    d = dimensions.shell
+    y_0, y_1, y_2, y_3 = _BESIDE_BARREL
+    near_1 = _inner_x(dimensions, y_1)
+    near_2 = _inner_x(dimensions, y_2)
+    beside = d.axes_apart + 1.0
+    top = d.cheek_inner
+    return [
+        box((near_1, y_0, 0.0), (beside, y_1, top)),
+        box((near_2, y_1, d.mitre - y_2), (beside, y_2, top)),
+        box((d.inside, y_2, d.mitre - y_3), (beside, d.floor, top)),
+        box((d.inside, y_3, -dimensions.radius), (beside, d.floor, d.mitre - y_3)),
+    ]
+
+
+def _upper_arm(dimensions: Dimensions) -> list[Primitive]:
+    d = dimensions.upper_arm
+    radius = dimensions.radius
+    middle = d.drop / 2
+    start = d.mitre + d.slabs[-1]
+    tube = cylinder(radius, start, d.reach - start, "x", (0.0, middle, 0.0))
+
+    near = [cylinder(radius, d.barrel_low, d.barrel_high, "z")]
+    for low, high, half in _slabs(d.slabs, radius):
+        corner = (d.mitre + low, middle - half, low)
+        near.append(box(corner, (start + 1.0, middle + half, high)))
+    neck_end = (d.mitre + d.barrel_high, d.neck, d.barrel_high)
+    near.append(box((14.0, 2.1, 3.0), neck_end))
+
+    to_other_end = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
+    return [tube, *near, *(shape.moved(to_other_end) for shape in near)]
+
+
+def _wrist(dimensions: Dimensions) -> Primitive:
+    d = dimensions.wrist
+    end = dimensions.jaws.collar_base + d.collar_height
+    return cylinder(dimensions.radius, -end, -d.tube_start, "z")
+
+
+def _finger(dimensions: Dimensions) -> list[Primitive]:
+    d = dimensions.finger
+    half_thickness = dimensions.jaws.finger_width / 2
+    shapes = [cylinder(d.lug_radius, -half_thickness, half_thickness, "z")]
+    for start, stop in pairwise(d.boxes):
+        shapes.append(_box_of_blade(dimensions, start, stop, side=0.0))
+    *tip_boxes, last_of_tip = d.tip_boxes
+    for start, stop, side in tip_boxes:
+        shapes.append(_box_of_blade(dimensions, start, stop, side))
+    start, stop, side = last_of_tip
+    along_y = np.array([0.0, 1.0])
+    shapes.append(_box_of_blade(dimensions, start, stop, side, along_y))
+    return shapes
+
+
+def _box_of_blade(
+    dimensions: Dimensions,
+    start: float,
+    stop: float,
+    side: float,
+    direction: FloatArray | None = None,
 ) -> Primitive:
-    """Box around an outline in the x-y plane, its long side in a given direction."""
-    along = direction / np.linalg.norm(direction)
-    axes = np.array([along, [-along[1], along[0]]])
-    low, high = (outline @ axes.T).min(0) - _MARGIN, (outline @ axes.T).max(0) + _MARGIN
-    size = (*(high - low).tolist(), span[1] - span[0])
-    xyz = (*((low + high) / 2 @ axes).tolist(), (span[0] + span[1]) / 2)
-    return Primitive("box", size, xyz, (0.0, 0.0, math.atan2(along[1], along[0])))
+    """A box around a piece of a finger's blade.
+
+    Args:
+        dimensions: Of the parts.
+        start, stop: Shares of the centre line.
+        side: Of the plane in which the jaws move: 1 above, -1 below, 0 both.
+        direction: Of the box's long side, (2,); along the piece if None.
+    """
+    d = dimensions.finger
+    jaws = dimensions.jaws
+    # Near the tip, the half below the middle ends before the plane where fingers meet.
+    limit = np.array([jaws.pivot_offset + side * d.hook, jaws.finger_length + 0.0])
+    outline = ribbon(d, start, stop)
+    outline = np.minimum(outline[outline[:, 0] < limit[0] + 2.0], limit)
+
+    half = _half_width(dimensions, outline)
+    bottom = -0.2 if side > 0 else -half
+    top = half if side >= 0 else 0.2
+    if direction is None:
+        last = len(outline) // 2
+        end = outline[last - 1 : last + 1].mean(0)
+        direction = end - outline[[0, -1]].mean(0)
+    return box_around(outline, (bottom, top), direction, _MARGIN)
+
+
+def _half_width(dimensions: Dimensions, outline: FloatArray) -> float:
+    """Largest half width of the plate over an outline of the blade."""
+    y, half_width = np.array(dimensions.finger.outline).T
+    return float(np.interp(outline[:, 1], y, half_width).max())

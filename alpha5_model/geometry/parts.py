@@ -1,22 +1,21 @@
-"""The seven bodies of the arm, each with the volume that Table 3 prints, and their parts. Lengths in mm."""
+"""The drawn parts of the arm. Lengths in mm.
+
+Each part has one free dimension, which is solved for so that the part has the volume that
+Table 3 prints (`alpha5_model.geometry.drawing`).
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import pose, transform
-from alpha5_model.errors import InputError
+from alpha5_model.geometry.dimensions import Dimensions
 from alpha5_model.geometry.solid import (
     Solid,
     box,
@@ -27,94 +26,80 @@ from alpha5_model.geometry.solid import (
     prism,
     union,
 )
-from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.numbers.parameters import parameters
-from alpha5_model.numbers.printed import published
 
-#: The outside of a part, and from its one free dimension to the part.
-Part = tuple[Solid, Callable[[float], Solid]]
 #: Points on either side of a finger's blade.
 STATIONS = 33
-#: Where a `Dimension` is from; see ``dimensions.toml``.
-SOURCES = ("measured", "printed", "chosen")
 
 
-class Dimension(float):
-    """A length in mm with the kind of its source: one of `SOURCES`, or a jaw's status."""
+class Part(NamedTuple):
+    """A part with one free dimension.
 
-    source: str
+    Attributes:
+        outside: The part before its last recess is cut.
+        cut: From the free dimension to the part.
+    """
 
-    def __new__(cls, value: float, source: str) -> Dimension:
-        number = super().__new__(cls, value)
-        number.source = source
-        return number
-
-
-def _dimensions() -> dict[str, SimpleNamespace]:
-    """Part -> its dimensions, by the names of ``dimensions.toml``; the jaws' have their status as source."""
-    table = tomllib.loads(
-        Path(__file__).with_name("dimensions.toml").read_text(encoding="utf-8")
-    )
-    document: Any = published()
-    row, elbow = document.table_1.rows[0], document.elbow
-    table["shell"]["printed"] = {"axes_apart": row.a.value, "shoulder": row.d.value}
-    table["upper_arm"]["printed"] = {
-        "reach": elbow.adjacent.value,
-        "drop": elbow.opposite.value,
-    }
-    table["jaws"] = {}
-    for name, jaw in document.supplementary.jaws.items():
-        table["jaws"].setdefault(jaw.status, {})[name] = jaw.quantity.value
-    parts = {}
-    for part, kinds in table.items():
-        named = [
-            (name, value, kind) for kind in kinds for name, value in kinds[kind].items()
-        ]
-        parts[part] = SimpleNamespace(
-            **{
-                n: tuple(v) if isinstance(v, list) else Dimension(v, kind)
-                for n, v, kind in named
-            }
-        )
-    return parts
-
-
-_PARTS = _dimensions()
-RADIUS: Dimension = _PARTS["turned"].radius
-BASE, SHELL, UPPER_ARM = (_PARTS[name] for name in ("base", "shell", "upper_arm"))
-WRIST, FINGER, JAWS = (_PARTS[name] for name in ("wrist", "finger", "jaws"))
-
-
-def frames_in_links() -> dict[str, FloatArray]:
-    """Pose in its link of each part that is drawn in a frame of its own, (3, 4) [mm]."""
-    across = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]]
-    slant = -math.atan2(UPPER_ARM.drop, UPPER_ARM.reach)
-    return {
-        "link_1": transform(across, (SHELL.axes_apart, 0.0, SHELL.shoulder))[:3],
-        "link_2": pose((0.0, 0.0, 0.0), (0.0, 0.0, slant))[:3],
-        "link_3": np.diag([1.0, -1.0, -1.0, 1.0])[:3],
-        "finger_2": np.diag([-1.0, -1.0, 1.0, 1.0])[
-            :3
-        ],  # the same part, turned about its hinge
-    }
+    outside: Solid
+    cut: Callable[[float], Solid]
 
 
 # --- link 0: the base tube along -x, the hub on the yaw axis, the sloped mounting foot
 
 
-def base() -> Part:
+def base(dimensions: Dimensions) -> Part:
     """The base in link_0; free: the depth of the bore under link 1."""
-    d = BASE
+    d = dimensions.base
+    bolt = cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12)
+    bolts = circle_of(bolt, 6, 10.5, 30.0)
+    solids = [
+        _hub(dimensions),
+        _base_tube(dimensions),
+        _base_neck(dimensions),
+        *_cable_plug(d),
+        _foot(d),
+    ]
+    outside = union(solids) - bolts
+
+    def bored(depth: float) -> Solid:
+        bore = cylinder(d.shaft_radius, d.hub_high - depth, d.hub_high + 1)
+        return outside - bore.translate([0, d.shaft_offset, 0])
+
+    return Part(outside=outside, cut=bored)
+
+
+def _hub(dimensions: Dimensions) -> Solid:
+    d = dimensions.base
     ring = (d.hub_high - 4, 1.6, 0.8)
-    hub = cylinder(
-        RADIUS, d.hub_low, d.hub_high, edges=(d.hub_edge, 0.6), grooves=[ring]
+    return cylinder(
+        dimensions.radius,
+        d.hub_low,
+        d.hub_high,
+        edges=(d.hub_edge, 0.6),
+        grooves=[ring],
     )
-    rings = [(d.tube_front - x, 1.6, 0.8) for x in (6.0, 16.0)]
-    tube = cylinder(
-        RADIUS, d.cap, d.tube_front, axis="x", edges=(d.cap_edge, 0.8), grooves=rings
+
+
+def _base_tube(dimensions: Dimensions) -> Solid:
+    d = dimensions.base
+    return cylinder(
+        dimensions.radius,
+        d.cap,
+        d.tube_front,
+        axis="x",
+        edges=(d.cap_edge, 0.8),
+        grooves=[(d.tube_front - x, 1.6, 0.8) for x in (6.0, 16.0)],
     )
-    neck = cylinder(RADIUS - 0.2, d.tube_front - 2, 0.0, axis="x")
-    neck -= box((d.tube_front, -40, d.hub_high), (1, 40, 40))
+
+
+def _base_neck(dimensions: Dimensions) -> Solid:
+    """Between tube and hub, below link 1's collar."""
+    d = dimensions.base
+    neck = cylinder(dimensions.radius - 0.2, d.tube_front - 2, 0.0, axis="x")
+    return neck - box((d.tube_front, -40, d.hub_high), (1, 40, 40))
+
+
+def _cable_plug(d: SimpleNamespace) -> tuple[Solid, Solid]:
+    """The nut and the threaded plug in the middle of the cap."""
     nut = cylinder(
         1.6 * d.plug_radius, d.cap - 5, d.cap + 2, axis="x", edges=(0.8, 0), segments=6
     )
@@ -122,169 +107,192 @@ def base() -> Part:
     plug = cylinder(
         d.plug_radius, d.rear, d.cap, axis="x", edges=(1.2, 0), grooves=thread
     )
-    bolts = circle_of(
-        cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12), 6, 10.5, 30.0
-    )
-    # A saddle under the tube, flat on y = foot_face, sloped towards the hub, with bolt holes.
-    low = [(d.foot_rear, d.foot_face), (d.foot_front, d.foot_face)]
-    high = [(d.foot_slope, d.foot_edge), (d.foot_slope, -8.0), (d.foot_rear, -8.0)]
-    foot = prism(low + high, -d.foot_half_width, d.foot_half_width, edge=1.2)
+    return nut, plug
+
+
+def _foot(d: SimpleNamespace) -> Solid:
+    """A saddle under the tube, flat at y = foot_face, sloped towards the hub, bored."""
+    outline = [
+        (d.foot_rear, d.foot_face),
+        (d.foot_front, d.foot_face),
+        (d.foot_slope, d.foot_edge),
+        (d.foot_slope, -8.0),
+        (d.foot_rear, -8.0),
+    ]
+    foot = prism(outline, -d.foot_half_width, d.foot_half_width, edge=1.2)
+
     hole = cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=16)
     places = itertools.product((d.foot_rear + 8.0, d.foot_front - 8.0), (-13.0, 13.0))
-    foot -= union(hole.translate([x, 0, z]) for x, z in places)
-    outside = union([hub, tube, neck, nut, plug, foot]) - bolts
-
-    def bored(depth: float) -> Solid:
-        bore = cylinder(d.shaft_radius, d.hub_high - depth, d.hub_high + 1)
-        return outside - bore.translate([0, d.shaft_offset, 0])
-
-    return outside, bored
+    return foot - union(hole.translate([x, 0, z]) for x, z in places)
 
 
 # --- links 1 and 3: collar, mitred half-shell and cheek, drawn once in the shell's own frame
 
 
-def shell() -> Part:
-    """The shell in its own frame; free: the half-shell's bore about the collar's axis, above its floor."""
-    d = SHELL
-    groove = (d.floor + 1.6, 1.6, 0.8)
-    collar = cylinder(
-        RADIUS, -RADIUS, d.collar_face, axis="y", edges=(0, 0.6), grooves=[groove]
-    )
-    collar = collar.trim_by_plane((0, 1, 1), d.mitre / math.sqrt(2))
-    notch = box((-2.0, -1.0, 0.0), (2.0, 1.0, 5.0)).translate([RADIUS + 1.2, 0, 0])
-    teeth = (
-        circle_of(notch, 24, 0.0)
-        .rotate([-90, 0, 0])
-        .translate([0, d.collar_face - 5.0, 0])
-    )
-    body = (collar - teeth).translate([d.axes_apart, 0, 0])
-    body -= cylinder(RADIUS + 0.6, -40, d.cheek_inner)
+def shell(dimensions: Dimensions) -> Part:
+    """The shell in its own frame; free: radius of the half-shell's bore above its floor.
+
+    The bore is parallel to the collar's axis.
+    """
+    d = dimensions.shell
+    radius = dimensions.radius
+    body = _collar(dimensions).translate([d.axes_apart, 0, 0])
+    body -= cylinder(radius + 0.6, -40, d.cheek_inner)
     body -= box((-40, -40, -40), (d.inside, d.floor, d.cheek_inner))
     body -= box((-40, -40, -40), (d.axes_apart + 0.6, 0, d.cheek_inner))
-    cheek = cylinder(RADIUS, d.cheek_inner, d.cheek_outer, edges=(0, 1.2))
+
+    cheek = cylinder(radius, d.cheek_inner, d.cheek_outer, edges=(0, 1.2))
     bolts = circle_of(cylinder(1.4, d.cheek_outer - 1.6, 40, segments=12), 6, 14.0)
     ring = cylinder(9.5, d.cheek_outer - 0.8, 40) - cylinder(8.3, 0, 41)
     outside = union([body, cheek]) - bolts - ring
 
-    def bored(radius: float) -> Solid:
-        bore = cylinder(radius, -40, d.floor, axis="y")
+    def bored(bore_radius: float) -> Solid:
+        bore = cylinder(bore_radius, -40, d.floor, axis="y")
         bore ^= box((0, -60, -40), (40, 60, d.cheek_outer - 2.5 - d.bore_shift))
         return outside - bore.translate([d.axes_apart, 0, d.bore_shift])
 
-    return outside, bored
+    return Part(outside=outside, cut=bored)
+
+
+def _collar(dimensions: Dimensions) -> Solid:
+    """The toothed collar and its half-shell, about y, cut at 45 deg."""
+    d = dimensions.shell
+    radius = dimensions.radius
+    groove = (d.floor + 1.6, 1.6, 0.8)
+    collar = cylinder(
+        radius, -radius, d.collar_face, axis="y", edges=(0, 0.6), grooves=[groove]
+    )
+    collar = collar.trim_by_plane((0, 1, 1), d.mitre / math.sqrt(2))
+
+    notch = box((-2.0, -1.0, 0.0), (2.0, 1.0, 5.0)).translate([radius + 1.2, 0, 0])
+    teeth = circle_of(notch, 24, 0.0).rotate([-90, 0, 0])
+    return collar - teeth.translate([0, d.collar_face - 5.0, 0])
 
 
 # --- link 2: a motor tube between two transverse barrels, offset to either side
 
 
-def upper_arm() -> Part:
-    """The upper arm in its own frame; free: the shaft's hole in both barrels, under the cheeks."""
-    d = UPPER_ARM
-    rings = [(x, 1.6, 0.8) for x in (38.0, 48.0, d.reach - 48.0, d.reach - 38.0)]
-    tube = cylinder(RADIUS, -RADIUS, d.reach + RADIUS, axis="x", grooves=rings)
-    tube = tube.translate([0, d.drop / 2, 0]).trim_by_plane(
-        (1, 0, -1), d.mitre / math.sqrt(2)
-    )
-    tube = tube.trim_by_plane((-1, 0, -1), (d.mitre - d.reach) / math.sqrt(2))
-    barrel = cylinder(RADIUS, d.barrel_low, d.barrel_high, edges=(d.barrel_edge, 0.6))
-    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 11.5)
-    ring = cylinder(9.0, -40, d.barrel_low + 0.8) - cylinder(7.8, -41, 0)
-    # The tube's lower part goes on past its cut end until it meets the barrel.
-    stub = cylinder(RADIUS - 0.2, 2.0, 24.0, axis="x").translate([0, d.drop / 2, 0])
-    neck = stub ^ box((0, -1, -40), (60, d.neck, d.barrel_high))
-    half = union([barrel - bolts - ring, neck])
+def upper_arm(dimensions: Dimensions) -> Part:
+    """The upper arm in its own frame; free: radius of the shaft's hole in both barrels.
+
+    The cheeks of the neighbours cover the holes.
+    """
+    d = dimensions.upper_arm
+
+    def opposite(solid: Solid) -> Solid:
+        """Half a turn about z: what is at axis d's end comes to axis c's."""
+        return solid.rotate([0, 0, 180]).translate([d.reach, d.drop, 0])
+
+    half = union([_barrel(dimensions), _barrel_neck(dimensions)])
     relief = cylinder(d.cheek_relief, d.barrel_high, 40)
-    outside = union([tube, half, _opposite(half)]) - union([relief, _opposite(relief)])
+    outside = union([_motor_tube(dimensions), half, opposite(half)])
+    outside -= union([relief, opposite(relief)])
 
     def bored(radius: float) -> Solid:
         hole = cylinder(radius, d.barrel_low + 3, d.barrel_high + 1)
-        return outside - union([hole, _opposite(hole)])
+        return outside - union([hole, opposite(hole)])
 
-    return outside, bored
+    return Part(outside=outside, cut=bored)
 
 
-def _opposite(solid: Solid) -> Solid:
-    """Half a turn about z through the middle of the arm: axis d's end becomes axis c's."""
-    return solid.rotate([0, 0, 180]).translate([UPPER_ARM.reach, UPPER_ARM.drop, 0])
+def _motor_tube(dimensions: Dimensions) -> Solid:
+    """The tube half-way between both axes, its ends cut at 45 deg."""
+    d = dimensions.upper_arm
+    radius = dimensions.radius
+    rings = [(x, 1.6, 0.8) for x in (38.0, 48.0, d.reach - 48.0, d.reach - 38.0)]
+    tube = cylinder(radius, -radius, d.reach + radius, axis="x", grooves=rings)
+    tube = tube.translate([0, d.drop / 2, 0])
+    tube = tube.trim_by_plane((1, 0, -1), d.mitre / math.sqrt(2))
+    return tube.trim_by_plane((-1, 0, -1), (d.mitre - d.reach) / math.sqrt(2))
+
+
+def _barrel(dimensions: Dimensions) -> Solid:
+    d = dimensions.upper_arm
+    edges = (d.barrel_edge, 0.6)
+    barrel = cylinder(dimensions.radius, d.barrel_low, d.barrel_high, edges=edges)
+    bolts = circle_of(cylinder(1.4, -40, d.barrel_low + 1.6, segments=12), 6, 11.5)
+    ring = cylinder(9.0, -40, d.barrel_low + 0.8) - cylinder(7.8, -41, 0)
+    return barrel - bolts - ring
+
+
+def _barrel_neck(dimensions: Dimensions) -> Solid:
+    """The tube's lower part, which goes on past its cut end until it meets the barrel."""
+    d = dimensions.upper_arm
+    stub = cylinder(dimensions.radius - 0.2, 2.0, 24.0, axis="x")
+    stub = stub.translate([0, d.drop / 2, 0])
+    return stub ^ box((0, -1, -40), (60, d.neck, d.barrel_high))
 
 
 # --- link 4: the wrist tube with its rings, and the slotted jaw collar
 
 
-def wrist() -> Part:
-    """The wrist in link_4; free: the bearing seat in the end at the elbow, which link 3's collar covers."""
-    d = WRIST
-    collar, across = JAWS.collar_base, JAWS.pivot_offset
-    end, pivot = collar + d.collar_height, collar + JAWS.pivot_height
-    near, far = d.waist
-    waist = (-(near + far) / 2, far - near, d.waist_depth)
-    grooves = [*((-z, 1.6, 0.8) for z in d.rings), waist, (0.6 - collar, 1.2, 1.0)]
-    outside = cylinder(RADIUS, -end, -d.tube_start, edges=(2.5, 0.8), grooves=grooves)
-    slot = box(
-        (-40, -d.slot_half_width, -end - 1),
-        (40, d.slot_half_width, -end + d.slot_depth),
+def wrist(dimensions: Dimensions) -> Part:
+    """The wrist in link_4; free: depth of the bearing seat in the end at the elbow.
+
+    Link 3's collar covers the seat.
+    """
+    d = dimensions.wrist
+    end = dimensions.jaws.collar_base + d.collar_height
+    tube = cylinder(
+        dimensions.radius,
+        -end,
+        -d.tube_start,
+        edges=(2.5, 0.8),
+        grooves=_wrist_grooves(dimensions),
     )
-    rod = cylinder(
-        d.rod_radius, -end - 1, -end + d.slot_depth + d.rod_depth, segments=36
-    )
-    pin = cylinder(1.5, -40, 40, axis="y", segments=24)
-    pins = union(pin.translate([x, 0, -pivot]) for x in (-across, across))
-    slotted = outside - slot - rod - pins
+    slotted = tube - _jaw_slot(d, end) - _rod_bore(d, end) - _hinge_pins(dimensions)
 
     def bored(depth: float) -> Solid:
         return slotted - cylinder(d.bearing_radius, -d.tube_start - depth, 0)
 
-    return outside, bored
+    return Part(outside=tube, cut=bored)
+
+
+def _wrist_grooves(dimensions: Dimensions) -> list[tuple[float, float, float]]:
+    """The rings, the waist and the groove at the jaw collar's base."""
+    d = dimensions.wrist
+    near, far = d.waist
+    rings = [(-z, 1.6, 0.8) for z in d.rings]
+    waist = (-(near + far) / 2, far - near, d.waist_depth)
+    collar = (0.6 - dimensions.jaws.collar_base, 1.2, 1.0)
+    return [*rings, waist, collar]
+
+
+def _jaw_slot(d: SimpleNamespace, end: float) -> Solid:
+    """The slot across the collar in which the fingers turn."""
+    half_width = d.slot_half_width
+    return box((-40, -half_width, -end - 1), (40, half_width, -end + d.slot_depth))
+
+
+def _rod_bore(d: SimpleNamespace, end: float) -> Solid:
+    """The bore in the slot's floor, where the jaw rod comes out."""
+    floor = -end + d.slot_depth
+    return cylinder(d.rod_radius, -end - 1, floor + d.rod_depth, segments=36)
+
+
+def _hinge_pins(dimensions: Dimensions) -> Solid:
+    """The holes of the fingers' hinges."""
+    jaws = dimensions.jaws
+    height = jaws.collar_base + jaws.pivot_height
+    pin = cylinder(1.5, -40, 40, axis="y", segments=24)
+    places = (-jaws.pivot_offset, jaws.pivot_offset)
+    return union(pin.translate([x, 0, -height]) for x in places)
 
 
 # --- the two interlocking fingers: curved, perforated, bare metal
 
 
-def ribbon(start: float = 0.0, stop: float = 1.0, inset: float = 0.0) -> FloatArray:
-    """Outline of the blade between two parameters, counter-clockwise, (2 n, 2) [mm].
-
-    From start to stop on the inner side, back on the outer side; drawn in by ``inset``.
-    """
-    from scipy.interpolate import CubicSpline
-
-    x, y, half_widths = np.array(FINGER.centre_line).T
-    knots = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
-    knots /= knots[-1]
-    parameters = np.linspace(start, stop, STATIONS)
-    points = CubicSpline(knots, np.column_stack([x, y]))(parameters)
-    half = np.interp(parameters, knots, half_widths)
-    tangent = np.gradient(points, axis=0)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    right = np.column_stack([tangent[:, 1], -tangent[:, 0]]) * (half - inset)[:, None]
-    points[0] += inset * tangent[0]
-    points[-1] -= inset * tangent[-1]
-    return np.vstack([points + right, (points - right)[::-1]])
-
-
-def finger() -> Part:
+def finger(dimensions: Dimensions) -> Part:
     """The finger in finger_1; free: the radius of the largest holes."""
-    d, edge = FINGER, 0.6
-    h, middle = d.width / 2, JAWS.pivot_offset - d.gap
-    broken, full = ribbon(inset=edge), ribbon()
-    blade = loft([broken, full, full, broken], [-h, edge - h, h - edge, h])
-    half = np.array(d.outline)
-    section = kernel().CrossSection([np.vstack([half * [1, -1], half[::-1]])])
-    for rounding in (-d.corner, d.corner):
-        section = section.offset(
-            rounding, kernel().JoinType.Round, circular_segments=32
-        )
-    across = np.array(
-        [[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float
-    )  # along y, z and x
-    blade ^= section.extrude(200).transform(across)
-    thick = JAWS.finger_width / 2
-    lug = cylinder(d.lug_radius, -thick, thick, edges=(0.5, 0.5), segments=36)
-    beyond = box((middle - d.hook, -50, -50), (50, 150, d.gap))
-    beyond += box((middle + d.hook, -50, -50), (50, 150, 50))
-    tip = box((-50, JAWS.finger_length, -50), (50, 200, 50))
+    d = dimensions.finger
+    half_thickness = dimensions.jaws.finger_width / 2
+    blade = _blade(d) ^ _plate(d)
+    lug = cylinder(
+        d.lug_radius, -half_thickness, half_thickness, edges=(0.5, 0.5), segments=36
+    )
     pin = cylinder(d.pin_radius, -50, 50, segments=24)
-    outside = union([blade, lug]) - beyond - tip - pin
+    outside = union([blade, lug]) - _other_finger(dimensions) - _beyond_tip(dimensions)
+    outside -= pin
 
     def perforated(radius: float) -> Solid:
         return outside - union(
@@ -294,86 +302,70 @@ def finger() -> Part:
             for y, share in d.holes
         )
 
-    return outside, perforated
+    return Part(outside=outside, cut=perforated)
 
 
-#: Body, base to tip -> its part, and the range of the free dimension, which is solved for [mm].
-_DRAWN: dict[str, tuple[Callable[[], Part], float, float]] = {
-    "link_0": (base, 1.0, 30.0),
-    "link_1": (shell, 5.0, 18.0),
-    "link_2": (upper_arm, 0.5, 14.0),
-    "link_3": (shell, 5.0, 18.0),
-    "link_4": (wrist, 0.5, 60.0),
-    "finger_1": (finger, 2.0, 10.5),
-    "finger_2": (finger, 2.0, 10.5),
-}
+def _blade(d: SimpleNamespace) -> Solid:
+    """The curved plate in full width, its edges broken."""
+    edge = 0.6
+    half_width = d.width / 2
+    broken = ribbon(d, inset=edge)
+    full = ribbon(d)
+    heights = [-half_width, edge - half_width, half_width - edge, half_width]
+    return loft([broken, full, full, broken], heights)
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnBody:
-    """A drawn body, in its link's frame [mm].
+def _plate(d: SimpleNamespace) -> Solid:
+    """The outline of the blade seen along x, with round corners."""
+    k = kernel()
+    half = np.array(d.outline)
+    section = k.CrossSection([np.vstack([half * [1, -1], half[::-1]])])
+    for rounding in (-d.corner, d.corner):
+        section = section.offset(rounding, k.JoinType.Round, circular_segments=32)
 
-    Attributes:
-        solid: The solid, with the printed volume.
-        outside: The same before its recesses, slots and shaft holes are cut.
-    """
-
-    solid: Solid
-    outside: Solid
-
-
-@cache
-def bodies() -> dict[str, DrawnBody]:
-    """Draw all bodies, base to tip.
-
-    Raises:
-        MissingDependencyError: manifold3d is not installed.
-    """
-    arm, frames = parameters(()), frames_in_links()
-    jaws = split_link_4(arm)  # Table 3's link 4 has the fingers in it
-    volumes = {link.name: link.volume for link in (*arm.links[:4], *jaws.bodies)}
-    drawn = {}
-    for name, (part, low, high) in _DRAWN.items():
-        solids = _solved(part, volumes[name] * 1e9, low, high)
-        if name in frames:
-            solids = [one.transform(frames[name]) for one in solids]
-        drawn[name] = DrawnBody(*solids)
-    return drawn
+    # The section's axes come along y and z, its height along x.
+    across = np.array([[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float)
+    return section.extrude(200).transform(across)
 
 
-@cache
-def _solved(
-    part: Callable[[], Part], volume: float, low: float, high: float
-) -> list[Solid]:
-    """The part with a volume [mm^3], and its outside; drawn once for links of one part."""
-    outside, cut = part()
-    return [solve_volume(cut, volume, low, high)[0], outside]
+def _other_finger(dimensions: Dimensions) -> Solid:
+    """The room of the other finger, beyond a stepped middle plane."""
+    d = dimensions.finger
+    middle = dimensions.jaws.pivot_offset - d.gap
+    lower = box((middle - d.hook, -50, -50), (50, 150, d.gap))
+    return lower + box((middle + d.hook, -50, -50), (50, 150, 50))
 
 
-def solve_volume(
-    build: Callable[[float], Solid], volume: float, low: float, high: float
-) -> tuple[Solid, float]:
-    """The part of a family whose volume is the wanted one.
+def _beyond_tip(dimensions: Dimensions) -> Solid:
+    return box((-50, dimensions.jaws.finger_length, -50), (50, 200, 50))
+
+
+def ribbon(
+    d: SimpleNamespace, start: float = 0.0, stop: float = 1.0, inset: float = 0.0
+) -> FloatArray:
+    """Outline of the blade between two parameters, counter-clockwise, (2 n, 2) [mm].
+
+    It goes from start to stop on the inner side and back on the outer side.
 
     Args:
-        build: From the free dimension [mm] to the solid; its volume changes monotonically.
-        volume: Wanted [mm^3].
-        low, high: Range of the free dimension [mm].
-
-    Returns:
-        The solid, and the dimension found, to 1e-7 mm.
-
-    Raises:
-        InputError: No dimension in the range gives this volume.
+        d: Dimensions of the finger.
+        start, stop: Shares of the centre line.
+        inset: By how much the outline is drawn in.
     """
-    from scipy.optimize import brentq
+    from scipy.interpolate import CubicSpline
 
-    def excess(dimension: float) -> float:
-        return float(build(dimension).volume()) - volume
+    x, y, half_thickness = np.array(d.centre_line).T
+    knots = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
+    knots /= knots[-1]
 
-    ends = excess(low), excess(high)
-    if ends[0] * ends[1] > 0:
-        reach = " to ".join(f"{(volume + e) * 1e-6:.4f}" for e in sorted(ends))
-        raise InputError("volume", volume * 1e-6, f"a volume of {reach} L")
-    found = float(brentq(excess, low, high, xtol=1e-7, rtol=1e-12))
-    return build(found), found
+    shares = np.linspace(start, stop, STATIONS)
+    points = CubicSpline(knots, np.column_stack([x, y]))(shares)
+    half = np.interp(shares, knots, half_thickness)
+    tangent = np.gradient(points, axis=0)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+
+    right = normal * (half - inset)[:, None]
+    points[0] += inset * tangent[0]
+    points[-1] -= inset * tangent[-1]
+    return np.vstack([points + right, (points - right)[::-1]])

@@ -25,7 +25,8 @@ import numpy as np
 from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
 from alpha5_model.description.bodies import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.geometry.parts import bodies, frames_in_links
+from alpha5_model.geometry.dimensions import drawn_dimensions
+from alpha5_model.geometry.drawing import bodies, frames_in_links
 from alpha5_model.geometry.solid import cylinder, kernel, union
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -215,8 +216,9 @@ def joined(vertices: list[Array], faces: list[Array]) -> tuple[Array, Array]:
 def of_twin(name: str, twin: str, matrix: Array) -> Array:
     """Added mass of a part that is another link's, too, from there."""
     frames = {link: np.eye(4) for link in (name, twin)}
-    for link in {*frames} & {*frames_in_links()}:
-        frames[link][:3] = frames_in_links()[link]
+    drawn_frames = frames_in_links(drawn_dimensions())
+    for link in {*frames} & {*drawn_frames}:
+        frames[link][:3] = drawn_frames[link]
         frames[link][:3, 3] *= 1e-3
     x = twist_map(frames[name] @ np.linalg.inv(frames[twin]))
     return np.asarray(x.T @ matrix @ x)

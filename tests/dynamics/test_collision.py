@@ -138,8 +138,8 @@ def test_primitives_stay_within_three_millimetres_of_the_outside(name):
     pytest.importorskip("manifold3d")
     import trimesh
 
-    from alpha5_model.geometry.parts import bodies
-    from alpha5_model.geometry.solid import surface
+    from alpha5_model.geometry.drawing import bodies
+    from alpha5_model.geometry.triangles import surface
 
     outside = surface(bodies()[name].outside)
     mesh = trimesh.Trimesh(outside.vertices, outside.faces, process=False)

@@ -215,16 +215,17 @@ def test_outside_stays_within_two_millimetres_of_the_measured_bounds(meshes, nam
 
 def test_measured_dimensions_agree_with_the_recorded_bounds():
     from alpha5_model import parameters
-    from alpha5_model.geometry.parts import BASE, RADIUS, SHELL, SOURCES, WRIST
+    from alpha5_model.geometry.dimensions import SOURCES, drawn_dimensions
 
+    d = drawn_dimensions()
     bounds = [link.bounds * 1e3 for link in parameters().links]
-    assert pytest.approx(bounds[0][0, 0]) == BASE.rear
-    assert pytest.approx(bounds[0][1, 0]) == BASE.foot_face
-    assert pytest.approx(bounds[0][2, 0]) == BASE.hub_low
-    assert pytest.approx(-bounds[3][1, 0], abs=2.0) == SHELL.collar_face
-    assert pytest.approx(-bounds[4][2, 1]) == WRIST.tube_start
-    assert pytest.approx(bounds[1][1, 1]) == RADIUS
-    for record in (BASE, SHELL, WRIST):
+    assert pytest.approx(bounds[0][0, 0]) == d.base.rear
+    assert pytest.approx(bounds[0][1, 0]) == d.base.foot_face
+    assert pytest.approx(bounds[0][2, 0]) == d.base.hub_low
+    assert pytest.approx(-bounds[3][1, 0], abs=2.0) == d.shell.collar_face
+    assert pytest.approx(-bounds[4][2, 1]) == d.wrist.tube_start
+    assert pytest.approx(bounds[1][1, 1]) == d.radius
+    for record in (d.base, d.shell, d.wrist):
         for value in vars(record).values():
             assert isinstance(value, tuple) or value.source in SOURCES
 
@@ -419,8 +420,8 @@ def test_glb_shows_the_home_pose_with_y_up(meshes):
 @pytest.mark.parametrize(("count", "kind"), [(65534, 5123), (65535, 5125)])
 def test_many_vertices_take_long_indices(count, kind):
     """glTF 2.0, 3.7.2.1: the largest number of a component type is no index."""
-    from alpha5_model.geometry.formats import Node, glb
-    from alpha5_model.geometry.solid import Surface
+    from alpha5_model.geometry.gltf import Node, glb
+    from alpha5_model.geometry.triangles import Surface
 
     vertices = np.random.default_rng(1).normal(size=(count, 3))
     faces = np.resize(np.arange(count), (count // 3 + 1, 3))
@@ -537,7 +538,7 @@ def test_without_manifold3d_drawing_ends_with_a_clear_line(monkeypatch):
 
 def test_a_volume_out_of_reach_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.geometry.parts import solve_volume
+    from alpha5_model.geometry.drawing import solve_volume
     from alpha5_model.geometry.solid import cylinder
 
     found, height = solve_volume(lambda h: cylinder(10.0, 0.0, h), 5000.0, 1.0, 100.0)
@@ -552,7 +553,7 @@ def test_a_volume_out_of_reach_is_refused():
 
 def test_a_surface_that_rounding_would_fold_is_refused():
     pytest.importorskip("manifold3d")
-    from alpha5_model.geometry.solid import check_closed
+    from alpha5_model.geometry.triangles import check_closed
 
     closed = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     check_closed(closed)

@@ -1,0 +1,101 @@
+"""The lengths that the bodies are drawn from, each with the kind of its source [mm]."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from alpha5_model.numbers.printed import published
+from alpha5_model.numbers.tables import Published
+
+#: Kinds of sources; see ``dimensions.toml``.
+SOURCES = ("measured", "printed", "chosen")
+#: Kind of its source -> name -> length, or list of lengths.
+_Table = dict[str, dict[str, Any]]
+
+
+class Dimension(float):
+    """A length in mm with the kind of its source: one of `SOURCES`, or a jaw's status."""
+
+    source: str
+
+    def __new__(cls, value: float, source: str) -> Dimension:
+        number = super().__new__(cls, value)
+        number.source = source
+        return number
+
+
+@dataclass(frozen=True, eq=False)
+class Dimensions:
+    """Lengths of the drawn parts [mm], by the names of ``dimensions.toml``.
+
+    Each is a `Dimension`, or a tuple of numbers.
+
+    Attributes:
+        radius: Of every turned part.
+        base: Of link 0.
+        shell: Of links 1 and 3.
+        upper_arm: Of link 2.
+        wrist: Of link 4.
+        finger: Of both fingers.
+        jaws: Supplementary lengths of the jaws.
+    """
+
+    radius: Dimension
+    base: SimpleNamespace
+    shell: SimpleNamespace
+    upper_arm: SimpleNamespace
+    wrist: SimpleNamespace
+    finger: SimpleNamespace
+    jaws: SimpleNamespace
+
+
+def drawn_dimensions() -> Dimensions:
+    """The dimensions of the published arm."""
+    return dimensions_of(published())
+
+
+def dimensions_of(printed: Published) -> Dimensions:
+    """The dimensions in ``dimensions.toml``, and those that the document prints."""
+    path = Path(__file__).with_name("dimensions.toml")
+    table: dict[str, _Table] = tomllib.loads(path.read_text(encoding="utf-8"))
+    first_row: Any = printed.table_1.rows[0]
+    table["shell"]["printed"] = {
+        "axes_apart": first_row.a.value,
+        "shoulder": first_row.d.value,
+    }
+    table["upper_arm"]["printed"] = {
+        "reach": printed.elbow.adjacent.value,
+        "drop": printed.elbow.opposite.value,
+    }
+    return Dimensions(
+        radius=_by_name(table["turned"]).radius,
+        base=_by_name(table["base"]),
+        shell=_by_name(table["shell"]),
+        upper_arm=_by_name(table["upper_arm"]),
+        wrist=_by_name(table["wrist"]),
+        finger=_by_name(table["finger"]),
+        jaws=_by_name(_jaws(printed.supplementary.jaws)),
+    )
+
+
+def _jaws(jaws: Mapping[str, Any]) -> _Table:
+    """The jaws' numbers, which have a status in place of a source."""
+    table: _Table = {}
+    for name, jaw in jaws.items():
+        table.setdefault(jaw.status, {})[name] = jaw.quantity.value
+    return table
+
+
+def _by_name(table: _Table) -> SimpleNamespace:
+    """The dimensions of one part as attributes."""
+    part = SimpleNamespace()
+    for source, lengths in table.items():
+        for name, value in lengths.items():
+            is_list = isinstance(value, list)
+            setattr(part, name, tuple(value) if is_list else Dimension(value, source))
+    return part
