@@ -35,7 +35,7 @@ from test_statements_proof import (
 import alpha5_model as a5
 from alpha5_model.description import mjcf
 from alpha5_model.geometry import solid
-from alpha5_model.studies.sweep import rows
+from alpha5_model.studies.sweep.reductions import QUANTILE_EDGES
 
 PROJECT = tomllib.loads(text_of("pyproject.toml"))["project"]
 START = "docs/start.md"
@@ -147,7 +147,7 @@ def test_every_extra_has_its_line() -> None:
     "with the two ends of the bin that the quantile lies in, at most {} % apart",
 )
 def bins_of_quantiles() -> Sequence[Figure]:
-    edges = rows._EDGES
+    edges = QUANTILE_EDGES
     return [Near(100 * float((edges[1:] / edges[:-1] - 1).max()))]
 
 

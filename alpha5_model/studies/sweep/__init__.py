@@ -1,14 +1,9 @@
-"""Many states, cases or recordings, here or on a Dask cluster; what is finished is kept, chunk by chunk.
+"""Many states, cases or recordings, here or on a Dask cluster.
 
-Workers compute, and the process that asked writes: a worker that dies, or a chunk done twice, leaves nothing behind.
+What is finished is kept, chunk by chunk. Workers compute, and the process that asked
+writes: a worker that dies, or a chunk done twice, leaves nothing behind.
 """
 
-from alpha5_model.studies.sweep.run import (
-    Sweep,
-    sweep,
-)
+from alpha5_model.studies.sweep.run import Sweep, sweep
 
-__all__ = [
-    "Sweep",
-    "sweep",
-]
+__all__ = ["Sweep", "sweep"]

@@ -1,7 +1,4 @@
-"""A study, read from TOML: what is varied and what is kept; every mistake is named with its place.
-
-What there is to vary and to keep stands in ``study.toml`` beside this file.
-"""
+"""A study, read from TOML; every mistake is named with its place."""
 
 from __future__ import annotations
 
@@ -14,25 +11,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from alpha5_model._support.checks import (
-    choice,
-    count,
-    float_array,
-    generator,
-    listed,
-    named,
-    real,
-    shaped,
-)
+from alpha5_model._support.checks import count, generator, named
 from alpha5_model._support.files import PathLike, read_named
 from alpha5_model.errors import FileFormatError, InputError
 from alpha5_model.numbers import plausibility
-from alpha5_model.numbers.corrections import CORRECTIONS
+from alpha5_model.studies.sweep.axes import read_axes
+from alpha5_model.studies.sweep.outputs import Output, read_output
 
-SCHEMA: Any = tomllib.loads(Path(__file__).with_name("study.toml").read_text("utf-8"))
-_UNITS = SCHEMA["state"] | SCHEMA["case"]
 #: Axis of a case -> what is plausible of the value farthest from 0.
 _PLAUSIBLE = {
     "payload_mass": plausibility.MASS,
@@ -43,40 +28,43 @@ _PLAUSIBLE = {
     "fluid_density": plausibility.FLUID_DENSITY,
     "current_speed": plausibility.CURRENT,
 }
-#: What a recording can be.
-_RECORDED = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
 #: States computed at a time: what a kernel reads and writes of them stays in the cache.
 BLOCK = 8192
-#: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long one.
+#: A dotted key with more parts than any study has; ``tomllib`` takes minutes for a long
+#: one.
 _LONG_KEY = re.compile(
     r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){20}"""
 )
-#: Most values of an axis, and most groups or bins of an output.
-_MOST = 10_000_000
 
 
-class Output(NamedTuple):
-    """What is kept of a quantity, its unit and columns: its form, the axes of a map, levels, range and bins."""
+class Sizes(NamedTuple):
+    """How large a study is.
 
-    quantity: str
-    unit: str
-    columns: Sequence[str]
-    form: str
-    by: Sequence[str]
-    levels: Sequence[float]
-    range: tuple[float, float]
-    bins: int
+    Attributes:
+        cases: How many there are.
+        states: How many each case has; 1 if it is a recording, whose size is not known.
+        blocks: How many each case has.
+    """
+
+    cases: int
+    states: int
+    blocks: int
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study, checked. Rows are numbered case by case, state by state, the last axis fastest.
+    """A study, checked.
+
+    Rows are numbered case by case, state by state, the last axis fastest.
 
     Attributes:
-        text, source, folder: As read, the file's name, and where relative paths of recordings start.
+        text: As read.
+        source: The file's name.
+        folder: Where relative paths of recordings start.
         seed: Of all that is drawn.
         samples: States drawn for each point of the grid; every case has the same ones.
-        cases, states: Axis -> values, in SI units; ``recording``, of cases, is the first.
+        cases, states: Axis -> values, in SI units; ``recording``, of cases, is the
+            first.
         drawn: Axis -> the range that each state has its own number of.
         outputs: By name.
     """
@@ -91,21 +79,17 @@ class Study:
     drawn: dict[str, Sequence[float]]
     outputs: dict[str, Output]
 
-    def sizes(self) -> tuple[int, int, int]:
-        """Number of cases, of states and of blocks in each; of recordings that is not known, and 1."""
-        cases, states = (
-            math.prod(map(len, grid.values())) for grid in (self.cases, self.states)
+    def sizes(self) -> Sizes:
+        """Number of cases, and of states and blocks in each."""
+        states = self.samples * _points(self.states)
+        return Sizes(
+            cases=_points(self.cases), states=states, blocks=-(-states // BLOCK)
         )
-        return cases, states * self.samples, -(-states * self.samples // BLOCK)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A process makes the study of its many tasks once.
-        return _study, (
-            self.text,
-            self.source,
-            self.folder,
-            self.cases.get("recording"),
-        )
+        # A process reads the study of its many tasks once.
+        recordings = self.cases.get("recording")
+        return _study, (self.text, self.source, self.folder, recordings)
 
 
 def read_study(study: PathLike) -> Study:
@@ -113,7 +97,8 @@ def read_study(study: PathLike) -> Study:
 
     Raises:
         MissingFileError: No such file.
-        FileFormatError: Not TOML, or an axis, range, unit, name or output that cannot be; with its place.
+        FileFormatError: Not TOML, or an axis, range, unit, name or output that cannot
+            be; with its place.
 
     Warns:
         ImplausibleWarning: Values of an axis that seem to be in another unit.
@@ -127,141 +112,76 @@ def read_study(study: PathLike) -> Study:
     return found
 
 
+def _points(grid: dict[str, Sequence[Any]]) -> int:
+    """Number of points of a grid."""
+    return math.prod(len(values) for values in grid.values())
+
+
 @lru_cache(maxsize=2)
 def _study(
-    text: str, source: str, folder: Path, found: tuple[str, ...] | None = None
+    text: str, source: str, folder: Path, recordings: tuple[str, ...] | None = None
 ) -> Study:
+    """The study in a text.
+
+    Args:
+        text: TOML.
+        source: Name of its file, for messages.
+        folder: Where relative paths of recordings start.
+        recordings: Its recordings, if they were found before.
+
+    Raises:
+        FileFormatError: Not TOML, or not a study.
+    """
     long_key = _LONG_KEY.search(text)
     if long_key:
-        place = f"line {text.count(chr(10), 0, long_key.start()) + 1}"
-        raise FileFormatError(source, "a key of more than 20 parts", place)
+        line = text.count("\n", 0, long_key.start()) + 1
+        raise FileFormatError(source, "a key of more than 20 parts", f"line {line}")
+
     try:
-        given = tomllib.loads(text)
-        named("key", given, ("seed", "samples", "axes", "outputs"))
-        for key in ("axes", "outputs"):
-            if not isinstance(given.get(key), dict) or not given[key]:
-                raise InputError(key, given.get(key), "a table with at least one key")
-        cases, states, drawn = _axes(given["axes"], folder, found)
-        seed: Any = given.get("seed", 0)
-        samples: Any = given.get("samples", None if drawn else 1)
-        generator(seed)
-        if count("samples", samples) > 1 and not drawn:
-            raise InputError("samples", samples, "none where no axis is random")
-        asked, grid = given["outputs"].items(), cases | states
-        outputs = {name: _output(name, table, grid) for name, table in asked}
-        return Study(text, source, folder, seed, samples, cases, states, drawn, outputs)
+        return _checked(tomllib.loads(text), text, source, folder, recordings)
     except ValueError as error:  # of TOML, or this package's own
         raise FileFormatError(source, str(error)) from None
     except RecursionError:
-        raise FileFormatError(
-            source, "expected fewer brackets inside one another"
-        ) from None
+        problem = "expected fewer brackets inside one another"
+        raise FileFormatError(source, problem) from None
 
 
-def _axes(
-    given: dict[str, Any], folder: Path, found: Any
-) -> Sequence[dict[str, Sequence[Any]]]:
-    """Axes of cases, axes of states, and those of states that are drawn."""
-    kinds: tuple[dict[str, Any], ...] = {}, {}, {}
-    cases, states, drawn = kinds
-    if "recordings" in given:
-        cases["recording"] = found or _recordings(given["recordings"], folder)
-    for name in [name for name in given if name != "recordings"]:
-        random = isinstance(given[name], dict) and "random" in given[name]
-        kind = cases if name in SCHEMA["case"] else drawn if random else states
-        kind[name] = _axis(name, given[name])
-    if {"parameters", "corrections"} <= {*cases}:
-        raise InputError("axes", "parameters and corrections", "one of them")
-    names, needed = (
-        {*states, *drawn},
-        {name for name in SCHEMA["state"] if "_pos" in name},
+def _checked(
+    given: dict[str, Any],
+    text: str,
+    source: str,
+    folder: Path,
+    recordings: tuple[str, ...] | None,
+) -> Study:
+    """The study in the tables of a file.
+
+    Raises:
+        InputError: Something that cannot be, with its place.
+    """
+    named("key", given, ("seed", "samples", "axes", "outputs"))
+    for key in ("axes", "outputs"):
+        if not isinstance(given.get(key), dict) or not given[key]:
+            raise InputError(key, given.get(key), "a table with at least one key")
+
+    axes = read_axes(given["axes"], folder, recordings)
+    seed = given.get("seed", 0)
+    generator(seed)
+    samples = count("samples", given.get("samples", None if axes.drawn else 1))
+    if samples > 1 and not axes.drawn:
+        raise InputError("samples", samples, "none where no axis is random")
+
+    grid = {**axes.cases, **axes.states}
+    return Study(
+        text=text,
+        source=source,
+        folder=folder,
+        seed=seed,
+        samples=samples,
+        cases=axes.cases,
+        states=axes.states,
+        drawn=axes.drawn,
+        outputs={
+            name: read_output(name, table, grid)
+            for name, table in given["outputs"].items()
+        },
     )
-    if names if "recording" in cases else not needed <= names:
-        expected = f"recordings alone, or all of {', '.join(sorted(needed))}"
-        raise InputError("axes, states", sorted(names), expected)
-    return kinds
-
-
-def _recordings(given: Any, folder: Path) -> tuple[str, ...]:
-    """Files, in order; those of folders by their names."""
-    found: list[str] = []
-    for path in (
-        [given] if isinstance(given, str) else listed("axes.recordings", given, "files")
-    ):
-        whole = folder / str(path)
-        inside = sorted(p.name for p in whole.iterdir()) if whole.is_dir() else []
-        found += [
-            str(Path(path, name)) for name in inside if Path(name).suffix in _RECORDED
-        ]
-        found += [] if whole.is_dir() else [str(path)]
-    if not found:
-        expected = f"files, or folders with some of {', '.join(_RECORDED)}"
-        raise InputError("axes.recordings", given, expected)
-    return tuple(found)
-
-
-def _axis(name: str, given: Any) -> Sequence[Any]:
-    """Values of an axis, or the range to draw from."""
-    place, unit = f"axes.{name}", _UNITS[choice("axis", name, (*_UNITS, "recordings"))]
-    if name == "parameters":
-        return range(count(place, given))
-    if name == "corrections":
-        names = listed(
-            place, given, "a list of names, such as ['none', 'base_frame+link3_cob']"
-        )
-        named(place, "+".join(map(str, names)).split("+"), ("none", *CORRECTIONS))
-        return names
-    table = given if isinstance(given, dict) else {"values": given}
-    units, keys = SCHEMA["units"][unit], {*table} - {"unit"}
-    scale = units[choice(f"unit of {place}", table.get("unit", unit), tuple(units))]
-    if keys == {"values"}:
-        values = np.atleast_1d(float_array(place, table["values"], ()))
-    elif keys == {"from", "to", "count"}:
-        size = min(count(f"{place}.count", table["count"]), _MOST + 1)
-        values = np.linspace(*_rising(place, [table["from"], table["to"]]), size)
-    elif keys == {"random"} and name in SCHEMA["state"]:
-        values = np.array(_rising(place, table["random"]))
-    else:
-        raise InputError(
-            place, given, "values; from, to and count; or of a state, random"
-        )
-    if not 0 < values.size <= _MOST:
-        raise InputError(place, given, f"1 to {_MOST} values")
-    least = 0.0 if unit in ("kg", "m^3", "kg/m^3", "m/s") else None
-    return [real(place, scale * x, least) for x in values.ravel().tolist()]
-
-
-def _rising(place: str, ends: Any) -> tuple[float, float]:
-    low, high = shaped(place, ends, (2,)).tolist()
-    if not low < high:
-        raise InputError(place, ends, "two numbers, the second above the first")
-    return low, high
-
-
-def _output(name: str, given: Any, grid: dict[str, Any]) -> Output:
-    place, table = f"outputs.{name}", given if isinstance(given, dict) else {}
-    if not re.fullmatch(r"[\w-]+", name):
-        raise InputError("outputs", name, "names of letters, digits, _ and -")
-    quantity = choice(
-        f"{place}.quantity", table.get("quantity"), tuple(SCHEMA["quantities"])
-    )
-    form = choice(f"{place}.as", table.get("as"), tuple(SCHEMA["forms"]))
-    named(f"key of {place}", table, ("quantity", "as", *SCHEMA["forms"][form]))
-    by, levels = (
-        listed(f"{place}.{k}", table.get(k, ()), "a list") for k in ("by", "levels")
-    )
-    for axis in by:
-        choice(f"axis of {place}.by", axis, tuple(grid))
-    if form == "quantile":
-        levels = [real(f"{place}.levels", level) for level in levels]
-        if not levels or not 0 < min(levels) <= max(levels) <= 1:
-            raise InputError(f"{place}.levels", levels, "numbers above 0, up to 1")
-    span, bins = (
-        (table.get("range"), table.get("bins")) if form == "histogram" else ([0, 1], 1)
-    )
-    bins = count(f"{place}.bins", bins)
-    if max(bins, math.prod(len(grid[axis]) for axis in by)) > _MOST:
-        raise InputError(place, given, f"at most {_MOST} groups or bins")
-    unit, *columns = SCHEMA["quantities"][quantity]
-    ends = _rising(f"{place}.range", span)
-    return Output(quantity, unit, columns, form, by, levels, ends, bins)

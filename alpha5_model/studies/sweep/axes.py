@@ -1,0 +1,179 @@
+"""The axes of a study: what it varies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import (
+    FloatArray,
+    choice,
+    count,
+    float_array,
+    listed,
+    named,
+    real,
+    shaped,
+)
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.corrections import CORRECTIONS
+from alpha5_model.studies.sweep.schema import CASE_AXES, STATE_AXES, UNITS
+
+#: Most values of an axis, and most groups or bins of an output.
+MOST = 10_000_000
+#: Suffixes of recordings in a folder.
+_RECORDINGS = (".csv", ".parquet", ".pq", ".bag", ".db3", ".mcap")
+#: SI units of axes that cannot be negative.
+_NOT_NEGATIVE = ("kg", "m^3", "kg/m^3", "m/s")
+
+
+class Axes(NamedTuple):
+    """What a study varies, in SI units.
+
+    Attributes:
+        cases: Axis of the arm and its surroundings -> values; ``recording``, if there
+            is one, is the first.
+        states: Axis of a state -> values.
+        drawn: Axis of a state -> the range to draw from, lower and upper end.
+    """
+
+    cases: dict[str, Sequence[Any]]
+    states: dict[str, Sequence[float]]
+    drawn: dict[str, Sequence[float]]
+
+
+def read_axes(
+    given: dict[str, Any], folder: Path, recordings: Sequence[str] | None
+) -> Axes:
+    """The axes of a study.
+
+    Args:
+        given: The table of a study file.
+        folder: Where relative paths of recordings start.
+        recordings: The recordings, if they were found before.
+
+    Raises:
+        InputError: An axis that cannot be, or axes that do not fit together.
+        UnknownNameError: No such axis, unit or correction.
+    """
+    axes = Axes(cases={}, states={}, drawn={})
+    if "recordings" in given:
+        found = recordings or _recordings(given["recordings"], folder)
+        axes.cases["recording"] = found
+    for name, values in given.items():
+        if name == "recordings":
+            continue
+        random = isinstance(values, dict) and "random" in values
+        if name in CASE_AXES:
+            kind = axes.cases
+        else:
+            kind = axes.drawn if random else axes.states
+        kind[name] = _axis(name, values)
+
+    _check_together(axes)
+    return axes
+
+
+def _check_together(axes: Axes) -> None:
+    """Refuse axes that contradict each other, and states without all positions."""
+    if {"parameters", "corrections"} <= {*axes.cases}:
+        raise InputError("axes", "parameters and corrections", "one of them")
+
+    recorded = "recording" in axes.cases
+    states = {*axes.states, *axes.drawn}
+    positions = {name for name in STATE_AXES if "_pos" in name}
+    if (recorded and states) or not (recorded or positions <= states):
+        expected = f"recordings alone, or all of {', '.join(sorted(positions))}"
+        raise InputError("axes, states", sorted(states), expected)
+
+
+def _recordings(given: Any, folder: Path) -> tuple[str, ...]:
+    """Paths of recordings, in the order given; those of a folder by their names."""
+    paths = [given]
+    if not isinstance(given, str):
+        paths = listed("axes.recordings", given, "files")
+
+    found: list[str] = []
+    for path in paths:
+        whole = folder / str(path)
+        if whole.is_dir():
+            names = sorted(inside.name for inside in whole.iterdir())
+            found += [
+                str(Path(path, name))
+                for name in names
+                if Path(name).suffix in _RECORDINGS
+            ]
+        else:
+            found.append(str(path))
+
+    if not found:
+        expected = f"files, or folders with some of {', '.join(_RECORDINGS)}"
+        raise InputError("axes.recordings", given, expected)
+    return tuple(found)
+
+
+def _axis(name: str, given: Any) -> Sequence[Any]:
+    """Values of an axis, or the range to draw from."""
+    units = {**STATE_AXES, **CASE_AXES}
+    choice("axis", name, (*units, "recordings"))
+    place = f"axes.{name}"
+    if name == "parameters":
+        return range(count(place, given))
+    if name == "corrections":
+        return _corrections(place, given)
+    return _numbers(name, given, units[name])
+
+
+def _corrections(place: str, given: Any) -> list[str]:
+    """Sets of corrections, each joined by ``+``."""
+    expected = "a list of names, such as ['none', 'base_frame+link3_cob']"
+    sets = listed(place, given, expected)
+    every_name = "+".join(map(str, sets)).split("+")
+    named(place, every_name, ("none", *CORRECTIONS))
+    return sets
+
+
+def _numbers(name: str, given: Any, unit: str) -> list[float]:
+    """Numbers of an axis in its SI unit."""
+    place = f"axes.{name}"
+    table = given if isinstance(given, dict) else {"values": given}
+    own_unit = table.get("unit", unit)
+    choice(f"unit of {place}", own_unit, tuple(UNITS[unit]))
+    scale = UNITS[unit][own_unit]
+
+    values = _values(name, given, table)
+    if not 0 < values.size <= MOST:
+        raise InputError(place, given, f"1 to {MOST} values")
+    least = 0.0 if unit in _NOT_NEGATIVE else None
+    return [real(place, scale * value, least) for value in values.ravel().tolist()]
+
+
+def _values(name: str, given: Any, table: dict[str, Any]) -> FloatArray:
+    """Numbers of an axis as they are given: values, a grid, or a range to draw from."""
+    place = f"axes.{name}"
+    keys = {*table} - {"unit"}
+    if keys == {"values"}:
+        return np.atleast_1d(float_array(place, table["values"], ()))
+    if keys == {"from", "to", "count"}:
+        size = min(count(f"{place}.count", table["count"]), MOST + 1)
+        low, high = rising(place, [table["from"], table["to"]])
+        return np.linspace(low, high, size)
+    if keys == {"random"} and name in STATE_AXES:
+        return np.array(rising(place, table["random"]))
+    expected = "values; from, to and count; or of a state, random"
+    raise InputError(place, given, expected)
+
+
+def rising(place: str, ends: Any) -> tuple[float, float]:
+    """Two numbers, the second above the first.
+
+    Raises:
+        InputError: Anything else.
+    """
+    low, high = shaped(place, ends, (2,)).tolist()
+    if not low < high:
+        raise InputError(place, ends, "two numbers, the second above the first")
+    return low, high

@@ -1,0 +1,120 @@
+"""The rows of a study, block by block, on any machine.
+
+A block has the same place in the study whatever the size of the chunks: what NumPy
+computes of it does not depend on who computes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.studies.sweep.arms import arm_of_case
+from alpha5_model.studies.sweep.quantities import quantities
+from alpha5_model.studies.sweep.states import States, recorded_states, states_of
+from alpha5_model.studies.sweep.study import BLOCK, Study
+
+#: Numbers of rows that are set aside for the samples of a recording.
+_RECORDED = 2**32
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Some rows of a case.
+
+    Attributes:
+        rows: Their numbers, (n,).
+        index: Axis -> places on the grid, one or (n,).
+        columns: What else describes the states, (n,) each.
+        quantities: By name, (n, 4) each.
+    """
+
+    rows: NDArray[np.int64]
+    index: dict[str, Any]
+    columns: dict[str, Any]
+    quantities: dict[str, FloatArray]
+
+
+def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
+    """Blocks by their numbers.
+
+    Raises:
+        Alpha5Error: A recording, or an arm, that cannot be used.
+    """
+    wanted = {output.quantity for output in study.outputs.values()}
+    in_each = study.sizes().blocks
+    for number in range(first, last):
+        case, block_of_case = divmod(number, in_each)
+        place = _place(study, case)
+        start = block_of_case * BLOCK
+        states = _states(study, place, start)
+        arm = arm_of_case(study, tuple(place.items()))
+        yield Block(
+            rows=_first_row(study, case) + start + np.arange(len(states.motion.time)),
+            index={**place, **states.index},
+            columns=states.columns,
+            quantities=quantities(wanted, arm, states.motion),
+        )
+
+
+def _place(study: Study, case: int) -> dict[str, int]:
+    """Where a case is on each axis of cases; the last axis runs fastest."""
+    if not study.cases:
+        return {}
+    shape = [len(values) for values in study.cases.values()]
+    place = np.unravel_index(case, shape)
+    return {name: int(at) for name, at in zip(study.cases, place, strict=True)}
+
+
+def _states(study: Study, place: dict[str, int], start: int) -> States:
+    """The states of a block that starts at some state of a case."""
+    if "recording" in place:
+        recording = study.cases["recording"][place["recording"]]
+        return recorded_states(Path(study.folder, recording))
+    last = min(study.sizes().states, start + BLOCK)
+    return states_of(study, start, last)
+
+
+def _rows_in_each(study: Study) -> int:
+    """Numbers of rows that are set aside for each case."""
+    return _RECORDED if "recording" in study.cases else study.sizes().states
+
+
+def _first_row(study: Study, case: int) -> int:
+    """Number of the first row of a case."""
+    return case * _rows_in_each(study)
+
+
+def inputs(study: Study, row: int) -> dict[str, Any]:
+    """The values of the axes of a row, or its recording and sample; its table."""
+    case, state = divmod(row, _rows_in_each(study))
+    number = case * study.sizes().blocks
+    if "recording" not in study.cases:
+        number += state // BLOCK
+    block = next(blocks(study, number, number + 1))
+    at = row - block.rows[0]
+    return {name: values[at].item() for name, values in columns(study, block).items()}
+
+
+def columns(study: Study, block: Block) -> dict[str, Any]:
+    """A block as a table: numbers of the rows, axes, and quantities kept as tables."""
+    grid = {**study.cases, **study.states}
+    table: dict[str, Any] = {"row": block.rows}
+    for name, places in block.index.items():
+        table[name] = np.array(grid[name])[places]
+    table |= block.columns
+
+    kept = [output for output in study.outputs.values() if output.form == "table"]
+    for output in kept:
+        values = block.quantities[output.quantity]
+        for k, name in enumerate(output.columns):
+            table[f"{output.quantity}.{name}"] = values[:, k]
+
+    shape = block.rows.shape
+    return {name: np.broadcast_to(values, shape) for name, values in table.items()}

@@ -1,0 +1,115 @@
+"""The states of a study: points of its grid, random ones, or a recording's samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.studies.sweep.study import Study
+from alpha5_model.trajectory import SmoothMotion, read_motion, smooth
+
+#: Joints of the arm, base to tip.
+_JOINTS = ("axis_e", "axis_d", "axis_c", "axis_b")
+#: Random numbers for each count of the generator.
+_PER_COUNT = 4
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """Some states of a case.
+
+    Attributes:
+        index: Axis -> places on the grid, (n,).
+        columns: What else describes the states: random numbers, times; (n,) each.
+        motion: Positions, velocities and accelerations of the four joints, (n, 4).
+    """
+
+    index: dict[str, Any]
+    columns: dict[str, Any]
+    motion: SmoothMotion
+
+
+@lru_cache(maxsize=32)
+def states_of(study: Study, first: int, last: int) -> States:
+    """States by their numbers in a case, which are the same in every case."""
+    index = _grid_places(study, first, last)
+    drawn = _drawn(study, first, last)
+    on_grid = {name: np.array(study.states[name])[at] for name, at in index.items()}
+    given = {**on_grid, **drawn}
+
+    zero = np.zeros(last - first)
+    velocity = _of_joints("vel", given, zero)
+    motion = SmoothMotion(
+        time=zero,
+        joints=(),
+        position=_of_joints("pos", given, zero),
+        velocity=velocity,
+        acceleration=_of_joints("acc", given, zero),
+        direction=np.sign(velocity),
+        method="interpolate",
+        bandwidth=None,
+        from_velocity=False,
+        deviation=zero,
+    )
+    return States(index=index, columns=drawn, motion=motion)
+
+
+def _grid_places(study: Study, first: int, last: int) -> dict[str, Any]:
+    """Where states are on each axis of the grid; the last axis runs fastest."""
+    index = {}
+    place = np.arange(first, last) // study.samples
+    for name in reversed(study.states):
+        place, index[name] = np.divmod(place, len(study.states[name]))
+    return index
+
+
+def _drawn(study: Study, first: int, last: int) -> dict[str, FloatArray]:
+    """Random numbers of states, by axis.
+
+    A state takes them from counts of the generator that no other state uses, so that
+    it has the same ones in any block.
+    """
+    counts = -(-len(study.drawn) // _PER_COUNT)
+    bits = np.random.Philox(study.seed).advance(first * counts)
+    numbers = np.random.Generator(bits).random((last - first, _PER_COUNT * counts))
+    return {
+        name: low + (high - low) * numbers[:, k]
+        for k, (name, (low, high)) in enumerate(study.drawn.items())
+    }
+
+
+def _of_joints(rate: str, given: dict[str, Any], zero: FloatArray) -> FloatArray:
+    """Positions (``pos``), velocities (``vel``) or accelerations (``acc``), (n, 4)."""
+    columns = [given.get(f"{joint}_{rate}", zero) for joint in _JOINTS]
+    return np.stack(columns, axis=1)
+
+
+@lru_cache(maxsize=1)
+def recorded_states(path: Path) -> States:
+    """The samples of a recording, smoothed.
+
+    Raises:
+        Alpha5Error: The recording cannot be used.
+    """
+    motion = smooth(read_motion(path))
+    return States(
+        index={},
+        columns={"sample": np.arange(len(motion.time)), "time": motion.time},
+        motion=replace(
+            motion,
+            position=_arm_columns(motion.position),
+            velocity=_arm_columns(motion.velocity),
+            acceleration=_arm_columns(motion.acceleration),
+            direction=_arm_columns(motion.direction),
+        ),
+    )
+
+
+def _arm_columns(values: FloatArray) -> FloatArray:
+    """The columns of the four joints, without the jaw rod's."""
+    return np.ascontiguousarray(values[:, :4])
