@@ -2,40 +2,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from typer import Context, Option, echo
 
 from alpha5_model._support.checks import choice
 from alpha5_model._support.files import atomic_write_all, check_outputs, is_stream
 from alpha5_model._support.paths import REPOSITORY_PATH
-from alpha5_model.cli import options
-from alpha5_model.cli.options import HELP
+from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf
 from alpha5_model.description.bodies import mesh_assets
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
 
-MESH_URIS = {"relative": "meshes/", "package": "package://alpha5_description/meshes/"}
-MESH_URIS["file"] = (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/"
-#: Format -> record of its options, what makes its files, and the main one of them. An option has
-#: the name of the field it fills, except for two.
-_FORMATS: dict[str, tuple[Any, Any, str]] = {
-    "urdf": (
-        Variant,
-        lambda variant: {"alpha5.urdf": urdf(variant).encode()},
-        "alpha5.urdf",
+
+class _Format(NamedTuple):
+    """A format of descriptions.
+
+    Attributes:
+        options: Record of its options.
+        files: Makes its files, name -> content, from this record.
+        main_file: The one that goes to standard output.
+    """
+
+    options: Any
+    files: Callable[[Any], Mapping[str, bytes]]
+    main_file: str
+
+    def option_names(self) -> set[str]:
+        """The fields of the record of options."""
+        return {field.name for field in fields(self.options)}
+
+
+def _urdf_files(variant: Variant) -> dict[str, bytes]:
+    return {"alpha5.urdf": urdf(variant).encode()}
+
+
+_FORMATS = {
+    "urdf": _Format(options=Variant, files=_urdf_files, main_file="alpha5.urdf"),
+    "mjcf": _Format(
+        options=mjcf.MjcfOptions, files=mjcf.mjcf_files, main_file="alpha5.xml"
     ),
-    "mjcf": (mjcf.MjcfOptions, mjcf.mjcf_files, "alpha5.xml"),
-    "sdf": (sdf.SdfOptions, sdf.sdf_files, "model.sdf"),
-    "c": (COptions, c_files, "alpha5.c"),
+    "sdf": _Format(options=sdf.SdfOptions, files=sdf.sdf_files, main_file="model.sdf"),
+    "c": _Format(options=COptions, files=c_files, main_file="alpha5.c"),
 }
-#: Why an option is not for the format that was asked for, where that needs a word.
-_REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
+#: Option of the command -> field of the record, if their names differ.
 _FIELD_OF = {"mesh_uri": "mesh_prefix", "fluid": "fluid_density"}
+#: Option -> why a format does not have it, if that needs a word.
+_REASONS = {"hydrodynamics": " (URDF has no element for drag or added mass)"}
+#: Value of --mesh-uri -> what stands before the name of each mesh.
+MESH_URIS = {
+    "relative": "meshes/",
+    "package": "package://alpha5_description/meshes/",
+    "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
+}
 
 
 def generate(
@@ -53,7 +77,7 @@ def generate(
     rpy: Annotated[
         str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")
     ] = "0 0 0",
-    mesh_uri: Annotated[str, Option(help=HELP["meshes"])] = "relative",
+    mesh_uri: Annotated[str, Option(help=options.HELP["meshes"])] = "relative",
     collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
     dh_frames: Annotated[
         bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")
@@ -86,7 +110,7 @@ def generate(
         bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")
     ] = False,
     hydrodynamics: Annotated[
-        bool, Option("--hydrodynamics", help=HELP["moving_water"])
+        bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
     ] = False,
     check: Annotated[
         bool, Option("--check", help="Compare the committed files.")
@@ -113,78 +137,119 @@ def generate(
     alpha5 generate --format sdf --hydrodynamics --output out/gazebo
     alpha5 generate --format c --real float --output out/controller
     """
-    given = [
-        n
-        for n in context.params
-        if "COMMANDLINE" in str(context.get_parameter_source(n))
-    ]
-    words = {parameter.name: parameter.opts[0] for parameter in context.command.params}
     if check or update:
-        alone = "check" if check else "update"
-        for name in given:
-            if name != alone:
-                raise InputError(
-                    words[name], context.params[name], f"nothing beside --{alone}"
-                )
-        return _committed(check)
+        _refuse_others(context, beside="check" if check else "update")
+        return _check_committed() if check else _update_committed()
 
     choice("format", description_format, tuple(_FORMATS))
-    names = {
-        kind: {f.name for f in fields(record)}
-        for kind, (record, *_) in _FORMATS.items()
+    _refuse_options_of_other_formats(context, description_format)
+    given = context.params | {
+        "xyz": values.numbers("xyz", xyz, (3,), "m"),
+        "rpy": values.numbers("rpy", rpy, (3,), "rad"),
+        "gravity": values.numbers("gravity", gravity, (3,), "m/s^2"),
+        "mesh_prefix": MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))],
+        "fluid_density": values.fluid_density(fluid),
+        "corrections": values.correction_names(corrections),
     }
-    for name in given:
-        formats = [kind for kind in names if _FIELD_OF.get(name, name) in names[kind]]
-        if formats and description_format not in formats:
-            expected = (
-                f"--format {' or '.join(formats)} with it{_REASONS.get(name, '')}"
-            )
-            raise InputError(words[name], description_format, expected)
-    vectors = (("xyz", xyz, "m"), ("rpy", rpy, "rad"), ("gravity", gravity, "m/s^2"))
-    values = context.params | {
-        n: options.numbers(n, x, (3,), unit) for n, x, unit in vectors
-    }
-    values["mesh_prefix"] = MESH_URIS[choice("mesh URI", mesh_uri, tuple(MESH_URIS))]
-    values["fluid_density"] = options.fluid_density(fluid)
-    values["corrections"] = options.correction_names(corrections)
-    record, made, main = _FORMATS[description_format]
-    files = made(record(**{name: values[name] for name in names[description_format]}))
+
+    made = _FORMATS[description_format]
+    record = made.options(**{name: given[name] for name in made.option_names()})
+    files = made.files(record)
+    main_file = files[made.main_file]
     if output is None:
-        echo(files[main].decode(), nl=False)
-        return 0
-    if is_stream(output):  # the description alone, without what stands beside a file
-        written = {output: files[main]}
+        echo(main_file.decode(), nl=False)
+    elif is_stream(output):
+        # The description alone, without what stands beside a file.
+        atomic_write_all({output: main_file})
     elif description_format == "urdf":
-        if not output.suffix:
-            raise OutputError(output, "give a file name, such as alpha5.urdf")
-        check_outputs((), output=(output, (".urdf", ".xml")))
-        meshes = mesh_assets(".obj", ".mtl") if mesh_uri == "relative" else {}
-        written = {output: files[main]}
-        written |= {
-            output.parent / "meshes" / name: mesh for name, mesh in meshes.items()
-        }
-    elif output.is_file():
-        raise OutputError(output, "it is a file; this format needs a folder")
+        _write(_urdf_and_meshes(output, main_file, mesh_uri))
     else:
-        written = {output / name: content for name, content in files.items()}
-    atomic_write_all(written)
-    for folder in dict.fromkeys(
-        path.parent for path in written if not is_stream(output)
-    ):
-        inside = ", ".join(path.name for path in written if path.parent == folder)
-        options.say(f"wrote in {folder}: {inside}")
+        _write(_in_folder(output, files))
     return 0
 
 
-def _committed(check: bool) -> int:
-    """Compare the committed files with fresh ones, or write them anew."""
-    fresh = committed.generated_files() if check else {}
+def _given(context: Context) -> list[str]:
+    """Names of the options that stand on the command line."""
+    return [
+        name
+        for name in context.params
+        if "COMMANDLINE" in str(context.get_parameter_source(name))
+    ]
+
+
+def _flag(context: Context, name: str) -> str:
+    """An option as it is written: ``--mesh-uri`` for mesh_uri."""
+    flags = {option.name: option.opts[0] for option in context.command.params}
+    return flags[name]
+
+
+def _refuse_others(context: Context, beside: str) -> None:
+    for name in _given(context):
+        if name != beside:
+            expected = f"nothing beside --{beside}"
+            raise InputError(_flag(context, name), context.params[name], expected)
+
+
+def _refuse_options_of_other_formats(context: Context, description_format: str) -> None:
+    for name in _given(context):
+        field = _FIELD_OF.get(name, name)
+        formats = [
+            key for key, form in _FORMATS.items() if field in form.option_names()
+        ]
+        if formats and description_format not in formats:
+            reason = _REASONS.get(name, "")
+            expected = f"--format {' or '.join(formats)} with it{reason}"
+            raise InputError(_flag(context, name), description_format, expected)
+
+
+def _urdf_and_meshes(
+    output: Path, description: bytes, mesh_uri: str
+) -> dict[Path, bytes]:
+    if not output.suffix:
+        raise OutputError(output, "give a file name, such as alpha5.urdf")
+    check_outputs((), output=(output, (".urdf", ".xml")))
+
+    files = {output: description}
+    if mesh_uri == "relative":
+        for name, mesh in mesh_assets(".obj", ".mtl").items():
+            files[output.parent / "meshes" / name] = mesh
+    return files
+
+
+def _in_folder(output: Path, files: Mapping[str, bytes]) -> dict[Path, bytes]:
+    if output.is_file():
+        raise OutputError(output, "it is a file; this format needs a folder")
+    return {output / name: content for name, content in files.items()}
+
+
+def _write(files: Mapping[Path, bytes]) -> None:
+    """Write files, and say in which folder which of them are."""
+    atomic_write_all(files)
+
+    names: dict[Path, list[str]] = {}
+    for path in files:
+        names.setdefault(path.parent, []).append(path.name)
+    for folder, inside in names.items():
+        printing.say(f"wrote in {folder}: {', '.join(inside)}")
+
+
+def _check_committed() -> int:
+    """Compare the committed files with fresh ones."""
+    fresh = committed.generated_files()
     stale = committed.stale_files(fresh=fresh)
-    if check:
-        echo("".join(file.diff for file in stale), nl=False)
-        echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
-    else:
-        options.show(False, None, (), *committed.update())
+    echo("".join(file.diff for file in stale), nl=False)
+    echo(f"{len(fresh) - len(stale)} of {len(fresh)} generated files are fresh")
+    _name_not_generated()
+    return 1 if stale else 0
+
+
+def _update_committed() -> int:
+    """Write the committed files anew."""
+    printing.show(False, None, (), *committed.update())
+    _name_not_generated()
+    return 0
+
+
+def _name_not_generated() -> None:
     for line in committed.not_generated():
         echo(line)
-    return 1 if stale else 0

@@ -7,18 +7,25 @@ import signal
 import sys
 import threading
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from rich.console import Console
-from rich.progress import track as progress
 from typer import Option, echo
 
+from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import atomic_write_all, check_outputs
-from alpha5_model.cli import options
+from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.trajectory import read_motion
 from alpha5_model.viewer import build, page, picture, scene
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+#: Frames per second of a video.
+_FRAME_RATE = 25.0
+#: A picture shows all of this many poses of a motion.
+_FRAMED_POSES = 24
 
 
 def view(
@@ -52,87 +59,135 @@ def view(
     live viewer.
 
     Example: alpha5 view --pose reach --show bodies,com,cob,weight,buoyancy --html arm.html
-    """
+    """  # noqa: E501 (a line of the help)
     pixels = _size(size)
-    pages, films = (".html", ".htm"), picture.VIDEO_FORMATS
     check_outputs(
-        [motion], html=(html, pages), image=(image, (".png",)), video=(video, films)
+        [motion],
+        html=(html, (".html", ".htm")),
+        image=(image, (".png",)),
+        video=(video, picture.VIDEO_FORMATS),
     )
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
-    arm = options.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
-    if pose and pose.endswith(("deg", "mm")):
-        pose = " ".join(map(repr, options.joint_numbers("pose", pose, "rad", (4, 5))))
-    q = None if pose is None else build.pose_of(arm, pose)
-    point = None if target is None else options.numbers("target", target, (3,), "m")
-    moved = None if motion is None else read_motion(motion)
-    groups = None if show is None else options.names(show)
-    flow = options.current_vector(current)
+    arm = values.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
     shown = build.build_scene(
-        arm, q, target=point, motion=moved, show=groups, current=flow
+        arm,
+        None if pose is None else _position(arm, pose),
+        target=None if target is None else values.numbers("target", target, (3,), "m"),
+        motion=None if motion is None else read_motion(motion),
+        show=None if show is None else values.names(show),
+        current=values.current_vector(current),
     )
+
+    written = [path for path in (html, image, video) if path is not None]
+    if written:
+        _write(arm, shown, pixels, html, image, video)
+        printing.show(False, None, (), *written)
+        return
+    if not serve:
+        _check_display()
+    _serve(arm, shown, port, open_browser=not serve)
+
+
+def _size(text: str) -> scene.Size:
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        expected = "WIDTHxHEIGHT in pixels, such as 1600x1000"
+        raise InputError("size", text, expected) from None
+    return scene.check_size((width, height))
+
+
+def _position(arm: Arm, pose: str) -> FloatArray:
+    """The joint position of a named pose, or of numbers."""
+    if pose.endswith(("deg", "mm")):
+        numbers = values.joint_numbers("pose", pose, "rad", (4, 5))
+        pose = " ".join(repr(number) for number in numbers)
+    return build.pose_of(arm, pose)
+
+
+def _check_display() -> None:
+    """Raises if there is no screen to open a browser on."""
     displays = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    if not (
-        html
-        or image
-        or video
-        or serve
-        or displays
-        or sys.platform in ("darwin", "win32")
-    ):
-        remedy = (
+    if not displays and sys.platform not in ("darwin", "win32"):
+        raise NoDisplayError(
             "give --html FILE, --image FILE.png, or --serve for a browser elsewhere"
         )
-        raise NoDisplayError(remedy)
-    played = shown.motion
-    track = (
-        np.array([build.with_base(arm, q) for q in played.q])
-        if played
-        else np.zeros((0, 4))
-    )
-    along = [build.posed(shown, arm, q).poses for q in track[:: 1 + len(track) // 24]]
-    seen = scene.framed(shown, pixels, also=along)
-    files: dict[Path, str | bytes] = (
-        {} if html is None else {html: page.static_page(shown)}
-    )
+
+
+def _write(
+    arm: Arm,
+    shown: scene.Scene,
+    pixels: scene.Size,
+    html: Path | None,
+    image: Path | None,
+    video: Path | None,
+) -> None:
+    track = _track(arm, shown)
+    seen = _framed(arm, shown, pixels, track)
+
+    files: dict[Path, str | bytes] = {}
+    if html is not None:
+        files[html] = page.static_page(shown)
     if image is not None:
         files[image] = picture.picture_png(seen, pixels)
     atomic_write_all(files)
-    if video is not None and played is not None:
-        with picture.video(video, 25.0) as (rate, add):
-            frames = list(build.resampled(arm, played.time, track, rate))
-            for q in progress(
-                frames, "drawing", console=Console(stderr=True), transient=True
-            ):
-                add(picture.picture(build.posed(seen, arm, q), pixels))
-    if written := [path for path in (*files, video) if path is not None]:
-        options.show(False, None, (), *written)
-        return
+
+    if video is not None and shown.motion is not None:
+        _film(arm, seen, pixels, shown.motion.time, track, video)
+
+
+def _track(arm: Arm, shown: scene.Scene) -> FloatArray:
+    """Joint positions of the motion, (N, nq); none without a motion."""
+    if shown.motion is None:
+        return np.zeros((0, 4))
+    return np.array([build.with_base(arm, q) for q in shown.motion.q])
+
+
+def _framed(
+    arm: Arm, shown: scene.Scene, pixels: scene.Size, track: FloatArray
+) -> scene.Scene:
+    """The scene with a camera that has the whole motion in view."""
+    step = 1 + len(track) // _FRAMED_POSES
+    along = [build.posed(shown, arm, q).poses for q in track[::step]]
+    return scene.framed(shown, pixels, also=along)
+
+
+def _film(
+    arm: Arm,
+    seen: scene.Scene,
+    pixels: scene.Size,
+    time: FloatArray,
+    track: FloatArray,
+    path: Path,
+) -> None:
+    with picture.video(path, _FRAME_RATE) as (rate, add):
+        frames = list(build.resampled(arm, time, track, rate))
+        for q in printing.progress_over(frames, "drawing"):
+            add(picture.picture(build.posed(seen, arm, q), pixels))
+
+
+def _serve(arm: Arm, shown: scene.Scene, port: int, open_browser: bool) -> None:
+    """Serve the live viewer until it is stopped."""
     from alpha5_model.viewer.visualizer import ArmVisualizer
 
     visualizer = ArmVisualizer(arm, shown, port)
     echo(f"{visualizer.url()} (Ctrl-C ends)")
-    if not serve:
+    if open_browser:
         visualizer.open()
+    _wait_until_stopped()
+    visualizer.close()
+
+
+def _wait_until_stopped() -> None:
+    """Wait for Ctrl-C, or for the signal of a service manager."""
     over = threading.Event()
-    # A service manager stops it as a user does.
     before = {
-        s: signal.signal(s, lambda *_: over.set())
-        for s in (signal.SIGINT, signal.SIGTERM)
+        number: signal.signal(number, lambda *_: over.set())
+        for number in (signal.SIGINT, signal.SIGTERM)
     }
     while not over.wait(timeout=0.5):
         pass
     for number, handler in before.items():
         signal.signal(number, handler)
-    visualizer.close()
-
-
-def _size(text: str) -> tuple[int, int]:
-    try:
-        width, height = (int(part) for part in text.lower().split("x"))
-    except ValueError:
-        raise InputError(
-            "size", text, "WIDTHxHEIGHT in pixels, such as 1600x1000"
-        ) from None
-    return scene.check_size((width, height))

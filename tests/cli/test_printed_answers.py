@@ -27,8 +27,11 @@ from demo_run import demo_run
 from urdf_edits import with_mass
 
 import alpha5_model as a5
-from alpha5_model.cli import COMMANDS, _loaded, demo, generate, main, options, proofs
+from alpha5_model.cli import COMMANDS, check, demo, generate, main
+from alpha5_model.cli.commands import command_function
+from alpha5_model.cli.syntax import one_syntax
 from alpha5_model.description.verification import verify_urdf
+from alpha5_model.proofs.comparison import measure
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -160,19 +163,21 @@ def test_what_is_printed(
         """Compute it for the first answer only."""
         compute = getattr(module, function)
 
-        def given(*words: Any) -> Any:
-            return once.get(function) or once.setdefault(function, compute(*words))
+        def given(*words: Any, **more: Any) -> Any:
+            if function not in once:
+                once[function] = compute(*words, **more)
+            return once[function]
 
         monkeypatch.setattr(module, function, given)
 
     # Freshness takes seconds, and has tests of its own.
     monkeypatch.setattr(
-        proofs, "verify_generated", lambda: proofs.verify_urdf("arm.urdf", None)
+        check, "verify_generated", lambda: check.verify_urdf("arm.urdf", None)
     )
-    monkeypatch.setattr(proofs, "verify_urdf", lambda path, _: verify_urdf(path))
+    monkeypatch.setattr(check, "verify_urdf", lambda path, _: verify_urdf(path))
     for module, function in (
-        (proofs, "verify_urdf"),
-        (proofs, "run"),
+        (check, "verify_urdf"),
+        (measure, "compare"),
         (generate, "urdf"),
     ):
         kept(module, function)
@@ -198,7 +203,7 @@ def test_a_verbose_check_says_every_row(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     folder_of_a_user()
-    monkeypatch.setattr(proofs, "verify_generated", lambda: verify_urdf("arm.urdf"))
+    monkeypatch.setattr(check, "verify_generated", lambda: verify_urdf("arm.urdf"))
     text = printed(("check", "--verbose"), terminal=False)
     fits(text, 80)
     rows = a5.audit()
@@ -242,7 +247,7 @@ def test_the_help_fits_80_columns(name: str, monkeypatch: pytest.MonkeyPatch) ->
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text
     # Lines of the docstring are those of the help: longer ones would break twice.
-    first, *others = (inspect.getdoc(_loaded(name)) or "").splitlines()
+    first, *others = (inspect.getdoc(command_function(name)) or "").splitlines()
     assert first.endswith(".")
     assert max(len(line) for line in others if "xample" not in line) <= 78
 
@@ -296,7 +301,7 @@ def test_on_a_real_terminal(columns: int) -> None:
     ],
 )  # fmt: skip
 def test_vectors_and_units_have_one_syntax(given: str, meant: list[str]) -> None:
-    assert options.one_syntax(given.split()) == meant
+    assert one_syntax(given.split()) == meant
 
 
 def answer(*arguments: str) -> tuple[int, str, str]:

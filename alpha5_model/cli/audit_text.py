@@ -1,0 +1,111 @@
+"""The rows of the audit in sentences, and in counts."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from itertools import takewhile
+from typing import TypeVar
+
+from alpha5_model.proofs.audit.row import AuditRow
+
+Row = TypeVar("Row")
+Key = TypeVar("Key", bound=Hashable)
+
+#: Heading -> what the summary calls the claims under it.
+_CLAIMS = {
+    "agrees": "agree",
+    "error": "errors",
+    "reading": "readings",
+    "transcription": "matters of transcription",
+}
+_RELATION = {"=": "", "<=": "at most ", ">=": "at least "}
+
+
+def heading(row: AuditRow) -> str:
+    """The heading under which a row is shown, a key of the command's words."""
+    if row.kind == "observation":
+        return "observation"
+    if row.verdict == "agrees":
+        return "agrees"
+    return str(row.category)
+
+
+def counts(rows: Sequence[AuditRow]) -> str:
+    """How many claims and how many observations agree, and how the others differ."""
+    claims = Counter(heading(row) for row in rows if row.kind == "claim")
+    found = [f"{claims[key]} {words}" for key, words in _CLAIMS.items()]
+
+    observed = Counter(row.verdict for row in rows if row.kind == "observation")
+    differing = observed["differs"] + observed["impossible"]
+    noted = f"observations {observed['agrees']} agree, {differing} differ"
+    return f"documents {', '.join(found)}; {noted}"
+
+
+def grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:
+    """Rows by a key, in the order of the first row of each."""
+    groups: dict[Key, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(key(row), []).append(row)
+    return groups
+
+
+def alike(rows: Iterable[AuditRow]) -> list[list[AuditRow]]:
+    """Rows that read the same, together."""
+    groups = grouped(
+        rows, lambda row: (row.topic, row.verdict, _figures(row), _measured(row))
+    )
+    return list(groups.values())
+
+
+def sentence(rows: Sequence[AuditRow], verbose: bool = False) -> str:
+    """What was measured and where, for rows that read the same.
+
+    Args:
+        verbose: Also what the documents claim there, and why it differs.
+    """
+    row = rows[0]
+    place = _common_place(rows)
+    if len(rows) > 1:
+        place += f", {_subjects(rows)}"
+    if not verbose:
+        return f"{place}: {_measured(row)}: {_figures(row)}"
+
+    claims = "; ".join(dict.fromkeys(row.says for row in rows))
+    findings = "; ".join(dict.fromkeys(row.finding for row in rows))
+    worth = f", worth {row.effect:.3g} {row.effect_unit}" if row.effect else ""
+    return f'{place}, "{claims}": {findings}: {_figures(row)}{worth}'
+
+
+def _common_place(rows: Sequence[AuditRow]) -> str:
+    """The common beginning of the places, comma by comma."""
+    places = [row.place.split(", ") for row in rows]
+    levels = zip(*places, strict=False)
+    common = takewhile(lambda parts: len(set(parts)) == 1, levels)
+    return ", ".join(parts[0] for parts in common)
+
+
+def _figures(row: AuditRow) -> str:
+    """What was measured and what it must be, as numbers with their unit."""
+    error = f" ± {row.standard_error:.2g}" if row.standard_error else ""
+    measured = f"{row.measured:.4g}{error} {row.unit}".rstrip()
+
+    bound = f" ± {row.bound:.2g}" if row.bound else ""
+    expected = f"{row.expected:.4g}{bound} {row.unit}".rstrip()
+    return f"{measured}, must be {_RELATION[row.relation]}{expected}"
+
+
+def _measured(row: AuditRow) -> str:
+    """What was measured: a finding's first words."""
+    return re.split("[;:] ", row.finding)[0]
+
+
+def _subjects(rows: Sequence[AuditRow]) -> str:
+    """``link 0, 1, 4`` for claims that end in link_0, link_1 and link_4."""
+    words = [row.claim.partition(".")[2].replace("_", " ") for row in rows]
+    stems = {word.rpartition(" ")[0] for word in words}
+    if len(words) > 1 and len(stems) == 1 and words[0][-1].isdigit():
+        numbers = ", ".join(word.rpartition(" ")[2] for word in words)
+        return f"{stems.pop()} {numbers}"
+    return ", ".join(words)

@@ -1,0 +1,113 @@
+"""``alpha5 check``: the documents and the generated files against the documents."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Option
+
+from alpha5_model._support.text import table
+from alpha5_model.cli import audit_text, options, printing, values
+from alpha5_model.cli.words import WORDS
+from alpha5_model.description.verification import (
+    FileCheck,
+    verify_generated,
+    verify_urdf,
+)
+from alpha5_model.errors import InputError
+from alpha5_model.proofs.audit import audit
+from alpha5_model.proofs.audit.row import AuditRow
+
+#: What a short report ends with.
+_MORE = "\n--verbose adds the rows in agreement, the claims' words and all reasons"
+
+
+def check(
+    urdf: Annotated[
+        Path | None, Option(help="Check this file alone.", metavar="FILE")
+    ] = None,
+    corrections: Annotated[str | None, Option(help=options.HELP["corrections"])] = None,
+    verbose: Annotated[
+        bool, Option("--verbose", "-v", "--all", help=options.HELP["all"])
+    ] = False,
+    as_json: options.Json = False,
+) -> int:
+    """Check the manufacturer's document against itself and the generated files against it.
+
+    Where the document differs from itself that is a finding: an error, a matter
+    of reading, or one of transcription. The exit status is 1 only if a generated
+    file (or the one given) fails. --verbose also shows what agrees, and the
+    claims' words.
+
+    Example: alpha5 check --urdf my_arm.urdf
+    """  # noqa: E501 (a line of the help)
+    if urdf is None and corrections is not None:
+        raise InputError("corrections", corrections, "a file to check, --urdf FILE")
+
+    names = values.correction_names(corrections)
+    with printing.spinner("checking"):
+        claims = audit() if urdf is None else ()
+        files = verify_generated() if urdf is None else verify_urdf(urdf, names)
+    failed = any(row.verdict == "failed" for row in files)
+
+    record = {"document": claims, "files": files, "passed": not failed}
+    printing.show(as_json, record, _report(claims, files, verbose))
+    return 1 if failed else 0
+
+
+def _report(
+    claims: Sequence[AuditRow], files: Sequence[FileCheck], verbose: bool
+) -> printing.Lines:
+    yield _summary(claims, files)
+    yield from _claims(claims, verbose)
+    yield from _file_checks(files, verbose)
+    if not verbose:
+        yield _MORE
+
+
+def _summary(claims: Sequence[AuditRow], files: Sequence[FileCheck]) -> str:
+    verdicts = Counter({"passed": 0, "failed": 0})
+    verdicts.update(row.verdict for row in files)
+    counts = f"files {_counts(verdicts)}"
+    if claims:
+        counts = f"{audit_text.counts(claims)}; {counts}"
+    return counts.capitalize()
+
+
+def _counts(verdicts: Counter[Any]) -> str:
+    return ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+
+
+def _claims(claims: Sequence[AuditRow], verbose: bool) -> printing.Lines:
+    by_heading = audit_text.grouped(claims, audit_text.heading)
+    for heading, title in WORDS["check"].items():
+        rows = by_heading.get(heading, [])
+        shown = [row for row in rows if verbose or row.verdict != "agrees"]
+        if not shown:
+            continue
+
+        yield f"\n{title}"
+        cells = [
+            (same[0].verdict, audit_text.sentence(same, verbose))
+            for same in audit_text.alike(shown)
+        ]
+        yield from table(cells, "<", 2, printing.width())
+
+
+def _file_checks(files: Sequence[FileCheck], verbose: bool) -> printing.Lines:
+    yield "\nThe files against the documents"
+    for file, checks in audit_text.grouped(files, lambda row: row.file).items():
+        verdicts = Counter(row.verdict for row in checks)
+        yield f"  {file}: {_counts(verdicts)}"
+
+        shown = [row for row in checks if verbose or row.verdict != "passed"]
+        cells = [[row.verdict, row.check, _off(row), row.finding] for row in shown]
+        if cells:
+            yield from table(cells, "<", 4, printing.width())
+
+
+def _off(row: FileCheck) -> str:
+    return f"{row.measured:.1e}" if row.measured else ""

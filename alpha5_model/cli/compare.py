@@ -1,0 +1,159 @@
+"""``alpha5 compare``: another URDF of this arm against the tables."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from typer import Argument, Option, style
+
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing
+from alpha5_model.cli.words import WORDS
+from alpha5_model.errors import InputError
+from alpha5_model.proofs.comparison import measure
+from alpha5_model.proofs.comparison.records import Comparison
+from alpha5_model.viewer.figures import FORMATS, plot_comparison
+
+
+def compare(
+    other: Annotated[Path, Argument(help="A URDF or xacro file of the Reach Alpha 5.")],
+    joints: Annotated[
+        str, Option("--map", help="axis_e=NAME,axis_d=NAME and so on.")
+    ] = "",
+    base: Annotated[
+        str | None, Option(help="First link of an arm on a vehicle.")
+    ] = None,
+    xacro: Annotated[bool, Option("--xacro", help="Run the xacro file.")] = False,
+    package: Annotated[
+        list[str] | None, Option(help="With --xacro: NAME=FOLDER.")
+    ] = None,
+    arg: Annotated[list[str] | None, Option(help="With --xacro: NAME:=VALUE.")] = None,
+    samples: Annotated[int, Option(help="Random positions.", min=1, max=100_000)] = 500,
+    as_json: options.Json = False,
+    plot: options.Plot = None,
+) -> int:
+    """Compare another URDF of this arm with the tables.
+
+    A URDF is only read. A xacro file is a program: --xacro runs it, with your
+    rights, so use it only on files that you trust.
+
+    Exit status: 0 the model agrees, 1 it differs or is another arm, 2 it cannot
+    be read.
+
+    Example: alpha5 compare other.urdf --map axis_e=joint1,axis_d=joint2,axis_c=joint3,axis_b=joint4
+    """  # noqa: E501 (a line of the help)
+    check_outputs([other], plot=(plot, FORMATS))
+    with printing.spinner("comparing"):
+        comparison = measure.compare(
+            other,
+            joints=_pairs("map", joints.split(","), "="),
+            samples=samples,
+            base=base,
+            packages=_pairs("package", package or [], "="),
+            arguments=_pairs("arg", arg or [], ":="),
+            xacro=xacro,
+        )
+
+    # A model of another arm has no errors to draw.
+    picture = plot if comparison.joints else None
+    if picture is not None:
+        plot_comparison(comparison, picture)
+    printing.show(as_json, comparison.as_dict(), _differences(comparison), picture)
+    return 0 if comparison.agrees else 1
+
+
+def _pairs(option: str, parts: list[str], sign: str) -> dict[str, str]:
+    """Names and values, from texts with a sign between the two."""
+    form = "axis_e=NAME,axis_d=NAME,..." if option == "map" else f"NAME{sign}VALUE"
+    may_be_empty = option == "arg"
+
+    pairs: dict[str, str] = {}
+    for part in parts:
+        if not part.strip():
+            continue
+        name, equals, value = part.strip().partition(sign)
+        complete = name and equals and (value or may_be_empty)
+        if not complete or name.strip() in pairs:
+            raise InputError(option, ",".join(parts), f"{form} with each name once")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def _differences(comparison: Comparison) -> printing.Lines:
+    joints = ", ".join(f"{own} = {name}" for own, name in comparison.joints.items())
+    yield f"{comparison.name}: {joints or comparison.verdict}"
+    if not joints:
+        return
+
+    yield from _bodies(comparison)
+    yield _largest(comparison)
+    yield from _findings(comparison)
+    yield style(comparison.verdict, fg="green" if comparison.agrees else "red")
+
+
+def _bodies(comparison: Comparison) -> list[str]:
+    """Mass, COM and principal moments of each body, theirs, ours and the difference."""
+    moments = [f"moment {number}" for number in "123"]
+    rows = [
+        ["body", "", "mass", "COM x", "COM y", "COM z", *moments],
+        ["", "", "[g]", *["[mm]"] * 3, *["[kg mm²]"] * 3],
+    ]
+    for body in comparison.bodies:
+        record = body.as_dict()
+        theirs = _inertia(record)
+        ours = _inertia(record["ours"])
+        apart = [a - b for a, b in zip(theirs, ours, strict=True)]
+        rows.append([body.name, "theirs", *(_cell(x) for x in theirs)])
+        rows.append(["", "ours", *(_cell(x) for x in ours)])
+        rows.append(["", "diff", *(_cell(x, "+") for x in apart)])
+    return table(rows, "<<>", 1)
+
+
+def _inertia(side: dict[str, Any]) -> list[float]:
+    """Mass [g], COM [mm] and principal moments [kg mm^2] of one side."""
+    com = side["com_m"] or [math.nan] * 3
+    moments = side["principal_moments_kgm2"]
+    return [
+        side["mass_kg"] * 1e3,
+        *(coordinate * 1e3 for coordinate in com),
+        *(moment * 1e6 for moment in moments),
+    ]
+
+
+def _cell(x: float, sign: str = "") -> str:
+    if math.isnan(x):
+        return "-"
+    decimals = 2 if abs(x) < 1e4 else 0
+    return f"{x:{sign}z.{decimals}f}"
+
+
+def _largest(comparison: Comparison) -> str:
+    """The largest differences, and where the tool was measured."""
+    words = WORDS["compare"]
+    tool = comparison.tool
+    if tool is None:
+        return ""
+    return str(words["largest"]).format(
+        frame=f"frame {tool.frame}" if tool.frame else words["no_tool"],
+        base=tool.base or words["no_base"],
+        tip=tool.distance.max() * 1e3,
+        median=np.median(tool.distance) * 1e3,
+        turned=np.degrees(tool.angle.max()),
+        matched=tool.matched_distance.max() * 1e3,
+        matched_turned=np.degrees(tool.matched_angle.max()),
+        gravity=comparison.gravity_error.max(),
+        mass_matrix=comparison.mass_matrix_error,
+    )
+
+
+def _findings(comparison: Comparison) -> printing.Lines:
+    for found in comparison.findings:
+        mark = "✗" if found.serious else "·"
+        cost = f" [{found.cost:.3g} N m]" if found.cost > 0 else ""
+        yield f"{mark} {found.where}: {found.text}{cost}"
+        if found.instead:
+            yield f"  write {found.instead}"

@@ -1,0 +1,89 @@
+"""``alpha5 ik``: all joint positions that put the tcp at a point."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from typer import Argument, Option
+
+from alpha5_model._support.spatial import wrap
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing, values
+from alpha5_model.kinematics.ik import BRANCHES, Solutions, inverse_kinematics
+from alpha5_model.numbers.parameters import parameters
+
+#: Angles that differ by less belong to branches that meet [rad].
+_SAME = 1e-6
+
+
+def ik(
+    x: Annotated[float, Argument(help="tcp in base_link (m).", parser=values.metres)],
+    y: Annotated[float, Argument(help="(m)", parser=values.metres)],
+    z: Annotated[float, Argument(help="(m)", parser=values.metres)],
+    wrist: Annotated[float, Option(help="theta_3 (rad).", parser=values.radians)] = 0.0,
+    as_json: options.Json = False,
+) -> None:
+    """All inverse kinematics solutions of a tcp position.
+
+    Exit status: 0 solved, 2 out of reach within the joint limits.
+
+    Example: alpha5 ik 0.25 -0.1 0.05 --wrist 90deg
+    """
+    joints = parameters().joints[:4]
+    middle = [(joint.lower + joint.upper) / 2 for joint in joints]
+
+    solutions = inverse_kinematics([x, y, z], wrist)
+    record: dict[str, Any] = {
+        "position": [x, y, z],
+        "singular": solutions.singular,
+        "best": solutions.best(middle),
+        "branches": [_branch(solutions, index) for index in range(len(BRANCHES))],
+    }
+    names = [joint.name for joint in joints]
+    printing.show(as_json, record, _text(record, names))
+
+
+def _branch(solutions: Solutions, index: int) -> dict[str, Any]:
+    exists = solutions.exists[index]
+    return {
+        "name": BRANCHES[index],
+        "exists": exists,
+        "within_limits": solutions.within_limits[index],
+        "q": solutions.q[index] if exists else None,
+        "same_as": _met_branch(solutions, index) if exists else None,
+    }
+
+
+def _met_branch(solutions: Solutions, index: int) -> str | None:
+    """The first earlier branch with the same solution, as at singular targets."""
+    apart = np.abs(wrap(solutions.q[index] - solutions.q[:index]))
+    same = apart.max(axis=-1, initial=0.0) < _SAME
+    return BRANCHES[int(same.argmax())] if same.any() else None
+
+
+def _text(record: dict[str, Any], joints: list[str]) -> printing.Lines:
+    rows = [["branch", *joints, "limits"]]
+    rows += [[branch["name"], *_cells(branch)] for branch in record["branches"]]
+    yield "joint positions (rad)"
+    yield from table(rows, "<>>>><")
+
+    best = ",".join(f"{angle:.9g}" for angle in record["best"])
+    yield f"nearest to mid-range: --q={best}"
+    if record["singular"]:
+        yield (
+            "The target is singular: "
+            "on the yaw axis, or the arm is stretched or folded."
+        )
+
+
+def _cells(branch: dict[str, Any]) -> list[str]:
+    """The angles of a branch and how they stand to the limits."""
+    if not branch["exists"]:
+        return [*["-"] * 4, "out of reach"]
+
+    angles = [f"{angle:.6f}" for angle in branch["q"]]
+    limits = "within" if branch["within_limits"] else "beyond"
+    if branch["same_as"] is not None:
+        limits += f", as row {BRANCHES.index(branch['same_as']) + 1}"
+    return [*angles, limits]

@@ -1,0 +1,116 @@
+"""How results and progress are printed."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import (
+    AbstractContextManager,
+    contextmanager,
+    nullcontext,
+    redirect_stdout,
+)
+from pathlib import Path
+from shutil import get_terminal_size
+from typing import Any, TypeAlias, TypeVar
+
+from typer import echo, style
+
+from alpha5_model._support.files import is_stdout
+from alpha5_model._support.text import plain, printable, readable, wrapped
+
+Item = TypeVar("Item")
+#: Lines that a command prints for people.
+Lines: TypeAlias = Iterable[str]
+#: Verdict at the beginning of a line -> its colour on a terminal.
+_COLOURS = {
+    "agrees": "green",
+    "passed": "green",
+    "differs": "yellow",
+    "not run": "yellow",
+    "impossible": "red",
+    "failed": "red",
+    "✗": "red",
+    "·": "yellow",
+}
+_VERDICT = re.compile(rf"( *)({'|'.join(_COLOURS)})(?= )")
+#: The sign of a negative number, but not the hyphen of a word or an option.
+_MINUS = re.compile(r"(?<![\w.,=-])-(?=[\d.])")
+
+
+def show(as_json: bool, record: Any, text: Lines, *written: Path | None) -> None:
+    """Print a result for scripts or for people.
+
+    Args:
+        as_json: Print the record, and nothing else.
+        record: The result: numbers, texts, arrays, records and collections of them.
+        text: The same to read, see `say`.
+        written: Files of this result, each named in a line of its own; None is skipped.
+    """
+    files = [path for path in written if path is not None]
+    # A file that goes to standard output leaves no room for messages there.
+    taken = any(is_stdout(path) for path in files)
+    with redirect_stdout(sys.stderr) if taken else nullcontext():
+        if as_json:
+            echo(json.dumps(plain(record), indent=2, allow_nan=False))
+            return
+        if text:
+            say(*text)
+        for path in files:
+            echo(f"wrote {path}")
+
+
+def say(*lines: str) -> None:
+    """Print lines for people, wrapped; on a terminal with minus signs and colours."""
+    for line in "\n".join(lines).split("\n"):
+        shown = readable(printable(line))
+        if sys.stdout.isatty():
+            shown = _MINUS.sub("−", shown)
+        for part in wrapped(shown, width()):
+            echo(_VERDICT.sub(_coloured, part, count=1))
+
+
+def _coloured(match: re.Match[str]) -> str:
+    indent, verdict = match.groups()
+    return indent + style(verdict, fg=_COLOURS[verdict])
+
+
+def width() -> int:
+    """Columns of the terminal, or those that the environment asks for."""
+    return get_terminal_size().columns
+
+
+def spinner(words: str) -> AbstractContextManager[object]:
+    """A spinner on stderr, on a terminal only."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    return console.status(words) if console.is_terminal else nullcontext()
+
+
+@contextmanager
+def progress_bars() -> Iterator[Callable[[str, float], None]]:
+    """A function of a stage's name and its done share that draws bars on a terminal."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    hidden = not console.is_terminal
+    with Progress(console=console, transient=True, disable=hidden) as bars:
+
+        def progress(stage: str, done: float) -> None:
+            if stage not in [task.description for task in bars.tasks]:
+                bars.add_task(stage, total=1.0)
+            bars.update(bars.tasks[-1].id, completed=done)
+
+        yield progress
+
+
+def progress_over(items: Sequence[Item], words: str) -> Iterable[Item]:
+    """The items one by one, with a bar on stderr."""
+    from rich.console import Console
+    from rich.progress import track
+
+    return track(items, words, console=Console(stderr=True), transient=True)

@@ -1,0 +1,80 @@
+"""``alpha5 sweep``: what a study's many states, cases or recordings ask of the arm."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Argument, Option
+
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing
+from alpha5_model.studies.sweep.run import sweep as run_study
+
+#: How many values of an output of a study are printed; its file has all of them.
+_PRINTED = 5
+#: Log levels of Dask: an error on a cluster is one line of ours.
+_QUIET = "{'distributed': 'critical', 'distributed.client': 'critical'}"
+
+
+def sweep(
+    study: Annotated[
+        Path, Argument(help="TOML: axes and outputs; see the guide on studies.")
+    ],
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder; goes on with what is there.")
+    ],
+    workers: Annotated[
+        int, Option(help="Processes here; 0 for this one alone.", min=0)
+    ] = 0,
+    scheduler: Annotated[
+        str | None, Option(help="Of a Dask cluster: tcp://host:8786.")
+    ] = None,
+    as_json: options.Json = False,
+) -> int:
+    """Torques, currents, loads over all that a study varies: extremes, maps, quantiles, tables.
+
+    Exit status: 1 if a recording could not be used.
+
+    Example: alpha5 sweep study.toml --output results
+    """  # noqa: E501 (a line of the help)
+    # Dask reads this when it is imported, by the workers, too.
+    os.environ.setdefault("DASK_LOGGING", _QUIET)
+    with printing.progress_bars() as progress:
+        found = run_study(
+            study, output, workers=workers, scheduler=scheduler, progress=progress
+        )
+
+    record = {
+        "rows": found.rows,
+        "failures": found.failures,
+        "units": {name: found.study.outputs[name].unit for name in found.outputs},
+        "outputs": found.outputs,
+    }
+    printing.show(as_json, record, _text(record), output)
+    return 1 if found.failures else 0
+
+
+def _text(record: dict[str, Any]) -> printing.Lines:
+    yield f"{record['rows']} rows"
+    for name, columns in record["outputs"].items():
+        count = max(len(column) for column in columns.values())
+        more = f": the first {_PRINTED} of {count}" if count > _PRINTED else ""
+        yield f"\n{name} [{record['units'][name]}]{more}"
+
+        rows = [
+            [key, *(_cell(x) for x in column[:_PRINTED].tolist())]
+            for key, column in columns.items()
+            if not key.endswith("_row")
+        ]
+        yield from table(rows, "<>", 2)
+    for recording, problem in record["failures"].items():
+        yield f"\nnot used: {recording}: {problem}"
+
+
+def _cell(x: Any) -> str:
+    if isinstance(x, float):
+        return f"{x:.4g}" if math.isfinite(x) else "-"
+    return str(x)

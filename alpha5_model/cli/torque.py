@@ -1,0 +1,168 @@
+"""``alpha5 torque``: what the joints of the arm take at one state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from typer import Option
+
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing, values
+from alpha5_model.cli.limits import JOINTS
+from alpha5_model.cli.torque_record import (
+    TERMS,
+    Motors,
+    Record,
+    State,
+    torque_record,
+)
+from alpha5_model.cli.words import WORDS
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.hydrodynamics import LEVELS
+from alpha5_model.viewer import figures
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+
+def torque(
+    q: Annotated[str, Option("--q", help=f"Positions: {JOINTS} (rad).")],
+    v: Annotated[str, Option("--v", help="Velocities (rad/s).")] = "0 0 0 0",
+    a: Annotated[str, Option("--a", help="Accelerations (rad/s^2).")] = "0 0 0 0",
+    degrees: Annotated[
+        bool, Option("--degrees", help="--q, --v, --a in degrees.")
+    ] = False,
+    fluid: options.Fluid = "sea",
+    gravity: options.Gravity = options.DOWN,
+    gripper: options.Gripper = "locked",
+    mount: options.Mount = "0 0 0",
+    payload: options.Payload = None,
+    current: options.Current = None,
+    constants: options.Constants = "printed",
+    efficiency: options.Efficiency = "gearbox",
+    plot: Annotated[Path | None, Option(help=options.HELP["plot_current"])] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Joint torques by cause, motor currents and the load on the mount.
+
+    With --gripper jaws a fifth number is the jaw rod's; left out, the jaws are
+    closed and at rest. Table 4's K_t and K_v of one motor should agree and do
+    not: --constants printed takes K_t for torque and K_v for voltage.
+
+    Examples:
+    alpha5 torque --q 3.1 1.2 1.8 0 --v 0 0.2 0 0 --fluid fresh
+    alpha5 torque --q 180 70 100 0 deg --payload 0.5 --mount 180 0 0 deg
+    alpha5 torque --q 3.1 1.2 1.8 0 --current 0 1 0 --plot polar.png
+    """
+    check_outputs((), plot=(plot, figures.FORMATS))
+    arm = values.arm_in(fluid, gravity, gripper, mount, payload)
+    flow = values.current_vector(current)
+    closed = arm.limits.lower[4:].tolist()
+    state = State(
+        q=_joint_numbers(arm, "--q", q, "rad", degrees, rod=closed),
+        v=_joint_numbers(arm, "--v", v, "rad/s", degrees, rod=[0.0]),
+        a=_joint_numbers(arm, "--a", a, "rad/s^2", degrees, rod=[0.0]),
+    )
+
+    motors = Motors(constants=constants, efficiency=efficiency)
+    record = torque_record(arm, state, motors, flow)
+    if plot is not None:
+        _draw_mount_load(arm, state, flow, plot)
+    printing.show(as_json, record, _text(record), plot)
+
+
+def _joint_numbers(
+    arm: Arm, option: str, text: str, unit: str, degrees: bool, rod: list[float]
+) -> list[float]:
+    """One number per joint of the arm; ``rod`` if the jaw rod's is left out."""
+    count = len(arm.joint_names)
+    given = f"{text} deg" if degrees else text
+    row = values.joint_numbers(option, given, unit, (4, count))
+    return row + rod if len(row) < count else row
+
+
+def _draw_mount_load(
+    arm: Arm, state: State, current: list[float] | None, plot: Path
+) -> None:
+    speed = math.hypot(*current) if current else 0.0
+    if speed == 0.0:
+        raise InputError("plot", plot, "a --current that flows, with it")
+    page = figures.mount_load_figure(arm, state.q, speed)
+    figures.write_figure(page, plot, dpi=110)
+
+
+def _text(record: Record) -> printing.Lines:
+    joints = record["joints"]
+    yield from _torque_table(joints)
+    yield _notes(record)
+    if "water_current" in record:
+        yield from _water(record)
+    if len(joints) > 4:
+        yield "current of the jaw rod: its screw's lead is not published"
+    if not all(joint["within_limits"] for joint in joints):
+        yield "* position beyond the joint's limits"
+
+
+def _torque_table(joints: list[Record]) -> list[str]:
+    head = ["inertia", "Coriolis", "weight", "buoyancy", "torque", "current", "range"]
+    rows = [["", *head]]
+    for unit, group in (("N m", joints[:4]), ("N", joints[4:])):
+        if group:
+            rows.append(["", *[unit] * 5, *["A"] * 2])
+        for joint in group:
+            mark = "" if joint["within_limits"] else " *"
+            cells = [_cell(joint[key]) for key in (*TERMS, "torque", "current")]
+            rows.append([joint["joint"] + mark, *cells, _range(joint["current_range"])])
+    return table(rows, gap=1)
+
+
+def _notes(record: Record) -> str:
+    """What the table does not say: where it holds, and the load on the mount."""
+    turning = record["joints"][:4]
+    margins = [np.ptp(joint["torque_range"]) / 2 for joint in turning]
+    notes: str = WORDS["torque"]["notes"]
+    return notes.format(
+        fluid_density=record["fluid_density"],
+        water=" + water" if "water_current" in record else "",
+        gravity=", ".join(f"{round(g, 6) + 0.0:g}" for g in record["gravity"]),
+        digits=_cells(margins),
+        force=_cells(record["mount"]["force"]),
+        moment=_cells(record["mount"]["moment"]),
+    )
+
+
+def _water(record: Record) -> printing.Lines:
+    """What moving water adds, and the interval that its numbers leave."""
+    current = ", ".join(f"{x:g}" for x in record["water_current"])
+    yield WORDS["torque"]["water"].format(current=current)
+
+    rows = [["", "nominal", "range", ""]]
+    for joint, unit in zip(record["joints"], ("N m",) * 4 + ("N",), strict=False):
+        nominal = _cell(joint["moving_water"])
+        interval = _range(joint["moving_water_range"])
+        rows.append([joint["joint"], nominal, interval, unit])
+
+    loads = record["mount"]["moving_water"]
+    for part, unit in (("force", "N"), ("moment", "N m")):
+        low, middle, high = (math.hypot(*loads[level][part]) for level in LEVELS)
+        rows.append([part, _cell(middle), _range((low, high)), f"{unit} on the mount"])
+    yield from table(rows, "<>><")
+
+
+def _range(ends: Sequence[float] | None) -> str:
+    return "" if ends is None else " to ".join(_cell(end) for end in ends)
+
+
+def _cells(numbers: Sequence[float]) -> str:
+    return ", ".join(_cell(x) for x in numbers)
+
+
+def _cell(x: float | None) -> str:
+    if x is None:
+        return "-"
+    return f"{x:z.4f}" if abs(x) < 1000 else f"{x:.2e}"

@@ -1,0 +1,199 @@
+"""What the texts of options stand for: numbers in SI units, names, and the arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from typer import BadParameter
+
+from alpha5_model._support.checks import real
+from alpha5_model._support.spatial import rotation_from_rpy
+from alpha5_model.cli.syntax import split
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.fluids import AIR, FRESH_WATER, SEA_WATER, gravity_in_base
+
+if TYPE_CHECKING:
+    from alpha5_model.dynamics.arm import Arm
+
+
+class _Unit(NamedTuple):
+    """A unit that may stand behind a number.
+
+    Attributes:
+        si: The SI unit of the same quantity.
+        size: The unit in this SI unit.
+    """
+
+    si: str
+    size: float
+
+
+#: The units of `alpha5_model.cli.syntax`.
+_UNITS = {
+    "deg": _Unit(si="rad", size=math.pi / 180),
+    "mm": _Unit(si="m", size=1e-3),
+    "rad": _Unit(si="rad", size=1.0),
+    "m": _Unit(si="m", size=1.0),
+}
+#: Unit -> the range in which a number without a unit is plausible.
+_PLAUSIBLE = {
+    "m": plausibility.POSITION,
+    "rad": plausibility.ANGLE,
+    "rad/s": plausibility.ANGLE,
+    "rad/s^2": plausibility.ANGLE,
+}
+#: Option -> the largest number that is no typing error, in SI units.
+_LARGEST = {"current": 100.0, "gravity": 1e4, "fluid": 1e5}
+_FLUIDS = {"sea": SEA_WATER, "fresh": FRESH_WATER, "air": AIR}
+_COUNT_WORDS = {2: "two", 3: "three", 4: "four", 5: "five"}
+
+#: Numbers of this run that look as if they had another unit. The first one is printed
+#: with the error, or after the result.
+hints: list[str] = []
+
+
+def numbers(
+    name: str, text: str, counts: Sequence[int] = (), unit: str = "", expected: str = ""
+) -> list[float]:
+    """Numbers in one text, separated by spaces or commas, in SI units.
+
+    Args:
+        counts: How many there may be; empty for any.
+        unit: Their SI unit; with ``m`` and ``rad``, ``mm`` and ``deg`` may stand behind
+            a number.
+        expected: For the message; from counts and unit if left out.
+
+    Raises:
+        InputError: Anything else.
+    """
+    expected = expected or _expected(counts, unit)
+    units = _units_for(unit)
+    try:
+        values = [_number(part, units, unit) for part in split(text)]
+    except ValueError:
+        raise InputError(name, text, expected) from None
+
+    if counts and len(values) not in counts:
+        raise InputError(name, text, expected)
+    largest = _LARGEST.get(name, math.inf)
+    if any(abs(value) > largest for value in values):
+        raise InputError(name, text, f"at most {largest:g} {unit}")
+    return values
+
+
+def _expected(counts: Sequence[int], unit: str) -> str:
+    """How many numbers of which unit are expected, for the message."""
+    words = [
+        f"{_COUNT_WORDS.get(count, count)} numbers" if count > 1 else "one number"
+        for count in counts
+    ]
+    return f"{' or '.join(words)} ({unit})"
+
+
+def _units_for(unit: str) -> dict[str, _Unit]:
+    """The units that may stand behind a number measured in an SI unit or in several."""
+    kinds = ("rad", "m") if " m" in unit else (unit.partition("/")[0],)
+    return {name: found for name, found in _UNITS.items() if found.si in kinds}
+
+
+def _number(part: str, units: dict[str, _Unit], unit: str) -> float:
+    """One number in SI units; adds a hint if it seems to lack its unit.
+
+    Raises:
+        ValueError: Not a number with one of the units.
+    """
+    own = next((name for name in units if part.endswith(name)), None)
+    if own is not None:
+        return float(part.removesuffix(own)) * units[own].size
+
+    value = float(part)
+    if unit in _PLAUSIBLE:
+        hints.extend(plausibility.hints(part, value, _PLAUSIBLE[unit]))
+    return value
+
+
+def joint_numbers(
+    name: str, text: str, unit: str, counts: Sequence[int]
+) -> list[float]:
+    """One number for each joint, base to tip.
+
+    A unit that stands alone at the end applies to the turning joints only.
+    """
+    words = " or ".join(_COUNT_WORDS[count] for count in sorted({*counts}))
+    expected = f"{words} numbers ({unit}{', jaw rod m' if 5 in counts else ''})"
+    parts = split(text)
+    if len(parts) not in counts:
+        raise InputError(name, text, expected)
+
+    turning = " ".join(parts[:4])
+    rod = " ".join(part.removesuffix("deg") for part in parts[4:])
+    angles = numbers(name, turning, (4,), unit, expected)
+    return angles + numbers(name, rod, (), unit.replace("rad", "m"), expected)
+
+
+def current_vector(text: str | None) -> list[float] | None:
+    """Velocity of the water, three numbers [m/s]; None for none."""
+    return None if text is None else numbers("current", text, (3,), "m/s")
+
+
+def metres(text: Any, unit: str = "m") -> float:
+    """A length, for the parser of one argument."""
+    try:
+        return numbers("", str(text), (1,), unit)[0]
+    except InputError as error:
+        raise BadParameter(f"expected {error.expected}, got {text!r}") from None
+
+
+def radians(text: Any) -> float:
+    """An angle, for the parser of one argument or option."""
+    return metres(text, "rad")
+
+
+def fluid_density(text: str) -> float:
+    """``sea``, ``fresh``, ``air`` or a number [kg/m^3].
+
+    Raises:
+        InputError: Anything else.
+    """
+    if text in _FLUIDS:
+        return _FLUIDS[text]
+    expected = f"{', '.join(_FLUIDS)} or a density [kg/m^3]"
+    (density,) = numbers("fluid", text, (1,), "kg/m^3", expected)
+    return real("fluid", density, minimum=0.0)
+
+
+def correction_names(text: str | None) -> tuple[str, ...]:
+    """Names of corrections, not checked; the default ones for None."""
+    return DEFAULT_CORRECTIONS if text is None else names(text)
+
+
+def names(text: str) -> tuple[str, ...]:
+    """The parts between commas."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def arm_in(
+    fluid: str, gravity: str, gripper: str, mount: str, payload: str | None
+) -> Arm:
+    """The arm that the texts of these options describe."""
+    from alpha5_model.dynamics.load import load
+
+    rotation = rotation_from_rpy(numbers("mount", mount, (3,), "rad"))
+    g: Any = numbers("gravity", gravity, (3,), "m/s^2")
+    if not np.array_equal(rotation, np.eye(3)):
+        g = gravity_in_base(rotation, g)
+    arm = load(fluid_density(fluid), gripper, gravity=g)
+    return arm if payload is None else _with_payload(arm, payload)
+
+
+def _with_payload(arm: Arm, text: str) -> Arm:
+    expected = "MASS, MASS X Y Z or MASS X Y Z VOLUME (kg, m, m^3)"
+    mass, *more = numbers("payload", text, (1, 4, 5), "kg, m", expected)
+    com = more[:3] or [0.0, 0.0, 0.0]
+    volume = more[3] if len(more) > 3 else 0.0
+    return arm.with_payload(mass, com, volume=volume, cob=com)

@@ -1,0 +1,141 @@
+"""``alpha5 workspace``: what the arm reaches."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from typer import Option
+
+from alpha5_model._support.files import check_outputs
+from alpha5_model._support.text import table
+from alpha5_model.cli import options, printing
+from alpha5_model.cli.words import WORDS
+from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.kinematics import workspace as space
+from alpha5_model.studies.uncertainty.effects import reach, sensitivity
+from alpha5_model.viewer import figures
+from alpha5_model.viewer import workspace_plot as draw
+
+
+def workspace(
+    plot: options.Plot = None,
+    self_collision: Annotated[
+        bool, Option("--self-collision", help=options.HELP["touching"])
+    ] = False,
+    samples: Annotated[
+        int, Option(help="Points that --self-collision tries.")
+    ] = 20_000,
+    as_json: options.Json = False,
+) -> None:
+    """The exact workspace, and how much of the published one is wrong.
+
+    Example: alpha5 workspace --self-collision --plot collision.pdf
+    """
+    check_outputs((), plot=(plot, figures.FORMATS))
+    share = None
+    if self_collision:
+        with printing.spinner("trying points for self-collision"):
+            share = space.sampled_share(without_self_collision, samples)
+
+    if plot is not None:
+        with printing.spinner("drawing"):
+            if share:
+                page = draw.self_collision_figure(samples=samples)
+            else:
+                page = draw.workspace_figure()
+            figures.write_figure(page, plot, dpi=150)
+
+    record = _record()
+    if share is not None:
+        record = {"without_self_collision": share} | record
+    printing.show(as_json, record, _text(record), plot)
+
+
+def _record() -> dict[str, Any]:
+    farthest = sensitivity(reach)
+    return {
+        "errors_of_the_published_region": space.published_errors(),
+        "cross_section_area": {
+            side: space.cross_section_area(side) for side in space.SIDES
+        },
+        "reach": {"value": farthest.nominal, "digits": farthest.half_width},
+        "volume": space.volume(),
+        "volume_without_limits": space.volume(limits=False),
+        "boundary": {side: space.boundary(side) for side in space.SIDES},
+        "published_tori": space.published_tori(),
+        "singular_theta_2": space.singular_elbow_angles(),
+    }
+
+
+def _text(record: dict[str, Any]) -> printing.Lines:
+    words = WORDS["workspace"]
+    errors = record["errors_of_the_published_region"]
+    yield from _regions(errors, words["regions"])
+    yield words["outside"].format(
+        area=errors.unreachable_area / errors.published_area,
+        volume=errors.unreachable_volume / errors.published_volume,
+    )
+
+    value = 1e3 * record["reach"]["value"]
+    digits = 1e3 * record["reach"]["digits"]
+    yield (
+        f"The tcp gets {value:.1f} mm ±{digits:.1f} from the shoulder, "
+        "by the digits of Table 1."
+    )
+    yield (
+        "\nboundary where both poses can turn; "
+        "R from the axis of axis_e, z above base_link"
+    )
+    yield from _boundary()
+    if "without_self_collision" in record:
+        yield _collision(record["without_self_collision"], words["collision"])
+
+
+def _regions(errors: space.PublishedErrors, names: dict[str, str]) -> list[str]:
+    """Area and volume of the reachable, the published and the differing regions."""
+    sizes = vars(errors)
+    rows = [["region", "half-plane", "volume"], ["", "cm²", "L"]]
+    for region, name in names.items():
+        area = 1e4 * sizes[f"{region}_area"]
+        volume = 1e3 * sizes[f"{region}_volume"]
+        rows.append([name, f"{area:.2f}", f"{volume:.3f}"])
+    return table(rows)
+
+
+def _boundary() -> list[str]:
+    rows = [
+        ["pose", "bounded by", "centre R, z", "radius", "from R, z", "to R, z"],
+        ["", "", "mm", "mm", "mm", "mm"],
+    ]
+    for arc in space.boundary():
+        start, end = arc.points([arc.start, arc.end])
+        rows.append(
+            [
+                arc.side,
+                arc.cause.replace("at its ", "").replace(" limit", ""),
+                _millimetres(arc.center),
+                f"{arc.radius * 1e3:.1f}",
+                _millimetres(start),
+                _millimetres(end),
+            ]
+        )
+    return table(rows, "<<>")
+
+
+def _millimetres(point: Any) -> str:
+    r, z = point
+    return f"{1e3 * r:z.1f}, {1e3 * z:z.1f}"
+
+
+def _collision(free: Any, words: str) -> str:
+    """What is reached only in self-collision, from a sampled share of the volume."""
+    touching = 1 - free.share
+    litres = 1e3 * free.total
+    return words.format(
+        share=touching,
+        error=free.standard_error,
+        samples=free.samples,
+        free=free.share * litres,
+        litres=touching * litres,
+        error_litres=free.standard_error * litres,
+    )
