@@ -86,7 +86,7 @@ def parse_hydrodynamics(file: str, text: str) -> dict[str, t.HydrodynamicRow]:
     return {name: _record(t.HydrodynamicRow, bodies[name], name=name) for name in known}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Node:
     """A value of a data file, with its place for messages."""
 

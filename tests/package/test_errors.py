@@ -350,3 +350,11 @@ def test_frozen_is_a_read_only_copy() -> None:
     assert theirs[0] == 0.0
     with pytest.raises(ValueError, match="read-only"):
         theirs[0] = 1.0
+
+
+def test_the_middle_of_a_long_message_is_left_out() -> None:
+    whole = "".join(chr(97 + k % 26) for k in range(1000))
+    assert str(errors.Alpha5Error(whole)) == whole
+    longer = f"{whole}z"
+    cut = f"{longer[:700]} ... {longer[801:]}"
+    assert str(errors.Alpha5Error(longer)) == cut

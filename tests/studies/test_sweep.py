@@ -585,3 +585,33 @@ def test_outputs_that_cannot_be_written_are_said_before_the_work(
         with pytest.raises(a5.errors.OutputError, match=f"{name}: it is a folder"):
             a5.sweep(drawn[0], out)
         assert not (out / "parts").exists()
+
+
+def test_the_line_of_a_long_key_is_named(tmp_path: Path) -> None:
+    key = ".".join("abcdefghijklmnopqrstuvwxyz")
+    study = written(tmp_path, f"seed = 1\n\n# third line\n{key} = 1\n")
+    with pytest.raises(a5.errors.FileFormatError, match="line 4: a key of more than"):
+        a5.sweep(study, tmp_path / "out")
+
+
+def test_current_and_power_alone(tmp_path: Path) -> None:
+    """Both come from a torque that is not written."""
+    q = (3.1, 0.5, 1.2, 0.4)
+    axes = "".join(
+        f"axis_{name}_pos = {angle}\naxis_{name}_vel = 0.2\n"
+        for name, angle in zip("edcb", q, strict=True)
+    )
+    outputs = "".join(
+        f'[outputs.{name}]\nquantity = "{name}"\nas = "table"\n'
+        for name in ("current", "power")
+    )
+    a5.sweep(written(tmp_path, f"[axes]\n{axes}{outputs}"), tmp_path / "out")
+    names = [f"{name}.axis_{x}" for name in ("current", "power") for x in "edcb"]
+    ((*current, power_e, _, _, _),) = columns(tmp_path / "out", *names)
+    tau = a5.load().inverse_dynamics(q, np.full(4, 0.2), np.zeros(4))
+    for name, amperes, torque in zip("edcb", current, tau, strict=True):
+        motor = a5.actuators.actuator(f"axis_{name}")
+        assert amperes == pytest.approx(motor.current(torque, 0.2), rel=1e-9)
+        if name == "e":
+            power = motor.power(torque, 0.2)
+            assert power_e == pytest.approx(power.electrical, rel=1e-9)

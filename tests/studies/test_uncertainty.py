@@ -739,3 +739,15 @@ def test_wrong_input_is_said(words: str) -> None:
         WRONG[words]()
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_one_constant_of_a_motor_counts_for_both_if_that_is_asked() -> None:
+    """With other alternatives the two printed constants stay apart."""
+    for alternatives, together in (
+        ((), False),
+        (("implied_mass", "link2_mass"), False),
+        (("torque_constant",), True),
+        (("implied_mass", "voltage_constant"), True),
+    ):
+        motor = u.sample(1, 3, alternatives=alternatives).parameters(0).actuators[2]
+        assert (motor.torque_constant == motor.voltage_constant) is together

@@ -1,0 +1,24 @@
+"""Bounds of numbers that can be computed with, at the bound itself."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from alpha5_model._support import checks
+from alpha5_model.errors import InputError
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_largest_number_is_taken_and_the_next_is_not(sign: float) -> None:
+    largest = sign * checks.LARGEST
+    row = np.array([0.0, largest, 1.0])
+    assert checks.bounded("q", row) is row
+    assert checks.real("mass", largest) == largest
+    beyond = math.nextafter(largest, sign * math.inf)
+    with pytest.raises(InputError, match=r"^q: .*numbers of at most"):
+        checks.bounded("q", np.array([0.0, beyond, 1.0]))
+    with pytest.raises(InputError, match=r"^mass"):
+        checks.real("mass", beyond)
