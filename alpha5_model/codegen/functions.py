@@ -12,7 +12,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
-from alpha5_model.kinematics.plane import DOUBLE, arm_plane
+from alpha5_model.kinematics.plane import DOUBLE, ArmPlane
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("making code of the equations", "pip install casadi"):
@@ -39,7 +39,8 @@ def functions(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
         parameters: The arm's parameters; its dimensions and joint limits become
             constants of the functions.
     """
-    solve = folded(inverse_kinematics(arm_plane()), tolerances=DOUBLE)
+    plane = ArmPlane.from_parameters(parameters)
+    solve = folded(inverse_kinematics(plane), tolerances=DOUBLE)
     every = (*dynamics(parameters), *in_moving_water(parameters), solve)
     return {function.name(): function for function in every}
 
@@ -49,8 +50,9 @@ def products(parameters: Alpha5Parameters) -> dict[str, casadi.Function]:
 
     The base parameters and the tolerances are inputs.
     """
+    plane = ArmPlane.from_parameters(parameters)
     known = functions(parameters) | {
-        "inverse_kinematics": inverse_kinematics(arm_plane()),
+        "inverse_kinematics": inverse_kinematics(plane),
         "with_payload": _with_payload(parameters),
     }
     return {name: known[name] for name in SUMMARIES}

@@ -19,7 +19,6 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.batch import arm_parameters
 from alpha5_model.kinematics.ik import BRANCHES
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE
-from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Outputs that are truth values.
 _FLAGS = ("exists", "within_limits", "singular")
@@ -27,16 +26,8 @@ _FLAGS = ("exists", "within_limits", "singular")
 _MEMBERS = [name.replace(".", "_") for name in BASE_PARAMETERS]
 
 
-def programs(
-    arm: Arm, parameters: Alpha5Parameters, options: COptions
-) -> list[Program]:
-    """The functions of the library, for an arm's base parameters or for a struct.
-
-    Args:
-        arm: Whose base parameters go into the functions.
-        parameters: Its record, whose dimensions go into the functions.
-        options: Of the library.
-    """
+def programs(arm: Arm, options: COptions) -> list[Program]:
+    """The functions of the library, for an arm's base parameters or for a struct."""
     known: dict[str, Any] = {
         "tolerances": SINGLE if options.real == "float" else DOUBLE
     }
@@ -44,7 +35,7 @@ def programs(
         known["parameters"] = arm_parameters(arm)
 
     made = []
-    for name, function in products(parameters).items():
+    for name, function in products(arm.parameters).items():
         if name == "with_payload" and not options.struct:
             continue
         given = {key: known[key] for key in function.name_in() if key in known}
@@ -52,15 +43,13 @@ def programs(
     return made
 
 
-def header(
-    arm: Arm, parameters: Alpha5Parameters, made: Iterable[Program], options: COptions
-) -> str:
+def header(arm: Arm, made: Iterable[Program], options: COptions) -> str:
     """``alpha5.h``."""
     functions = "".join(_declaration(one) for one in made)
     branches = [f"    ALPHA5_{name.upper()}" for name in BRANCHES]
     return template(
         "alpha5.h",
-        **provenance(parameters),
+        **provenance(arm.parameters),
         real=options.real,
         fluid_density=f"{arm.fluid_density:g}",
         gravity=", ".join(f"{x:g}" for x in arm.model.gravity.linear),
@@ -84,12 +73,10 @@ def _declaration(function: Program) -> str:
     return text.replace(" \n", "\n")
 
 
-def source(
-    arm: Arm, parameters: Alpha5Parameters, made: Iterable[Program], options: COptions
-) -> str:
+def source(arm: Arm, made: Iterable[Program], options: COptions) -> str:
     """``alpha5.c``."""
     real = options.real
-    joints = parameters.joints[:4]
+    joints = arm.parameters.joints[:4]
     lower = numbers([joint.lower for joint in joints], real)
     upper = numbers([joint.upper for joint in joints], real)
     parts = [

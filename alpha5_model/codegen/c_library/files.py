@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from alpha5_model.codegen.c_library.options import COptions
-from alpha5_model.numbers.parameters import parameters
 
 
 def c_files(options: COptions | None = None) -> dict[str, bytes]:
@@ -24,12 +23,11 @@ def c_files(options: COptions | None = None) -> dict[str, bytes]:
     arm = load(
         chosen.fluid_density, gravity=chosen.gravity, corrections=chosen.corrections
     )
-    catalogue = parameters(chosen.corrections)
-    made = programs(arm, catalogue, chosen)
+    made = programs(arm, chosen)
     texts = {
-        "alpha5.h": header(arm, catalogue, made, chosen),
-        "alpha5.c": source(arm, catalogue, made, chosen),
-        "test_alpha5.c": test_program(arm, catalogue, made, chosen),
+        "alpha5.h": header(arm, made, chosen),
+        "alpha5.c": source(arm, made, chosen),
+        "test_alpha5.c": test_program(arm, made, chosen),
         "CMakeLists.txt": template("CMakeLists.txt"),
     }
     return {name: text.encode() for name, text in texts.items()}

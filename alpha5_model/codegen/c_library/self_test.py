@@ -48,13 +48,11 @@ _BOUNDS = {
 State = Mapping[str, FloatArray]
 
 
-def test_program(
-    arm: Arm, parameters: Alpha5Parameters, made: Iterable[Program], options: COptions
-) -> str:
+def test_program(arm: Arm, made: Iterable[Program], options: COptions) -> str:
     """``test_alpha5.c``: random states, a payload, and targets."""
     real = options.real
     bounds = _BOUNDS[real]
-    states = _states(parameters, real)
+    states = _states(arm.parameters, real)
 
     tests = {}
     for function in made:
@@ -73,7 +71,7 @@ def test_program(
         edge=bounds.edge,
         miss=bounds.miss,
         turn=bounds.turn,
-        targets=numbers(_targets(arm, parameters), real),
+        targets=numbers(_targets(arm), real),
         tests="".join(tests.values()),
         calls="\n".join(f"    test_{name}();" for name in tests),
     )
@@ -203,14 +201,14 @@ def _as_array(output: Any) -> FloatArray:
     return np.array(getattr(output, "vector", output))
 
 
-def _targets(arm: Arm, parameters: Alpha5Parameters) -> list[list[Any]]:
+def _targets(arm: Arm) -> list[list[Any]]:
     """Rows of a target, its solutions' flags and, if they are known, its joint angles.
 
     Targets are anywhere in the workspace, at joint limits, stretched, on the yaw axis,
     out of reach, or with the wrist turned too far.
     """
     rng = np.random.default_rng(7)
-    lower, upper = np.array(_limits(parameters))
+    lower, upper = np.array(_limits(arm.parameters))
     q = rng.uniform(lower, upper, (40, 4))
     at_limit = rng.random((16, 3)) < 0.5
     q[10:26, 1:] = np.where(at_limit, lower[1:], upper[1:])
