@@ -24,10 +24,42 @@ from functools import reduce
 from typing import NamedTuple
 
 import casadi
-from casadi import SX, fabs, fmax, fmin, if_else, logic_and, logic_or
+from casadi import (
+    SX,
+    atan2,
+    fabs,
+    floor,
+    fmax,
+    fmin,
+    horzcat,
+    if_else,
+    logic_and,
+    logic_or,
+    sqrt,
+    vertcat,
+    vertsplit,
+)
 
 from alpha5_model.codegen.casadi_functions import named
 from alpha5_model.kinematics.plane import ArmPlane, Tolerances
+
+
+class _Target(NamedTuple):
+    """Where the tcp is to go.
+
+    Attributes:
+        on_axis: Whether it is on the yaw axis, where theta_0 is free.
+        radius: Distance from that axis, 0 on it.
+        height: Above the shoulder.
+        azimuth: About the yaw axis.
+        azimuth_slack: How much theta_0 may be beyond a limit.
+    """
+
+    on_axis: SX
+    radius: SX
+    height: SX
+    azimuth: SX
+    azimuth_slack: SX
 
 
 class _Angle(NamedTuple):
@@ -51,7 +83,7 @@ class _Triangle(NamedTuple):
         ahead_r, ahead_h: tcp from the shoulder, in axes that are turned by the first
             link's angle in the middle of theta_1's range.
         reached: Whether the links reach it.
-        at_edge: Whether they reach it stretched or folded.
+        at_edge: Whether the links are stretched or folded.
         opposite, adjacent: The tangent of the first link's angle from the direction of
             the tcp is ``opposite / adjacent``.
         gamma: Angle between the links.
@@ -68,6 +100,20 @@ class _Triangle(NamedTuple):
     slack: SX
 
 
+class _Branch(NamedTuple):
+    """One solution.
+
+    Attributes:
+        q: (1, 4), NaN if the branch does not reach the target.
+        exists: Whether it reaches the target.
+        within_limits: Whether it does so within the limits.
+    """
+
+    q: SX
+    exists: SX
+    within_limits: SX
+
+
 def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
     """The branches of a target, in the order of `alpha5_model.kinematics.ik.BRANCHES`.
 
@@ -82,77 +128,99 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
     allowed = SX.sym("tolerances", len(Tolerances._fields))
-    tolerances = Tolerances._make(casadi.vertsplit(allowed))
+    tolerances = Tolerances._make(vertsplit(allowed))
 
-    x, y, z = casadi.vertsplit(position)
-    distance = casadi.sqrt(x * x + y * y)
-    on_axis = distance <= tolerances.axis
-    radius = if_else(on_axis, 0.0, distance)
-    height = z - plane.d_0
-    azimuth = casadi.atan2(y, x)
-    # The azimuth of a point at distance R is known to rounding / R.
-    azimuth_slack = tolerances.limit + tolerances.azimuth / fmax(
-        distance, tolerances.axis
-    )
-
+    target = _target(position, plane, tolerances)
     theta_3 = _wrist_angle(wrist, plane, tolerances)
-    singular = on_axis
-    branches: dict[int, tuple[SX, SX, SX]] = {}
-    towards = (radius - plane.a_0, 0.0)
-    away = (-radius - plane.a_0, math.pi)
-    for facing, (r, half_turn) in enumerate((towards, away)):
-        theta_0 = _yaw_angle(azimuth, half_turn, on_axis, azimuth_slack, plane)
-        triangle = _triangle(r, height, plane, tolerances)
-        reached = triangle.reached
-        singular = logic_or(singular, logic_and(reached, triangle.at_edge))
+    singular = target.on_axis
+    elbow_to_one_side = []
+    elbow_to_the_other = []
+    for faces_it in (True, False):
+        theta_0 = _yaw_angle(target, faces_it, plane)
+        triangle = _triangle(target, faces_it, plane, tolerances)
+        singular = logic_or(singular, logic_and(triangle.reached, triangle.at_edge))
 
-        for branch, sign in ((facing, 1.0), (facing + 2, -1.0)):
-            theta_1, theta_2 = _shoulder_and_elbow(triangle, sign, plane, tolerances)
-            angles = (theta_0, theta_1, theta_2, theta_3)
-            row = [if_else(reached, angle.value, math.nan) for angle in angles]
-            fits = [reached, *(angle.fits for angle in angles)]
-            branches[branch] = casadi.horzcat(*row), reached, reduce(logic_and, fits)
+        of_facing = (triangle, theta_0, theta_3, plane, tolerances)
+        elbow_to_one_side.append(_branch(1.0, *of_facing))
+        elbow_to_the_other.append(_branch(-1.0, *of_facing))
 
-    q, exists, within_limits = (
-        casadi.vertcat(*(branches[branch][part] for branch in range(4)))
-        for part in range(3)
-    )
+    branches = elbow_to_one_side + elbow_to_the_other
     return named(
         "inverse_kinematics",
         {"position": position, "wrist": wrist, "tolerances": allowed},
         {
-            "q": q,
-            "exists": exists,
-            "within_limits": within_limits,
+            "q": vertcat(*(branch.q for branch in branches)),
+            "exists": vertcat(*(branch.exists for branch in branches)),
+            "within_limits": vertcat(*(branch.within_limits for branch in branches)),
             "singular": singular,
         },
     )
 
 
-def _wrist_angle(wrist: SX, plane: ArmPlane, tolerances: Tolerances) -> _Angle:
-    """theta_3: the wrist, shifted by full turns to the middle of its range."""
-    turns = casadi.floor((wrist - plane.middle[3]) * (1 / math.tau) + 0.5)
-    return _in_range(wrist - turns * math.tau, 3, tolerances.limit, plane)
-
-
-def _yaw_angle(
-    azimuth: SX, half_turn: float, on_axis: SX, slack: SX, plane: ArmPlane
-) -> _Angle:
-    """theta_0; the middle of its range if the target is on the yaw axis."""
-    offset = half_turn - plane.azimuth_offset
-    angle = _shifted(azimuth, offset, -math.pi, math.pi, plane.middle[0])
-    value, beyond, fits = _in_range(angle, 0, slack, plane)
-    return _Angle(
-        value=if_else(on_axis, plane.middle[0], value),
-        beyond=beyond,
-        fits=logic_or(on_axis, fits),
+def _branch(
+    side: float,
+    triangle: _Triangle,
+    theta_0: _Angle,
+    theta_3: _Angle,
+    plane: ArmPlane,
+    tolerances: Tolerances,
+) -> _Branch:
+    """The solution with the elbow to a side of the line to the tcp: 1 or -1."""
+    theta_1 = _shoulder_angle(side, triangle, plane)
+    theta_2 = _elbow_angle(side, triangle, theta_1, plane, tolerances)
+    angles = (theta_0, theta_1, theta_2, theta_3)
+    q = [if_else(triangle.reached, angle.value, math.nan) for angle in angles]
+    fits = [angle.fits for angle in angles]
+    return _Branch(
+        q=horzcat(*q),
+        exists=triangle.reached,
+        within_limits=reduce(logic_and, fits, triangle.reached),
     )
 
 
-def _triangle(r: SX, h: SX, plane: ArmPlane, tolerances: Tolerances) -> _Triangle:
-    """The triangle of the two links for a tcp at (r, h) from the shoulder."""
+def _target(position: SX, plane: ArmPlane, tolerances: Tolerances) -> _Target:
+    """A position in cylindrical coordinates."""
+    x, y, z = vertsplit(position)
+    distance = sqrt(x * x + y * y)
+    on_axis = distance <= tolerances.axis
+    # The azimuth of a point at distance R is known to rounding / R.
+    slack = tolerances.azimuth / fmax(distance, tolerances.axis)
+    return _Target(
+        on_axis=on_axis,
+        radius=if_else(on_axis, 0.0, distance),
+        height=z - plane.d_0,
+        azimuth=atan2(y, x),
+        azimuth_slack=tolerances.limit + slack,
+    )
+
+
+def _wrist_angle(wrist: SX, plane: ArmPlane, tolerances: Tolerances) -> _Angle:
+    """theta_3: the wrist, shifted by full turns to the middle of its range."""
+    turns = floor((wrist - plane.middle[3]) * (1 / math.tau) + 0.5)
+    return _in_range(wrist - turns * math.tau, 3, tolerances.limit, plane)
+
+
+def _yaw_angle(target: _Target, faces_it: bool, plane: ArmPlane) -> _Angle:
+    """theta_0; the middle of its range if the target is on the yaw axis."""
+    half_turn = 0.0 if faces_it else math.pi
+    offset = half_turn - plane.azimuth_offset
+    angle = _shifted(target.azimuth, offset, -math.pi, math.pi, plane.middle[0])
+    ranged = _in_range(angle, 0, target.azimuth_slack, plane)
+    return _Angle(
+        value=if_else(target.on_axis, plane.middle[0], ranged.value),
+        beyond=ranged.beyond,
+        fits=logic_or(target.on_axis, ranged.fits),
+    )
+
+
+def _triangle(
+    target: _Target, faces_it: bool, plane: ArmPlane, tolerances: Tolerances
+) -> _Triangle:
+    """The triangle of the two links if the plane faces the target, or faces away."""
     l_1 = plane.l_1
     l_2 = plane.l_2
+    r = (target.radius if faces_it else -target.radius) - plane.a_0
+    h = target.height
     rho_2 = r * r + h * h
     above = plane.longest**2 - rho_2
     below = rho_2 - plane.shortest**2
@@ -162,12 +230,13 @@ def _triangle(r: SX, h: SX, plane: ArmPlane, tolerances: Tolerances) -> _Triangl
 
     # 1 if no root is taken, so that derivatives of the other branches stay finite.
     square = if_else(reached, fmax(above, 0.0) * fmax(below, 0.0), 1.0)
-    s = casadi.sqrt(square)
+    s = sqrt(square)
 
     # Close to the stretched arm, rounding of rho^2 moves the two angles against each
     # other by rounding / sin(gamma).
-    sine = casadi.sqrt(fabs(above) * (1 / (l_1 * l_2)))
+    sine = sqrt(fabs(above) * (1 / (l_1 * l_2)))
     slack = tolerances.limit + tolerances.elbow / fmax(sine, tolerances.least_sine)
+
     back = plane.phi_offset + plane.middle[1]
     cos = math.cos(back)
     sin = math.sin(back)
@@ -178,31 +247,36 @@ def _triangle(r: SX, h: SX, plane: ArmPlane, tolerances: Tolerances) -> _Triangl
         at_edge=margin <= tolerances.singular,
         opposite=s,
         adjacent=rho_2 + (l_1**2 - l_2**2),
-        gamma=casadi.atan2(s, l_1**2 + l_2**2 - rho_2),
+        gamma=atan2(s, l_1**2 + l_2**2 - rho_2),
         slack=slack,
     )
 
 
-def _shoulder_and_elbow(
-    triangle: _Triangle, sign: float, plane: ArmPlane, tolerances: Tolerances
-) -> tuple[_Angle, _Angle]:
-    """theta_1 and theta_2, with the elbow to the side that a sign says."""
-    ahead_r = triangle.ahead_r
-    ahead_h = triangle.ahead_h
+def _shoulder_angle(side: float, triangle: _Triangle, plane: ArmPlane) -> _Angle:
+    """theta_1."""
+    r = triangle.ahead_r
+    h = triangle.ahead_h
     adjacent = triangle.adjacent
-    side = sign * triangle.opposite
-    from_middle = casadi.atan2(
-        ahead_h * adjacent - ahead_r * side, ahead_r * adjacent + ahead_h * side
-    )
-    theta_1 = _in_range(plane.middle[1] + from_middle, 1, triangle.slack, plane)
+    opposite = side * triangle.opposite
+    from_middle = atan2(h * adjacent - r * opposite, r * adjacent + h * opposite)
+    return _in_range(plane.middle[1] + from_middle, 1, triangle.slack, plane)
 
-    low, high = sorted((0.0, sign * math.pi))
-    elbow = _shifted(
-        sign * triangle.gamma, -plane.gamma_offset, low, high, plane.middle[2]
-    )
-    # The tcp stays where it is: l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
-    moved_along = elbow - plane.longest / plane.l_2 * theta_1.beyond
-    return theta_1, _in_range(moved_along, 2, tolerances.limit, plane)
+
+def _elbow_angle(
+    side: float,
+    triangle: _Triangle,
+    theta_1: _Angle,
+    plane: ArmPlane,
+    tolerances: Tolerances,
+) -> _Angle:
+    """theta_2."""
+    low, high = sorted((0.0, side * math.pi))
+    gamma = side * triangle.gamma
+    angle = _shifted(gamma, -plane.gamma_offset, low, high, plane.middle[2])
+    # If theta_1 was put on its limit, the tcp stays where it is:
+    # l_2 d(gamma) = (l_1 + l_2) d(phi) for a stretched arm.
+    moved = angle - plane.longest / plane.l_2 * theta_1.beyond
+    return _in_range(moved, 2, tolerances.limit, plane)
 
 
 def _shifted(angle: SX, offset: float, low: float, high: float, middle: float) -> SX:

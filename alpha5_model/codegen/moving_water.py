@@ -11,7 +11,7 @@ from functools import partial
 
 import casadi
 import numpy as np
-from casadi import SX, cross, horzcat, vertcat, vertsplit
+from casadi import SX, cross, fabs, horzcat, sqrt, vertcat, vertsplit
 
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, SECOND
 from alpha5_model.codegen.casadi_functions import named
@@ -72,10 +72,6 @@ def _load(
 ) -> tuple[SX, SX]:
     """What a link spends on the water beside what a rigid body would.
 
-    The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms ``omega x
-    C v + v x C omega`` are ``omega x D v + C (omega x v)``, and ``C alpha + omega x C
-    omega`` turns as second moments ``-D / 2`` do.
-
     Args:
         numbers: `WATER_PARAMETERS`, by name.
         link: 1 to 4.
@@ -85,27 +81,38 @@ def _load(
     Returns:
         Force, and moment about the origin of the link, in its axes.
     """
-    velocity = motion.velocity
-    omega = motion.omega
-
     b = _symmetric(*_entries(numbers, f"link_{link}.b"))
     c = _symmetric(*_entries(numbers, f"link_{link}.c"))
     c[2, 2] = c[0, 0] + c[1, 1]
-    d = 2 * (c - c[2, 2] * SX.eye(3))
-    momentum = b @ velocity
-
-    relative = motion.acceleration - cross(omega, velocity)
-    force = b @ relative + cross(omega, momentum)
-    force += turning_moment(motion.rates, *(-d[at] / 2 for at in SECOND.values()))
-
-    moment = (c + casadi.skew(first_moments)) @ motion.acceleration
-    moment += cross(omega, d @ velocity) + cross(velocity, momentum)
+    force, moment = _inertial_load(b, c, first_moments, motion)
 
     for place, strip in enumerate(STRIPS):
         if strip.link == link:
             drag, moment_of_drag = _drag(strip, f"strip_{place}.", numbers, motion)
             force += drag
             moment += moment_of_drag
+    return force, moment
+
+
+def _inertial_load(b: SX, c: SX, first_moments: SX, motion: Motion) -> tuple[SX, SX]:
+    """Force and moment of an added mass with the blocks B and C, and of first moments.
+
+    The momentum is ``B v + C omega, C v``. With ``D = 2 C - tr(C)``, the terms ``omega x
+    C v + v x C omega`` are ``omega x D v + C (omega x v)``, and ``C alpha + omega x C
+    omega`` turns as second moments ``-D / 2`` do.
+    """
+    velocity = motion.velocity
+    omega = motion.omega
+    momentum = b @ velocity
+    d = 2 * (c - c[2, 2] * SX.eye(3))
+    second_moments = [-d[at] / 2 for at in SECOND.values()]
+
+    relative = motion.acceleration - cross(omega, velocity)
+    force = b @ relative + cross(omega, momentum)
+    force += turning_moment(motion.rates, *second_moments)
+
+    moment = (c + casadi.skew(first_moments)) @ motion.acceleration
+    moment += cross(omega, d @ velocity) + cross(velocity, momentum)
     return force, moment
 
 
@@ -132,35 +139,33 @@ def _drag(
     + x slope``. Force and moment need only the sums of the speeds, times 1, x and x^2,
     over Gauss's points.
     """
-    middle = vertcat(*(numbers[f"{prefix}{axis}"] for axis in "xyz"))
-    along = numbers[f"{prefix}along"]
+    middle = vertcat(*(numbers[f"{prefix}{name}"] for name in "xyz"))
+    velocity = motion.velocity + cross(motion.omega, middle)
 
     axis = strip.axis
     one = (axis + 1) % 3
     other = (axis + 2) % 3
-    at_middle = motion.velocity + cross(motion.omega, middle)
+    v_one = velocity[one]
+    v_other = velocity[other]
     slope_one = motion.omega[other]
     slope_other = -motion.omega[one]
-
-    square = at_middle[one] ** 2 + at_middle[other] ** 2
-    mixed = at_middle[one] * slope_one + at_middle[other] * slope_other
     speeds, first, second = _sums_of_speeds(
         strip.points,
         half=numbers[f"{prefix}half"],
         across=numbers[f"{prefix}across"],
-        square=square,
-        mixed=mixed,
+        square=v_one**2 + v_other**2,
+        mixed=v_one * slope_one + v_other * slope_other,
         slope_square=motion.rates[axis, axis],
     )
 
     force = SX.zeros(3)
-    force[axis] = along * casadi.fabs(at_middle[axis]) * at_middle[axis]
-    force[one] = speeds * at_middle[one] + first * slope_one
-    force[other] = speeds * at_middle[other] + first * slope_other
+    force[axis] = numbers[f"{prefix}along"] * fabs(velocity[axis]) * velocity[axis]
+    force[one] = speeds * v_one + first * slope_one
+    force[other] = speeds * v_other + first * slope_other
 
     moment = SX.zeros(3)
-    moment[one] = -(first * at_middle[other] + second * slope_other)
-    moment[other] = first * at_middle[one] + second * slope_one
+    moment[one] = -(first * v_other + second * slope_other)
+    moment[other] = first * v_one + second * slope_one
     return force, moment + cross(middle, force)
 
 
@@ -189,8 +194,8 @@ def _sums_of_speeds(
         even = square - x**2 * slope_square
         odd = 2 * x * mixed
 
-        ahead = casadi.sqrt(casadi.fabs(even + odd))
-        behind = casadi.sqrt(casadi.fabs(even - odd))
+        ahead = sqrt(fabs(even + odd))
+        behind = sqrt(fabs(even - odd))
         both = share * (ahead + behind)
         speeds += both
         first += x * share * (ahead - behind)

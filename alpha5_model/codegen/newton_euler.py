@@ -14,7 +14,7 @@ References:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import casadi
@@ -111,8 +111,8 @@ def newton_euler(
         q, v, a: Joint positions, velocities and accelerations, (4, 1) each.
         base_parameters: `BASE_PARAMETERS`, (41, 1).
         parameters: The arm's parameters; only its dimensions are used.
-        current: Velocity of the water in base_link, (3, 1); none for still water.
-        load: What moves a link beside its first and second moments.
+        current: Velocity of the water in base_link, (3, 1); None for still water.
+        load: What a link takes beside its first and second moments.
 
     Returns:
         Torques (4, 1), and force above moment on the mount in base_link (6, 1).
@@ -134,6 +134,21 @@ def newton_euler(
         motion = motion.beyond(step, v[i], a[i])
         loads.append(_on_link(i + 1, motion, numbers, load))
 
+    torques, force, moment = _handed_down(steps, loads)
+    weight_of_link_0 = numbers["link_0.n"] * gravity
+    moment += cross(gravity, _vector(numbers, 0, "n"))
+    return torques, vertcat(weight_of_link_0 - force, -moment)
+
+
+def _handed_down(
+    steps: Sequence[Turn], loads: Sequence[tuple[SX, SX]]
+) -> tuple[SX, SX, SX]:
+    """Torques (4, 1), and force and moment on link 1 at and in base_link, (3, 1) each.
+
+    Args:
+        steps: From base_link to link 1, ..., from link 3 to link 4.
+        loads: Force and moment that each link takes, about its origin and in its axes.
+    """
     torques: list[SX] = []
     force = SX.zeros(3)
     moment = SX.zeros(3)
@@ -145,10 +160,7 @@ def newton_euler(
 
         force = step.inward(force)
         moment = step.inward(moment) + cross(step.origin, force)
-
-    weight = numbers["link_0.n"] * gravity
-    moment += cross(gravity, _vector(numbers, 0, "n"))
-    return vertcat(*torques), vertcat(weight - force, -moment)
+    return vertcat(*torques), force, moment
 
 
 def _by_name(base_parameters: SX) -> dict[str, SX]:

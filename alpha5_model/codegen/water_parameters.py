@@ -174,22 +174,36 @@ def _values_of_strips(
     values: dict[str, float] = {}
     for link in (4, 3, 2, 1):
         for strip in strips[link - 1]:
-            half_lengths = np.abs(strip.end - strip.start) / 2
-            kind = StripKind(link, int(half_lengths.argmax()), gauss_count(strip))
-            if kind not in free.values() or np.count_nonzero(half_lengths) > 1:
+            kind = _kind(link, strip)
+            places = [place for place, known in free.items() if known == kind]
+            if not places:
                 return None
 
-            place = next(k for k, free_kind in free.items() if free_kind == kind)
+            place = places[0]
             del free[place]
-            values |= _values_of_strip(place, strip, half_lengths.max(), density)
+            values |= _values_of_strip(place, strip, density)
     return values
 
 
-def _values_of_strip(
-    place: int, strip: DragStrip, half: float, density: float
-) -> dict[str, float]:
+def _half_lengths(strip: DragStrip) -> FloatArray:
+    """Half of what the strip runs along each axis, (3,)."""
+    return np.asarray(np.abs(strip.end - strip.start) / 2)
+
+
+def _kind(link: int, strip: DragStrip) -> StripKind | None:
+    """The kind of a strip of a link; None if it does not run along an axis."""
+    half_lengths = _half_lengths(strip)
+    if np.count_nonzero(half_lengths) > 1:
+        return None
+    return StripKind(
+        link=link, axis=int(half_lengths.argmax()), points=gauss_count(strip)
+    )
+
+
+def _values_of_strip(place: int, strip: DragStrip, density: float) -> dict[str, float]:
     """Numbers of one strip, by their names in `WATER_PARAMETERS`."""
     x, y, z = (strip.start + strip.end) / 2
+    half = _half_lengths(strip).max()
     face = density * strip.diameter * half
     return {
         f"strip_{place}.x": x,
