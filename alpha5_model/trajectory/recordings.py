@@ -18,7 +18,7 @@ from alpha5_model.trajectory.file_table import PER_SECOND, FileTable, Progress
 from alpha5_model.trajectory.motions import Motion
 from alpha5_model.trajectory.parquet_table import ParquetTable
 from alpha5_model.trajectory.roles import Roles, find_roles
-from alpha5_model.trajectory.time_unit import time_unit
+from alpha5_model.trajectory.time_units import time_unit
 from alpha5_model.trajectory.warning import MotionWarning
 
 _BAGS = (".bag", ".db3", ".mcap")

@@ -20,7 +20,7 @@ from alpha5_model.trajectory.names import (
     joint_columns,
     only_choice,
 )
-from alpha5_model.trajectory.time_unit import CLOCK, TIME_WITH_UNIT
+from alpha5_model.trajectory.time_units import CLOCK, TIME_WITH_UNIT
 from alpha5_model.trajectory.warning import MotionWarning
 
 _TIME = ("time_secs", "time")

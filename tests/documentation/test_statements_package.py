@@ -35,7 +35,7 @@ from test_statements_proof import (
 import alpha5_model as a5
 from alpha5_model.description import mjcf
 from alpha5_model.geometry import solid
-from alpha5_model.studies.sweep.reductions import QUANTILE_EDGES
+from alpha5_model.studies.sweep.histograms import QUANTILE_EDGES
 
 PROJECT = tomllib.loads(text_of("pyproject.toml"))["project"]
 START = "docs/start.md"

@@ -124,7 +124,19 @@ def _axis(name: str, given: Any) -> Sequence[Any]:
         return range(count(place, given))
     if name == "corrections":
         return _corrections(place, given)
-    return _numbers(name, given, units[name])
+
+    unit = units[name]
+    table = given if isinstance(given, dict) else {"values": given}
+    scale = _scale(place, table, unit)
+    numbers = _numbers(place, table, may_be_random=name in STATE_AXES)
+    if numbers is None:
+        expected = "values; from, to and count; or of a state, random"
+        raise InputError(place, given, expected)
+    if not 0 < numbers.size <= MOST:
+        raise InputError(place, given, f"1 to {MOST} values")
+
+    least = 0.0 if unit in _NOT_NEGATIVE else None
+    return [real(place, scale * number, least) for number in numbers.ravel().tolist()]
 
 
 def _corrections(place: str, given: Any) -> list[str]:
@@ -136,35 +148,32 @@ def _corrections(place: str, given: Any) -> list[str]:
     return sets
 
 
-def _numbers(name: str, given: Any, unit: str) -> list[float]:
-    """Numbers of an axis in its SI unit."""
-    place = f"axes.{name}"
-    table = given if isinstance(given, dict) else {"values": given}
-    own_unit = table.get("unit", unit)
-    choice(f"unit of {place}", own_unit, tuple(UNITS[unit]))
-    scale = UNITS[unit][own_unit]
-
-    values = _values(name, given, table)
-    if not 0 < values.size <= MOST:
-        raise InputError(place, given, f"1 to {MOST} values")
-    least = 0.0 if unit in _NOT_NEGATIVE else None
-    return [real(place, scale * value, least) for value in values.ravel().tolist()]
+def _scale(place: str, table: dict[str, Any], unit: str) -> float:
+    """The size of the unit that an axis is given in, in its SI unit."""
+    sizes = UNITS[unit]
+    own_unit = choice(f"unit of {place}", table.get("unit", unit), tuple(sizes))
+    return sizes[own_unit]
 
 
-def _values(name: str, given: Any, table: dict[str, Any]) -> FloatArray:
-    """Numbers of an axis as they are given: values, a grid, or a range to draw from."""
-    place = f"axes.{name}"
+def _numbers(
+    place: str, table: dict[str, Any], may_be_random: bool
+) -> FloatArray | None:
+    """Numbers as they are given: values, a grid, or a range to draw from.
+
+    None if it is none of these.
+    """
     keys = {*table} - {"unit"}
     if keys == {"values"}:
-        return np.atleast_1d(float_array(place, table["values"], ()))
+        values = float_array(place, table["values"], ())
+        return np.atleast_1d(values)
     if keys == {"from", "to", "count"}:
-        size = min(count(f"{place}.count", table["count"]), MOST + 1)
+        asked = count(f"{place}.count", table["count"])
         low, high = rising(place, [table["from"], table["to"]])
-        return np.linspace(low, high, size)
-    if keys == {"random"} and name in STATE_AXES:
-        return np.array(rising(place, table["random"]))
-    expected = "values; from, to and count; or of a state, random"
-    raise InputError(place, given, expected)
+        return np.linspace(low, high, min(asked, MOST + 1))
+    if keys == {"random"} and may_be_random:
+        ends = rising(place, table["random"])
+        return np.array(ends)
+    return None
 
 
 def rising(place: str, ends: Any) -> tuple[float, float]:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.studies.sweep.arms import arm_of_case
-from alpha5_model.studies.sweep.quantities import quantities
+from alpha5_model.studies.sweep.outputs import Output
+from alpha5_model.studies.sweep.quantities import quantities_of
 from alpha5_model.studies.sweep.states import States, recorded_states, states_of
 from alpha5_model.studies.sweep.study import BLOCK, Study
 
@@ -41,8 +42,8 @@ class Block:
     quantities: dict[str, FloatArray]
 
 
-def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
-    """Blocks by their numbers.
+def blocks_of(study: Study, first: int, last: int) -> Iterator[Block]:
+    """The blocks of a study from the first number up to, not with, the last.
 
     Raises:
         Alpha5Error: A recording, or an arm, that cannot be used.
@@ -53,13 +54,14 @@ def blocks(study: Study, first: int, last: int) -> Iterator[Block]:
         case, block_of_case = divmod(number, in_each)
         place = _place(study, case)
         start = block_of_case * BLOCK
+        first_row = case * _rows_in_each(study) + start
         states = _states(study, place, start)
         arm = arm_of_case(study, tuple(place.items()))
         yield Block(
-            rows=_first_row(study, case) + start + np.arange(len(states.motion.time)),
+            rows=np.arange(first_row, first_row + len(states.motion.time)),
             index={**place, **states.index},
             columns=states.columns,
-            quantities=quantities(wanted, arm, states.motion),
+            quantities=quantities_of(arm, states.motion, wanted),
         )
 
 
@@ -68,8 +70,8 @@ def _place(study: Study, case: int) -> dict[str, int]:
     if not study.cases:
         return {}
     shape = [len(values) for values in study.cases.values()]
-    place = np.unravel_index(case, shape)
-    return {name: int(at) for name, at in zip(study.cases, place, strict=True)}
+    places = [int(place) for place in np.unravel_index(case, shape)]
+    return dict(zip(study.cases, places, strict=True))
 
 
 def _states(study: Study, place: dict[str, int], start: int) -> States:
@@ -86,20 +88,17 @@ def _rows_in_each(study: Study) -> int:
     return _RECORDED if "recording" in study.cases else study.sizes().states
 
 
-def _first_row(study: Study, case: int) -> int:
-    """Number of the first row of a case."""
-    return case * _rows_in_each(study)
-
-
 def inputs(study: Study, row: int) -> dict[str, Any]:
     """The values of the axes of a row, or its recording and sample; its table."""
     case, state = divmod(row, _rows_in_each(study))
     number = case * study.sizes().blocks
     if "recording" not in study.cases:
         number += state // BLOCK
-    block = next(blocks(study, number, number + 1))
+
+    block = next(blocks_of(study, number, number + 1))
+    table = columns(study, block)
     at = row - block.rows[0]
-    return {name: values[at].item() for name, values in columns(study, block).items()}
+    return {name: values[at].item() for name, values in table.items()}
 
 
 def columns(study: Study, block: Block) -> dict[str, Any]:
@@ -109,12 +108,16 @@ def columns(study: Study, block: Block) -> dict[str, Any]:
     for name, places in block.index.items():
         table[name] = np.array(grid[name])[places]
     table |= block.columns
-
-    kept = [output for output in study.outputs.values() if output.form == "table"]
-    for output in kept:
-        values = block.quantities[output.quantity]
-        for k, name in enumerate(output.columns):
-            table[f"{output.quantity}.{name}"] = values[:, k]
+    for output in study.outputs.values():
+        if output.form == "table":
+            table |= _quantity_columns(output, block)
 
     shape = block.rows.shape
     return {name: np.broadcast_to(values, shape) for name, values in table.items()}
+
+
+def _quantity_columns(output: Output, block: Block) -> dict[str, FloatArray]:
+    """The columns of a quantity that is kept as a table."""
+    values = block.quantities[output.quantity]
+    names = [f"{output.quantity}.{column}" for column in output.columns]
+    return dict(zip(names, values.T, strict=True))

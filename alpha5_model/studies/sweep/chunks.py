@@ -12,7 +12,7 @@ from alpha5_model.codegen.kernels.choice import backend
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError
 
 if TYPE_CHECKING:
-    from alpha5_model.studies.sweep.reductions import Reduction
+    from alpha5_model.studies.sweep.reduction import Reduction
     from alpha5_model.studies.sweep.study import Study
 
 #: What a file of a chunk should be, for messages.
@@ -110,17 +110,17 @@ def compute(chunks: Chunks, number: int) -> ComputedChunk:
 
 def _computed(chunks: Chunks, number: int) -> ComputedChunk:
     """A chunk with its rows."""
-    from alpha5_model.studies.sweep.blocks import blocks, columns
-    from alpha5_model.studies.sweep.reductions import reductions
+    from alpha5_model.studies.sweep.blocks import blocks_of, columns
+    from alpha5_model.studies.sweep.reductions import empty_reductions
 
     study = chunks.study
-    found = reductions(study)
+    found = empty_reductions(study)
     has_table = len(found) < len(study.outputs)
     tables = []
     rows = 0
     first = number * chunks.size
     last = min(chunks.blocks, first + chunks.size)
-    for block in blocks(study, first, last):
+    for block in blocks_of(study, first, last):
         rows += len(block.rows)
         for reduction in found.values():
             reduction.add(block)
@@ -136,9 +136,9 @@ def _computed(chunks: Chunks, number: int) -> ComputedChunk:
 
 def _failed(chunks: Chunks, number: int, problem: str) -> ComputedChunk:
     """A chunk whose recording cannot be used."""
-    from alpha5_model.studies.sweep.reductions import reductions
+    from alpha5_model.studies.sweep.reductions import empty_reductions
 
-    nothing = reductions(chunks.study)
+    nothing = empty_reductions(chunks.study)
     part = _part(chunks, nothing, rows=0, problem=problem)
     return ComputedChunk(number=number, rows=None, part=part)
 

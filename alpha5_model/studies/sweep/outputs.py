@@ -66,14 +66,16 @@ def read_output(name: str, given: Any, grid: Mapping[str, Sequence[Any]]) -> Out
     if form == "quantile":
         levels = _levels(f"{place}.levels", levels)
 
-    is_histogram = form == "histogram"
-    bins = count(f"{place}.bins", table.get("bins") if is_histogram else 1)
+    bins = 1
+    ends: Any = (0, 1)
+    if form == "histogram":
+        bins = count(f"{place}.bins", table.get("bins"))
+        ends = table.get("range")
     groups = math.prod(len(grid[axis]) for axis in by)
     if max(bins, groups) > MOST:
         raise InputError(place, given, f"at most {MOST} groups or bins")
 
     unit, *columns = QUANTITIES[quantity]
-    ends = table.get("range") if is_histogram else (0, 1)
     return Output(
         quantity=quantity,
         unit=unit,

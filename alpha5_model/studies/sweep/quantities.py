@@ -17,15 +17,15 @@ _OF_MOTORS = {"current", "power"}
 _OF_MOUNT = {"mount_force", "mount_moment"}
 
 
-def quantities(
-    wanted: Set[str], case: ArmOfCase, motion: SmoothMotion
+def quantities_of(
+    case: ArmOfCase, motion: SmoothMotion, wanted: Set[str]
 ) -> dict[str, FloatArray]:
     """The quantities that a study keeps, by name, (n, 4) each; there may be more.
 
     Args:
-        wanted: Their names.
         case: The arm and its motors.
         motion: Of n states.
+        wanted: Names of the quantities.
     """
     arm = case.arm
     q = motion.position

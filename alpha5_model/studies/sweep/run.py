@@ -123,10 +123,10 @@ def _check_packages() -> None:
 
 def _check_targets(source: PathLike, study: Study, target: Path) -> None:
     """Refuse a folder in which a result cannot be written."""
-    from alpha5_model.studies.sweep.reductions import reductions
+    from alpha5_model.studies.sweep.reductions import empty_reductions
 
     check_outputs([source], folder=(target / "study.toml", (".toml",)))
-    for name in reductions(study):
+    for name in empty_reductions(study):
         check_outputs((), output=(target / f"{name}.parquet", (".parquet",)))
     check_outputs((), output=(target / "summary.json", (".json",)))
 
@@ -145,9 +145,9 @@ def _write_chunk(chunk: ComputedChunk, target: Path, name: str) -> None:
 
 def _merged(study: Study, files: list[Path]) -> Sweep:
     """The results of all parts together."""
-    from alpha5_model.studies.sweep.reductions import reductions
+    from alpha5_model.studies.sweep.reductions import empty_reductions
 
-    whole = reductions(study)
+    whole = empty_reductions(study)
     rows = 0
     failures = {}
     for k, file in enumerate(files):

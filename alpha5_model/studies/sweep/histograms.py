@@ -1,0 +1,80 @@
+"""Counts of the numbers of a quantity between edges: histograms and quantiles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.studies.sweep.blocks import Block
+from alpha5_model.studies.sweep.outputs import Output
+from alpha5_model.studies.sweep.reduction import IntArray, Reduction
+
+#: Edges of a quantile's bins: sizes from 2^-20 to 2^20, 256 to an octave.
+QUANTILE_EDGES = np.outer(
+    np.ldexp(1.0, np.arange(-20, 20)), 1 + np.arange(256) / 256
+).ravel()
+
+
+class Histogram(Reduction):
+    """How many numbers fall between two edges, below the first and above the last."""
+
+    def __init__(self, output: Output, edges: FloatArray | None = None) -> None:
+        if edges is None:
+            low, high = output.range
+            edges = np.linspace(low, high, output.bins + 1)
+        self._inner_edges = edges
+        self._edges = np.concatenate([[-np.inf], edges, [np.inf]])
+        super().__init__(output, groups=len(edges) + 1)
+
+    def add(self, block: Block) -> None:
+        """Take in the quantities of a block; NaN counts for nothing."""
+        values = block.quantities[self.output.quantity]
+        place = np.searchsorted(self._inner_edges, values, side="right")
+        keys = place + self.first_keys()
+        np.add.at(self.counts, keys[~np.isnan(values)], 1)
+
+    def merge(self, keys: IntArray, values: FloatArray, counts: IntArray) -> None:
+        """Take in counts of some keys, which may repeat."""
+        np.add.at(self.counts, keys, counts)
+
+    def known(self) -> NDArray[np.intp]:
+        """The keys that have something."""
+        return np.flatnonzero(self.counts)
+
+    def result(self) -> dict[str, Any]:
+        """The edges of each bin, then the counts of each column."""
+        return {
+            "low": self._edges[:-1],
+            "high": self._edges[1:],
+            **self.counts_by_column(),
+        }
+
+
+class Quantiles(Histogram):
+    """Bins so fine that they tell quantiles."""
+
+    def __init__(self, output: Output) -> None:
+        edges = np.concatenate([-QUANTILE_EDGES[::-1], QUANTILE_EDGES])
+        super().__init__(output, edges)
+
+    def result(self) -> dict[str, Any]:
+        """The levels, then for each column the edges of the bins that they are in."""
+        levels = np.array(self.output.levels)
+        table: dict[str, Any] = {"level": levels}
+        edges = np.append(self._edges, np.nan)  # NaN if there are no numbers at all
+        for name, counts in self.counts_by_column().items():
+            place = _bins_of_levels(levels, counts)
+            table[f"{name}_low"] = edges[place]
+            table[f"{name}_high"] = edges[place + 1]
+        return table
+
+
+def _bins_of_levels(levels: FloatArray, counts: IntArray) -> NDArray[np.intp]:
+    """The bins in which quantiles are; behind the last one if there are no numbers."""
+    up_to_bin = np.cumsum(counts)
+    total = up_to_bin[-1]
+    wanted = np.maximum(np.ceil(levels * total), 1)
+    return np.asarray(np.searchsorted(up_to_bin, wanted))
