@@ -13,7 +13,7 @@ from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import pose
 from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
 from alpha5_model.geometry.drawing import frames_in_links
-from alpha5_model.geometry.parts import ribbon
+from alpha5_model.geometry.finger_part import ribbon
 from alpha5_model.geometry.primitives import Primitive, box, box_around, cylinder
 from alpha5_model.numbers.jaws import GRIPPERS, Jaws, split_link_4
 from alpha5_model.numbers.parameters import parameters
@@ -179,20 +179,35 @@ def _sides_of_shell(dimensions: Dimensions) -> list[Primitive]:
 
 def _upper_arm(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.upper_arm
-    radius = dimensions.radius
-    middle = d.drop / 2
-    start = d.mitre + d.slabs[-1]
-    tube = cylinder(radius, start, d.reach - start, "x", (0.0, middle, 0.0))
+    start = _start_of_tube(dimensions)
+    middle = (0.0, d.drop / 2, 0.0)
+    tube = cylinder(dimensions.radius, start, d.reach - start, "x", middle)
 
-    near = [cylinder(radius, d.barrel_low, d.barrel_high, "z")]
-    for low, high, half in _slabs(d.slabs, radius):
-        corner = (d.mitre + low, middle - half, low)
-        near.append(box(corner, (start + 1.0, middle + half, high)))
-    neck_end = (d.mitre + d.barrel_high, d.neck, d.barrel_high)
-    near.append(box((14.0, 2.1, 3.0), neck_end))
-
+    one_end = _end_of_upper_arm(dimensions)
     to_other_end = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
-    return [tube, *near, *(shape.moved(to_other_end) for shape in near)]
+    other_end = [shape.moved(to_other_end) for shape in one_end]
+    return [tube, *one_end, *other_end]
+
+
+def _start_of_tube(dimensions: Dimensions) -> float:
+    """x from which the upper arm's tube is whole."""
+    d = dimensions.upper_arm
+    return float(d.mitre + d.slabs[-1])
+
+
+def _end_of_upper_arm(dimensions: Dimensions) -> list[Primitive]:
+    """Barrel, tube up to its cut at 45 deg, slab by slab, and neck."""
+    d = dimensions.upper_arm
+    y = d.drop / 2
+    far = _start_of_tube(dimensions) + 1.0
+    shapes = [cylinder(dimensions.radius, d.barrel_low, d.barrel_high, "z")]
+    for low, high, half in _slabs(d.slabs, dimensions.radius):
+        near = d.mitre + low
+        shapes.append(box((near, y - half, low), (far, y + half, high)))
+
+    end_of_neck = (d.mitre + d.barrel_high, d.neck, d.barrel_high)
+    shapes.append(box((14.0, 2.1, 3.0), end_of_neck))
+    return shapes
 
 
 def _wrist(dimensions: Dimensions) -> Primitive:
@@ -234,9 +249,10 @@ def _box_of_blade(
     d = dimensions.finger
     jaws = dimensions.jaws
     # Near the tip, the half below the middle ends before the plane where fingers meet.
-    limit = np.array([jaws.pivot_offset + side * d.hook, jaws.finger_length + 0.0])
+    meeting_x = jaws.pivot_offset + side * d.hook
     outline = ribbon(d, start, stop)
-    outline = np.minimum(outline[outline[:, 0] < limit[0] + 2.0], limit)
+    outline = outline[outline[:, 0] < meeting_x + 2.0]
+    outline = np.minimum(outline, (meeting_x, jaws.finger_length))
 
     half = _half_width(dimensions, outline)
     bottom = -0.2 if side > 0 else -half

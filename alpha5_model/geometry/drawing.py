@@ -15,6 +15,7 @@ from alpha5_model._support.spatial import pose, transform
 from alpha5_model.errors import InputError
 from alpha5_model.geometry import parts
 from alpha5_model.geometry.dimensions import Dimensions, drawn_dimensions
+from alpha5_model.geometry.finger_part import finger
 from alpha5_model.geometry.solid import Solid
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
@@ -40,8 +41,8 @@ _DRAWN = {
     "link_2": _Drawn(part=parts.upper_arm, low=0.5, high=14.0),
     "link_3": _Drawn(part=parts.shell, low=5.0, high=18.0),
     "link_4": _Drawn(part=parts.wrist, low=0.5, high=60.0),
-    "finger_1": _Drawn(part=parts.finger, low=2.0, high=10.5),
-    "finger_2": _Drawn(part=parts.finger, low=2.0, high=10.5),
+    "finger_1": _Drawn(part=finger, low=2.0, high=10.5),
+    "finger_2": _Drawn(part=finger, low=2.0, high=10.5),
 }
 
 

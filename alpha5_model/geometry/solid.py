@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,13 +33,39 @@ def kernel() -> Any:
     return manifold3d
 
 
+class Groove(NamedTuple):
+    """A ring groove of a cylinder; its walls slope by 30 deg from the radius.
+
+    Attributes:
+        middle: Height of its middle.
+        width: At the surface.
+        depth: Below the surface.
+    """
+
+    middle: float
+    width: float
+    depth: float
+
+    def outline(self, radius: float) -> list[tuple[float, float]]:
+        """Points (r, h) on a cylinder of a radius, from the bottom up."""
+        half = self.width / 2
+        slope = self.depth * math.tan(math.pi / 6)
+        floor = radius - self.depth
+        return [
+            (radius, self.middle - half),
+            (floor, self.middle - half + slope),
+            (floor, self.middle + half - slope),
+            (radius, self.middle + half),
+        ]
+
+
 def cylinder(
     radius: float,
     low: float,
     high: float,
     axis: str = "z",
     edges: tuple[float, float] = (0.0, 0.0),
-    grooves: Iterable[tuple[float, float, float]] = (),
+    grooves: Iterable[Groove] = (),
     segments: int = SEGMENTS,
 ) -> Solid:
     """A cylinder on an axis through the origin, with rounded edges and ring grooves.
@@ -48,31 +74,17 @@ def cylinder(
         radius: Outer radius.
         low, high: Heights of its faces.
         edges: Rounding at the low and the high face.
-        grooves: Each (height of its middle, width, depth), walls sloped by 30 deg from the radius.
+        grooves: Ring grooves.
     """
     low_edge, high_edge = edges
     outline = [(0.0, low), *_corner(radius, low, low_edge, -1.0)]
     for groove in sorted(grooves):
-        outline += _groove(radius, *groove)
+        outline += groove.outline(radius)
     outline += reversed(_corner(radius, high, high_edge, 1.0))
     outline.append((0.0, high))
 
     section = kernel().CrossSection([np.array(outline)])
     return section.revolve(segments).rotate(AXES[axis])
-
-
-def _groove(
-    radius: float, middle: float, width: float, depth: float
-) -> list[tuple[float, float]]:
-    """Points (r, h) of a ring groove, from the bottom up."""
-    half = width / 2
-    slope = depth * math.tan(math.pi / 6)
-    return [
-        (radius, middle - half),
-        (radius - depth, middle - half + slope),
-        (radius - depth, middle + half - slope),
-        (radius, middle + half),
-    ]
 
 
 def _corner(
@@ -106,7 +118,13 @@ def box(low: Sequence[float], high: Sequence[float]) -> Solid:
 
 
 def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
-    """A convex outline of (x, y) points between two heights, its long edges broken by ``edge``."""
+    """A convex outline between two heights.
+
+    Args:
+        outline: Its (x, y) points.
+        low, high: The heights.
+        edge: By how much its long edges are broken.
+    """
     k = kernel()
     section = k.CrossSection([np.asarray(outline, float)])
     outer = section.extrude(high - low - 2 * edge).translate([0, 0, low + edge])
@@ -116,7 +134,12 @@ def prism(outline: ArrayLike, low: float, high: float, edge: float) -> Solid:
 
 
 def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
-    """The solid through outlines with the same number of (x, y) points, counter-clockwise."""
+    """The solid through outlines at heights.
+
+    Args:
+        outlines: Each of the same number of (x, y) points, counter-clockwise, (n, 2).
+        heights: Of the outlines.
+    """
     k = kernel()
     n = len(outlines[0])
     last = len(outlines) - 1
@@ -132,7 +155,8 @@ def loft(outlines: Sequence[FloatArray], heights: Sequence[float]) -> Solid:
     side = np.column_stack(corners).reshape(-1, 3)
     sides = [side + n * i for i in range(last)]
 
-    faces = np.vstack([bottom[:, ::-1], top, *sides])
+    downward_bottom = bottom[:, ::-1]
+    faces = np.vstack([downward_bottom, top, *sides])
     return k.Manifold(k.Mesh64(vertices, faces.astype(np.uint64)))
 
 
@@ -145,4 +169,5 @@ def union(solids: Iterable[Solid]) -> Solid:
 def circle_of(solid: Solid, count: int, radius: float, start: float = 0.0) -> Solid:
     """Copies of a solid, equally spaced on a circle about z; ``start`` in degrees."""
     first = solid.translate([radius, 0, 0])
-    return union(first.rotate([0, 0, start + 360.0 * i / count]) for i in range(count))
+    angles = [start + 360.0 * i / count for i in range(count)]
+    return union(first.rotate([0, 0, angle]) for angle in angles)

@@ -1,0 +1,108 @@
+"""The two fingers: interlocking, curved, perforated, of bare metal. Lengths in mm."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.geometry.dimensions import Dimensions
+from alpha5_model.geometry.parts import Part
+from alpha5_model.geometry.solid import Solid, box, cylinder, kernel, loft, union
+
+#: Points on either side of a finger's blade.
+STATIONS = 33
+
+
+def finger(dimensions: Dimensions) -> Part:
+    """The finger in finger_1; free: the radius of the largest holes."""
+    d = dimensions.finger
+    half_thickness = dimensions.jaws.finger_width / 2
+    blade = _blade(d) ^ _plate(d)
+    lug = cylinder(
+        d.lug_radius, -half_thickness, half_thickness, edges=(0.5, 0.5), segments=36
+    )
+    pin = cylinder(d.pin_radius, -50, 50, segments=24)
+    outside = union([blade, lug])
+    outside -= _other_finger(dimensions)
+    outside -= _beyond_tip(dimensions)
+    outside -= pin
+
+    def perforated(radius: float) -> Solid:
+        holes = []
+        for y, share in d.holes:
+            hole = cylinder(share * radius, -50, 50, axis="x", segments=40)
+            holes.append(hole.translate([0, y, 0]))
+        return outside - union(holes)
+
+    return Part(outside=outside, cut=perforated)
+
+
+def _blade(d: SimpleNamespace) -> Solid:
+    """The curved plate in full width, its edges broken."""
+    edge = 0.6
+    half_width = d.width / 2
+    broken = ribbon(d, inset=edge)
+    full = ribbon(d)
+    heights = [-half_width, edge - half_width, half_width - edge, half_width]
+    return loft([broken, full, full, broken], heights)
+
+
+def _plate(d: SimpleNamespace) -> Solid:
+    """The outline of the blade seen along x, with round corners."""
+    k = kernel()
+    half = np.array(d.outline)
+    section = k.CrossSection([np.vstack([half * [1, -1], half[::-1]])])
+    for rounding in (-d.corner, d.corner):
+        section = section.offset(rounding, k.JoinType.Round, circular_segments=32)
+
+    # The section's axes come along y and z, its height along x.
+    across = np.array([[0, 0, 1, -100], [1, 0, 0, 0], [0, 1, 0, 0]], float)
+    return section.extrude(200).transform(across)
+
+
+def _other_finger(dimensions: Dimensions) -> Solid:
+    """The room of the other finger, beyond a stepped middle plane."""
+    d = dimensions.finger
+    middle = dimensions.jaws.pivot_offset - d.gap
+    lower = box((middle - d.hook, -50, -50), (50, 150, d.gap))
+    return lower + box((middle + d.hook, -50, -50), (50, 150, 50))
+
+
+def _beyond_tip(dimensions: Dimensions) -> Solid:
+    return box((-50, dimensions.jaws.finger_length, -50), (50, 200, 50))
+
+
+def ribbon(
+    d: SimpleNamespace, start: float = 0.0, stop: float = 1.0, inset: float = 0.0
+) -> FloatArray:
+    """Outline of the blade between two parameters, counter-clockwise, (2 n, 2) [mm].
+
+    It goes from start to stop on the inner side and back on the outer side.
+
+    Args:
+        d: Dimensions of the finger.
+        start, stop: Shares of the centre line.
+        inset: By how much the outline is drawn in.
+    """
+    from scipy.interpolate import CubicSpline
+
+    x, y, half_thickness = np.array(d.centre_line).T
+    steps = np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0]))
+    lengths = np.cumsum(steps)
+    knots = lengths / lengths[-1]
+    shares = np.linspace(start, stop, STATIONS)
+    points = CubicSpline(knots, np.column_stack([x, y]))(shares)
+    half = np.interp(shares, knots, half_thickness)
+
+    tangent = np.gradient(points, axis=0)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    to_the_right = normal * (half - inset)[:, None]
+
+    points[0] += inset * tangent[0]
+    points[-1] -= inset * tangent[-1]
+    inner_side = points + to_the_right
+    outer_side = points - to_the_right
+    return np.vstack([inner_side, outer_side[::-1]])
