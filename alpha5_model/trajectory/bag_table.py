@@ -10,21 +10,15 @@ from numpy.typing import NDArray
 
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model._support.files import PathLike
-from alpha5_model.trajectory.bag_messages import (
-    Message,
-    Selection,
-    joint_states,
-    select,
-)
+from alpha5_model.trajectory.bag_messages import Message, joint_states, select
 from alpha5_model.trajectory.file_table import FileTable, Progress, seconds
 from alpha5_model.trajectory.warning import MotionWarning
 
 _IntArray = NDArray[np.int64]
+#: A message of a topic and its number, from 1.
+_Numbered = tuple[int, Message]
 #: Stamps below this are simulated times, which start at zero [ns].
 _SIMULATED = 10**11
-#: Quantities of a joint in a message, and the endings of their columns.
-_POSITION, _VELOCITY, _EFFORT = range(3)
-_ENDINGS = {_POSITION: "", _VELOCITY: "_vel", _EFFORT: "_effort"}
 
 
 class BagTable(FileTable):
@@ -36,8 +30,6 @@ class BagTable(FileTable):
         prefix: What stands before the joints' names in the bag.
     """
 
-    header: list[str]
-
     def __init__(
         self,
         path: PathLike,
@@ -45,30 +37,29 @@ class BagTable(FileTable):
         prefix: str | None,
         progress: Progress | None,
     ) -> None:
-        messages = joint_states(path, topic, progress)
-        chosen = select(path, messages, prefix)
-        stream = messages[chosen.topic]
-
-        found = _samples(stream, chosen.joints)
-        time = _time(found)
-        order = np.argsort(time, kind="stable")
-        in_order = _without_missing_rod(found.rows(order))
-        whole = _all_finite(in_order.values[:, _POSITION])
-        samples = in_order.rows(whole)
-        samples_time = time[order][whole]
+        streams = joint_states(path, topic, progress)
+        chosen = select(path, streams, prefix)
+        stream = streams[chosen.topic]
+        complete = _complete(stream, chosen.joints)
+        recorded = _samples(complete, chosen.joints)
+        in_order = recorded.take(np.argsort(recorded.time, kind="stable"))
+        with_known_joints = _without_missing_rod(in_order)
+        samples = with_known_joints.take(_all_finite(with_known_joints.position))
 
         self.prefix = chosen.prefix
+        self.ignored = _other_names(stream, samples.joints)
+        self.warnings = _warnings(chosen.topic, stream, complete, recorded, samples)
         self._topic = chosen.topic
         self._numbers = samples.number
-        self.warnings = _warnings(stream, chosen, found, in_order, samples)
-        self.ignored = _other_names(stream, samples.joints)
 
-        self.header = ["time"]
-        columns = [seconds(samples_time.tolist(), 10**9)]
-        for k in _quantities(samples):
-            self.header += [joint + _ENDINGS[k] for joint in samples.joints]
-            columns.append(samples.values[:, k])
-        self._columns = np.column_stack(columns)
+        quantities = {"": samples.position, "_vel": samples.velocity}
+        if samples.without_velocity().size:
+            del quantities["_vel"]
+        quantities["_effort"] = samples.effort
+        names = [joint + ending for ending in quantities for joint in samples.joints]
+        time = seconds(samples.time.tolist(), 10**9)
+        self.header = ["time", *names]
+        self._columns = np.column_stack([time, *quantities.values()])
 
     def read(self, needed: list[int], efforts: list[int]) -> tuple[FloatArray, str]:
         """The numbers of some columns; see `FileTable.read`."""
@@ -81,96 +72,106 @@ class BagTable(FileTable):
 
 
 class _Samples(NamedTuple):
-    """Messages that have a position of each joint of the arm.
+    """What the messages of a topic say about the arm.
 
     Attributes:
         joints: Names of the n joints in the messages.
         number: (N,) Which message of the topic it is.
-        received: (N,) When it was recorded [ns].
-        stamp: (N,) The time it states, 0 if none [ns].
-        values: (N, 3, n) Positions, velocities and efforts, NaN if it has none.
+        time: (N,) [ns].
+        position, velocity, effort: (N, n); NaN for what a message does not have.
     """
 
     joints: list[str]
     number: _IntArray
-    received: _IntArray
-    stamp: _IntArray
-    values: FloatArray
+    time: _IntArray
+    position: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
 
-    def rows(self, which: NDArray[Any]) -> _Samples:
-        """Some of the messages, by their places or by a mask."""
-        return self._replace(
+    def take(self, which: NDArray[Any]) -> _Samples:
+        """Some of the samples, by their places or by a mask."""
+        return _Samples(
+            joints=self.joints,
             number=self.number[which],
-            received=self.received[which],
-            stamp=self.stamp[which],
-            values=self.values[which],
+            time=self.time[which],
+            position=self.position[which],
+            velocity=self.velocity[which],
+            effort=self.effort[which],
         )
 
+    def without_velocity(self) -> _IntArray:
+        """The messages that lack a velocity of some joint."""
+        return self.number[~_all_finite(self.velocity)]
 
-def _samples(stream: list[Message], joints: list[str]) -> _Samples:
-    """The messages that have a position of each joint, in the order of the bag."""
+
+def _complete(stream: list[Message], joints: list[str]) -> list[_Numbered]:
+    """The messages that have a position of each joint."""
     wanted = {*joints}
-    missing = [np.nan] * len(joints)
-    rows = []
-    values = []
+    complete = []
     for number, message in enumerate(stream, start=1):
-        content = message.content
-        count = len(content.name)
-        if len(content.position) != count or not wanted <= {*content.name}:
-            continue
-        at = [content.name.index(name) for name in joints]
-        fields = (content.position, content.velocity, content.effort)
-        values.append([x[at] if len(x) == count else missing for x in fields])
-        rows.append((number, message.received, message.stamp))
+        names = message.content.name
+        if len(message.content.position) == len(names) and wanted <= {*names}:
+            complete.append((number, message))
+    return complete
 
-    number_column, received, stamp = np.array(rows, dtype=np.int64).reshape(-1, 3).T
+
+def _samples(complete: list[_Numbered], joints: list[str]) -> _Samples:
+    """The positions, velocities and efforts of the joints in the order of the bag.
+
+    Times are the stamps of the messages, or those of recording if some have no stamp.
+    """
+    by_stamp = not _unstamped(complete)
+    times = [m.stamp if by_stamp else m.received for _, m in complete]
+    missing = [np.nan] * len(joints)
+    positions = []
+    velocities = []
+    efforts = []
+    for _, message in complete:
+        content = message.content
+        names = content.name
+        at = [names.index(joint) for joint in joints]
+        has_velocity = len(content.velocity) == len(names)
+        has_effort = len(content.effort) == len(names)
+        positions.append(content.position[at])
+        velocities.append(content.velocity[at] if has_velocity else missing)
+        efforts.append(content.effort[at] if has_effort else missing)
+
+    shape = (len(complete), len(joints))
     return _Samples(
         joints=joints,
-        number=number_column,
-        received=received,
-        stamp=stamp,
-        values=np.array(values).reshape(-1, 3, len(joints)),
+        number=np.array([number for number, _ in complete], dtype=np.int64),
+        time=np.array(times, dtype=np.int64),
+        position=np.array(positions, dtype=float).reshape(shape),
+        velocity=np.array(velocities, dtype=float).reshape(shape),
+        effort=np.array(efforts, dtype=float).reshape(shape),
     )
 
 
-def _unstamped(samples: _Samples) -> _IntArray:
+def _unstamped(complete: list[_Numbered]) -> list[int]:
     """The messages that state no time."""
-    numbers: _IntArray = samples.number[samples.stamp == 0]
-    simulated = np.count_nonzero(samples.stamp < _SIMULATED)
-    if numbers.size == 1 and simulated > 1:
-        return numbers[:0]  # simulated time starts at zero
-    return numbers
-
-
-def _time(samples: _Samples) -> _IntArray:
-    """Times of the messages [ns]: their stamps, if all of them have one."""
-    return samples.received if _unstamped(samples).size else samples.stamp
+    unstamped = [number for number, message in complete if message.stamp == 0]
+    simulated = [number for number, message in complete if message.stamp < _SIMULATED]
+    if len(unstamped) == 1 and len(simulated) > 1:
+        return []  # simulated time starts at zero
+    return unstamped
 
 
 def _without_missing_rod(samples: _Samples) -> _Samples:
     """The samples without the jaw rod, if it is the one joint that has no positions."""
-    unknown = np.isnan(samples.values[:, _POSITION]).all(axis=0)
+    unknown = np.isnan(samples.position).all(axis=0)
     if unknown.tolist() != [False, False, False, False, True]:
         return samples
-    return samples._replace(joints=samples.joints[:4], values=samples.values[..., :4])
-
-
-def _without_velocity(samples: _Samples) -> _IntArray:
-    """The messages that lack a velocity of some joint."""
-    known = _all_finite(samples.values[:, _VELOCITY])
-    return samples.number[~known]
+    return samples._replace(
+        joints=samples.joints[:4],
+        position=samples.position[:, :4],
+        velocity=samples.velocity[:, :4],
+        effort=samples.effort[:, :4],
+    )
 
 
 def _all_finite(values: FloatArray) -> BoolArray:
     """Which rows (N, n) hold only finite numbers, (N,)."""
     return np.asarray(np.isfinite(values).all(axis=1))
-
-
-def _quantities(samples: _Samples) -> list[int]:
-    """What the columns are: velocities only if each message has them."""
-    if _without_velocity(samples).size:
-        return [_POSITION, _EFFORT]
-    return [_POSITION, _VELOCITY, _EFFORT]
 
 
 def _other_names(stream: list[Message], joints: list[str]) -> tuple[str, ...]:
@@ -180,27 +181,27 @@ def _other_names(stream: list[Message], joints: list[str]) -> tuple[str, ...]:
 
 
 def _warnings(
+    topic: str,
     stream: list[Message],
-    chosen: Selection,
-    found: _Samples,
-    in_order: _Samples,
+    complete: list[_Numbered],
+    recorded: _Samples,
     samples: _Samples,
 ) -> tuple[MotionWarning, ...]:
     """What is odd in the messages of a topic.
 
     Args:
-        stream: All messages of the topic.
-        chosen: The topic and the arm's joints.
-        found: The messages that have a position of each joint, in the order of the bag.
-        in_order: The same in the order of time.
-        samples: Those of them whose positions are all finite.
+        topic: Its name.
+        stream: All its messages.
+        complete: Those that have a position of each joint.
+        recorded: The same as samples, in the order of the bag.
+        samples: Those of them whose positions are finite, in the order of time.
     """
-    partial = np.setdiff1d(range(1, len(stream) + 1), found.number)
-    not_finite = np.setdiff1d(in_order.number, samples.number, assume_unique=True)
-    runs_back = found.number[1:][np.diff(_time(found)) < 0]
-    publishers = _publishers(stream, found)
-    slow = _without_velocity(samples)
-    some_velocities = slow.size < samples.number.size
+    partial = np.setdiff1d(range(1, len(stream) + 1), recorded.number)
+    not_finite = np.setdiff1d(recorded.number, samples.number)
+    runs_back = recorded.number[1:][np.diff(recorded.time) < 0]
+    first_messages = _first_messages(complete)
+    slow = samples.without_velocity()
+    some_have_velocity = slow.size < samples.number.size
 
     odd: list[tuple[str, Sequence[int] | _IntArray, str]] = [
         (
@@ -215,7 +216,7 @@ def _warnings(
         ),
         (
             "no_stamp",
-            _unstamped(found),
+            _unstamped(complete),
             "no stamp; all times are those of recording",
         ),
         (
@@ -225,12 +226,12 @@ def _warnings(
         ),
         (
             "publishers",
-            [*publishers.values()][1:],
-            f"publishers: {', '.join(sorted(publishers))}",
+            [*first_messages.values()][1:],
+            f"publishers: {', '.join(sorted(first_messages))}",
         ),
         (
             "velocity",
-            slow if some_velocities else [],
+            slow if some_have_velocity else [],
             "no velocities, so none is used",
         ),
     ]
@@ -238,7 +239,7 @@ def _warnings(
         MotionWarning(
             kind=kind,
             count=len(numbers),
-            first=f"message {min(numbers)} of {chosen.topic}",
+            first=f"message {min(numbers)} of {topic}",
             text=text,
         )
         for kind, numbers, text in odd
@@ -246,9 +247,9 @@ def _warnings(
     )
 
 
-def _publishers(stream: list[Message], samples: _Samples) -> dict[str, int]:
-    """Who sent the messages, and the first one of each."""
+def _first_messages(complete: list[_Numbered]) -> dict[str, int]:
+    """Publisher -> its first message."""
     first: dict[str, int] = {}
-    for number in samples.number.tolist():
-        first.setdefault(stream[number - 1].publisher, number)
+    for number, message in complete:
+        first.setdefault(message.publisher, number)
     return first

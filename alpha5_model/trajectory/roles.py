@@ -89,7 +89,8 @@ class _Columns:
         self._table = table
         self._named = joint_columns(table.header, asked)
         # If no group has all joints, a message of `only` says what is missing.
-        self._group = only_choice("prefix", groups(self._named, asked) or [asked or ""])
+        complete = groups(self._named, asked) or [asked or ""]
+        self._group = only_choice("prefix", complete)
         self._arm: list[Column] = [
             column for column in self._named if column.group == self._group
         ]
@@ -115,8 +116,8 @@ class _Columns:
         """
         header = self._table.header
         if len(names) == 1:
-            columns = {name: column for column, name in enumerate(header)}
-            return columns[names[0]]
+            column_of = {name: column for column, name in enumerate(header)}
+            return column_of[names[0]]
         if names:
             problem = f"two columns for {what}: {', '.join(names)}"
         else:
@@ -130,9 +131,8 @@ class _Columns:
         reasons = explained(self._named, joint)
         if reasons:
             missing += f"; {reasons}"
-        return self.only(
-            self.names(joint, POSITION), f"the position of {joint}", missing
-        )
+        names = self.names(joint, POSITION)
+        return self.only(names, f"the position of {joint}", missing)
 
     def velocities(self, joints: Sequence[str]) -> list[int]:
         """The columns with the velocities of all joints; none if none is recorded."""
