@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from alpha5_model.description.srdf import named_pose
     from alpha5_model.dynamics import actuators
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.buoyancy import Vehicle
     from alpha5_model.dynamics.collision import without_self_collision
     from alpha5_model.dynamics.load import load, robot_wrapper
     from alpha5_model.kinematics import workspace
@@ -47,6 +46,7 @@ if TYPE_CHECKING:
     from alpha5_model.studies.uncertainty import identify
     from alpha5_model.theory import dh, planar
     from alpha5_model.viewer import view
+    from alpha5_model.water.vehicle import Vehicle
 
 # For checkers of types, which need the names written out; a name that is not imported above they report.
 __all__ = [
@@ -108,7 +108,6 @@ _DEFINED = {
     "codegen.kernels.choice": ("backend",),
     "description.srdf": ("named_pose",),
     "dynamics.arm": ("Arm",),
-    "dynamics.buoyancy": ("Vehicle",),
     "dynamics.collision": ("without_self_collision",),
     "dynamics.load": ("load", "robot_wrapper"),
     "kinematics.ik": ("BRANCHES", "inverse_kinematics", "published_inverse_kinematics"),
@@ -124,6 +123,7 @@ _DEFINED = {
     "studies.sweep": ("sweep",),
     "studies.uncertainty": ("identify",),
     "viewer": ("view",),
+    "water.vehicle": ("Vehicle",),
 }
 #: Public modules.
 _MODULES = (

@@ -22,7 +22,7 @@ from alpha5_model.codegen.functions import SUMMARIES, casadi, products
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.program import program
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.kinematics.plane import DOUBLE

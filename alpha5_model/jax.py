@@ -24,7 +24,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, instance
 from alpha5_model.codegen.kernels.generated import formulas, products
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
 from alpha5_model.kinematics.plane import DOUBLE, SINGLE

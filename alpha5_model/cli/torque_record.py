@@ -104,14 +104,14 @@ def torque_record(
 
 def _causes(arm: Arm, state: State) -> dict[str, FloatArray]:
     """Torque of each joint by cause, in still water."""
-    from alpha5_model.dynamics.batch import torque_terms
+    from alpha5_model.dynamics.torque_causes import torque_terms
 
     terms = torque_terms(arm, *state, threads=1)
     return {term: getattr(terms, term)[0] for term in TERMS}
 
 
 def _moving_water(arm: Arm, state: State, current: list[float]) -> _MovingWater:
-    from alpha5_model.dynamics.batch import water_terms
+    from alpha5_model.water.terms import water_terms
 
     q, v, a = (np.array([numbers]) for numbers in state)
     terms = water_terms(arm, q, v, a, current)

@@ -21,11 +21,18 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, frozen, instance, listed, real
-from alpha5_model.dynamics import batch
 from alpha5_model.dynamics import buoyancy as hydrostatics
-from alpha5_model.dynamics.batch import Regressor, kernel_rows, regressor
-from alpha5_model.dynamics.buoyancy import Displacement, Vehicle, on_free_flyer
+from alpha5_model.dynamics.batch import kernel_rows
+from alpha5_model.dynamics.buoyancy import Displacement
 from alpha5_model.dynamics.dimensions import check_dimensions, check_limits
+from alpha5_model.dynamics.kernel_numbers import kernel_parameters
+from alpha5_model.dynamics.model_changes import (
+    added_body,
+    on_free_flyer,
+    with_payload,
+)
+from alpha5_model.dynamics.regression import Regressor, regressor
+from alpha5_model.dynamics.scratch import Scratch
 from alpha5_model.dynamics.states import (
     Embedding,
     Partials,
@@ -41,6 +48,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 
 if TYPE_CHECKING:
     from alpha5_model.water.arm import ArmOnVehicle, HydrodynamicArm
+    from alpha5_model.water.vehicle import Vehicle
 
 # Bound once: beside a call of 0.3 us the look-up of a module's attribute can be measured.
 _Algorithm = Callable[..., FloatArray]
@@ -126,7 +134,7 @@ class Arm:
         self.fluid_model = self._fluid.copy()
         self.floating_base = model.joints[1].nq == 7
         self._net = hydrostatics.net_weight_model(model, self._fluid)
-        self._own = batch.Scratch(self._model, self._fluid, self._net, self.model)
+        self._own = Scratch(self._model, self._fluid, self._net, self.model)
         self._clean_q: _Algorithm = state_check(self._model)
         self._frames = {frame.name: i for i, frame in enumerate(model.frames)}
         # Pinocchio leaves bodies fixed to the universe (link_0 on a fixed base) out of its sums.
@@ -587,9 +595,8 @@ class Arm:
             ImplausibleWarning: A mass, distance, volume or density that is most likely meant in
                 another unit, such as 500 g or 20 mm.
         """
-        model, displaced = hydrostatics.with_body(
-            self._arguments[0], frame, mass, com, inertia, volume, cob
-        )
+        body = added_body(mass, com, inertia, volume, cob)
+        model, displaced = with_payload(self._arguments[0], frame, body)
         return self._made_of(model, (*self.displacements, displaced))
 
     def with_hydrodynamics(
@@ -673,7 +680,7 @@ class Arm:
 
     @cached_property
     def _kernel_parameters(self) -> FloatArray | None:
-        return batch.kernel_parameters(self)
+        return kernel_parameters(self)
 
     @property
     def _arguments(self) -> tuple[Any, ...]:

@@ -1,4 +1,7 @@
-"""Whether an arm has the catalogue's dimensions: what was made for those refuses other arms."""
+"""Whether an arm has the catalogue's dimensions and limits.
+
+What was made for those refuses other arms.
+"""
 
 from __future__ import annotations
 
@@ -13,21 +16,30 @@ from alpha5_model.description.bodies import (
     tcp_placement,
 )
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
-#: How far a joint may be from its place [m], and turned from it [rad], where a closed form or a
-#: kernel answers: what rounding does to the numbers of a file.
+#: How far a joint may be from its place [m], and turned from it [rad], for a closed form
+#: or a kernel: what rounding does to the numbers of a file.
 EXACT = 1e-9
-#: The same where bodies answer. Primitives enclose the drawn bodies within 3 mm; sets of numbers
-#: that round to the printed ones differ by 2 mm.
+#: The same for drawn bodies. Primitives enclose them within 3 mm; sets of numbers that
+#: round to the printed ones differ by 2 mm.
 DRAWN = 3e-3
 #: Turns of this arm move a point by at most its reach [m].
 _REACH = 0.5
 
 
+def made_for() -> Alpha5Parameters:
+    """The arm that the kernels, the drawn bodies and the estimated water were made for.
+
+    Those are files of the package, so this is the catalogue's arm.
+    """
+    return parameters()
+
+
 def has_dimensions(model: Any, tolerance: float = EXACT) -> bool:
     """Whether `check_dimensions` passes."""
-    return _farthest(model)[1] <= tolerance
+    _, distance = _farthest(model, made_for())
+    return distance <= tolerance
 
 
 def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> None:
@@ -41,16 +53,16 @@ def check_dimensions(model: Any, needed_for: str, tolerance: float = EXACT) -> N
     Raises:
         InputError: A joint or the tcp is elsewhere, or not there.
     """
-    name, distance = _farthest(model)
+    name, distance = _farthest(model, made_for())
     if distance <= tolerance:
         return
-    found = (
-        f"an arm without {name}"
-        if np.isinf(distance)
-        else f"{name} {distance * 1e3:.3g} mm off"
-    )
+
+    missing = np.isinf(distance)
+    off = f"{name} {distance * 1e3:.3g} mm off"
     raise InputError(
-        "arm", found, f"the dimensions of Table 1, for which {needed_for} was made"
+        "arm",
+        f"an arm without {name}" if missing else off,
+        f"the dimensions of Table 1, for which {needed_for} was made",
     )
 
 
@@ -60,20 +72,26 @@ def check_limits(model: Any, needed_for: str) -> None:
     Raises:
         InputError: One of them has others.
     """
-    for joint in parameters().joints[:4]:
+    for joint in made_for().joints[:4]:
         at = model.joints[model.getJointId(joint.name)].idx_q
-        found = model.lowerPositionLimit[at], model.upperPositionLimit[at]
-        if np.abs(np.subtract(found, (joint.lower, joint.upper))).max() > EXACT:
-            given = f"{joint.name} from {found[0]:.6g} to {found[1]:.6g} rad"
+        lower = model.lowerPositionLimit[at]
+        upper = model.upperPositionLimit[at]
+        if max(abs(lower - joint.lower), abs(upper - joint.upper)) > EXACT:
             raise InputError(
-                "arm", given, f"the catalogue's limits, for which {needed_for} was made"
+                "arm",
+                f"{joint.name} from {lower:.6g} to {upper:.6g} rad",
+                f"the catalogue's limits, for which {needed_for} was made",
             )
 
 
-def _farthest(model: Any) -> tuple[str, float]:
-    """Name of the joint that is farthest from its place, or ``tcp``, and how far [m]."""
-    p = parameters()
-    names = [joint.name for joint in p.joints[:4]]
+def _farthest(model: Any, parameters: Alpha5Parameters) -> tuple[str, float]:
+    """The joint of a model that is farthest from its place in a record.
+
+    Returns:
+        Name of the joint, or ``tcp``, and how far off it is [m]; infinity if the model
+        does not have it.
+    """
+    names = [joint.name for joint in parameters.joints[:4]]
     for name in names:
         if not model.existJointName(name):
             return name, np.inf
@@ -81,10 +99,12 @@ def _farthest(model: Any) -> tuple[str, float]:
         if not model.existFrame(name):
             return name, np.inf
 
-    base, first, *rest = (
-        pose(at.xyz, at.rpy)
-        for at in (base_placement(p), *joint_placements(p), tcp_placement(p))
-    )
+    placements = [
+        base_placement(parameters),
+        *joint_placements(parameters),
+        tcp_placement(parameters),
+    ]
+    base, first, *rest = (pose(at.xyz, at.rpy) for at in placements)
     ours = [base @ first, *rest]
 
     to_base = model.frames[model.getFrameId("base_link")].placement.inverse()

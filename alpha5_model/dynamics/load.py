@@ -23,7 +23,8 @@ from alpha5_model.description.reading import UrdfJoint, parse_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.buoyancy import Displacement, displacements
-from alpha5_model.dynamics.kernel_arm import JawArm, KernelArm, mimicking
+from alpha5_model.dynamics.jaw_arm import JawArm, mimicking
+from alpha5_model.dynamics.kernel_arm import KernelArm
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER, density_of

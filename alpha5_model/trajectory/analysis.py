@@ -24,7 +24,7 @@ from alpha5_model.trajectory.warning import MotionWarning
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.batch import WaterTerms
+    from alpha5_model.water.terms import WaterTerms
 
 #: Bandwidth at which velocities and positions are compared [Hz], and as a share of the
 #: sample rate.

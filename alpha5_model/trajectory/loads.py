@@ -13,7 +13,7 @@ from alpha5_model.trajectory.smoothing import SmoothMotion
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
-    from alpha5_model.dynamics.batch import WaterTerms
+    from alpha5_model.water.terms import WaterTerms
 
 #: Samples computed between two reports of progress.
 _CHUNK = 25_000
@@ -81,11 +81,9 @@ def _part(
     threads: int | None,
 ) -> Loads:
     """`loads_of` some samples."""
-    from alpha5_model.dynamics.batch import (
-        frame_positions,
-        torque_terms,
-        water_terms,
-    )
+    from alpha5_model.dynamics.batch import frame_positions
+    from alpha5_model.dynamics.torque_causes import torque_terms
+    from alpha5_model.water.terms import water_terms
 
     q = motion.position[samples]
     v = motion.velocity[samples]
@@ -104,7 +102,7 @@ def _part(
 
 def _joined(parts: list[WaterTerms | None]) -> WaterTerms | None:
     """What a current adds to all samples; None without a current."""
-    from alpha5_model.dynamics.batch import WaterTerms
+    from alpha5_model.water.terms import WaterTerms
 
     found = [part for part in parts if part is not None]
     if not found:

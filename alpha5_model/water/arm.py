@@ -26,7 +26,6 @@ from alpha5_model._support.checks import (
 from alpha5_model.codegen.kernels import choice as kernels
 from alpha5_model.codegen.water_parameters import water_parameters
 from alpha5_model.dynamics.batch import kernel_rows, solved_rows
-from alpha5_model.dynamics.buoyancy import Trim, Vehicle, afloat, carrying, trim
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions
 from alpha5_model.dynamics.states import Partials, forces, rows
 from alpha5_model.numbers import plausibility
@@ -36,8 +35,8 @@ from alpha5_model.numbers.hydrodynamics import (
     DragStrip,
     hydrodynamics,
 )
-from alpha5_model.numbers.parameters import parameters
 from alpha5_model.water.tree import HydrodynamicTree, JointWater
+from alpha5_model.water.vehicle import Trim, Vehicle, afloat, carrying, static_trim
 
 #: One state in each row, or one for all.
 Rows = ArrayLike
@@ -399,7 +398,9 @@ class HydrodynamicArm:
             for name in joints
         ]
         added = self._tree.water.added_mass[1:]
-        water = water_parameters(added, strips, self.still.fluid_density, parameters())
+        water = water_parameters(
+            added, strips, self.still.fluid_density, self.still.parameters
+        )
         return None if water is None else np.concatenate([still + water[0], water[1]])
 
     @cached_property
@@ -480,7 +481,7 @@ class ArmOnVehicle(HydrodynamicArm):
         Raises:
             InputError: No righting moment, or gravity that is not along the world's z.
         """
-        return trim(self.still, self.vehicle, self.configuration(np.eye(4), q))
+        return static_trim(self.still, self.vehicle, self.configuration(np.eye(4), q))
 
     def with_payload(self, *args: Any, **kwargs: Any) -> ArmOnVehicle:
         return ArmOnVehicle(self.arm.with_payload(*args, **kwargs), self.vehicle)

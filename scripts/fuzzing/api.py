@@ -25,9 +25,11 @@ from fuzzing.values import (
 )  # fmt: skip
 
 import alpha5_model as a5
-from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.batch import frame_positions
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import corrections, fluids, inertia
 from alpha5_model.theory.dh import arm_types
+from alpha5_model.water.terms import water_terms
 
 #: Parameter -> a good value. What stands in no target's own table is looked up here.
 GOOD: dict[str, Callable[[Rng], Any]] = {
@@ -492,7 +494,7 @@ def _dynamics() -> dict[str, Draw]:
         lambda rng: _on_floating(0).configuration, transform_vehicle_to_world=transform,
         q=lambda rng: rng.uniform(0, 3, 4),
     )  # fmt: skip
-    for function in (batch.torque_terms, batch.frame_positions, batch.water_terms):
+    for function in (torque_terms, frame_positions, water_terms):
         draws[f"dynamics.batch.{function.__name__}"] = _of_states(function)
     for method in JAX_METHODS:
         own = {

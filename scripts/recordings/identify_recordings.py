@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model.dynamics.batch import NAMES, regressor_rows
+from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
 from alpha5_model.studies.uncertainty import printed
 

@@ -54,7 +54,6 @@ import alpha5_model as a5
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.files import STDOUT, atomic_write, check_outputs, read_named
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import water_terms
 from alpha5_model.errors import (
     Alpha5Error,
     FileFormatError,
@@ -65,6 +64,7 @@ from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.numbers.inertia import flip_products
 from alpha5_model.trajectory import Motion, motion, smooth
 from alpha5_model.viewer.figures import FORMATS
+from alpha5_model.water.terms import water_terms
 
 AVERAGE, STEP = 1.5, 0.05  # [s]
 LAGS = np.arange(0.0, 1.001, 0.05)  # [s]

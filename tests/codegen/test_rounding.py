@@ -25,7 +25,7 @@ import ctypes, sys
 import numpy as np
 import alpha5_model as a5
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.dynamics.batch import arm_parameters
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 
 libm = ctypes.CDLL(sys.argv[1])
 mode, exact = int(sys.argv[2]), sys.argv[3] == "compiled"

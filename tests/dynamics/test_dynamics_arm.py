@@ -20,9 +20,9 @@ from reference import MASS, VOLUME
 import alpha5_model as a5
 from alpha5_model._support.checks import LARGEST
 from alpha5_model.dynamics import load as dynamics
-from alpha5_model.dynamics.batch import torque_terms
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.load import arm_of
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import (
     InputError,
     MissingFileError,

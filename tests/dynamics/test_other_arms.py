@@ -13,15 +13,17 @@ import pytest
 
 import alpha5_model as a5
 from alpha5_model._support.spatial import pose
-from alpha5_model.dynamics.batch import frame_positions, torque_terms, water_terms
+from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.collision import CollisionModel
 from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limits
 from alpha5_model.dynamics.load import arm_of
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.studies.uncertainty import effects
 from alpha5_model.theory.dh.chain import DHChain, DHLink
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.build import build_scene
+from alpha5_model.water.terms import water_terms
 
 LONGER = 0.05
 Q = np.array([3.0, 1.2, 1.8, 0.5])

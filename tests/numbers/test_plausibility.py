@@ -22,11 +22,11 @@ from alpha5_model.cli import main
 from alpha5_model.description.mjcf import MjcfOptions
 from alpha5_model.description.sdf import SdfOptions
 from alpha5_model.dynamics.actuators import Actuator
-from alpha5_model.dynamics.buoyancy import Vehicle
 from alpha5_model.errors import ImplausibleWarning, InputError
 from alpha5_model.numbers import plausibility
 from alpha5_model.numbers.hydrodynamics import DragStrip
 from alpha5_model.numbers.jaws import split_link_4
+from alpha5_model.water.vehicle import Vehicle
 
 P = a5.parameters()
 #: Of a BlueROV2, about.

@@ -30,7 +30,7 @@ from array_functions import (
 
 import alpha5_model as a5
 from alpha5_model.codegen.kernels import choice as kernels
-from alpha5_model.dynamics.batch import regressor_rows
+from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import KernelError
 from alpha5_model.kinematics import ik
 

@@ -13,7 +13,7 @@ from dynamics_cases import make, random_q, random_v
 
 import alpha5_model as a5
 from alpha5_model.dynamics import batch
-from alpha5_model.dynamics.batch import torque_terms
+from alpha5_model.dynamics.torque_causes import torque_terms
 
 LIMIT = 120.0  # [s]; without one, a child that hangs would hang the tests
 MANY = 2 * batch.STATES_PER_THREAD + 1

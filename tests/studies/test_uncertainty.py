@@ -20,8 +20,8 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.codegen.base_parameters import base_parameters, regrouped
-from alpha5_model.dynamics.batch import regressor_rows
 from alpha5_model.dynamics.buoyancy import displacements
+from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4

@@ -16,9 +16,11 @@ import test_public_api
 
 import alpha5_model as a5
 from alpha5_model import jax as jax_arms
-from alpha5_model.dynamics import batch
+from alpha5_model.dynamics.batch import frame_positions
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import fluids, inertia
 from alpha5_model.studies.uncertainty.effects import torque_margin
+from alpha5_model.water.terms import water_terms
 
 #: More rows than the compiled kernels turn to columns at once.
 ROWS = 70
@@ -170,9 +172,9 @@ def arm_calls() -> list[tuple[str, Call]]:
         return arm.inverse_dynamics_batch(q, v, a)
 
     own = {
-        "torque_terms": (batch.torque_terms, state, {"arm": plain}),
-        "water_terms": (batch.water_terms, state | current, {"arm": plain}),
-        "frame_positions": (batch.frame_positions, {"q": q}, {"arm": plain}),
+        "torque_terms": (torque_terms, state, {"arm": plain}),
+        "water_terms": (water_terms, state | current, {"arm": plain}),
+        "frame_positions": (frame_positions, {"q": q}, {"arm": plain}),
         "torque_margin": (torque_margin, state, {"arm": plain}),
         "bounds": (a5.uncertainty.bounds, state, {}),
         "torque_bounds": (a5.uncertainty.torque_bounds, state, {}),

@@ -16,7 +16,8 @@ from shared_recordings import JOINT_STATES, needs_recordings
 
 import alpha5_model as a5
 from alpha5_model.dynamics.actuators import actuator
-from alpha5_model.dynamics.batch import frame_positions, torque_terms
+from alpha5_model.dynamics.batch import frame_positions
+from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.trajectory import columns
 

@@ -13,9 +13,9 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.dynamics.batch import water_terms
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer import figures
+from alpha5_model.water.terms import water_terms
 
 CURRENT = (0.4, -0.7, 0.3)
 TEXT = " ".join(map(str, CURRENT))

@@ -19,10 +19,11 @@ from alpha5_model._support.checks import (
 from alpha5_model.codegen.base_parameters import base_parameters
 from alpha5_model.dynamics.actuators import Interval
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.dynamics.batch import NAMES, arm_parameters, regressor_rows
 from alpha5_model.dynamics.dimensions import check_dimensions
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import arm_of as arm
 from alpha5_model.dynamics.load import load
+from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.dynamics.states import is_one_state, rows
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.fluids import SEA_WATER

@@ -1,0 +1,81 @@
+"""An arm as the numbers that the generated kernels take: its base parameters.
+
+The kernels know the joints and frames of the Reach Alpha 5 on a fixed base with locked
+jaws. Bodies, payloads included, fluid and gravity are parameters.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import pose
+from alpha5_model.codegen.base_parameters import moments, regrouped
+from alpha5_model.description.bodies import joint_placements, tcp_placement
+from alpha5_model.dynamics.dimensions import check_dimensions, made_for
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+#: How far a frame may be from where the kernels have it: what rounding does to the
+#: numbers of a URDF.
+_ROUNDING = 1e-14
+
+
+def arm_parameters(arm: Any) -> FloatArray:
+    """Base parameters of an arm, its fluid, gravity and payloads, (41,).
+
+    Raises:
+        InputError: The kernels do not know its joints: a floating base, jaws that move,
+            or other dimensions than the catalogue's.
+    """
+    if arm._kernel_parameters is None:
+        if not arm.floating_base and len(arm.joint_names) == 4:
+            check_dimensions(arm._model, "the generated formulas", _ROUNDING)
+        raise InputError("arm", arm, "one on a fixed base with its jaws locked")
+    return np.array(arm._kernel_parameters)
+
+
+def kernel_parameters(arm: Any) -> FloatArray | None:
+    """Base parameters of an arm in its fluid, (41,); None for joints unknown to them."""
+    model = arm._model
+    if not _has_the_joints_of(made_for(), model):
+        return None
+
+    nowhere = np.zeros(3)
+    weightless = np.zeros((3, 3))
+    bodies = [
+        moments(body.mass, body.lever, body.inertia, 0.0, nowhere, 0.0)
+        for body in model.inertias
+    ]
+    moments_of_links = np.array(bodies)
+    for displaced in arm.displacements:
+        link = model.getJointId(displaced.joint)
+        moments_of_links[link] += moments(
+            0.0,
+            nowhere,
+            weightless,
+            displaced.volume,
+            displaced.cob,
+            arm.fluid_density,
+        )
+    return regrouped(moments_of_links, model.gravity.linear, arm.parameters)
+
+
+def _has_the_joints_of(parameters: Alpha5Parameters, model: Any) -> bool:
+    """Whether a pin.Model has the joints and the tcp of a record, and no others."""
+    kinds = [joint.shortname() for joint in list(model.joints)[1:]]
+    if kinds != ["JointModelRZ"] * 4 or list(model.parents) != [0, 0, 1, 2, 3]:
+        return False
+    tip = model.getFrameId("tcp")
+    if tip == model.nframes or model.frames[tip].parentJoint != 4:
+        return False
+    if np.any([*model.armature, *model.gravity.angular]):
+        return False
+
+    placements = [*joint_placements(parameters), tcp_placement(parameters)]
+    ours = [pose(at.xyz, at.rpy) for at in placements]
+    theirs = [at.homogeneous for at in list(model.jointPlacements)[1:]]
+    theirs.append(model.frames[tip].placement.homogeneous)
+    return bool(np.abs(np.subtract(ours, theirs)).max() < _ROUNDING)

@@ -1,0 +1,60 @@
+"""The memory that Pinocchio computes an arm's answers in."""
+
+from __future__ import annotations
+
+import threading
+from functools import cached_property
+from typing import Any
+
+import pinocchio as pin
+
+from alpha5_model.dynamics.collision import CollisionModel
+
+
+class Scratch(threading.local):
+    """The memory that Pinocchio computes in, one set for each thread.
+
+    Attributes:
+        data, fluid_data, net_data: pin.Data of the arm, of the fluid and of their
+            difference.
+        placements: pin.SE3 of each frame that refers to `data`: the next computation
+            moves it.
+    """
+
+    def __init__(self, model: Any, fluid: Any, net: Any, callers: Any) -> None:
+        """Make the memory of a thread.
+
+        Args:
+            model: pin.Model of the arm.
+            fluid: pin.Model of the displaced fluid.
+            net: pin.Model of weight less buoyancy.
+            callers: pin.Model that the arm hands out.
+        """
+        self.data = model.createData()
+        self.fluid_data = fluid.createData()
+        self.net_data = net.createData()
+        self.placements = [self.data.oMf[i] for i in range(model.nframes)]
+        self._model = model
+        self._callers = callers
+        self._pools: dict[int, Any] = {}
+
+    @cached_property
+    def callers_data(self) -> Any:
+        """pin.Data of the caller's own model, made on first use."""
+        return self._callers.createData()
+
+    @cached_property
+    def collisions(self) -> CollisionModel:
+        """The collision bodies, made on first use."""
+        return CollisionModel(self._model)
+
+    def pool(self, model: Any, threads: int = 1) -> Any:
+        """pin.ModelPool for at least so many threads.
+
+        The model must outlive this object.
+        """
+        pool = self._pools.get(id(model))
+        if pool is None or pool.size() < threads:
+            pool = pin.ModelPool(model, threads)
+            self._pools[id(model)] = pool
+        return pool

@@ -1,0 +1,192 @@
+"""A vehicle that carries an arm, and how the two hang in still water."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    float_array,
+    frozen,
+    instance,
+    real,
+    rigid_transform,
+)
+from alpha5_model.dynamics.model_changes import added_body, on_free_flyer, with_body
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import plausibility
+from alpha5_model.numbers.hydrodynamics import added_mass
+from alpha5_model.numbers.inertia import check_possible
+
+#: Lever of the weight below which a vehicle hangs any way round [m].
+_LEAST_LEVER = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Vehicle:
+    """A rigid vehicle, in a frame of its own.
+
+    Added mass and damping hold for water of 1000 kg/m^3; the arm's fluid scales them.
+
+    Attributes:
+        mass: [kg].
+        com: Centre of mass, (3,) [m].
+        inertia: At the COM, URDF sign, (3, 3) [kg m^2].
+        volume: Displaced volume [m^3].
+        cob: Centre of buoyancy, (3,) [m].
+        added_mass: Linear before angular, about the frame's origin, (6, 6), or its
+            diagonal, (6,) [kg, kg m^2].
+        linear_damping, quadratic_damping: Of each component of the velocity relative to
+            the water at the origin, (6,) [N s/m, N m s] and [N s^2/m^2, N m s^2].
+        transform_vehicle_to_base: Pose of the vehicle's frame in base_link, (4, 4).
+
+    Raises:
+        InputError: Negative damping, mass or volume, an inertia that no body can have,
+            an added mass that is not symmetric or has a negative eigenvalue, no rigid
+            transform; ShapeError: wrong shapes.
+
+    Warns:
+        ImplausibleWarning: A mass, volume, density or distance that no vehicle has.
+    """
+
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+    volume: float
+    cob: FloatArray
+    added_mass: FloatArray = field(default_factory=lambda: np.zeros((6, 6)))
+    linear_damping: FloatArray = field(default_factory=lambda: np.zeros(6))
+    quadratic_damping: FloatArray = field(default_factory=lambda: np.zeros(6))
+    transform_vehicle_to_base: FloatArray = field(default_factory=lambda: np.eye(4))
+
+    def __post_init__(self) -> None:
+        for name, value in self._checked().items():
+            object.__setattr__(self, name, value)
+
+        check_possible("inertia", self.mass, self.com, self.inertia)
+        plausibility.check_body(
+            self.mass, self.com, self.inertia, self.volume, self.cob, on_vehicle=True
+        )
+        plausibility.check(
+            "transform_vehicle_to_base",
+            self.transform_vehicle_to_base[:3, 3],
+            plausibility.VEHICLE_POSITION,
+        )
+
+    def _checked(self) -> dict[str, Any]:
+        """Every attribute, converted and read-only."""
+        return {
+            "mass": real("mass", self.mass, 0.0),
+            "volume": real("volume", self.volume, 0.0),
+            "com": frozen(array("com", self.com, 3)),
+            "cob": frozen(array("cob", self.cob, 3)),
+            "inertia": frozen(array("inertia", self.inertia, 3, 3)),
+            "linear_damping": _damping("linear_damping", self.linear_damping),
+            "quadratic_damping": _damping("quadratic_damping", self.quadratic_damping),
+            "added_mass": _added_mass(self.added_mass),
+            "transform_vehicle_to_base": rigid_transform(
+                "transform_vehicle_to_base", self.transform_vehicle_to_base
+            ),
+        }
+
+
+def _damping(name: str, value: ArrayLike) -> FloatArray:
+    damping = frozen(array(name, value, 6))
+    if damping.min() < 0:
+        raise InputError(name, damping.tolist(), "no negative damping")
+    return damping
+
+
+def _added_mass(value: ArrayLike) -> FloatArray:
+    """The matrix (6, 6) of an added mass that may be given by its diagonal (6,)."""
+    given = float_array("added_mass", value, ())
+    matrix = np.diag(given) if given.shape == (6,) else given
+    return frozen(added_mass(matrix))
+
+
+@dataclass(frozen=True, eq=False)
+class Trim:
+    """How a free vehicle hangs in still water.
+
+    Attributes:
+        roll, pitch: Of the vehicle's frame, fixed axes of the world, yaw 0 [rad].
+        rotation_vehicle_to_world: The same, (3, 3).
+        net_weight: Weight less buoyancy of vehicle and arm [N]. A vertical force has to
+            make up for it.
+        righting_moment: For each radian off the trim [N m]; above 0, the trim is stable.
+    """
+
+    roll: float
+    pitch: float
+    rotation_vehicle_to_world: FloatArray
+    net_weight: float
+    righting_moment: float
+
+
+def afloat(still: Any) -> Any:
+    """The arm on a floating base."""
+    if still.floating_base:
+        return still
+    volumes = [
+        replace(volume, joint="root_joint") if volume.joint == "universe" else volume
+        for volume in still.displacements
+    ]
+    return still._afloat(on_free_flyer(still._arguments[0]), volumes)
+
+
+def carrying(still: Any, vehicle: Vehicle) -> Any:
+    """The floating arm with the vehicle's body at its base, in a new frame ``vehicle``."""
+    instance("vehicle", vehicle, Vehicle)
+    model = still._arguments[0].copy()
+    base = model.getFrameId("base_link")
+    carrier = model.frames[base]
+    placement = carrier.placement * pin.SE3(np.array(vehicle.transform_vehicle_to_base))
+    frame = pin.Frame(
+        "vehicle", carrier.parentJoint, base, placement, pin.FrameType.OP_FRAME
+    )
+    model.addFrame(frame)
+
+    body = added_body(
+        vehicle.mass, vehicle.com, vehicle.inertia, vehicle.volume, vehicle.cob
+    )
+    loaded, displaced = with_body(model, "vehicle", body, "vehicle_body")
+    return still._made_of(loaded, (*still.displacements, displaced))
+
+
+def static_trim(still: Any, vehicle: Vehicle, q: ArrayLike) -> Trim:
+    """Static trim of an arm that carries a vehicle; see `ArmOnVehicle.trim`."""
+    gravity = still._model.gravity.linear
+    if gravity[0] or gravity[1] or not gravity[2]:
+        raise InputError("gravity", gravity.tolist(), "gravity along the world's z")
+    strength = abs(gravity[2])
+    mass = pin.computeTotalMass(still._model)
+    displaced_mass = still.fluid_density * still._volume
+
+    to_vehicle = np.linalg.inv(vehicle.transform_vehicle_to_base)
+    centres = np.array([still.center_of_mass(q), still.center_of_buoyancy(q)])
+    com, cob = centres @ to_vehicle[:3, :3].T + to_vehicle[:3, 3]
+
+    # The moment about the vehicle's origin vanishes if this vector points up.
+    righting = strength * (displaced_mass * cob - mass * com)
+    moment = float(np.linalg.norm(righting))
+    if moment < _LEAST_LEVER * strength * mass:
+        without = "a centre of buoyancy at the centre of mass"
+        raise InputError("vehicle", without, "a righting moment")
+
+    x, y, z = righting / moment * -np.sign(gravity[2])
+    roll = math.atan2(y, z)
+    pitch = math.asin(-min(1.0, max(-1.0, x)))
+    return Trim(
+        roll=roll,
+        pitch=pitch,
+        rotation_vehicle_to_world=pin.rpy.rpyToMatrix(roll, pitch, 0.0),
+        net_weight=strength * (mass - displaced_mass),
+        righting_moment=moment,
+    )
