@@ -76,6 +76,7 @@ def load(
         _check_compiled()
 
     out = SimpleNamespace(parameters=base_parameters)
+    # Dimensions and limits are the catalogue's, as in the kernels.
     for name, function in products(parameters()).items():
         made = folded(function, **_inputs_to_fold(function, known))
         summary = program(made).documentation(SUMMARIES[name])

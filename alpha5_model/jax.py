@@ -1,11 +1,15 @@
-"""The arm's equations in JAX: to compile, to map over batches, to differentiate by anything.
+"""The arm's equations in JAX: to compile, map over batches and differentiate.
 
     from alpha5_model.jax import load
 
     arm = load(fluid_density=1000.0)
     tau = jax.jit(arm.inverse_dynamics)(q, v, a)
     batch = jax.jit(jax.vmap(arm.forward_dynamics))(q, v, tau)       # rows of states
-    slope = jax.grad(lambda mass: arm.with_payload(mass).inverse_dynamics(q, v, a)[1])(0.5)
+
+    def torque(mass):
+        return arm.with_payload(mass).inverse_dynamics(q, v, a)[1]
+
+    slope = jax.grad(torque)(0.5)
 
 Results have the precision of the input. Without ``jax_enable_x64``, JAX computes in
 float32, torques then to some 1e-6. Compile what you call more than once: without
@@ -65,13 +69,13 @@ class Solutions(NamedTuple):
 class JaxArm:
     """The arm on a fixed base with its jaws locked.
 
-    It is a pytree, so that it can go through JAX's transformations. Methods are those of
-    `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
+    It is a pytree, so that it can go through JAX's transformations. Methods are those
+    of `alpha5_model.Arm`; q, v, a and tau are (4,), and `jax.vmap` adds axes.
 
     Attributes:
-        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`. A
-            NumPy array is folded into what is compiled; a JAX array is an input like any
-            other.
+        parameters: Base parameters, (41,), see `alpha5_model.codegen.base_parameters`.
+            A NumPy array is folded into what is compiled; a JAX array is an input like
+            any other.
         fluid_density: Around a payload [kg/m^3].
     """
 
@@ -160,9 +164,10 @@ class JaxArm:
         """A new arm that holds a rigid body fixed to its tcp.
 
         Args:
-            mass: [kg]. Like the other numbers it is not checked, as you may look for it.
+            mass: [kg]. No number is checked, since each may be what you look for.
             com: Centre of mass in tcp, (3,) [m].
-            inertia: At the COM in the axes of tcp, (3, 3) [kg m^2]; None for a point mass.
+            inertia: At the COM in the axes of tcp, (3, 3) [kg m^2]; None for a point
+                mass.
             volume: Displaced volume [m^3].
             cob: Centre of buoyancy in tcp, (3,) [m]; None for the COM.
         """
@@ -221,8 +226,8 @@ def _without_slope(q: Array, exists: Array, moved: Array) -> Array:
     """q, whose derivatives by ``moved`` are NaN if a branch does not exist.
 
     A slope of NaN would also spoil derivatives of the branches that exist, by 0 times
-    NaN. Here, the two parts of the slope overflow to infinities whose difference is NaN.
-    If the derivative of the branch is not used, both are 0.
+    NaN. Here, the two parts of the slope overflow to infinities whose difference is
+    NaN. If the derivative of the branch is not used, both are 0.
     """
     largest = float(np.finfo(q.dtype).max)
     half = jnp.where(exists, 0.0, largest / 2)[:, None]

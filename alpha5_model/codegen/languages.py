@@ -30,7 +30,7 @@ def element(slot: Slot, index: int) -> str:
 def statements(
     program: Program,
     language: str,
-    element: Callable[[Slot, int], str],
+    input_element: Callable[[Slot, int], str],
     reuse: bool = False,
 ) -> tuple[list[str], list[list[str]]]:
     """A program's statements, and what stands for the elements of each output.
@@ -42,14 +42,14 @@ def statements(
     Args:
         program: What to compute.
         language: How to write it.
-        element: Text of an element of an input.
+        input_element: Text of an element of an input.
         reuse: Give names again, and with them memory.
     """
     steps = program.steps
     if "store" not in LANGUAGES[language]:
         steps = tuple(sorted(steps, key=lambda step: step.op != "input"))
 
-    writer = _Writer(program, language, element, reuse)
+    writer = _Writer(program, language, input_element, reuse)
     last_uses = _last_uses(steps)
     for i, step in enumerate(steps):
         done = [register for register in {*step.read} if last_uses[register] == i]
@@ -82,7 +82,7 @@ class _Writer:
         self,
         program: Program,
         language: str,
-        element: Callable[[Slot, int], str],
+        input_element: Callable[[Slot, int], str],
         reuse: bool,
     ) -> None:
         self.lines: list[str] = []
@@ -90,7 +90,7 @@ class _Writer:
         self._program = program
         self._language = language
         self._table = LANGUAGES[language]
-        self._element = element
+        self._input_element = input_element
         self._reuse = reuse
         self._names: dict[int, str] = {}
         self._truths: set[int] = set()
@@ -129,8 +129,9 @@ class _Writer:
     def _expression(self, step: Step) -> str:
         if step.op == "input":
             slot, index = step.arguments
-            return self._element(self._program.inputs[slot], index)
-        return self._table[step.op].format(*(self._names[r] for r in step.arguments))
+            return self._input_element(self._program.inputs[slot], index)
+        arguments = [self._names[register] for register in step.arguments]
+        return self._table[step.op].format(*arguments)
 
     def _name_for(self, register: int, done: Sequence[int]) -> str:
         """A name for a register: one that is free, or a new one."""

@@ -50,8 +50,8 @@ class Motion(NamedTuple):
 
     def beyond(self, step: Turn, speed: SX, acceleration: SX) -> Motion:
         """Motion of the next link, whose joint has a speed and an acceleration."""
-        arm_velocity = self.velocity + cross(self.omega, step.origin)
-        arm_acceleration = self.acceleration + self.rates @ step.origin
+        velocity_of_origin = self.velocity + cross(self.omega, step.origin)
+        acceleration_of_origin = self.acceleration + self.rates @ step.origin
         carried_omega = step.outward(self.omega)
         carried_alpha = step.outward(self.alpha)
 
@@ -60,8 +60,8 @@ class Motion(NamedTuple):
             carried_omega[1] * speed, -carried_omega[0] * speed, acceleration
         )
         return Motion(
-            velocity=step.outward(arm_velocity),
-            acceleration=step.outward(arm_acceleration),
+            velocity=step.outward(velocity_of_origin),
+            acceleration=step.outward(acceleration_of_origin),
             omega=omega,
             alpha=alpha,
             rates=_rates(omega, alpha),
@@ -72,8 +72,12 @@ class Motion(NamedTuple):
 def _rates(omega: SX, alpha: SX) -> SX:
     """U, (3, 3)."""
     x, y, z = vertsplit(omega)
-    xx, yy, zz = -x * x, -y * y, -z * z
-    xy, xz, yz = x * y, x * z, y * z
+    xx = -x * x
+    yy = -y * y
+    zz = -z * z
+    xy = x * y
+    xz = x * z
+    yz = y * z
 
     alpha_x, alpha_y, alpha_z = vertsplit(alpha)
     return vertcat(
@@ -83,8 +87,8 @@ def _rates(omega: SX, alpha: SX) -> SX:
     )
 
 
-#: Of a link's number, its first moments and its motion: the force on the link without
-#: that of its first moments, and the moment of force and first moments.
+#: From a link's number, first moments h and motion to a force and a moment about its
+#: origin: all that the motion takes beside ``U h`` and the moment in ``U S``.
 Load = Callable[[int, SX, Motion], tuple[SX, SX]]
 
 
@@ -112,7 +116,7 @@ def newton_euler(
         base_parameters: `BASE_PARAMETERS`, (41, 1).
         parameters: The arm's parameters; only its dimensions are used.
         current: Velocity of the water in base_link, (3, 1); None for still water.
-        load: What a link takes beside its first and second moments.
+        load: What the motion of a link takes beside its first and second moments.
 
     Returns:
         Torques (4, 1), and force above moment on the mount in base_link (6, 1).

@@ -36,23 +36,22 @@ _ON_THE_PAGE = (
 def generated_sources() -> dict[str, str]:
     """Path in the repository -> text; the same every time."""
     arm = parameters()
-    programs = {name: program(f) for name, f in functions(arm).items()}
-    of_products = {name: program(f) for name, f in products(arm).items()}
-    of_upright_arm = [program(upright(functions(arm)[name])) for name in UPRIGHT]
+    known = functions(arm)
+    for_users = products(arm)
 
-    every = list(programs.values())
-    own = [of_products[name] for name in ("inverse_kinematics", "with_payload")]
-    one_target = [programs["inverse_kinematics"]]
+    every = [program(function) for function in known.values()]
+    upright_bodies = [program(upright(known[name])) for name in UPRIGHT]
+    one_target = [program(known["inverse_kinematics"])]
+    on_the_page = [program(known[name]) for name in _ON_THE_PAGE]
+    own = [program(for_users[name]) for name in ("inverse_kinematics", "with_payload")]
     files = {
         "formulas.py": python_source(every),
         "products.py": python_source(own),
         "numbers.py": python_source(one_target, "numbers"),
-        **kernels(every, of_upright_arm),
+        **kernels(every, upright_bodies),
     }
 
-    sources = {}
-    for name, text in files.items():
-        sources[f"alpha5_model/codegen/kernels/generated/{name}"] = text
-    page = javascript(programs[name] for name in _ON_THE_PAGE)
-    sources["alpha5_model/viewer/formulas.js"] = page
+    folder = "alpha5_model/codegen/kernels/generated"
+    sources = {f"{folder}/{name}": text for name, text in files.items()}
+    sources["alpha5_model/viewer/formulas.js"] = javascript(on_the_page)
     return sources

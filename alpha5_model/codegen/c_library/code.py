@@ -27,7 +27,10 @@ _MEMBERS = [name.replace(".", "_") for name in BASE_PARAMETERS]
 
 
 def programs(arm: Arm, options: COptions) -> list[Program]:
-    """The functions of the library, for an arm's base parameters or for a struct."""
+    """The functions of the library.
+
+    They contain the arm's base parameters, or take them as a struct.
+    """
     known: dict[str, Any] = {
         "tolerances": SINGLE if options.real == "float" else DOUBLE
     }

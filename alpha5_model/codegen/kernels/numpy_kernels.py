@@ -98,29 +98,31 @@ def bind(
         ``fallback`` makes of the inputs.
     """
     kernel = _OF_NUMBERS[name]
-    bound = kernel.has_parameters(parameters)
-    last = ([float(x) for x in parameters],) if bound else ()
-    shapes = kernel.inputs_of_states(bound)
-    compute = partial(_one, kernel.formula, shapes, kernel.outputs, last, fallback)
+    has_parameters = kernel.has_parameters(parameters)
+    inputs = kernel.inputs_of_states(has_parameters)
+    bound = ([float(x) for x in parameters],) if has_parameters else ()
+    compute = partial(
+        _one_state, kernel.formula, inputs, kernel.outputs, bound, fallback
+    )
     return update_wrapper(compute, fallback)
 
 
-def _one(
+def _one_state(
     formula: Formula,
     inputs: tuple[Shape, ...],
     outputs: tuple[Shape, ...],
-    last: tuple[Any, ...],
+    bound: tuple[Any, ...],
     fallback: Callable[..., Any],
     /,
     *given: Any,
     **named: Any,
 ) -> Any:
-    """A formula of one state, see `bind`; ``last`` are its parameters if it has any."""
+    """A formula of one state, see `bind`; ``bound`` are its parameters if it has any."""
     if named or len(given) != len(inputs) or not all(map(_can_compute, given, inputs)):
         return fallback(*given, **named)
 
     elements = [x.ravel().tolist() for x in given]
-    results = formula(*elements, *last, math)
+    results = formula(*elements, *bound, math)
     arrays = [
         np.array(result, np.float64).reshape(shape)
         for result, shape in zip(results, outputs, strict=True)
@@ -145,8 +147,8 @@ def batch(
         hold nothing to rely on.
     """
     kernel = _OF_ARRAYS[name]
-    bound = kernel.has_parameters(parameters)
-    inputs = kernel.inputs_of_states(bound)
+    has_parameters = kernel.has_parameters(parameters)
+    inputs = kernel.inputs_of_states(has_parameters)
     shapes = (*inputs, *kernel.outputs)
     if len(arrays) != len(shapes):
         return False
@@ -165,8 +167,8 @@ def batch(
     result_rows = rows[len(inputs) :]
     if len(given_rows[0]) < FEW and name in numbers.KERNELS:
         return _row_by_row(_OF_NUMBERS[name].formula, given_rows, result_rows)
-    last = ([np.array(x) for x in parameters],) if bound else ()
-    return _block_by_block(kernel.formula, given_rows, last, result_rows)
+    bound = ([np.array(x) for x in parameters],) if has_parameters else ()
+    return _block_by_block(kernel.formula, given_rows, bound, result_rows)
 
 
 def _as_rows(
@@ -200,10 +202,17 @@ def _row_by_row(
 def _block_by_block(
     formula: Formula,
     inputs: Sequence[FloatArray],
-    last: tuple[Any, ...],
+    bound: tuple[Any, ...],
     outputs: Sequence[FloatArray],
 ) -> bool:
-    """A formula of arrays for all rows; False if a number cannot be computed with."""
+    """A formula of arrays for all rows; False if a number cannot be computed with.
+
+    Args:
+        formula: Of a kernel.
+        inputs: One state in each row.
+        bound: Its parameters, if it has any.
+        outputs: Are written.
+    """
     with np.errstate(all="ignore"):
         for start in range(0, len(inputs[0]), BLOCK):
             block = slice(start, start + BLOCK)
@@ -211,7 +220,7 @@ def _block_by_block(
             if not all(np.abs(x).max() <= LARGEST for x in columns):
                 return False
 
-            results = formula(*columns, *last, np)
+            results = formula(*columns, *bound, np)
             for out, result in zip(outputs, results, strict=True):
                 for k, column in enumerate(result):
                     out[block, k] = column
@@ -227,22 +236,22 @@ def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -
         wrist: [rad].
 
     Returns:
-        None if position is not a float64 array, a list or a tuple of three floats, wrist
-        is not a float, or a number is too large or not finite.
+        The solutions. None if position is not a float64 array, a list or a tuple of three
+        floats, wrist is not a float, or a number is too large or not finite.
     """
-    x = position
-    if type(x) is np.ndarray and x.shape == (3,):
-        x = x.tolist()
-    if type(x) not in (list, tuple) or len(x) != 3:
+    xyz = position
+    if type(xyz) is np.ndarray and xyz.shape == (3,):
+        xyz = xyz.tolist()
+    if type(xyz) not in (list, tuple) or len(xyz) != 3:
         return None
-    if {*map(type, x), type(wrist)} != {float}:
+    if {*map(type, xyz), type(wrist)} != {float}:
         return None
-    if not sum(map(abs, x)) + abs(wrist) <= LARGEST:
+    if not sum(map(abs, xyz)) + abs(wrist) <= LARGEST:
         return None
 
-    q, exists, within, (singular,) = _SOLVE(x, (wrist,), math)
+    q, exists, within, (singular,) = _SOLVE(xyz, (wrist,), math)
     angles = np.ndarray((4, 4), float, pack("16d", *q))
-    target = np.frombuffer(pack("3d", *x))
+    target = np.frombuffer(pack("3d", *xyz))
     answer = angles, _FLAGS[exists], _FLAGS[within], _FLAGS[singular], target
     return tuple.__new__(kind, answer)  # far faster than by keyword
 
