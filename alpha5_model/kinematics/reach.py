@@ -41,7 +41,7 @@ from alpha5_model.errors import InputError
 from alpha5_model.kinematics.plane import BLOCK, arm_plane, on_axis, solve_batch
 from alpha5_model.theory import planar
 from alpha5_model.theory.planar.arm import RELATIVE_STEP, RELATIVE_TOLERANCE
-from alpha5_model.theory.planar.curves import bounds
+from alpha5_model.theory.planar.boundary import bounds
 
 #: How a half-plane is reached: by one pose, or by either.
 SIDES = ("underarm", "overarm", "both")

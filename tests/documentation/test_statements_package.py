@@ -205,7 +205,7 @@ def test_bus_addresses() -> None:
 
 
 @statement(
-    "alpha5_model/theory/planar/dexterous.py",
+    "alpha5_model/theory/planar/turning.py",
     "the notes' arm (5, 4, 1) has a dexterous workspace of {}.",
 )
 def dexterous_area_with_limits() -> Sequence[Figure]:

@@ -15,7 +15,7 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import OutputError, UnknownNameError
-from alpha5_model.theory.planar.dexterous import PlanarArm
+from alpha5_model.theory.planar import PlanarArm
 from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
 
 SCRIPT = (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from alpha5_model.errors import Alpha5Error, InputError
-from alpha5_model.theory.planar.dexterous import (
+from alpha5_model.theory.planar import (
     PlanarArm,
     dexterity,
     dexterity_map,

@@ -16,7 +16,7 @@ from alpha5_model.errors import (
     ShapeError,
 )
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.planar.dexterous import (
+from alpha5_model.theory.planar import (
     Arc,
     PlanarArm,
     Segment,

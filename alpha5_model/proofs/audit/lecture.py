@@ -26,7 +26,7 @@ from alpha5_model.proofs.audit.row import (
 from alpha5_model.theory.dh.arm_types import spatial_conditions
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.link import dh_transform
-from alpha5_model.theory.planar.dexterous import (
+from alpha5_model.theory.planar import (
     PlanarArm,
     dexterity,
     dexterous_area,

@@ -31,7 +31,7 @@ from alpha5_model._support.checks import count as whole_number
 from alpha5_model._support.spatial import cross_matrix
 from alpha5_model.theory.dh.chain import DHChain
 from alpha5_model.theory.dh.link import unit_vectors
-from alpha5_model.theory.planar.dexterous import Conditions
+from alpha5_model.theory.planar import Conditions
 
 #: Singular values below this count as zero; lengths are divided by the arm's size first.
 RANK_TOLERANCE = 1e-8

@@ -32,27 +32,25 @@ References:
     [Siciliano2009] Siciliano et al.: Robotics, section 2.12.1 (solution of the planar arm).
 """
 
-from alpha5_model.theory.planar.dexterous import (
-    Arc,
-    Conditions,
-    Curve,
+from alpha5_model.theory.planar.arm import PlanarArm, Workspace, annulus, workspace
+from alpha5_model.theory.planar.curves import Arc, Curve, Edge, Segment
+from alpha5_model.theory.planar.enumeration import (
     DexterityMap,
-    Edge,
-    PlanarArm,
-    Segment,
-    TheoremRow,
-    Workspace,
-    annulus,
     dexterity,
     dexterity_map,
-    dexterous_area,
-    dexterous_radii,
+)
+from alpha5_model.theory.planar.lecture import (
+    TheoremRow,
     lecture_theorem,
-    necessary_conditions,
     theorem_radii,
     theorem_row,
+)
+from alpha5_model.theory.planar.turning import (
+    Conditions,
+    dexterous_area,
+    dexterous_radii,
+    necessary_conditions,
     turns_fully,
-    workspace,
 )
 
 __all__ = [

@@ -45,21 +45,16 @@ from alpha5_model._support.checks import (
     listed,
 )
 from alpha5_model.errors import InputError, MissingParameterError, ShapeError
-from alpha5_model.theory.planar.curves import (
-    TURN,
-    Arc,
-    Curve,
-    Edge,
-    Segment,
-    bounds,
-    hits,
-    turned,
-)
+from alpha5_model.theory.planar.boundary import bounds
+from alpha5_model.theory.planar.curves import TURN, Arc, Curve, Edge, Segment, turned
+from alpha5_model.theory.planar.intersections import hits
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
 #: Step to either side of a critical curve to see which side is inside, as a share of the reach.
 RELATIVE_STEP = 1e-7
+#: Least and greatest position of a joint, or distance from the base.
+Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -95,26 +90,14 @@ class PlanarArm:
         values = float_array("lengths", lengths, ())
         if values.ndim != 1 or values.size == 0:
             raise ShapeError("lengths", values.shape, "shape (N,), at least one link")
-        n = values.size
-        kinds = "R" * n if joints is None else joints
-        if not isinstance(kinds, str) or len(kinds) != n or set(kinds) - {"R", "P"}:
-            raise InputError("joints", joints, f"{n} letters R or P, one per link")
-        for value, kind in zip(values.tolist(), kinds, strict=True):
-            if value <= 0 if kind == "R" else value < 0:
-                bound = "positive" if kind == "R" else "not negative"
-                raise InputError("lengths", value, f"a length that is {bound}")
-        turn = np.zeros(n) if angles is None else float_array("angles", angles, (n,))
-        if turn.ndim != 1:
-            raise ShapeError("angles", turn.shape, f"shape ({n},)")
-        expected = f"one (lower, upper) or None for {n} joints"
-        ranges = [None] * n if limits is None else listed("limits", limits, expected)
-        if len(ranges) != n:
-            raise ShapeError("limits", (len(ranges),), expected)
-        checked = tuple(_range(*pair) for pair in zip(ranges, kinds, strict=True))
+        kinds = _checked_joints(joints, values.size)
+        _check_lengths(values.tolist(), kinds)
+        turns = _checked_angles(angles, values.size)
+        ranges = _checked_limits(limits, kinds)
         object.__setattr__(self, "lengths", tuple(values.tolist()))
-        object.__setattr__(self, "limits", checked)
+        object.__setattr__(self, "limits", ranges)
         object.__setattr__(self, "joints", kinds)
-        object.__setattr__(self, "angles", tuple(turn.tolist()))
+        object.__setattr__(self, "angles", turns)
         if not math.isfinite(4 * math.pi * self.reach * self.reach):
             raise InputError(
                 "lengths", self.lengths, "an arm whose area is a finite number"
@@ -127,46 +110,58 @@ class PlanarArm:
 
     @property
     def reach(self) -> float:
-        """No point of the arm is ever farther from the base [m]."""
-        rows = zip(self.joints, self.limits, strict=True)
-        travel = [max(map(abs, r)) if kind == "P" and r else 0.0 for kind, r in rows]
-        return sum(map(sum, zip(self.lengths, travel, strict=True)))
+        """Sum of the greatest lengths of the links: no point is farther from the base [m]."""
+        reach = 0.0
+        for length, kind, limit in zip(
+            self.lengths, self.joints, self.limits, strict=True
+        ):
+            travel = 0.0
+            if kind == "P" and limit:
+                travel = max(abs(limit[0]), abs(limit[1]))
+            reach += length + travel
+        return reach
 
     @property
-    def length_ranges(self) -> tuple[tuple[float, float], ...] | None:
+    def length_ranges(self) -> tuple[Range, ...] | None:
         """Range of the distance between one revolute joint and the next (last: to the tip) [m].
 
         None unless the first joint is revolute, no revolute joint has limits, and every prismatic
         joint slides along its link: then the workspace depends on these ranges only.
         """
-        ranges: list[list[float]] = []
+        sums: list[
+            tuple[float, float]
+        ] = []  # signed: a joint may slide past the one before
         rows = zip(self.lengths, self.limits, self.joints, self.angles, strict=True)
         for length, limit, kind, angle in rows:
-            low, high = limit or (0.0, 0.0)
-            if limit is not None if kind == "R" else angle != 0.0 or not ranges:
-                return None
             if kind == "R":
-                ranges.append([0.0, 0.0])
-            ranges[-1] = [
-                ranges[-1][0] + (length + low),
-                ranges[-1][1] + (length + high),
-            ]
-        return tuple(
-            (max(0.0, low, -high), max(-low, high)) for low, high in map(tuple, ranges)
-        )
+                if limit is not None:
+                    return None
+                sums.append((0.0, 0.0))
+            elif angle != 0.0 or not sums:
+                return None
+            low, high = limit or (0.0, 0.0)
+            least, greatest = sums[-1]
+            sums[-1] = least + (length + low), greatest + (length + high)
+        return tuple((max(0.0, low, -high), max(-low, high)) for low, high in sums)
 
     def part(self, start: int, stop: int | None = None) -> PlanarArm:
-        """The arm of joints start to stop - 1 only, in the frame of the link before, as a slice."""
+        """The arm of joints start to stop - 1, in the frame of the link before them.
+
+        Both count as in a slice.
+        """
         try:
             cut = slice(index(start), None if stop is None else index(stop))
         except TypeError:
             raise InputError("start, stop", (start, stop), "whole numbers") from None
         return PlanarArm(
-            self.lengths[cut], self.limits[cut], self.joints[cut], self.angles[cut]
+            lengths=self.lengths[cut],
+            limits=self.limits[cut],
+            joints=self.joints[cut],
+            angles=self.angles[cut],
         )
 
     def poses(self, q: ArrayLike) -> FloatArray:
-        """Base, every link's end, and the direction there.
+        """Positions of the base and of every link's end, with the link's direction.
 
         Args:
             q: (..., N) [rad or m].
@@ -176,9 +171,8 @@ class PlanarArm:
         """
         position = bounded("q", float_array("q", q, (self.n,)))
         revolute = np.array([kind == "R" for kind in self.joints])
-        heading = np.cumsum(
-            np.where(revolute, position, 0.0) + np.array(self.angles), axis=-1
-        )
+        turn = np.where(revolute, position, 0.0) + np.array(self.angles)
+        heading = np.cumsum(turn, axis=-1)
         length = np.where(revolute, 0.0, position) + np.array(self.lengths)
         out = np.zeros((*position.shape[:-1], self.n + 1, 3))
         out[..., 1:, 0] = np.cumsum(length * np.cos(heading), axis=-1)
@@ -208,7 +202,17 @@ class PlanarArm:
 
 
 def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> BoolArray:
-    """Whether positions q of a joint lie in its limits, up to `slack` (broadcast); NaN does not."""
+    """Whether positions of a joint are within its limits.
+
+    Args:
+        arm: The arm.
+        joint: Index of the joint.
+        q: Positions (...) [rad or m]; NaN is not within.
+        slack: Beyond a limit by at most this counts as within; broadcasts against q.
+
+    Returns:
+        (...) bool.
+    """
     limit = arm.limits[joint]
     if limit is None:
         return ~np.isnan(q)
@@ -220,7 +224,50 @@ def within_limits(arm: PlanarArm, joint: int, q: FloatArray, slack: Any) -> Bool
         return np.asarray((over >= 0.0) & (over <= high - low + 2 * slack))
 
 
-def _range(limit: Any, kind: str) -> tuple[float, float] | None:
+def _checked_joints(joints: str | None, number: int) -> str:
+    """The letters of the joints; all revolute by default."""
+    if joints is None:
+        return "R" * number
+    if (
+        not isinstance(joints, str)
+        or len(joints) != number
+        or not set(joints) <= {"R", "P"}
+    ):
+        raise InputError("joints", joints, f"{number} letters R or P, one per link")
+    return joints
+
+
+def _check_lengths(lengths: Iterable[float], joints: str) -> None:
+    for length, kind in zip(lengths, joints, strict=True):
+        if kind == "R" and length <= 0:
+            raise InputError("lengths", length, "a length that is positive")
+        if kind == "P" and length < 0:
+            raise InputError("lengths", length, "a length that is not negative")
+
+
+def _checked_angles(angles: ArrayLike | None, number: int) -> tuple[float, ...]:
+    if angles is None:
+        return (0.0,) * number
+    checked = float_array("angles", angles, (number,))
+    if checked.ndim != 1:
+        raise ShapeError("angles", checked.shape, f"shape ({number},)")
+    return tuple(checked.tolist())
+
+
+def _checked_limits(limits: Any, joints: str) -> tuple[Range | None, ...]:
+    expected = f"one (lower, upper) or None for {len(joints)} joints"
+    ranges = [None] * len(joints)
+    if limits is not None:
+        ranges = listed("limits", limits, expected)
+    if len(ranges) != len(joints):
+        raise ShapeError("limits", (len(ranges),), expected)
+    return tuple(
+        _checked_range(limit, kind) for limit, kind in zip(ranges, joints, strict=True)
+    )
+
+
+def _checked_range(limit: Any, kind: str) -> Range | None:
+    """Limits of one joint; None if there are none, or a revolute joint turns fully."""
     if limit is None:
         if kind == "P":
             raise MissingParameterError(
@@ -233,7 +280,8 @@ def _range(limit: Any, kind: str) -> tuple[float, float] | None:
     lower, upper = values.tolist()
     if lower > upper:
         raise InputError("limits", (lower, upper), "lower <= upper")
-    return None if kind == "R" and upper - lower >= 2 * math.pi else (lower, upper)
+    turns_fully = kind == "R" and upper - lower >= 2 * math.pi
+    return None if turns_fully else (lower, upper)
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,32 +309,38 @@ class Workspace:
     @property
     def area(self) -> float:
         """Area [m^2], by Green's theorem over the boundary."""
-        return sum(
-            e.curve.area_integral() * (1 if e.inside_left else -1) for e in self.edges
-        )
+        area = 0.0
+        for edge in self.edges:
+            sign = 1 if edge.inside_left else -1
+            area += edge.curve.area_integral() * sign
+        return area
 
     @property
     def radii(self) -> tuple[float, float]:
         """Smallest and largest distance from the base [m]."""
-        points = [
-            p for c in self.curves for p in _extremes(c, True, _tolerance(self.arm))
-        ]
+        points: list[list[float]] = []
+        for curve in self.curves:
+            points += _extremes(curve, True, _tolerance(self.arm))
         distances = np.linalg.norm(points, axis=1).tolist()
-        return (0.0 if self.contains(np.zeros(2)) else min(distances)), max(distances)
+        smallest = 0.0 if self.contains(np.zeros(2)) else min(distances)
+        return smallest, max(distances)
 
     @property
     def shape(self) -> str:
         """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or ``region``."""
-        full = [isinstance(c, Arc) and c.closed for c in self.curves]
-        if self.edges and not self.thin and all(full):
-            # Of one piece and bounded by whole circles only: these are concentric, and two at most.
-            return "disc" if len(full) == 1 else "annulus"
-        if not self.edges and len(self.thin) == 1:
-            curve = self.thin[0]
-            if isinstance(curve, Segment):
-                return "interval"
-            return "point" if curve.radius == 0 else "circle" if curve.closed else "arc"
-        return "region"
+        circles = [isinstance(c, Arc) and c.closed for c in self.curves]
+        if self.edges and not self.thin and all(circles):
+            # In one piece and bounded by whole circles: they are concentric, two at most.
+            return "disc" if len(circles) == 1 else "annulus"
+        if self.edges or len(self.thin) != 1:
+            return "region"
+
+        curve = self.thin[0]
+        if isinstance(curve, Segment):
+            return "interval"
+        if curve.radius == 0:
+            return "point"
+        return "circle" if curve.closed else "arc"
 
     def contains(self, points: ArrayLike) -> BoolArray:
         """Whether points can be reached; the boundary counts as inside.
@@ -298,60 +352,70 @@ class Workspace:
             Booleans, (...).
         """
         p = float_array("points", points, (2,))
-        tolerance, reach = _tolerance(self.arm), self.arm.reach if self.arm else 0.0
         flat = p.reshape(-1, 2)
-        # Farther away than the arm is long no point is reached, and squares may overflow.
+        tolerance = _tolerance(self.arm)
+        reach = self.arm.reach if self.arm else 0.0
+        # No point beyond the arm's length is reached, and its square may overflow.
         inside = np.asarray(np.abs(flat).max(axis=1) <= reach + tolerance)
         inside[inside] = self._contains(flat[inside], tolerance)
         return inside.reshape(p.shape[:-1])
 
     def _contains(self, p: FloatArray, tolerance: float) -> BoolArray:
-        arm, radius = self.arm, np.linalg.norm(p, axis=1)
-        if (rings := _rings(arm)) is not None:
+        radius = np.linalg.norm(p, axis=1)
+        rings = _rings(self.arm)
+        if rings is not None:
+            low, high = rings
             return np.asarray(
-                (radius >= rings[0] - tolerance) & (radius <= rings[1] + tolerance)
+                (radius >= low - tolerance) & (radius <= high + tolerance)
             )
+
+        arm, inner = self.arm, self.inner
         assert arm is not None
-        assert self.inner is not None
+        assert inner is not None
         slack = np.full_like(radius, tolerance)
         if arm.joints[0] == "R":
             slack /= np.maximum(radius, tolerance)
         found = np.zeros(len(p), np.bool_)
-        for q, _ in bring(arm, p, self.inner.curves, tolerance):
+        for q, _ in bring(arm, p, inner.curves, tolerance):
             found |= within_limits(arm, 0, q, slack[:, None]).any(axis=1)
+
+        # The path of any other point runs inside the inner workspace, or outside of it.
         rest = np.flatnonzero(~found)
         if rest.size:
-            angle, length = _placed(arm, sum(arm.limits[0] or (0.0, 0.0)) / 2)
-            middle = turned(p[rest], -angle) - (length, 0.0)
-            found[rest] = self.inner._contains(middle, tolerance)
+            middle = sum(arm.limits[0] or (0.0, 0.0)) / 2
+            angle, length = _first_link(arm, middle)
+            seen = turned(p[rest], -angle) - (length, 0.0)
+            found[rest] = inner._contains(seen, tolerance)
         return found
 
 
 def bring(
     arm: PlanarArm, points: FloatArray, curves: Iterable[Curve], tolerance: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Positions of the first joint, limits aside, that bring a curve to points.
+    """Positions of the first joint that bring a curve to points, whatever its limits.
 
     Args:
         arm: The arm.
         points: (M, 2) [m].
-        curves: As the first joint carries them, in the frame of its link.
-        tolerance: [m].
+        curves: Carried by the first joint, in the frame of its link.
+        tolerance: Distance up to which a point counts as on a curve [m].
 
     Yields:
-        For each curve q (M, K) [rad or m], and what is brought of the curve, (M, K, 2); NaN where
-        nothing can be.
+        For each curve, joint positions q (M, K) [rad or m] and the points of the curve that
+        they bring there, (M, K, 2) [m]; NaN for those that do not exist.
     """
-    angle, length = _placed(arm, 0.0)
-    # In the frame of link 1 a point runs on a circle about the joint, or along x, backwards in q.
+    angle, length = _first_link(arm, 0.0)
+    # Seen from link 1, a point runs on a circle about the joint, or along x, against q.
     if arm.joints[0] == "R":
         bearing = np.arctan2(points[:, 1], points[:, 0])[:, None] - angle
-        pivot, radius = np.array([[-length, 0.0]]), np.linalg.norm(points, axis=1)
+        pivot = np.array([[-length, 0.0]])
+        radius = np.linalg.norm(points, axis=1)
         for curve in curves:
             there = hits(pivot, radius, curve, tolerance)
             yield bearing - np.arctan2(there[..., 1], there[..., 0] + length), there
     else:
-        start, along = turned(points, -angle) - (length, 0.0), np.array([[1.0, 0.0]])
+        start = turned(points, -angle) - (length, 0.0)
+        along = np.array([[1.0, 0.0]])
         for curve in curves:
             there = hits(start, along, curve, tolerance)
             yield start[:, None, 0] - there[..., 0], there
@@ -369,9 +433,10 @@ def workspace(arm: PlanarArm) -> Workspace:
 def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
     """Radii between which a chain of freely turning links reaches.
 
-    The outer radius is the sum of the lengths, the inner one the longest less all others, if that
-    is positive. With lengths that vary: the longest at its least, the others at their greatest;
-    only one link can exceed the sum of the others, so no choice of lengths does better.
+    The outer radius is the sum of the lengths. The inner radius is the longest length less all
+    others, if that is positive. If lengths vary, the longest counts with its least length and
+    the others with their greatest: only one link can exceed the sum of the others, so no choice
+    of lengths does better.
 
     Args:
         length_ranges: (least, greatest) length of each link [m].
@@ -391,77 +456,136 @@ def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]
     return max(0.0, inner), outer
 
 
-def _rings(arm: PlanarArm | None) -> tuple[float, float] | None:
-    """Radii of the only boundary, None if there is another: of the tip itself or of an `annulus`."""
-    ranges = () if arm is None else arm.length_ranges
-    return annulus(ranges) if ranges else None if ranges is None else (0.0, 0.0)
+def _rings(arm: PlanarArm | None) -> Range | None:
+    """Radii of a workspace that is an `annulus`; None if it is another set.
+
+    The workspace of the tip alone (no arm) is its origin.
+    """
+    if arm is None:
+        return 0.0, 0.0
+    ranges = arm.length_ranges
+    return None if ranges is None else annulus(ranges)
 
 
 def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
-    shorter = arm.part(1) if arm is not None and arm.n > 1 else None
-    inner = None if arm is None else _build(shorter, tolerance, step)
-    if (rings := _rings(arm)) is not None:
-        small, large = (Arc((0.0, 0.0), radius) for radius in rings)
-        if large.radius - small.radius <= tolerance:  # a point, if it is too small
-            return Workspace(arm, (), (large,), inner)
-        hole = (Edge(small, False),) if small.radius > tolerance else ()
-        return Workspace(arm, (Edge(large, True), *hole), (), inner)
+    """The workspace of an arm; of the tip alone if there is no arm."""
+    inner = None
+    if arm is not None:
+        shorter = arm.part(1) if arm.n > 1 else None
+        inner = _build(shorter, tolerance, step)
+    rings = _rings(arm)
+    if rings is not None:
+        return _annular(arm, inner, rings, tolerance)
+
     assert arm is not None
     assert inner is not None
-    limit, angle = arm.limits[0], arm.angles[0]
-    revolute = arm.joints[0] == "R"
-    if limit is not None and limit[0] == limit[1]:  # a locked joint moves nothing
-        edges = tuple(
-            Edge(_carried(e.curve, arm, limit[0]), e.inside_left) for e in inner.edges
-        )
-        thin = tuple(_carried(curve, arm, limit[0]) for curve in inner.thin)
-        return Workspace(arm, edges, thin, inner)
-    candidates, (low, high) = list[Curve](), limit or (0.0, TURN)
-    for curve in inner.curves:
-        candidates += [_carried(curve, arm, q) for q in limit or ()]
-        zero = curve.moved(0.0, (arm.lengths[0], 0.0))
-        for x, y in _extremes(zero, revolute, tolerance):
-            if revolute:
-                start = math.atan2(y, x) + angle + low
-                candidates.append(Arc((0.0, 0.0), math.hypot(x, y), start, high - low))
-            else:
-                travel = Segment((x + low, y), 0.0, high - low)
-                candidates.append(travel.moved(angle, (0.0, 0.0)))
-    critical = [c for c in candidates if c.length > tolerance]
-    raw = Workspace(arm, (), (), inner)
+    limit = arm.limits[0]
+    if limit is not None and limit[0] == limit[1]:
+        return _with_locked_joint(arm, inner, limit[0])
+    critical = [c for c in _critical(arm, inner, tolerance) if c.length > tolerance]
+    bare = Workspace(arm=arm, edges=(), thin=(), inner=inner)
     edges, thin = bounds(
-        critical, lambda p: raw._contains(p, tolerance), tolerance, step
+        critical, lambda points: bare._contains(points, tolerance), tolerance, step
     )
-    return replace(raw, edges=edges, thin=thin)
+    return replace(bare, edges=edges, thin=thin)
+
+
+def _annular(
+    arm: PlanarArm | None, inner: Workspace | None, rings: Range, tolerance: float
+) -> Workspace:
+    """A disc, a disc with a hole, or a circle; a circle that is too small is a point."""
+    small = Arc(center=(0.0, 0.0), radius=rings[0])
+    large = Arc(center=(0.0, 0.0), radius=rings[1])
+    if large.radius - small.radius <= tolerance:
+        return Workspace(arm=arm, edges=(), thin=(large,), inner=inner)
+    edges = [Edge(curve=large, inside_left=True)]
+    if small.radius > tolerance:
+        edges.append(Edge(curve=small, inside_left=False))
+    return Workspace(arm=arm, edges=tuple(edges), thin=(), inner=inner)
+
+
+def _with_locked_joint(arm: PlanarArm, inner: Workspace, q: float) -> Workspace:
+    """The inner workspace, carried by a first joint that stays at q."""
+    edges = [
+        Edge(curve=_carried(edge.curve, arm, q), inside_left=edge.inside_left)
+        for edge in inner.edges
+    ]
+    thin = [_carried(curve, arm, q) for curve in inner.thin]
+    return Workspace(arm=arm, edges=tuple(edges), thin=tuple(thin), inner=inner)
+
+
+def _critical(arm: PlanarArm, inner: Workspace, tolerance: float) -> list[Curve]:
+    """The critical curves of an arm, from those of the arm without its first joint."""
+    limit = arm.limits[0]
+    found: list[Curve] = []
+    for curve in inner.curves:
+        found += [_carried(curve, arm, end) for end in limit or ()]
+        found += _swept(arm, curve, limit or (0.0, TURN), tolerance)
+    return found
+
+
+def _swept(
+    arm: PlanarArm, curve: Curve, limit: Range, tolerance: float
+) -> Iterator[Curve]:
+    """Paths on which the first joint carries the extreme points of a curve."""
+    low, high = limit
+    angle = arm.angles[0]
+    revolute = arm.joints[0] == "R"
+    shifted = curve.moved(0.0, (arm.lengths[0], 0.0))
+    for x, y in _extremes(shifted, revolute, tolerance):
+        if revolute:
+            yield Arc(
+                center=(0.0, 0.0),
+                radius=math.hypot(x, y),
+                start=math.atan2(y, x) + angle + low,
+                span=high - low,
+            )
+        else:
+            travel = Segment(start=(x + low, y), angle=0.0, length=high - low)
+            yield travel.moved(angle, (0.0, 0.0))
 
 
 def _carried(curve: Curve, arm: PlanarArm, q: float) -> Curve:
-    """A curve of the arm without its first joint, seen from the base with that joint at q."""
-    angle, length = _placed(arm, q)
+    """A curve in the frame of link 1, seen from the base with the first joint at q."""
+    angle, length = _first_link(arm, q)
     return curve.moved(angle, (length, 0.0))
 
 
-def _placed(arm: PlanarArm, q: float) -> tuple[float, float]:
-    """Direction and length of link 1."""
-    turn, shift = (q, 0.0) if arm.joints[0] == "R" else (0.0, q)
-    return arm.angles[0] + turn, arm.lengths[0] + shift
+def _first_link(arm: PlanarArm, q: float) -> tuple[float, float]:
+    """Direction [rad] and length [m] of link 1 with the first joint at q."""
+    if arm.joints[0] == "R":
+        return arm.angles[0] + q, arm.lengths[0] + 0.0
+    return arm.angles[0] + 0.0, arm.lengths[0] + q
 
 
 def _extremes(curve: Curve, revolute: bool, tolerance: float) -> list[list[float]]:
-    """Ends, and where the joint at the origin (turning, or sliding along x) moves along the curve."""
-    points = np.empty((0, 2))
+    """Ends of a curve, and its points where the joint moves along it.
+
+    The joint is at the origin; it turns about it, or slides along x.
+    """
+    along = _points_moved_along(curve, revolute, tolerance)
+    on_curve = ~np.isnan(curve.parameter(along, tolerance))
+    return [*along[on_curve].tolist(), *curve.point(curve.interval).tolist()]
+
+
+def _points_moved_along(curve: Curve, revolute: bool, tolerance: float) -> FloatArray:
+    """Points of the whole circle or line of a curve where the joint moves along it, (K, 2)."""
+    none = np.empty((0, 2))
     if isinstance(curve, Segment):
+        if not revolute:
+            return none
         normal = curve.left(0.0)
-        if revolute:
-            points = (normal @ np.asarray(curve.start) * normal)[None]
-    elif not revolute or math.hypot(*curve.center) > tolerance:
-        bearing = (
-            math.atan2(curve.center[1], curve.center[0]) if revolute else math.pi / 2
-        )
-        points = curve.point([bearing, bearing + math.pi])
-    on = ~np.isnan(curve.parameter(points, tolerance))
-    return [*points[on].tolist(), *curve.point(curve.interval).tolist()]
+        return np.asarray(normal @ np.asarray(curve.start) * normal)[None]
+
+    if not revolute:
+        bearing = math.pi / 2
+    elif math.hypot(*curve.center) > tolerance:
+        bearing = math.atan2(curve.center[1], curve.center[0])
+    else:  # a circle about the joint: it moves along all of it
+        return none
+    return curve.point([bearing, bearing + math.pi])
 
 
 def _tolerance(arm: PlanarArm | None) -> float:
+    """Distance that counts as zero [m]."""
     return RELATIVE_TOLERANCE * (arm.reach if arm is not None else 1.0)
