@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from alpha5_model._support.checks import FloatArray, choice, frozen, real
-from alpha5_model.dynamics.actuators import Actuator, Interval, actuator
+from alpha5_model.dynamics.actuators import Actuator, Interval
 from alpha5_model.errors import InputError
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.trajectory import smoothing
 from alpha5_model.trajectory.file_table import Progress
@@ -141,7 +141,7 @@ def analyse(
         method, bandwidth, use_velocity: See `alpha5_model.trajectory.smoothing.smooth`.
         constants: Which of the contradicting motor constants to believe
             (`alpha5_model.dynamics.actuators`).
-        actuators: Motors by joint name, in place of those of Table 4: say, with a rotor
+        actuators: Motors by joint name, in place of the arm's own: say, with a rotor
             inertia.
         supply_voltage: [V], with ``current_limit`` [A]: adds the speed-torque limits;
             not published.
@@ -161,10 +161,10 @@ def analyse(
         arm = _default_arm(motion)
     motion = _for_arm(motion, arm)
     drive = _drive(supply_voltage, current_limit)
-    motors = _motors(motion.joints, constants, efficiency, actuators or {})
+    motors = _motors(arm.parameters, motion.joints, constants, efficiency)
+    motors = _replaced(motors, actuators or {})
 
-    catalogue = parameters()
-    smooth = smooth_for(catalogue, motion, method, bandwidth, use_velocity)
+    smooth = smooth_for(arm.parameters, motion, method, bandwidth, use_velocity)
     loads = loads_of(arm, smooth, current, threads, progress)
     torque = loads.inertia + loads.coriolis + loads.weight + loads.buoyancy
     base_wrench = loads.base_wrench
@@ -199,7 +199,7 @@ def analyse(
         torque_limits=limits,
         supply_voltage=None if drive is None else drive.supply_voltage,
         current_limit=None if drive is None else drive.current_limit,
-        warnings=(*motion.warnings, *_velocity_warnings(motion, catalogue)),
+        warnings=(*motion.warnings, *_velocity_warnings(motion, arm.parameters)),
         moving_water=loads.moving_water,
     )
 
@@ -258,16 +258,29 @@ def _drive(supply_voltage: float | None, current_limit: float | None) -> Drive |
 
 
 def _motors(
+    parameters: Alpha5Parameters,
     joints: Sequence[str],
     constants: str,
     efficiency: str,
-    own: Mapping[str, Actuator],
 ) -> tuple[Actuator, ...]:
-    """The motor of each joint: the caller's own one, else that of Table 4."""
-    motors = {name: actuator(name, constants, efficiency=efficiency) for name in joints}
-    for name, motor in own.items():
-        motors[choice("joint", name, joints)] = motor
-    return tuple(motors.values())
+    """The arm's own motor of each joint."""
+    rows = parameters.actuators[: len(joints)]
+    return tuple(
+        Actuator(
+            joint=joint, parameters=row, constants=constants, efficiency=efficiency
+        )
+        for joint, row in zip(joints, rows, strict=True)
+    )
+
+
+def _replaced(
+    motors: Sequence[Actuator], own: Mapping[str, Actuator]
+) -> tuple[Actuator, ...]:
+    """The motors, with the caller's own ones by joint name in their place."""
+    by_joint = {motor.joint: motor for motor in motors}
+    for joint, motor in own.items():
+        by_joint[choice("joint", joint, tuple(by_joint))] = motor
+    return tuple(by_joint.values())
 
 
 def _velocity_warnings(

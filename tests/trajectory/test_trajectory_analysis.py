@@ -17,6 +17,7 @@ from shared_recordings import JOINT_STATES, needs_recordings
 import alpha5_model as a5
 from alpha5_model.dynamics.actuators import actuator
 from alpha5_model.dynamics.batch import frame_positions
+from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
 from alpha5_model.trajectory import columns
@@ -636,3 +637,31 @@ def test_recordings_end_to_end(path: Path, method: str) -> None:
     text = a5.trajectory.text(s)
     for name in r.smooth.joints:
         assert name in text
+
+
+def test_motors_and_rated_speeds_are_those_of_the_arms_record() -> None:
+    """Twice the friction of axis_d's motor, and an axis_d that counts as at rest."""
+    p = a5.parameters()
+    motor = dataclasses.replace(p.actuators[1], friction=2 * p.actuators[1].friction)
+    fast = dataclasses.replace(p.joints[1], velocity=1000 * p.joints[1].velocity)
+    actuators = (p.actuators[0], motor, *p.actuators[2:])
+    joints = (p.joints[0], fast, *p.joints[2:])
+    time = np.linspace(0.0, 3.0, 60)
+    motion = a5.trajectory.motion(time, 1.5 + 0.3 * np.sin(time)[:, None] * np.ones(4))
+    catalogue = a5.trajectory.analyse(motion)
+
+    with_motor = dataclasses.replace(p, actuators=actuators)
+    own = a5.trajectory.analyse(motion, arm_of(with_motor))
+    assert own.actuators[1].parameters is motor
+    np.testing.assert_array_equal(own.current[:, 0], catalogue.current[:, 0])
+    moving = own.smooth.direction[:, 1] != 0
+    assert moving.sum() > 40
+    more = np.abs(own.friction[moving, 1]) / np.abs(catalogue.friction[moving, 1])
+    assert more.min() > 1.2
+
+    with_speed = dataclasses.replace(p, joints=joints)
+    resting = a5.trajectory.analyse(motion, arm_of(with_speed)).smooth
+    assert not resting.direction[:, 1].any()
+    np.testing.assert_array_equal(
+        resting.direction[:, 0], catalogue.smooth.direction[:, 0]
+    )
