@@ -437,13 +437,13 @@ def test_the_outer_torus_is_measured_within_the_limits_of_theta_2(
     """The audit's longest distance from shoulder to tcp, by the law of cosines at the nearest theta_2."""
     from dataclasses import replace
 
-    from alpha5_model.proofs.audit import geometry as rows
+    from alpha5_model.proofs.audit import tori as rows
 
     p = a5.parameters()
     joints = list(p.joints)
     joints[2] = replace(joints[2], lower=limits[0], upper=limits[1])
     found = {
-        r.claim: r for r in rows.tori(a5.published(), replace(p, joints=tuple(joints)))
+        r.claim: r for r in rows.audit(a5.published(), replace(p, joints=tuple(joints)))
     }
     bend = math.pi - abs(min(max(STRETCHED, limits[0]), limits[1]) - STRETCHED)
     longest = math.sqrt(L_1**2 + L_2**2 - 2 * L_1 * L_2 * math.cos(bend))

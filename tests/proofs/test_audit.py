@@ -21,10 +21,12 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.parameters import convert
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.reading import parse
-from alpha5_model.proofs.audit import bodies, geometry, joints
-from alpha5_model.proofs.audit.lecture import PRINTED_TABLE
-from alpha5_model.proofs.audit.row import AuditRow, figure, sampled_share
+from alpha5_model.proofs.audit import frames, motors, tori
+from alpha5_model.proofs.audit.planar_arms import PRINTED_TABLE
+from alpha5_model.proofs.audit.rounding import figure, sampled_share
+from alpha5_model.proofs.audit.row import AuditRow
 from alpha5_model.proofs.audit.row import verdict as judged
+from alpha5_model.proofs.audit.run import audit_of_document
 
 DATA = Path(a5.__file__).parent / "numbers"
 DOCUMENT = (DATA / "reach_alpha_mk2_v7.toml").read_text("utf-8")
@@ -54,8 +56,7 @@ def audit_of(document: str) -> dict[str, AuditRow]:
         p = convert(printed, ("base_frame",))
     except InputError:  # no record holds the body that the audit is to judge
         p = a5.parameters()
-    topics = (geometry, bodies, joints)
-    return {row.claim: row for topic in topics for row in topic.audit(printed, p)}
+    return {row.claim: row for row in audit_of_document(printed, p)}
 
 
 # --- the record -------------------------------------------------------------------------------
@@ -120,7 +121,7 @@ def test_judging() -> None:
 
 def test_no_words_without_a_row(rows: dict[str, AuditRow]) -> None:
     words = tomllib.loads(
-        (Path(geometry.__file__).parent / "rows.toml").read_text("utf-8")
+        (Path(frames.__file__).parent / "rows.toml").read_text("utf-8")
     )
     for topic, text in words.items():
         subjects = [name for name, value in text.items() if isinstance(value, dict)]
@@ -515,7 +516,7 @@ def test_peak_torque_by_pinocchio(density: float, expected: float) -> None:
         centre = (link.mass * link.com - density * link.volume * link.cob) / wet
         model.inertias[index] = pin.Inertia(wet, centre, np.eye(3))
     data = model.createData()
-    peak = joints.peak_hydrostatic_torque(p, density)
+    peak = motors.peak_hydrostatic_torque(p, density)
     assert peak == pytest.approx(expected, abs=0.01)
     q = np.random.default_rng(2).uniform(reference.LOWER, reference.UPPER, (8000, 4))
     best = max(
@@ -550,7 +551,7 @@ def test_the_joints_that_turn(rows: dict[str, AuditRow]) -> None:
         ('theta = "-pi/2"', 'theta = "theta_4 - pi/2"'),
     ):
         printed = parse(DOCUMENT.replace(old, new), SUPPLEMENTARY)
-        turned = {row.claim: row for row in joints.audit(printed, a5.parameters())}
+        turned = {row.claim: row for row in motors.audit(printed, a5.parameters())}
         assert turned["actuators.turning"].verdict == "differs"
 
 
@@ -741,9 +742,7 @@ def test_the_outer_torus_asks_for_the_elbows_limits(
     assert old in tail
     changed = f"{head}[joints.axis_c]{tail.replace(old, new, 1)}"
     printed = parse(DOCUMENT, changed)
-    outer = {
-        r.claim: r for r in geometry.tori(printed, convert(printed, ("base_frame",)))
-    }
+    outer = {r.claim: r for r in tori.audit(printed, convert(printed, ("base_frame",)))}
     row = outer["workspace.outer_torus"]
     frames = reference.dh_frames(np.array([0, 0, theta_2, 0]))
     distance = 1000 * np.linalg.norm(frames[5][:3, 3] - frames[1][:3, 3])
@@ -1110,7 +1109,7 @@ def test_the_documents_cross_references_arrived() -> None:
         section(m.start()): (m[1].rstrip("."), where)
         for m in re.finditer(r"described in Section ([\d.]+)", text)
     }
-    assert found == geometry.REFERENCES
+    assert found == frames.REFERENCES
 
 
 # --- other documents: every verdict can turn --------------------------------------------------
@@ -1193,7 +1192,7 @@ def test_a_verdict_turns_with_the_document(
     document = DOCUMENT.replace(old, new)
     if claim.startswith("workspace"):
         printed = parse(document, SUPPLEMENTARY)
-        turned = {row.claim: row for row in geometry.tori(printed, a5.parameters())}
+        turned = {row.claim: row for row in tori.audit(printed, a5.parameters())}
     else:
         turned = audit_of(document)
     assert rows[claim].verdict != verdict

@@ -1,4 +1,4 @@
-"""The audit: every claim of the documents that their own numbers can be held against."""
+"""The audit: the claims of the documents against the documents' own numbers."""
 
 from alpha5_model.proofs.audit.run import (
     audit,

@@ -1,23 +1,14 @@
-"""A row of the audit, how it is judged, and what the rounding of printed digits allows.
-
-References:
-    [Cochran1977] Sampling Techniques, section 3.2: standard error of a sampled share.
-"""
+"""A row of the audit, in the words of ``rows.toml``, and how it is judged."""
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
-from alpha5_model._support.checks import BoolArray, FloatArray
-from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import ActuatorRow, BuoyancyRow, InertialRow
 
 Relation = Literal["=", "<=", ">="]
@@ -27,7 +18,8 @@ Category = Literal["error", "reading", "transcription"]
 
 #: What double precision leaves of a formula that holds exactly, in the row's own unit.
 ARITHMETIC = 1e-9
-#: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not listed.
+#: Unit in which a figure is shown -> how many of them an SI unit has; 1 where it is not
+#: listed.
 PER_SI = {
     "mm": 1e3,
     "kg mm^2": 1e6,
@@ -46,23 +38,32 @@ class AuditRow:
         claim: Identifier, ``topic.subject``.
         place: Section, table or equation.
         says: What the document says there, in short.
-        measured: The figure that follows from the document's other numbers, in ``unit``.
+        measured: The figure that follows from the document's other numbers, in
+            ``unit``.
         relation: How ``measured`` must stand to ``expected``.
         expected: The figure that the claim asks for, in ``unit``.
-        bound: How far apart the two may be because printed digits are rounded, in ``unit``.
+        bound: How far apart the two may be because printed digits are rounded, in
+            ``unit``.
         unit: Empty for a pure number.
-        verdict: ``agrees``; ``differs``: beyond the bound; ``impossible``: beyond it, and no body
-            or formula can be so.
+        verdict: ``agrees``; ``differs``: beyond the bound; ``impossible``: beyond it,
+            and no body or formula can be so.
         finding: What was found, in one sentence.
-        effect: What the difference is worth, in ``effect_unit``; None where that has no meaning.
+        effect: What the difference is worth, in ``effect_unit``; None where that has no
+            meaning.
         effect_unit: ``N m``, ``N m/A`` or ``mm``.
-        kind: ``claim``: the documents say so. ``observation``: they do not; their numbers are held
-            against something else, and a difference is no error of theirs.
-        standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it was computed.
-        category: What a difference means, None for an observation. ``error``: the claim is wrong
-            in every reading. ``reading``: it is wrong in the reading that was measured; the finding
-            names one in which it is right. ``transcription``: it hangs on a sign, an index or a
-            letter of a formula, and we have a transcription of the document only: the original may
+        kind: ``claim``: the documents say so. ``observation``: they do not; their
+            numbers are held against something else, and a difference is no error of
+            theirs.
+        standard_error: Of ``measured`` where it was sampled, in ``unit``; 0 where it
+            was computed.
+        category: What a difference means, None for an observation. ``error``: the claim
+            is wrong
+            in every reading. ``reading``: it is wrong in the reading that was measured;
+                the finding
+            names one in which it is right. ``transcription``: it hangs on a sign, an
+                index or a
+            letter of a formula, and we have a transcription of the document only: the
+                original may
             be right.
     """
 
@@ -84,7 +85,7 @@ class AuditRow:
 
     @property
     def topic(self) -> str:
-        """The claim's first word: rows of one topic ask the same question of several links."""
+        """The claim's first word; rows of one topic ask the same of several links."""
         return self.claim.partition(".")[0]
 
 
@@ -106,33 +107,39 @@ def audited(
     more: bool = False,
     **words: Any,
 ) -> AuditRow:
-    """A row in the words of ``rows.toml``, its figures given in SI units, its verdict judged.
+    """A row in the words of ``rows.toml``, from figures in SI units.
 
     Args:
         claim: ``topic.subject``; the words stand under both or under the topic alone.
-        measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units; a bound of
-            `ARITHMETIC` is in the row's own unit.
-        of: The printed row that it is about: ``.link_3`` is added to the claim, and its columns to
-            the words.
+        measured, bound, expected, effect, standard_error: See `AuditRow`, in SI units;
+            a bound of `ARITHMETIC` is in the row's own unit.
+        of: The printed row that it is about: ``.link_3`` is added to the claim, and its
+            columns to the words.
         more: Whether the finding goes on with ``more``.
         words: What the text leaves open.
     """
     if of is not None:
         columns = {column.name: getattr(of, column.name) for column in fields(of)}
-        what, number = next(iter(columns.items()))
-        claim, words = f"{claim}.{what}_{number}", columns | words
+        title, number = next(iter(columns.items()))
+        claim = f"{claim}.{title}_{number}"
+        words = columns | words
 
-    topic, _, subject = claim.partition(".")
-    text: dict[str, Any] = {**texts()[topic], **texts()[topic].get(subject, {})}
-    text["finding"] += text["more"] if more else ""
-
+    text = _text_of(claim)
+    finding = text["finding"] + (text["more"] if more else "")
     unit = text.get("unit", "")
-    relation = text.get("must", "=")
-    kind = text.get("kind", "claim")
+    per_si = PER_SI.get(unit, 1.0)
+    relation: Relation = text.get("must", "=")
+    kind: Kind = text.get("kind", "claim")
+    category: Category = text.get("category", "error")
     shown_measured = _shown(measured, unit)
     shown_expected = _shown(expected, unit)
-    shown_bound = bound if bound == ARITHMETIC else bound * PER_SI.get(unit, 1.0)
-    effect_unit = "" if effect is None else text["effect_unit"]
+    shown_bound = bound if bound == ARITHMETIC else bound * per_si
+
+    effect_unit = ""
+    shown_effect = None
+    if effect is not None:
+        effect_unit = text["effect_unit"]
+        shown_effect = float(effect * PER_SI.get(effect_unit, 1.0))
 
     return AuditRow(
         claim=claim,
@@ -144,23 +151,30 @@ def audited(
         bound=float(shown_bound),
         unit=unit,
         verdict=verdict(
-            shown_measured,
-            relation,
-            shown_expected,
-            shown_bound,
-            text.get("law", False),
+            measured=shown_measured,
+            relation=relation,
+            expected=shown_expected,
+            bound=shown_bound,
+            law=text.get("law", False),
         ),
-        finding=text["finding"].format_map(words),
-        effect=None if effect is None else float(effect * PER_SI.get(effect_unit, 1.0)),
+        finding=finding.format_map(words),
+        effect=shown_effect,
         effect_unit=effect_unit,
         kind=kind,
-        standard_error=float(standard_error * PER_SI.get(unit, 1.0)),
-        category=text.get("category", "error") if kind == "claim" else None,
+        standard_error=float(standard_error * per_si),
+        category=category if kind == "claim" else None,
     )
 
 
+def _text_of(claim: str) -> dict[str, Any]:
+    """The words of a claim: those of its subject before those of its topic."""
+    topic, _, subject = claim.partition(".")
+    shared = texts()[topic]
+    return {**shared, **shared.get(subject, {})}
+
+
 def _shown(value: float, unit: str) -> float:
-    """A value in SI units in the unit in which it is shown.
+    """A value in SI units, in the unit in which it is shown.
 
     A decimal number that was converted to SI units comes back as the same number.
     """
@@ -174,43 +188,17 @@ def verdict(
     bound: float,
     law: bool = False,
 ) -> Verdict:
-    """How a claim stands; one that must hold in nature (``law``) is impossible if it does not."""
-    excess = measured - expected
-    holds = {"=": abs(excess) <= bound, "<=": excess <= bound, ">=": -excess <= bound}[
-        relation
-    ]
-    return "agrees" if holds else "impossible" if law else "differs"
-
-
-def sampled_share(hits: BoolArray) -> tuple[float, float]:
-    """Share of True among independent samples (N,) and its standard error, sqrt(p (1 - p) / N)."""
-    p = float(hits.mean())
-    return p, float(np.sqrt(p * (1 - p) / hits.size))
-
-
-def si(printed: Sequence[Quantity]) -> FloatArray:
-    """Printed numbers in SI units, (N,)."""
-    return np.array([q.si for q in printed])
-
-
-def figure(
-    function: Callable[[FloatArray], Any], printed: Sequence[Quantity]
-) -> tuple[Any, Any]:
-    """A figure, and how far it may be off because its printed inputs are rounded.
-
-    That is the worst case, to first order: each input is moved by half a unit of its last printed
-    digit, one at a time, and the changes of the result are added up.
+    """How a claim stands.
 
     Args:
-        function: From the inputs in SI units, (N,), to a result of any shape.
-        printed: The N inputs.
-
-    Returns:
-        The result and its bound, which is of the same shape and not negative.
+        law: It must hold in nature: it is impossible if it does not.
     """
-    centre = si(printed)
-    value, steps = function(centre), np.diag([q.rounding for q in printed])
-    moved = [
-        [np.abs(function(x) - value) for x in (centre + s, centre - s)] for s in steps
-    ]
-    return value, np.max(moved, axis=1).sum(axis=0)
+    excess = measured - expected
+    holds = {
+        "=": abs(excess) <= bound,
+        "<=": excess <= bound,
+        ">=": -excess <= bound,
+    }
+    if holds[relation]:
+        return "agrees"
+    return "impossible" if law else "differs"

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from functools import cache
 
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.numbers.printed import published
-from alpha5_model.proofs.audit import bodies, geometry, joints, lecture
+from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit import (
+    bodies,
+    circulating_water,
+    frames,
+    motors,
+    planar_arms,
+    printed_formulas,
+    relative_pose,
+    shares,
+    tori,
+)
 from alpha5_model.proofs.audit.row import AuditRow
 
 
@@ -14,17 +25,41 @@ from alpha5_model.proofs.audit.row import AuditRow
 def audit() -> tuple[AuditRow, ...]:
     """Every consistency check of the documents, measured against its bound.
 
-    One row per claim of the manufacturer's document and of the lecture on planar arms: its words in
-    short, the figure that follows from its other numbers, what the rounding of printed digits
-    allows, a verdict, and what the difference is worth. The rows judge the documents, not this
-    package: a row that differs is a finding. Rows of the kind ``observation`` hold their
-    numbers, or numbers that circulate beside them, against something that they do not claim.
+    One row per claim of the manufacturer's document and of the lecture on planar arms:
+        its
+    words in short, the figure that follows from its other numbers, what the rounding of
+    printed digits allows, a verdict, and what the difference is worth. The rows judge
+    the
+    documents, not this package: a row that differs is a finding. Rows of the kind
+    ``observation`` hold their numbers, or numbers that circulate beside them, against
+    something that they do not claim.
 
     Returns:
         Frozen rows, in the order of the topics; computed once.
     """
-    printed, p = published(), parameters()
-    rows = [
-        row for topic in (geometry, bodies, joints) for row in topic.audit(printed, p)
+    record = parameters()
+    return (
+        *audit_of_document(published(), record),
+        *planar_arms.audit(),
+        *relative_pose.audit(record),
+    )
+
+
+def audit_of_document(
+    printed: Published, parameters: Alpha5Parameters
+) -> list[AuditRow]:
+    """The rows of the manufacturer's document.
+
+    Args:
+        printed: Its tables.
+        parameters: The same in SI units.
+    """
+    return [
+        *frames.audit(printed, parameters),
+        *printed_formulas.audit(printed, parameters),
+        *tori.audit(printed, parameters),
+        *shares.audit(printed, parameters),
+        *bodies.audit(printed, parameters),
+        *motors.audit(printed, parameters),
+        *circulating_water.audit(parameters),
     ]
-    return (*rows, *lecture.audit(p))

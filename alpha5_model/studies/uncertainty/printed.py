@@ -39,7 +39,7 @@ from alpha5_model.numbers.parameters import (
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
-from alpha5_model.proofs.audit.bodies import implied_mass
+from alpha5_model.proofs.audit.masses import implied_mass
 
 #: Where the documents contradict themselves or can be read in two ways: name -> what is believed in
 #: place of the plain reading.

@@ -1,0 +1,113 @@
+"""Section 1.2: how much of the printed workspace is reached.
+
+References:
+    [ReachAlpha] Manufacturer's document, Section 1.2, Figure 2.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.kinematics import workspace
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.numbers.quantity import Quantity
+from alpha5_model.numbers.tables import Published
+from alpha5_model.proofs.audit.rounding import figure
+from alpha5_model.proofs.audit.row import AuditRow, audited
+from alpha5_model.proofs.audit.table_1_lengths import lengths
+
+#: Points of the reachable volume that are tried for self-collision.
+SAMPLES = 4000
+#: Points along the radius of the grid on which the rounding of the tori is counted.
+GRID = 401
+
+
+def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
+    """Areas of the half-plane R >= 0: between the printed tori, and within the limits.
+
+    The areas are exact. How far the rounding of the printed lengths may move them is
+    counted on a grid, on which only the tori move.
+    """
+    exact = workspace.published_errors()
+    beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
+    # The third torus is drawn for one pose, and so is the inner one.
+    left_out = workspace.area(workspace.reachable_but_unpublished("underarm"))
+    reached = workspace.cross_section_area("underarm")
+    return [
+        audited(
+            "workspace.beyond_reach",
+            measured=exact.unreachable_area / exact.published_area,
+            bound=beyond_rounding,
+        ),
+        audited(
+            "workspace.left_out",
+            measured=exact.missed_area / exact.reachable_area,
+            bound=missed_rounding,
+            underarm=100 * left_out / reached,
+        ),
+        _self_collision(),
+    ]
+
+
+def _rounding_of_shares(printed: Published, parameters: Alpha5Parameters) -> FloatArray:
+    """How far rounding may move the shares, (2,).
+
+    The first one is the share of the published region that is not reached, the second
+    one the share of the reached region that is not published.
+    """
+    radius, height = _grid(parameters)
+    # Azimuth pi/2 lies within the limits of theta_0 whichever way the arm faces.
+    points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
+    reached = workspace.reachable(points)
+
+    def differing(x: FloatArray) -> FloatArray:
+        a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = x
+        square = (radius - a_0) ** 2 + (height - d_0) ** 2
+        outer = (np.hypot(opposite, adjacent) + np.hypot(d_3, a_2)) ** 2
+        inner = (offset + a_2) ** 2 + (length + d_3) ** 2
+        below = (radius - a_0) ** 2 + (height - d_0 + drop) ** 2
+        region = (inner <= square) & (square <= outer) & (below >= d_3**2)
+
+        beyond = region & ~reached
+        missed = reached & ~region
+        return np.array([beyond.sum() / region.sum(), missed.sum() / reached.sum()])
+
+    bounds: FloatArray = figure(differing, _inputs(printed)).bound
+    return bounds
+
+
+def _grid(parameters: Alpha5Parameters) -> tuple[FloatArray, FloatArray]:
+    """Radius from the yaw axis and height in base_link [m] of a grid over the reach."""
+    first, upper, elbow, wrist = parameters.dh[:4]
+    size = first.a + upper.a + float(np.hypot(elbow.a, wrist.d))
+    heights = first.d + np.linspace(-size, size, 2 * GRID - 1)
+    radius, height = np.meshgrid(np.linspace(0.0, size, GRID), heights)
+    return radius, height
+
+
+def _inputs(printed: Published) -> list[Quantity]:
+    """The printed lengths on which the shape of the tori depends."""
+    elbow = [printed.elbow.opposite, printed.elbow.adjacent]
+    torus = [
+        printed.workspace.inner_offset,
+        printed.workspace.inner_length,
+        printed.workspace.downward_drop,
+    ]
+    return [*lengths(printed), *elbow, *torus]
+
+
+@cache
+def _self_collision() -> AuditRow:
+    """The share of the reachable volume that is reached in self-collision only."""
+    # Late, as it loads Pinocchio.
+    from alpha5_model.dynamics.collision import without_self_collision
+
+    free = workspace.sampled_share(without_self_collision, SAMPLES)
+    return audited(
+        "workspace.self_collision",
+        measured=1 - free.share,
+        standard_error=free.standard_error,
+    )
