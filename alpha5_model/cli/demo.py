@@ -17,7 +17,7 @@ from alpha5_model.cli import audit_text
 from alpha5_model.cli.printing import say
 from alpha5_model.description import srdf, verification
 from alpha5_model.description import urdf as variants
-from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.description.assets import mesh_assets
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics

@@ -15,7 +15,7 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf
-from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import InputError, OutputError
 

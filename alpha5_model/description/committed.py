@@ -16,7 +16,8 @@ from alpha5_model._support.spatial import Placement
 from alpha5_model.description.bodies import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf
-from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
+from alpha5_model.description.urdf import Variant, urdf
+from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.geometry.drawing import bodies
 from alpha5_model.geometry.gltf import Node, glb
 from alpha5_model.geometry.triangles import Surface, surface

@@ -22,10 +22,13 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray, choice, flag
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model._support.spatial import Placement, quaternion_from_rpy
-from alpha5_model.description import bodies as tree
-from alpha5_model.description.bodies import Body, Value, add
+from alpha5_model.description.assets import mesh_assets, template
+from alpha5_model.description.bodies import Body, arm_bodies
+from alpha5_model.description.frames import tcp_placement
+from alpha5_model.description.origin import provenance
 from alpha5_model.description.srdf import NAMED_POSES, UNCHECKED_PAIRS
 from alpha5_model.description.urdf import COLLISIONS
+from alpha5_model.description.xml import Value, add, document, serialized
 from alpha5_model.errors import InputError
 from alpha5_model.geometry.materials import MATERIALS, material_of
 from alpha5_model.geometry.primitives import Primitive
@@ -110,24 +113,24 @@ def mjcf_files(options: MjcfOptions | None = None) -> dict[str, bytes]:
         Alpha5Error: See `MjcfOptions`.
     """
     chosen = options or MjcfOptions()
-    assets = tree.mesh_assets(".obj")
+    assets = mesh_assets(".obj")
     return {
         "alpha5.xml": mjcf(chosen, assets).encode(),
-        "scene.xml": tree.template("scene.xml").encode(),
+        "scene.xml": template("scene.xml").encode(),
         "README.md": _readme(chosen).encode(),
-        "CHANGELOG.md": tree.template("mjcf_changelog.md").encode(),
+        "CHANGELOG.md": template("mjcf_changelog.md").encode(),
         "LICENSE": (Path(REPOSITORY_PATH) / "LICENSE").read_bytes(),
         **{f"assets/{name}": data for name, data in assets.items()},
     }
 
 
 def _readme(options: MjcfOptions) -> str:
-    source = tree.provenance(parameters(options.corrections))
+    source = provenance(parameters(options.corrections))
     drag = (
         "estimated strips" if options.hydrodynamics else "on" if options.drag else "off"
     )
-    water = tree.template("mjcf_moving_water.md") if options.hydrodynamics else ""
-    jaws = tree.template(f"mjcf_gripper_{options.gripper}.md").rstrip()
+    water = template("mjcf_moving_water.md") if options.hydrodynamics else ""
+    jaws = template(f"mjcf_gripper_{options.gripper}.md").rstrip()
     said = {
         **vars(options),
         **source,
@@ -136,9 +139,7 @@ def _readme(options: MjcfOptions) -> str:
         "jaws": jaws,
     }
     dilution = f"{DILUTION:.0e}".replace("+0", "")
-    return tree.template("mjcf_readme.md").format(
-        **said, inertia=INERTIA, dilution=dilution
-    )
+    return template("mjcf_readme.md").format(**said, inertia=INERTIA, dilution=dilution)
 
 
 def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -150,10 +151,10 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
     """
     chosen = options or MjcfOptions()
     values = parameters(chosen.corrections)
-    bodies = tree.arm_bodies(values, chosen.gripper, meshes)
+    bodies = arm_bodies(values, chosen.gripper, meshes)
     joints = [body.joint for body in bodies if body.joint is not None]
-    root = tree.document(values, "mujoco", model="alpha5")
-    compiler, visual, defaults = ET.fromstring(tree.template("model.xml"))
+    root = document(values, "mujoco", model="alpha5")
+    compiler, visual, defaults = ET.fromstring(template("model.xml"))
     root.append(compiler)
     fluid: dict[str, Value] = {}
     if chosen.drag:
@@ -192,7 +193,7 @@ def mjcf(options: MjcfOptions | None = None, meshes: Iterable[str] = ()) -> str:
                 # stiffer than MuJoCo's default, with which servo and fingers excite each other
                 add(equality, "joint", **pair, polycoef=line, solref="0.005 1")
     _actuators(root, joints, chosen.actuators)
-    return tree.serialized(root)
+    return serialized(root)
 
 
 def _worldbody(root: ET.Element, bodies: Iterable[Body], options: MjcfOptions) -> None:
@@ -254,7 +255,7 @@ def _worldbody(root: ET.Element, bodies: Iterable[Body], options: MjcfOptions) -
             mass = body.volume / DILUTION
             add(child, "inertial", pos="0 0 0", mass=mass, diaginertia=[INERTIA] * 3)
             add(child, "geom", "no_drag")
-    tip = tree.tcp_placement(parameters(options.corrections))
+    tip = tcp_placement(parameters(options.corrections))
     add(elements[tip.parent], "site", name="tcp", size="0.005", group="4", **_pose(tip))
 
 

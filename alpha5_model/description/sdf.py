@@ -26,8 +26,10 @@ import numpy as np
 
 from alpha5_model._support.checks import choice, flag
 from alpha5_model._support.spatial import Placement, cross_matrix
-from alpha5_model.description import bodies as tree
-from alpha5_model.description.bodies import Body, add, text_of
+from alpha5_model.description.assets import mesh_assets, template
+from alpha5_model.description.bodies import Body, arm_bodies
+from alpha5_model.description.frames import tcp_placement
+from alpha5_model.description.xml import XML_HEAD, add, document, serialized, text_of
 from alpha5_model.geometry.materials import material_of
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
@@ -90,10 +92,10 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
         Alpha5Error: See `SdfOptions`.
     """
     chosen = options or SdfOptions()
-    meshes = tree.mesh_assets(".obj", ".mtl")
+    meshes = mesh_assets(".obj", ".mtl")
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
-        "model.config": tree.template("model.config")
+        "model.config": template("model.config")
         .format(version=chosen.version)
         .encode(),
         "world.sdf": sdf_world(chosen, meshes).encode(),
@@ -109,7 +111,7 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         meshes: File names of the meshes that will be in ``meshes/``; others are left out.
     """
     root, _ = _document(options or SdfOptions(), meshes)
-    return tree.XML_HEAD + tree.serialized(root)
+    return XML_HEAD + serialized(root)
 
 
 def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
@@ -121,11 +123,11 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     root, arm = _document(chosen, meshes)
     root.remove(arm)
     frame = ET.fromstring(
-        tree.template("world.sdf").format(density=text_of(chosen.fluid_density))
+        template("world.sdf").format(density=text_of(chosen.fluid_density))
     )
     frame[-1].insert(0, arm)  # into the model that is mounted
     root.append(frame)
-    return tree.XML_HEAD + tree.serialized(root)
+    return XML_HEAD + serialized(root)
 
 
 def _document(
@@ -139,14 +141,14 @@ def _document(
     comments.append(
         f"At zero, where Gazebo starts, joints are beyond their limits: {start}."
     )
-    root = tree.document(values, "sdf", *comments, version=options.version)
+    root = document(values, "sdf", *comments, version=options.version)
     # base_link and tcp have no mass: frames here, because a simulated link needs some.
     names = {"canonical_link": "link_0", "placement_frame": "base_link"}
     model = add(root, "model", name="alpha5", **names)
     _frame(
         model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0))
     )
-    for body in tree.arm_bodies(values, options.gripper, meshes):
+    for body in arm_bodies(values, options.gripper, meshes):
         moved = water.get(body.name)
         inertial = _link(model, body, values)
         if body.joint is not None:
@@ -154,7 +156,7 @@ def _document(
         if moved is not None:
             _fill(inertial, fluid_added_mass=_added_mass(moved, options.fluid_density))
             _drag(model, body.name, moved, options.fluid_density)
-    _frame(model, "tcp", tree.tcp_placement(values))
+    _frame(model, "tcp", tcp_placement(values))
     return root, model
 
 

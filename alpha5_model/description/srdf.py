@@ -1,15 +1,16 @@
-"""The semantic description: groups, named poses, and the pairs of links that need no collision check."""
+"""The semantic description: groups, named poses, and pairs of links that need no check."""
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from alpha5_model._support.checks import FloatArray, choice, frozen
-from alpha5_model.description.bodies import XML_HEAD, add, serialized
+from alpha5_model.description.xml import XML_HEAD, add, serialized
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import JointParameters, parameters
 from alpha5_model.numbers.tables import BODY_NAMES
 
 #: Joint positions axis_e, axis_d, axis_c, axis_b [rad].
@@ -62,25 +63,49 @@ def srdf(gripper: str = "locked") -> str:
     Raises:
         UnknownNameError: Another gripper than ``locked`` or ``jaws``.
     """
-    jaws = choice("gripper", gripper, GRIPPERS) == "jaws"
+    choice("gripper", gripper, GRIPPERS)
     *arm, rod = parameters(()).joints
     root = ET.Element("robot", name="alpha5")
     add(add(root, "group", name="arm"), "chain", base_link="base_link", tip_link="tcp")
-    states = [(name, "arm", arm, [*q]) for name, q in NAMED_POSES.items()]
-    if jaws:
-        add(add(root, "group", name="gripper"), "joint", name=rod.name)
-        ends = {"parent_link": "link_4", "group": "gripper", "parent_group": "arm"}
-        add(root, "end_effector", name="jaws", **ends)
-        for name, end in (("closed", rod.lower), ("open", rod.upper)):
-            states.append((name, "gripper", [rod], [end]))
-    for name, group, joints, q in states:
-        state = add(root, "group_state", name=name, group=group)
-        for joint, position in zip(joints, q, strict=True):
-            add(state, "joint", name=joint.name, value=position)
-    for finger in ("finger_1", "finger_2") if jaws else ():
-        add(root, "passive_joint", name=f"{finger}_joint")
+    if gripper == "jaws":
+        _add_gripper_group(root, rod)
+
+    arm_names = [joint.name for joint in arm]
+    for name, pose in NAMED_POSES.items():
+        positions = dict(zip(arm_names, pose, strict=True))
+        _add_state(root, name, "arm", positions)
+    if gripper == "jaws":
+        _add_state(root, "closed", "gripper", {rod.name: rod.lower})
+        _add_state(root, "open", "gripper", {rod.name: rod.upper})
+        add(root, "passive_joint", name="finger_1_joint")
+        add(root, "passive_joint", name="finger_2_joint")
+
     for reason, pairs in UNCHECKED_PAIRS.items():
-        for one, other in pairs:
-            if jaws or not any(name.startswith("finger") for name in (one, other)):
-                add(root, "disable_collisions", link1=one, link2=other, reason=reason)
+        kept = pairs if gripper == "jaws" else _without_fingers(pairs)
+        for one, other in kept:
+            add(root, "disable_collisions", link1=one, link2=other, reason=reason)
     return XML_HEAD + serialized(root).replace(" />", "/>")
+
+
+def _add_gripper_group(root: ET.Element, rod: JointParameters) -> None:
+    add(add(root, "group", name="gripper"), "joint", name=rod.name)
+    add(
+        root,
+        "end_effector",
+        name="jaws",
+        parent_link="link_4",
+        group="gripper",
+        parent_group="arm",
+    )
+
+
+def _add_state(
+    root: ET.Element, name: str, group: str, positions: Mapping[str, float]
+) -> None:
+    state = add(root, "group_state", name=name, group=group)
+    for joint, position in positions.items():
+        add(state, "joint", name=joint, value=position)
+
+
+def _without_fingers(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    return [pair for pair in pairs if "finger" not in f"{pair[0]} {pair[1]}"]

@@ -1,47 +1,29 @@
-"""Variants of the URDF: what can be chosen, the parameters that xacro is given, and what it makes of them.
-
-The xacro library is called here only.
-"""
+"""Variants of the URDF: what can be chosen, and the text that xacro makes of it."""
 
 from __future__ import annotations
 
-import importlib
-import os
 import tempfile
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from alpha5_model._support.checks import choice, flag, float_array
-from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import XACRO_PATH
-from alpha5_model.description.bodies import (
-    Body,
-    arm_bodies,
-    fixed_frames,
-    provenance,
-    template,
-    text_of,
-)
-from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.errors import (
-    FileFormatError,
-    InputError,
-    MissingFileError,
-    ShapeError,
-)
-from alpha5_model.geometry.materials import MATERIALS
+from alpha5_model.description.xacro import expand_xacro
+from alpha5_model.description.xacro_parameters import parameter_yaml
+from alpha5_model.description.xml import text_of
+from alpha5_model.errors import InputError, ShapeError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import parameters
 
 COLLISIONS = ("primitives", "none")
 _PLUGIN = "mock_components/GenericSystem"
-#: What is written of a joint that has it; fingers have no device, arm joints follow none.
-_JOINT = ("lower", "upper", "velocity", "effort", "device_id", "multiplier", "offset")
+#: xacro would evaluate ``${...}`` and ``$(...)``; the others would need escapes in XML.
+_FORBIDDEN = set("${}<>&\"'")
 
 
 @dataclass(frozen=True)
@@ -79,31 +61,42 @@ class Variant:
         choice("collision", self.collision, COLLISIONS)
         flag("dh_frames", self.dh_frames)
         flag("ros2_control", self.ros2_control)
-        for name in ("xyz", "rpy"):
-            mount = float_array(name, getattr(self, name), (3,))
-            if mount.ndim != 1:
-                raise ShapeError(name, mount.shape, "three numbers")
-            if self.parent == "" and mount.any():
-                raise InputError(name, getattr(self, name), "a parent link to mount on")
-        for name in ("prefix", "parent", "mesh_prefix", "ros2_control_plugin"):
-            text = getattr(self, name)
-            # xacro would evaluate ${...} and $(...), names would hide XML escapes, and some unprintable
-            # characters do not exist in UTF-8 or XML
-            if not (isinstance(text, str) and text.isprintable()) or set(text) & set(
-                "${}<>&\"'"
-            ):
-                allowed = (
-                    "a text without any of $ { } < > & quotes or unprintable characters"
-                )
-                raise InputError(name, text, allowed)
-            if name in ("prefix", "parent") and " " in text:
-                raise InputError(name, text, "a name without spaces")
-            if (
-                name == "ros2_control_plugin"
-                and text != _PLUGIN
-                and not self.ros2_control
-            ):
-                raise InputError(name, text, "ros2_control with it")
+        self._check_mount("xyz", self.xyz)
+        self._check_mount("rpy", self.rpy)
+        _check_name("prefix", self.prefix)
+        _check_name("parent", self.parent)
+        _check_text("mesh_prefix", self.mesh_prefix)
+        _check_text("ros2_control_plugin", self.ros2_control_plugin)
+        if self.ros2_control_plugin != _PLUGIN and not self.ros2_control:
+            raise InputError(
+                "ros2_control_plugin",
+                self.ros2_control_plugin,
+                "ros2_control with it",
+            )
+
+    def _check_mount(self, name: str, value: tuple[float, float, float]) -> None:
+        mount = float_array(name, value, (3,))
+        if mount.ndim != 1:
+            raise ShapeError(name, mount.shape, "three numbers")
+        if self.parent == "" and mount.any():
+            raise InputError(name, value, "a parent link to mount on")
+
+
+def _check_text(name: str, text: Any) -> None:
+    """Check a text that xacro and XML keep as it is.
+
+    Some unprintable characters do not exist in UTF-8 or XML.
+    """
+    printable = isinstance(text, str) and text.isprintable()
+    if not printable or set(text) & _FORBIDDEN:
+        allowed = "a text without any of $ { } < > & quotes or unprintable characters"
+        raise InputError(name, text, allowed)
+
+
+def _check_name(name: str, text: Any) -> None:
+    _check_text(name, text)
+    if " " in text:
+        raise InputError(name, text, "a name without spaces")
 
 
 def urdf(variant: Variant | None = None) -> str:
@@ -114,111 +107,24 @@ def urdf(variant: Variant | None = None) -> str:
             a parent with the name of one of the arm's own links.
     """
     chosen = variant or Variant()
+    numbers = parameter_yaml(parameters(chosen.corrections))
     with tempfile.TemporaryDirectory() as folder:
-        # From the tables, never from the committed YAML: that one may be stale.
-        values = Path(folder) / "parameters.yaml"
-        values.write_text(
-            parameter_yaml(parameters(chosen.corrections)), encoding="utf-8"
-        )
-        arguments = {"parameters": str(values)}
-        for name, x in vars(chosen).items():
-            if name != "corrections":
-                arguments[name] = (
-                    str(x).lower() if isinstance(x, bool | np.bool_) else text_of(x)
-                )
-        text = expand_xacro(XACRO_PATH, arguments)
+        # The committed YAML may be stale, so a fresh one is written.
+        file = Path(folder) / "parameters.yaml"
+        file.write_text(numbers, encoding="utf-8")
+        text = expand_xacro(XACRO_PATH, _xacro_arguments(chosen, file))
+
     if chosen.parent and text.count(f'<link name="{chosen.parent}"') > 1:
         raise InputError("parent", chosen.parent, "a name that no link of the arm has")
     return text
 
 
-def parameter_yaml(parameters: Alpha5Parameters) -> str:
-    """Text of ``xacro/parameters.yaml`` for these parameters.
-
-    Numbers are written so that they read back as the same doubles.
-    """
-    import yaml
-
-    locked, jaws = arm_bodies(parameters, "locked"), arm_bodies(parameters, "jaws")[4:]
-    source, joints = provenance(parameters), parameters.joints
-    home = zip(joints, (*NAMED_POSES["home"], joints[4].lower), strict=True)
-    content = {
-        "provenance": source,
-        "materials": {m.name: list(m.rgba) for m in MATERIALS},
-        **_tree(locked),
-        "frames": {
-            name: asdict(frame) for name, frame in fixed_frames(parameters).items()
-        },
-        "jaws": _tree(jaws),
-        # where mock hardware starts; at zero the arm is out of its limits and in collision
-        "home": {joint.name: position for joint, position in home},
-    }
-    text: str = yaml.safe_dump(
-        content, sort_keys=False, default_flow_style=None, width=110
-    )
-    return template("parameters_head.yaml").format(**source) + text
-
-
-def _tree(bodies: tuple[Body, ...]) -> dict[str, Any]:
-    """Links, and the joints of all but the first: link_0 has none, link_4's is among the arm's."""
-    links, joints = {}, {}
-    for body in bodies:
-        shapes, joint = [asdict(shape) for shape in body.shapes], body.joint
-        own = {"mass": body.mass, "com": body.com.tolist(), "inertia": body.moments}
-        links[body.name] = {**own, "collision": shapes}
-        if joint is not None and body is not bodies[0]:
-            own = {key: getattr(joint, key) for key in _JOINT if hasattr(joint, key)}
-            joints[joint.name] = {**asdict(body.placement), "child": body.name, **own}
-    return {"links": links, "joints": joints}
-
-
-def expand_xacro(
-    path: str | os.PathLike[str],
-    arguments: Mapping[str, str] | None = None,
-    packages: Mapping[str, str] | None = None,
-) -> str:
-    """Expand a xacro file.
-
-    Args:
-        path: The file.
-        arguments: Values of its ``xacro:arg`` elements, as text.
-        packages: Folders of the packages that it names in ``$(find NAME)``.
-
-    Returns:
-        The XML text, without xacro's banner, which names the input's path on this machine, and
-        without the comments above the root element, which are about the source.
-
-    Raises:
-        InputError, MissingFileError, FileFormatError: See `read_named`.
-        FileFormatError: xacro cannot expand it.
-    """
-    import xacro
-
-    # Beside a folder named xacro/, Python finds that folder if the library is missing.
-    process: Any = getattr(xacro, "process_file", None)
-    if process is None:
-        raise MissingFileError("xacro", "the xacro library to be installed")
-    read_named(path, "a xacro file")
-    # xacro asks the index of ROS for the folders of $(find NAME), which need not be there.
-    module: Any = importlib.import_module("xacro.substitution_args")
-    before = module._eval_find
-
-    def find(name: str) -> str:
-        if packages and name in packages:
-            return str(Path(packages[name]).resolve())
-        try:
-            return str(before(name))
-        except Exception:
-            raise LookupError(f"no folder for package {name}") from None
-
-    module._eval_find = module._eval_dict["find"] = find
-    try:
-        # xacro writes into the mapping that it is given.
-        document = process(os.fspath(path), mappings=dict(arguments or {}))
-    except Exception as error:
-        raise FileFormatError(path, f"xacro: {' '.join(str(error).split())}") from None
-    finally:
-        module._eval_find = module._eval_dict["find"] = before
-    text: str = document.documentElement.toprettyxml(indent="  ")
-    lines = [line for line in text.splitlines() if line.strip()]
-    return "\n".join(['<?xml version="1.0" ?>', *lines, ""])
+def _xacro_arguments(variant: Variant, parameter_file: Path) -> dict[str, str]:
+    """Arguments of ``xacro/alpha5.urdf.xacro``, which have the names of the fields."""
+    arguments = {"parameters": str(parameter_file)}
+    for name, value in vars(variant).items():
+        if name == "corrections":
+            continue
+        is_flag = isinstance(value, bool | np.bool_)
+        arguments[name] = str(value).lower() if is_flag else text_of(value)
+    return arguments

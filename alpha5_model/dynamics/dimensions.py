@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.bodies import (
+from alpha5_model.description.frames import (
     base_placement,
     joint_placements,
     tcp_placement,

@@ -14,7 +14,7 @@ from alpha5_model._support.checks import array, choice, flag
 from alpha5_model._support.files import read_named
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model._support.spatial import pose
-from alpha5_model.description.bodies import (
+from alpha5_model.description.frames import (
     base_placement,
     joint_placements,
     tcp_placement,

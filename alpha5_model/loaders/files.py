@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from alpha5_model._support.paths import REPOSITORY_PATH
-from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.srdf import srdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.errors import needing

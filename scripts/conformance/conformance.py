@@ -26,7 +26,7 @@ import numpy as np
 import pinocchio as pin
 
 from alpha5_model._support.files import atomic_write
-from alpha5_model.description.bodies import mesh_assets
+from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import sdf_files
 from alpha5_model.description.urdf import Variant, urdf

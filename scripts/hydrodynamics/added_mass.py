@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from alpha5_model._support.spatial import cross_matrix, pose, rotation_about, transform
-from alpha5_model.description.bodies import joint_placements
+from alpha5_model.description.frames import joint_placements
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.geometry.dimensions import drawn_dimensions
 from alpha5_model.geometry.drawing import bodies, frames_in_links

@@ -22,8 +22,9 @@ from alpha5_model.description.committed import (
     update,
 )
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.description.urdf import Variant, parameter_yaml, urdf
+from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import verify_generated
+from alpha5_model.description.xacro_parameters import parameter_yaml
 from alpha5_model.errors import (
     FileFormatError,
     InputError,
@@ -312,7 +313,7 @@ def test_errors_have_attributes():
 
 
 def test_a_broken_xacro_file_is_named(tmp_path):
-    from alpha5_model.description.urdf import expand_xacro
+    from alpha5_model.description.xacro import expand_xacro
 
     broken = tmp_path / "broken.xacro"
     broken.write_text("<robot><oops></robot>")

@@ -12,7 +12,8 @@ import pytest
 import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.description.reading import read_urdf
-from alpha5_model.description.urdf import Variant, expand_xacro
+from alpha5_model.description.urdf import Variant
+from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.errors import FileFormatError, InputError, MissingFileError
 
 READERS = {

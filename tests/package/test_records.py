@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.description import bodies as description
-from alpha5_model.description import verification
+from alpha5_model.description import frames, verification
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.errors import PublishedDataError
@@ -92,14 +91,14 @@ def test_the_last_row_of_table_1_turns_only(change: dict[str, object]) -> None:
     p = parameters()
     last = dataclasses.replace(p.dh[4], **change)
     with pytest.raises(PublishedDataError, match="a fixed rotation about z only"):
-        description.tcp_placement(dataclasses.replace(p, dh=(*p.dh[:4], last)))
+        frames.tcp_placement(dataclasses.replace(p, dh=(*p.dh[:4], last)))
 
 
 def test_a_placement_needs_right_angles() -> None:
     p = parameters()
     askew = dataclasses.replace(p.dh[0], alpha=np.pi / 4)
     with pytest.raises(PublishedDataError, match="not a multiple of pi/2"):
-        description.joint_placements(dataclasses.replace(p, dh=(askew, *p.dh[1:])))
+        frames.joint_placements(dataclasses.replace(p, dh=(askew, *p.dh[1:])))
 
 
 def test_what_check_urdf_says_is_cut(

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from alpha5_model._support.paths import XACRO_PATH
-from alpha5_model.description.urdf import expand_xacro
+from alpha5_model.description.xacro import expand_xacro
 from alpha5_model.errors import FileFormatError
 
 XACRO = Path(XACRO_PATH).parent

@@ -14,7 +14,7 @@ from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.functions import SUMMARIES, products
 from alpha5_model.codegen.languages import element, statements
 from alpha5_model.codegen.program import Program, Slot, program
-from alpha5_model.description.bodies import provenance
+from alpha5_model.description.origin import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.kinematics.ik import BRANCHES

@@ -1,0 +1,86 @@
+"""Expanding xacro files. The xacro library is called here only."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from alpha5_model._support.files import read_named
+from alpha5_model.errors import FileFormatError, MissingFileError
+
+
+def expand_xacro(
+    path: str | os.PathLike[str],
+    arguments: Mapping[str, str] | None = None,
+    packages: Mapping[str, str] | None = None,
+) -> str:
+    """Expand a xacro file.
+
+    Args:
+        path: The file.
+        arguments: Values of its ``xacro:arg`` elements, as text.
+        packages: Folders of the packages that it names in ``$(find NAME)``.
+
+    Returns:
+        The XML text, without xacro's banner, which names the input's path on this machine, and
+        without the comments above the root element, which are about the source.
+
+    Raises:
+        InputError, MissingFileError, FileFormatError: See `read_named`.
+        FileFormatError: xacro cannot expand it.
+    """
+    process = _process_file()
+    read_named(path, "a xacro file")
+    # xacro writes into the mapping that it is given.
+    mappings = dict(arguments or {})
+    with _packages_found(packages or {}):
+        try:
+            document = process(os.fspath(path), mappings=mappings)
+        except Exception as error:
+            problem = " ".join(str(error).split())
+            raise FileFormatError(path, f"xacro: {problem}") from None
+
+    text: str = document.documentElement.toprettyxml(indent="  ")
+    lines = [line for line in text.splitlines() if line.strip()]
+    return "\n".join(['<?xml version="1.0" ?>', *lines, ""])
+
+
+def _process_file() -> Callable[..., Any]:
+    """The library's function that expands a file."""
+    import xacro
+
+    # Beside a folder named xacro/, Python imports that folder if the library is missing.
+    process: Callable[..., Any] | None = getattr(xacro, "process_file", None)
+    if process is None:
+        raise MissingFileError("xacro", "the xacro library to be installed")
+    return process
+
+
+@contextmanager
+def _packages_found(packages: Mapping[str, str]) -> Iterator[None]:
+    """Let xacro's ``$(find NAME)`` look into ``packages`` first, then into ROS' own index.
+
+    That index need not exist, so the function of the library is replaced meanwhile.
+    """
+    module: Any = importlib.import_module("xacro.substitution_args")
+    find_in_ros = module._eval_find
+
+    def find(name: str) -> str:
+        if name in packages:
+            return str(Path(packages[name]).resolve())
+        try:
+            return str(find_in_ros(name))
+        except Exception:
+            raise LookupError(f"no folder for package {name}") from None
+
+    module._eval_find = find
+    module._eval_dict["find"] = find
+    try:
+        yield
+    finally:
+        module._eval_find = find_in_ros
+        module._eval_dict["find"] = find_in_ros

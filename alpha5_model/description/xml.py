@@ -1,0 +1,67 @@
+"""Writing XML: numbers as text, elements, documents."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+
+from alpha5_model.description.origin import provenance
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+#: Type of an attribute: a text, a number, or numbers; None is left out.
+Value = str | float | Iterable[float] | None
+XML_HEAD = '<?xml version="1.0"?>\n'
+
+
+def text_of(value: str | float | Iterable[float]) -> str:
+    """Text of a value: a text as it is, numbers separated by spaces.
+
+    A number is written so that it reads back as the same double.
+    """
+    if isinstance(value, str):
+        return value
+    numbers = value if isinstance(value, Iterable) else (value,)
+    return " ".join(repr(float(x)) for x in numbers)
+
+
+def add(
+    parent: ET.Element, tag: str, class_: Value = None, /, **attributes: Value
+) -> ET.Element:
+    """Append a new child element with these attributes, ``class`` first, and return it."""
+    texts = {}
+    for name, value in {"class": class_, **attributes}.items():
+        if value is not None:
+            texts[name] = text_of(value)
+    return ET.SubElement(parent, tag, texts)
+
+
+def document(
+    parameters: Alpha5Parameters, tag: str, *comments: str, **attributes: str
+) -> ET.Element:
+    """A root element whose comments name the sources of the numbers.
+
+    Args:
+        parameters: The arm's parameters.
+        tag: Tag of the root element.
+        comments: Further comments, below those about the sources.
+        attributes: Attributes of the root element.
+    """
+    source = provenance(parameters)
+    package = source["package"]
+    corrections = source["corrections"]
+    lines = [
+        f"Generated from: {source['document']}.",
+        f"By: {package}. Corrections: {corrections}.",
+        *comments,
+    ]
+
+    root = ET.Element(tag, attributes)
+    for line in lines:
+        root.append(ET.Comment(f" {line} "))
+    return root
+
+
+def serialized(root: ET.Element) -> str:
+    """The indented text of a document."""
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
