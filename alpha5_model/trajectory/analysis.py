@@ -1,4 +1,4 @@
-"""What a joint motion takes: torques by cause, motors, power, mount load, TCP path."""
+"""Torques by cause, motor currents, power, mount load and TCP path of a motion."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Analysis:
     tip.
 
     Torques are those at the joint: N m, for the jaw rod N. The sum of ``inertia``,
-    ``coriolis``, ``weight``, ``buoyancy`` and, if asked for, what moving water adds is
+    ``coriolis``, ``weight``, ``buoyancy`` and, with a current, of moving water is
     ``torque``; ``torque + friction`` is what the motor gives, ``K_t i`` times the gear
     ratio. Columns of a motor that cannot be computed (jaw rod without screw lead) are
     NaN.

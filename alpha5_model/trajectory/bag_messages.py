@@ -42,7 +42,7 @@ class Selection(NamedTuple):
 
     Attributes:
         topic: The topic.
-        prefix: What stands before the joints' names.
+        prefix: The prefix of the joints' names.
         joints: Names of the arm's joints in the messages, prefix included, base to tip.
     """
 
@@ -131,7 +131,7 @@ def _messages(
 
 
 def select(
-    path: PathLike, messages: dict[str, list[Message]], asked: str | None
+    path: PathLike, messages: dict[str, list[Message]], wanted_prefix: str | None
 ) -> Selection:
     """The only topic of the arm's joints, their only prefix, and their names.
 
@@ -141,7 +141,7 @@ def select(
     Args:
         path: Of the bag, for messages.
         messages: All joint states by topic.
-        asked: What the caller says to stand before the joints; None for nothing.
+        wanted_prefix: The prefix of the joints that the caller gave; None if none.
 
     Raises:
         InputError: Several topics or prefixes to choose from.
@@ -151,10 +151,10 @@ def select(
     found = {
         (topic, names, prefix): count
         for (topic, names), count in counts.items()
-        for prefix in prefixes(names, asked=asked)
+        for prefix in prefixes(names, wanted_prefix=wanted_prefix)
     }
     if not found:
-        raise _no_arm(path, list(counts), asked)
+        raise _no_arm(path, list(counts), wanted_prefix)
 
     topic = only_choice("topic", {topic for topic, _, _ in found})
     prefix = only_choice("prefix", {prefix for t, _, prefix in found if t == topic})
@@ -184,10 +184,10 @@ def _counts_by_names(
 
 
 def _no_arm(
-    path: PathLike, named: list[tuple[str, tuple[str, ...]]], asked: str | None
+    path: PathLike, named: list[tuple[str, tuple[str, ...]]], wanted_prefix: str | None
 ) -> FileFormatError:
     """The error about a bag whose messages lack joints of the arm."""
     got = "; ".join(sorted(f"{topic}: {', '.join(names)}" for topic, names in named))
-    joints = ", ".join((asked or "") + joint for joint in JOINT_NAMES[:4])
+    joints = ", ".join((wanted_prefix or "") + joint for joint in JOINT_NAMES[:4])
     problem = f"no message has all of {joints}, but {got[:400]}"
     return FileFormatError(path, problem)

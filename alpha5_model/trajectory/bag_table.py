@@ -27,7 +27,7 @@ class BagTable(FileTable):
     Messages of the topic count from 1, in the order of the bag; see `read_motion`.
 
     Attributes:
-        prefix: What stands before the joints' names in the bag.
+        prefix: The prefix of the joints' names in the bag.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class BagTable(FileTable):
 
 
 class _Samples(NamedTuple):
-    """What the messages of a topic say about the arm.
+    """The arm's joint states in the messages of a topic.
 
     Attributes:
         joints: Names of the n joints in the messages.
@@ -187,7 +187,7 @@ def _warnings(
     recorded: _Samples,
     samples: _Samples,
 ) -> tuple[MotionWarning, ...]:
-    """What is odd in the messages of a topic.
+    """Warnings about the messages of a topic.
 
     Args:
         topic: Its name.

@@ -35,7 +35,7 @@ class Origin(ABC):
 
     @abstractmethod
     def name(self, motion: Motion) -> str:
-        """What the samples are called."""
+        """The name of the samples."""
 
     @abstractmethod
     def place(self, sample: int, joint: str | None) -> str:
@@ -52,7 +52,7 @@ class ArrayOrigin(Origin):
     """Samples from the caller's arrays."""
 
     def name(self, motion: Motion) -> str:
-        """What the samples are called."""
+        """The name of the samples."""
         return "time"
 
     def place(self, sample: int, joint: str | None) -> str:

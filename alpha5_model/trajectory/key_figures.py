@@ -96,7 +96,7 @@ def _smoothing(motion: SmoothMotion) -> dict[str, Any]:
 
 
 def _motors(a: Analysis) -> dict[str, Any]:
-    """What is assumed of the motors and their drive."""
+    """The assumptions about the motors and their drive."""
     return {
         "constants": a.actuators[0].constants,
         "constants_ratio": {m.joint: m.constants_ratio for m in a.actuators},
@@ -221,7 +221,7 @@ def _joint(a: Analysis, k: int, joint: JointRange) -> dict[str, Any]:
 
 
 def _position_margin(position: FloatArray, joint: JointRange) -> float:
-    """What is left to the ends of a joint's range; 0 at an end, as warnings have it."""
+    """The distance to the nearer end of a joint's range; 0 within a limit's slack."""
     margin = min(position.min() - joint.lower, joint.upper - position.max())
     slack = LIMIT_SLACK * (joint.upper - joint.lower)
     return 0.0 if -slack <= margin < 0 else margin
@@ -234,7 +234,7 @@ def _causes_peak(a: Analysis, k: int) -> dict[str, float | None]:
 
 
 def _motor(a: Analysis, k: int) -> dict[str, Any]:
-    """What the motor of joint k does."""
+    """Current, voltage and power of the motor of joint k."""
     time = a.smooth.time
     current = a.current[:, k]
     lower = a.current_lower[:, k]
@@ -250,7 +250,7 @@ def _motor(a: Analysis, k: int) -> dict[str, Any]:
 
 
 def _drive_margins(a: Analysis, k: int) -> dict[str, Any]:
-    """What is left of the drive's limits at joint k; None without limits or motor."""
+    """Margins to the drive's limits at joint k; None without limits or motor."""
     known = k in _known_motors(a)
     if not (a.torque_limits and a.current_limit and a.supply_voltage and known):
         return {

@@ -20,7 +20,7 @@ _CHUNK = 25_000
 
 
 class Loads(NamedTuple):
-    """What the arm's joints and mount bear, sample by sample.
+    """Torques of the joints and load on the mount, sample by sample.
 
     Attributes:
         inertia, coriolis, weight, buoyancy: Torques by cause, (N, n) [N m, N].

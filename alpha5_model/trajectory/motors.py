@@ -25,7 +25,7 @@ BY_MOTOR = (
 
 
 class Drive(NamedTuple):
-    """What a drive gives each motor at most.
+    """The limits of the drive of each motor.
 
     Attributes:
         supply_voltage: [V].

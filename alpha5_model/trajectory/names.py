@@ -1,4 +1,4 @@
-"""What the names of columns mean: a joint, a quantity, what stands before the joint.
+"""The meaning of column names: prefix, joint and quantity.
 
 A name is read only if each of its words is understood, so that no torque is taken for a
 position.
@@ -16,7 +16,7 @@ from alpha5_model.numbers.tables import JOINT_NAMES
 POSITION = "position"
 VELOCITY = "velocity"
 EFFORT = "effort"
-#: Where a robot stands or what it is called; nothing that is measured.
+#: The name or the place of a robot; nothing that is measured.
 NAME = "name"
 #: Says how a quantity was found, but not which one.
 MEASURED = "measured"
@@ -73,8 +73,7 @@ _WORDS = {
 _MEANING = {
     word: meaning for meaning, words in _WORDS.items() for word in words.split()
 }
-#: What may be a position all the same, if the caller names what stands before the
-#: joint.
+#: Meanings that may be a position all the same, if the caller gives the prefix.
 _ON_REQUEST = {COMMAND, "raw value", "limit", UNKNOWN}
 _QUANTITIES = {POSITION, VELOCITY, EFFORT}
 #: How many columns a message explains.
@@ -93,10 +92,10 @@ class Column:
     """A column of a joint.
 
     Attributes:
-        name: As it stands in the file.
+        name: As in the file.
         joint: ``"axis_e"`` and so on.
-        group: What stands before the joint, without the words of the quantity:
-            ``"left_"`` in ``dq_left_axis_e``. Columns of one arm have the same group.
+        group: The prefix of the joint without the words of the quantity: ``"left_"`` in
+            ``dq_left_axis_e``. Columns of one arm have the same group.
         meaning: ``"position"``, ``"velocity"``, ``"effort"``, or what else it is:
             ``"torque"``, ``"command"``, ``"unknown"`` and so on.
     """
@@ -107,15 +106,17 @@ class Column:
     meaning: str
 
 
-def joint_columns(header: Iterable[str], asked: str | None = None) -> list[Column]:
+def joint_columns(
+    header: Iterable[str], wanted_prefix: str | None = None
+) -> list[Column]:
     """The columns that name a joint of the arm.
 
     Args:
         header: Names of all columns.
-        asked: What the caller says to stand before the joints of the arm; None for
-            nothing.
+        wanted_prefix: The prefix of the arm's joints that the caller gave; None if
+            none.
     """
-    asked_group = None if asked is None else _group(asked)
+    wanted_group = None if wanted_prefix is None else _group(wanted_prefix)
     columns = []
     for name in header:
         match = _JOINT.fullmatch(name)
@@ -127,18 +128,18 @@ def joint_columns(header: Iterable[str], asked: str | None = None) -> list[Colum
             name=name,
             joint=joint,
             group=group,
-            meaning=_meaning(before, after, on_request=group == asked_group),
+            meaning=_meaning(before, after, on_request=group == wanted_group),
         )
         columns.append(column)
     return columns
 
 
-def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
+def groups(columns: Iterable[Column], wanted_prefix: str | None = None) -> list[str]:
     """The groups that have a position of each arm joint, sorted.
 
     Args:
         columns: From `joint_columns`.
-        asked: As there; only its group counts.
+        wanted_prefix: The prefix that the caller gave: only its group counts.
     """
     joints_of: dict[str, set[str]] = {}
     for column in columns:
@@ -146,12 +147,12 @@ def groups(columns: Iterable[Column], asked: str | None = None) -> list[str]:
             joints_of.setdefault(column.group, set()).add(column.joint)
 
     complete = _complete(joints_of)
-    if asked is not None:
-        complete = [group for group in complete if group == _group(asked)]
+    if wanted_prefix is not None:
+        complete = [group for group in complete if group == _group(wanted_prefix)]
     return sorted(complete)
 
 
-def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
+def prefixes(names: Collection[str], wanted_prefix: str | None = None) -> list[str]:
     """The prefixes of complete arms in the names of a ``JointState`` message, sorted.
 
     The message itself says that it holds positions. Unknown words are therefore a
@@ -168,8 +169,8 @@ def prefixes(names: Collection[str], asked: str | None = None) -> list[str]:
             joints_of.setdefault(before, set()).add(joint)
 
     complete = _complete(joints_of)
-    if asked is not None:
-        return [prefix for prefix in complete if prefix == asked]
+    if wanted_prefix is not None:
+        return [prefix for prefix in complete if prefix == wanted_prefix]
     allowed = {POSITION, NAME, MEASURED, UNKNOWN}
     return sorted(
         prefix for prefix in complete if allowed.issuperset(_meanings(prefix))
@@ -207,7 +208,7 @@ def explained(columns: Iterable[Column], joint: str) -> str:
 def _reason(column: Column) -> str:
     """Why a column is no position, and how to read it as one if it can be."""
     reason = f"{column.name[:60]} is {_with_article(column.meaning)}"
-    (on_request,) = joint_columns([column.name], asked=column.group)
+    (on_request,) = joint_columns([column.name], wanted_prefix=column.group)
     if on_request.meaning == POSITION:
         reason += f" (prefix {column.group[:60]} reads it as a position)"
     return reason
@@ -228,11 +229,11 @@ def _complete(joints_of: dict[str, set[str]]) -> list[str]:
 
 
 def _meaning(before: str, after: str, on_request: bool) -> str:
-    """What a column holds.
+    """The meaning of a column.
 
     Args:
-        before, after: What stands around the joint.
-        on_request: Whether the caller named this group.
+        before, after: The texts around the joint in its name.
+        on_request: Whether the caller gave the prefix of this group.
     """
     ahead = _meanings(before)
     behind = _meanings(after)
@@ -271,7 +272,7 @@ def _meanings(text: str) -> list[str]:
 
 
 def _group(before: str) -> str:
-    """What stands before a joint, without the words of its quantity."""
+    """A prefix without the words of its quantity."""
     kept = ""
     end = 0
     for match in _WORD.finditer(before):

@@ -59,7 +59,7 @@ def read_motion(
         path: The file.
         progress: Called with a stage's name and the part done, 0 to 1.
         topic: Of a bag; None takes the only one that names the arm's joints.
-        prefix: What stands before the joints' names, as ``left_`` in ``left_axis_e``;
+        prefix: The prefix of the joints' names, such as ``left_`` in ``left_axis_e``;
             None takes the names as they are, else the only prefix. One that says
             command, or nothing that is known, is read if it is given here; one that
             says torque never is.

@@ -21,7 +21,7 @@ class _Column(NamedTuple):
         unit: Its unit, or the quantity whose unit a joint has for it.
         place: Where its number is in a joint's record, keys joined by dots.
         form: How its number is formatted.
-        missing: What stands there if there is no number.
+        missing: The text if there is no number.
         least: Smaller numbers are rounding and printed as 0.
     """
 
@@ -147,7 +147,7 @@ def text(record: dict[str, Any]) -> str:
 
 
 def _head(record: _Record) -> list[str]:
-    """What was analysed, and how."""
+    """The motion, the model and the smoothing."""
     model = record["model"]
     gravity = ", ".join(f"{round(g, 9) + 0.0:g}" for g in model["gravity"])
     smoothing = record["smoothing"]
@@ -166,7 +166,7 @@ def _head(record: _Record) -> list[str]:
 
 
 def _digits(joints: Mapping[str, _Record]) -> list[str]:
-    """What the digits of the tables leave open of the arm's torques, if it is known."""
+    """How far the tables' digits leave the arm's torques open, if that is known."""
     arm = [*joints.values()][:4]
     intervals = [joint["torque_peak"].get("interval") for joint in arm]
     if not all(intervals):
@@ -276,14 +276,14 @@ def _limits(joints: Mapping[str, _Record]) -> list[str]:
 
 
 def _warnings(warnings: Sequence[_Record]) -> list[str]:
-    """What was found odd in the motion."""
+    """The warnings about the motion."""
     return [
         f"  warning: {w['text']}: {w['count']} x, first: {w['first']}" for w in warnings
     ]
 
 
 def _notes(record: _Record) -> list[str]:
-    """What the figures assume."""
+    """The assumptions behind the figures."""
     motors = record["motors"]
     ratios = ", ".join(
         f"{joint} {ratio:.3f}" for joint, ratio in motors["constants_ratio"].items()
@@ -344,7 +344,7 @@ def _cell(
         record: Where the place starts.
         place: Keys joined by dots.
         form: How a number is formatted.
-        missing: What stands there if there is no number.
+        missing: The text if there is no number.
         least: Smaller numbers are printed as 0.
     """
     value: Any = record

@@ -52,19 +52,19 @@ class Roles:
         return [self.time, *self.positions, *self.velocities]
 
 
-def find_roles(path: PathLike, table: FileTable, asked: str | None) -> Roles:
+def find_roles(path: PathLike, table: FileTable, wanted_prefix: str | None) -> Roles:
     """Which columns of a table are the time and the joints' quantities.
 
     Args:
         path: The file, for messages.
         table: Its columns.
-        asked: What the caller says to stand before the joints; None for nothing.
+        wanted_prefix: The prefix of the joints that the caller gave; None if none.
 
     Raises:
         InputError: Several arms to choose from.
         FileFormatError: A missing or a doubled column.
     """
-    columns = _Columns(path, table, asked)
+    columns = _Columns(path, table, wanted_prefix)
     time_names, time_warnings = _time_names(table)
     expected = ": expected time_secs or time or time_ms"
     time = columns.only(time_names, "the time", expected)
@@ -84,12 +84,14 @@ def find_roles(path: PathLike, table: FileTable, asked: str | None) -> Roles:
 class _Columns:
     """The columns of a table that name a joint, and which of them are the arm's."""
 
-    def __init__(self, path: PathLike, table: FileTable, asked: str | None) -> None:
+    def __init__(
+        self, path: PathLike, table: FileTable, wanted_prefix: str | None
+    ) -> None:
         self._path = path
         self._table = table
-        self._named = joint_columns(table.header, asked)
+        self._named = joint_columns(table.header, wanted_prefix)
         # If no group has all joints, a message of `only` says what is missing.
-        complete = groups(self._named, asked) or [asked or ""]
+        complete = groups(self._named, wanted_prefix) or [wanted_prefix or ""]
         self._group = only_choice("prefix", complete)
         self._arm: list[Column] = [
             column for column in self._named if column.group == self._group

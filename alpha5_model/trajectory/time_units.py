@@ -26,7 +26,7 @@ def time_unit(
 
     Args:
         name: Of the column; a unit in it counts.
-        time: (N,) As it stands in the column.
+        time: (N,) In the unit of the column.
         position: (N, n) [rad], jaw rod [m].
         parameters: The arm, for the rated speeds of its joints.
 

@@ -1,4 +1,4 @@
-"""What is odd in a motion but does not stop the computation."""
+"""Warnings about a motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The axes of a study: what it varies."""
+"""The axes of a study: the numbers that it varies."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from alpha5_model.studies.sweep.reduction import Reduction
     from alpha5_model.studies.sweep.study import Study
 
-#: What a file of a chunk should be, for messages.
+#: The expected content of a chunk's file, for messages.
 _PART = "a part of this study"
 
 
@@ -81,7 +81,7 @@ def _head(study: Study, recordings: Sequence[str]) -> str:
 
 
 def made_by() -> str:
-    """What the digits depend on beside the study."""
+    """The version and the kernels, on which the digits depend beside the study."""
     from alpha5_model import __version__
 
     return f"alpha5-model {__version__}, {backend().partition(' ')[0]} kernels"

@@ -1,4 +1,4 @@
-"""What is kept of a quantity while blocks come in: extremes or counts.
+"""The base of all reductions: extremes or counts of a quantity, block by block.
 
 Blocks may come in any order. Nothing is added up in floating point: the same states
 give the same result, whoever computed which of them.
@@ -25,7 +25,7 @@ class Reduction(ABC):
     A key is a group of a column; the groups of the first column come first.
 
     Attributes:
-        output: What is kept.
+        output: The quantity, and its form.
         groups: How many groups each column has.
         values: (keys,) The extremes so far; -inf if there is none.
         counts: (keys,) The rows of the extremes, or how many numbers fell into a bin.

@@ -1,4 +1,4 @@
-"""Compute a study in chunks and write what it gives."""
+"""Compute a study in chunks and write its results."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class Sweep(NamedTuple):
-    """What came of a study.
+    """The results of a study.
 
     Attributes:
         study: As read.
@@ -50,7 +50,7 @@ class Sweep(NamedTuple):
     outputs: dict[str, dict[str, Any]]
 
     def inputs(self, row: int) -> dict[str, Any]:
-        """What stands behind a row: the values of the axes, or a recording's sample."""
+        """The values of the axes of a row, or its recording and sample."""
         from alpha5_model.studies.sweep.blocks import inputs
 
         return inputs(self.study, row)

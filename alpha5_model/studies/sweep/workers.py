@@ -18,7 +18,7 @@ def results(
     scheduler: str | None,
     folder: Path,
 ) -> Iterator[Result]:
-    """What the work makes of each chunk; on workers in any order.
+    """The results of the work for each chunk; on workers in any order.
 
     Args:
         work: Can be sent to another process.
