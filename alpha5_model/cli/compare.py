@@ -16,7 +16,8 @@ from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError
 from alpha5_model.proofs.comparison import measure
 from alpha5_model.proofs.comparison.records import Comparison
-from alpha5_model.viewer.figures import FORMATS, plot_comparison
+from alpha5_model.viewer.comparison_plot import plot_comparison
+from alpha5_model.viewer.figures import FORMATS
 
 
 def compare(

@@ -21,9 +21,16 @@ from alpha5_model.description.assets import mesh_assets
 from alpha5_model.dynamics.load import load
 from alpha5_model.errors import OutputError
 from alpha5_model.kinematics.ik import BRANCHES, inverse_kinematics
+from alpha5_model.numbers.parameters import parameters
 from alpha5_model.proofs.audit import audit
 from alpha5_model.proofs.audit.row import AuditRow
-from alpha5_model.viewer import build, page, picture, scene
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.framing import framed
+from alpha5_model.viewer.page import static_page
+from alpha5_model.viewer.picture import picture_png
+from alpha5_model.viewer.poses import named_poses
+from alpha5_model.viewer.scene import Scene
+from alpha5_model.viewer.tracks import tour
 
 #: A point that all four branches reach within the limits, in base_link [m].
 TARGET = (0.06, 0.05, 0.36)
@@ -145,9 +152,9 @@ def _draw(output: Path, q: FloatArray) -> list[str]:
     """
     say("5. Pictures")
     shown = _scene(q)
-    image = picture.picture_png(scene.framed(shown, _PICTURE_SIZE), _PICTURE_SIZE)
+    image = picture_png(framed(shown, _PICTURE_SIZE), _PICTURE_SIZE)
     files: dict[str, str | bytes] = {
-        "alpha5.html": page.static_page(shown),
+        "alpha5.html": static_page(shown),
         "alpha5.png": image,
     }
     for name, content in files.items():
@@ -156,17 +163,17 @@ def _draw(output: Path, q: FloatArray) -> list[str]:
     return list(files)
 
 
-def _scene(q: FloatArray) -> scene.Scene:
+def _scene(q: FloatArray) -> Scene:
     """The arm at the target, with a motion that goes there and opens the jaws."""
     arm = load(gripper="jaws")
-    poses = build.named_poses(arm)
+    poses = named_poses(arm)
     closed = np.append(q, poses["home"][-1])
     opened = np.append(q, _OPENED)
     stops = [poses["stow"], poses["home"], closed, opened, closed, poses["stow"]]
-    return build.build_scene(
+    return build_scene(
         arm,
         closed,
         target=TARGET,
-        motion=build.tour(stops),
+        motion=tour(stops, parameters()),
         show=("bodies", "labels", "com", "cob", "weight", "buoyancy", "workspace"),
     )

@@ -12,7 +12,7 @@ from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError
 from alpha5_model.theory import planar as library
 from alpha5_model.viewer import figures
-from alpha5_model.viewer import workspace_plot as draw
+from alpha5_model.viewer.planar_plot import plot_planar, save
 
 _ANSWER = {True: "yes", False: "no", None: "for 3R only"}
 
@@ -39,7 +39,7 @@ def planar(
 
     record = _record(arm, radius)
     if plot is not None:
-        draw.save(draw.plot_planar(arm), plot)
+        save(plot_planar(arm), plot)
     printing.show(as_json, record, _text(record), plot)
 
 

@@ -25,6 +25,7 @@ from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer import figures
+from alpha5_model.viewer.mount_plot import mount_load_figure
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -92,7 +93,7 @@ def _draw_mount_load(
     speed = math.hypot(*current) if current else 0.0
     if speed == 0.0:
         raise InputError("plot", plot, "a --current that flows, with it")
-    page = figures.mount_load_figure(arm, state.q, speed)
+    page = mount_load_figure(arm, state.q, speed)
     figures.write_figure(page, plot, dpi=110)
 
 

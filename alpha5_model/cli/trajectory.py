@@ -19,6 +19,7 @@ from alpha5_model.numbers.jaws import GRIPPERS
 from alpha5_model.studies.uncertainty.effects import torque_margin
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
+from alpha5_model.viewer.motion_plot import motion_figure
 
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
@@ -103,7 +104,7 @@ def trajectory(
         if output is not None:
             library.write(analysis, output, progress)
         if plot is not None:
-            figures.write_figure(figures.motion_figure(analysis), plot, dpi=110)
+            figures.write_figure(motion_figure(analysis), plot, dpi=110)
     printing.show(as_json, summary, [library.text(summary)], output, plot)
 
 

@@ -17,7 +17,14 @@ from alpha5_model._support.files import atomic_write_all, check_outputs
 from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.trajectory import read_motion
-from alpha5_model.viewer import build, page, picture, scene
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.framing import check_size, framed
+from alpha5_model.viewer.page import static_page
+from alpha5_model.viewer.picture import picture, picture_png
+from alpha5_model.viewer.poses import pose_of, posed, with_base
+from alpha5_model.viewer.scene import Scene, Size
+from alpha5_model.viewer.tracks import resampled
+from alpha5_model.viewer.video_file import VIDEO_FORMATS, film
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
@@ -65,13 +72,13 @@ def view(
         [motion],
         html=(html, (".html", ".htm")),
         image=(image, (".png",)),
-        video=(video, picture.VIDEO_FORMATS),
+        video=(video, VIDEO_FORMATS),
     )
     if video is not None and motion is None:
         raise InputError("video", str(video), "a --motion to show in it")
 
     arm = values.arm_in(fluid, options.DOWN, gripper, "0 0 0", None)
-    shown = build.build_scene(
+    shown = build_scene(
         arm,
         None if pose is None else _position(arm, pose),
         target=None if target is None else values.numbers("target", target, (3,), "m"),
@@ -90,13 +97,13 @@ def view(
     _serve(arm, shown, port, open_browser=not serve)
 
 
-def _size(text: str) -> scene.Size:
+def _size(text: str) -> Size:
     try:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         expected = "WIDTHxHEIGHT in pixels, such as 1600x1000"
         raise InputError("size", text, expected) from None
-    return scene.check_size((width, height))
+    return check_size((width, height))
 
 
 def _position(arm: Arm, pose: str) -> FloatArray:
@@ -104,7 +111,7 @@ def _position(arm: Arm, pose: str) -> FloatArray:
     if pose.endswith(("deg", "mm")):
         numbers = values.joint_numbers("pose", pose, "rad", (4, 5))
         pose = " ".join(repr(number) for number in numbers)
-    return build.pose_of(arm, pose)
+    return pose_of(arm, pose)
 
 
 def _check_display() -> None:
@@ -118,8 +125,8 @@ def _check_display() -> None:
 
 def _write(
     arm: Arm,
-    shown: scene.Scene,
-    pixels: scene.Size,
+    shown: Scene,
+    pixels: Size,
     html: Path | None,
     image: Path | None,
     video: Path | None,
@@ -129,46 +136,44 @@ def _write(
 
     files: dict[Path, str | bytes] = {}
     if html is not None:
-        files[html] = page.static_page(shown)
+        files[html] = static_page(shown)
     if image is not None:
-        files[image] = picture.picture_png(seen, pixels)
+        files[image] = picture_png(seen, pixels)
     atomic_write_all(files)
 
     if video is not None and shown.motion is not None:
         _film(arm, seen, pixels, shown.motion.time, track, video)
 
 
-def _track(arm: Arm, shown: scene.Scene) -> FloatArray:
+def _track(arm: Arm, shown: Scene) -> FloatArray:
     """Joint positions of the motion, (N, nq); none without a motion."""
     if shown.motion is None:
         return np.zeros((0, 4))
-    return np.array([build.with_base(arm, q) for q in shown.motion.q])
+    return np.array([with_base(arm, q) for q in shown.motion.q])
 
 
-def _framed(
-    arm: Arm, shown: scene.Scene, pixels: scene.Size, track: FloatArray
-) -> scene.Scene:
+def _framed(arm: Arm, shown: Scene, pixels: Size, track: FloatArray) -> Scene:
     """The scene with a camera that has the whole motion in view."""
     step = 1 + len(track) // _FRAMED_POSES
-    along = [build.posed(shown, arm, q).poses for q in track[::step]]
-    return scene.framed(shown, pixels, also=along)
+    along = [posed(shown, arm, q).poses for q in track[::step]]
+    return framed(shown, pixels, also=along)
 
 
 def _film(
     arm: Arm,
-    seen: scene.Scene,
-    pixels: scene.Size,
+    seen: Scene,
+    pixels: Size,
     time: FloatArray,
     track: FloatArray,
     path: Path,
 ) -> None:
-    with picture.video(path, _FRAME_RATE) as (rate, add):
-        frames = list(build.resampled(arm, time, track, rate))
+    with film(path, _FRAME_RATE) as (rate, add):
+        frames = list(resampled(arm, time, track, rate))
         for q in printing.progress_over(frames, "drawing"):
-            add(picture.picture(build.posed(seen, arm, q), pixels))
+            add(picture(posed(seen, arm, q), pixels))
 
 
-def _serve(arm: Arm, shown: scene.Scene, port: int, open_browser: bool) -> None:
+def _serve(arm: Arm, shown: Scene, port: int, open_browser: bool) -> None:
     """Serve the live viewer until it is stopped."""
     from alpha5_model.viewer.visualizer import ArmVisualizer
 

@@ -14,7 +14,8 @@ from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.kinematics import workspace as space
 from alpha5_model.studies.uncertainty.effects import reach, sensitivity
 from alpha5_model.viewer import figures
-from alpha5_model.viewer import workspace_plot as draw
+from alpha5_model.viewer.self_collision_plot import self_collision_figure
+from alpha5_model.viewer.workspace_plot import workspace_figure
 
 
 def workspace(
@@ -40,9 +41,9 @@ def workspace(
     if plot is not None:
         with printing.spinner("drawing"):
             if share:
-                page = draw.self_collision_figure(samples=samples)
+                page = self_collision_figure(samples=samples)
             else:
-                page = draw.workspace_figure()
+                page = workspace_figure()
             figures.write_figure(page, plot, dpi=150)
 
     record = _record()

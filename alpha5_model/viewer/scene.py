@@ -1,41 +1,41 @@
 """What is drawn, as data: shapes and labels in named groups, each anchored to the arm; a camera.
 
-A `Scene` knows nothing of browsers or pixels. `page` turns it into meshcat commands and a page,
-`picture` into a PNG.
+A `Scene` knows nothing of browsers or pixels. `commands` and `page` turn it into
+meshcat commands and a page, `picture` into a PNG.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, transform
 from alpha5_model.description.reading import UrdfJoint
-from alpha5_model.errors import InputError
+from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.viewer.shapes import Mesh
 
 #: All of ``scene.toml``.
 LOOK: Any = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-#: Groups of things that can be shown and hidden -> what the page calls them.
+#: Name of a group of things that can be shown and hidden -> its title on the page.
 GROUPS: dict[str, str] = LOOK["groups"]
-#: Groups of shapes; the other two change how shapes are drawn.
+#: Groups that have shapes of their own; the other two change how shapes are drawn.
 DRAWN = tuple(name for name in GROUPS if name not in ("see-through", "labels"))
-#: Length of an arrow per force [m/N], and of the current's per speed [s].
+#: Length of an arrow per force [m/N], and of the current's arrow per speed [s].
 ARROWS: dict[str, float] = LOOK["arrows"]
-#: Directions from which the arm is seen, by name, (3,).
+#: Name of a view -> direction from which the arm is seen, (3,).
 VIEWS = {name: np.array(direction) for name, direction in LOOK["views"].items()}
-#: Shown by default; opacity of bodies that are seen through.
-DEFAULT_SHOW, SEE_THROUGH = tuple(LOOK["show"]), LOOK["see_through"]
+#: Groups that are shown by default.
+DEFAULT_SHOW = tuple(LOOK["show"])
+#: Opacity of bodies that are seen through.
+SEE_THROUGH: float = LOOK["see_through"]
 #: The fixed frame at the root of the scene.
 WORLD = "world"
-#: Share of the frame's half-height that is used, and of its half-width beside that.
-_MARGIN, _ACROSS = 0.86, 0.95
 #: Red, green, blue, each 0 to 1.
 Color = tuple[float, float, float]
 #: Width and height in pixels.
@@ -61,27 +61,38 @@ class Rigid:
         return poses[self.link] @ self.placement
 
 
+class WeightedPoint(NamedTuple):
+    """A point that counts in a mean.
+
+    Attributes:
+        link: Name of its link.
+        weight: Its share of the mean, in any unit.
+        point: In the link's frame, (3,) [m].
+    """
+
+    link: str
+    weight: float
+    point: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class Mean:
     """An anchor at the weighted mean of points on links, with the axes of the world.
 
     Attributes:
-        points: Link, weight and point (3,) [m] in the link's frame.
+        points: The points, at least one.
         offset: Added to the mean, in the world's axes, (3,) [m].
     """
 
-    points: tuple[tuple[str, float, FloatArray], ...]
+    points: tuple[WeightedPoint, ...]
     offset: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def transform(self, poses: Poses) -> FloatArray:
         """Pose in the world, (4, 4)."""
-        links, weights, points = zip(*self.points, strict=True)
-        placed = [
-            moved(poses[link], point) for link, point in zip(links, points, strict=True)
-        ]
-        return transform(
-            translation=self.offset + np.average(placed, axis=0, weights=weights)
-        )
+        placed = [moved(poses[each.link], each.point) for each in self.points]
+        weights = [each.weight for each in self.points]
+        mean = np.average(placed, axis=0, weights=weights)
+        return transform(translation=self.offset + mean)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +104,10 @@ class Shape:
         name: Unique within its group.
         anchor: What it moves with.
         mesh: In the anchor's frame.
-        color: Red, green, blue, 0 to 1; white where the mesh has its own colours.
+        color: Red, green, blue, 0 to 1; unused if the mesh has its own colours.
         opacity: 0 to 1.
-        on_top: Layer drawn over the lower ones, so that what lies inside a body is seen; 0 to 2.
+        on_top: Its layer, 0 to 2. A layer is drawn over the lower ones, so that centres
+            and arrows inside a body are seen.
         shine: Strength of the highlight, 0 to 1.
         flat: Drawn in its own colour from both sides, without light.
     """
@@ -121,8 +133,8 @@ class Label:
 
     Attributes:
         group: One of `GROUPS`.
-        text: What it says.
-        anchor: Where.
+        text: The text.
+        anchor: The point, at its origin.
         color: Red, green, blue, 0 to 1.
     """
 
@@ -155,19 +167,52 @@ class Load:
     buoyancy: float
 
 
+class Resistance(NamedTuple):
+    """What resists a current on one strip of a link.
+
+    Attributes:
+        middle: Middle of the strip in the link's frame, (3,) [m].
+        axis: Its unit axis in the link's frame, (3,).
+        across, along: Force per squared speed, across and along the axis [N s^2/m^2].
+    """
+
+    middle: FloatArray
+    axis: FloatArray
+    across: float
+    along: float
+
+
 @dataclass(frozen=True, eq=False)
 class Stream:
     """What a steady current does to one link at rest; estimated.
 
     Attributes:
         link: Its name.
-        strips: Middle and axis, (3,) each in the link's frame, resistance across and along [N s^2/m^2].
+        strips: The resistance of its strips.
         added_mass: Of its translations, (3, 3) [kg].
     """
 
     link: str
-    strips: tuple[tuple[FloatArray, FloatArray, float, float], ...]
+    strips: tuple[Resistance, ...]
     added_mass: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """What the page computes the torque from that holds the arm still.
+
+    Attributes:
+        parameters: `alpha5_model.codegen.base_parameters` of the arm without the bodies
+            beyond link_4, (41,).
+        share: Change of these per net first moment and net mass of a body in link_4,
+            (41, 4).
+        beyond: Link, and net first moment [kg m] and net mass [kg] in its frame, (4,),
+            of each body beyond link_4.
+    """
+
+    parameters: FloatArray
+    share: FloatArray
+    beyond: tuple[tuple[str, FloatArray], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,11 +229,13 @@ class Camera:
     field_of_view: float = 30.0
 
     def axes(self) -> FloatArray:
-        """Rows: right, up and backwards, in the world, (3, 3)."""
-        back = (self.eye - self.target) / np.linalg.norm(self.eye - self.target)
+        """Unit vectors to the right, up and backwards, in the world, as rows (3, 3)."""
+        sight = self.eye - self.target
+        back = sight / np.linalg.norm(sight)
         right = np.cross([0.0, 0.0, 1.0], back)
         right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(back, right), back])
+        up = np.cross(back, right)
+        return np.stack([right, up, back])
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,11 +243,11 @@ class MotionTrack:
     """A motion to play.
 
     Attributes:
-        name: What the page calls it.
+        name: Its name on the page.
         time: (N,) [s], from 0.
         q: Positions of the sliders' joints, (N, n) [rad or m].
-        loads: Torque by cause, (N, n) each [N m; jaw rod N], and as ``mount`` force and moment on the
-            mount at base_link, (N, 6) [N, N m]; nothing for an arm on a vehicle.
+        loads: Cause -> torque, (N, n) [N m; jaw rod N]; ``mount`` -> force and moment
+            on the mount at base_link, (N, 6) [N, N m]. Empty for an arm on a vehicle.
     """
 
     name: str
@@ -211,7 +258,7 @@ class MotionTrack:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """All that is drawn, and the numbers that the page's sliders need.
+    """All that is drawn, and the numbers that the page computes with.
 
     Attributes:
         notes: Lines of explanation.
@@ -219,15 +266,14 @@ class Scene:
         sliders: Names of the joints that can be moved.
         q: Their positions.
         poses: Pose of every link in the world at ``q``, (4, 4).
+        plane: Lengths and limits, for the inverse kinematics.
         shapes, labels, loads: What to draw.
-        statics: What the torque that holds the arm still is computed from: ``parameters``,
-            `alpha5_model.codegen.base_parameters` without what moves beyond link_4, (41,); ``share`` of them by
-            the net first moment and net mass of what does, in link_4, (41, 4); ``beyond``, link, and
-            net first moment [kg m] and net mass [kg] in its frame, (4,), of each such body.
+        statics: What the torque is computed from that holds the arm still.
         show: Groups that are shown.
         named_poses: Name -> positions of the sliders.
         motion: A motion to play, or None.
-        current, streams: Velocity of the water, (3,) [m/s], and what it does to the links.
+        current, streams: Velocity of the water, (3,) [m/s], and what it does to the
+            links.
         target: Where the tcp should be, in base_link, (3,) [m], or None.
         camera: From where the scene is seen.
     """
@@ -237,10 +283,11 @@ class Scene:
     sliders: tuple[str, ...]
     q: FloatArray
     poses: dict[str, FloatArray]
+    plane: ArmPlane
     shapes: tuple[Shape, ...]
     labels: tuple[Label, ...]
     loads: tuple[Load, ...]
-    statics: Mapping[str, Any]
+    statics: Statics
     show: tuple[str, ...]
     named_poses: dict[str, FloatArray]
     motion: MotionTrack | None
@@ -248,51 +295,3 @@ class Scene:
     streams: tuple[Stream, ...]
     target: FloatArray | None
     camera: Camera = field(default_factory=lambda: Camera(VIEWS["home"], np.zeros(3)))
-
-
-def framed(
-    scene: Scene,
-    size: Size = (1150, 950),
-    view: str = "home",
-    also: Iterable[Poses] = (),
-) -> Scene:
-    """A scene seen by the nearest camera that sees every corner of the bodies and of what is shown.
-
-    Args:
-        scene: What there is.
-        size: Of the picture, in pixels; what a page leaves free by default.
-        view: One of `VIEWS`.
-        also: Poses of the links elsewhere in a motion, to be seen too.
-    """
-    check_size(size)
-    aspect = _ACROSS * size[0] / size[1]
-    drawn = [shape for shape in scene.shapes if shape.group in {"bodies", *scene.show}]
-    points = np.concatenate(
-        [s.placed(at).vertices for at in (scene.poses, *also) for s in drawn]
-    )
-    center = (points.min(axis=0) + points.max(axis=0)) / 2
-    sight = VIEWS[view] / np.linalg.norm(VIEWS[view])
-    camera = Camera(center + sight, center)
-    axes, distance = camera.axes(), 0.0
-    half = _MARGIN * np.tan(np.deg2rad(camera.field_of_view) / 2)
-    # The centre of the corners in space is not their centre in the picture: correct it in steps.
-    for _ in range(4):
-        right, up, back = ((points - center) @ axes.T).T
-        distance = float(
-            np.max(back + np.maximum(np.abs(up), np.abs(right) / aspect) / half)
-        )
-        for coordinate, axis in zip((right, up), axes, strict=False):
-            tangent = coordinate / (distance - back)
-            center = center + (tangent.max() + tangent.min()) / 2 * distance * axis
-    return replace(scene, camera=Camera(center + distance * sight, center))
-
-
-def check_size(size: Size) -> Size:
-    """Check width and height of a picture, 16 to 8000 pixels each.
-
-    Raises:
-        InputError: Anything else.
-    """
-    if len(size) != 2 or not all(isinstance(n, int) and 16 <= n <= 8000 for n in size):
-        raise InputError("size", size, "width and height from 16 to 8000 pixels")
-    return size

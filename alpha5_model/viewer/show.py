@@ -24,18 +24,21 @@ def view(
 ) -> ArmVisualizer:
     """Start a live meshcat viewer on an arm.
 
-    The page has a slider for each joint, switches for everything that can be shown, and a player
-    for the motion. ``open()`` shows it in a browser, ``url()`` is its address, ``display(q)`` and
-    ``play(q, dt)`` move the arm in every page, ``on_change(function)`` calls back when a page moves it,
-    ``captureImage()`` is a picture, ``static_html()`` is the same page as one file.
+    The page has a slider for each joint, switches for everything that can be shown, and
+    a player for the motion. ``open()`` shows it in a browser, ``url()`` is its address,
+    ``display(q)`` and ``play(q, dt)`` move the arm in every page,
+    ``on_change(function)`` calls back when a page moves it, ``captureImage()`` is a
+    picture, ``static_html()`` is the same page as one file.
 
     Args:
         arm: What to show.
-        q: Joint positions, (nq,). If None: with the tcp at the target, or at the nearest point that it
-            reaches; the pose ``home`` without one.
-        target: Position in base_link, (3,) [m]; the other solutions of its inverse kinematics are ghosts.
+        q: Joint positions, (nq,). If None: with the tcp at the target, or at the
+            nearest point that it reaches; the pose ``home`` without one.
+        target: Position in base_link, (3,) [m]; the other solutions of its inverse
+            kinematics are ghosts.
         motion: Played in real time by the page.
-        show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be switched on.
+        show: Groups to show, of `alpha5_model.viewer.scene.GROUPS`; the others can be
+            switched on.
         port: Of the page on this machine; 0 for a free one.
 
     Returns:

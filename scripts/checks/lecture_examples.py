@@ -26,7 +26,7 @@ from alpha5_model.theory.dh.arm_types import (
     spatial_conditions,
     task_capability,
 )
-from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
+from alpha5_model.viewer.planar_plot import new_axes, plot_planar, save
 
 QUARTER = math.pi / 2
 #: Arms of the section "Workspace", one to four joints, without and with limits.

@@ -12,8 +12,8 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import flip_products, second_moments
 from alpha5_model.viewer.figures import Color, new_figure, number, style
+from alpha5_model.viewer.planar_plot import new_axes, plot_planar
 from alpha5_model.viewer.shapes import read_obj
-from alpha5_model.viewer.workspace_plot import new_axes, plot_planar
 
 BODY = "#D9DEE3"
 #: Arm in the plane y = 0, facing +x [rad].

@@ -22,11 +22,11 @@ import numpy as np
 import alpha5_model as a5
 from alpha5_model._support.files import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
-from alpha5_model.viewer import workspace_plot
+from alpha5_model.viewer import self_collision_plot, workspace_plot
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.figures import CAUSES, Color, new_figure, number, style
+from alpha5_model.viewer.framing import framed
 from alpha5_model.viewer.picture import picture_png
-from alpha5_model.viewer.scene import framed
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
@@ -45,7 +45,7 @@ def main(folder: Path) -> None:
         ("workspace.png", workspace_figure()),
         (
             "self_collision.png",
-            _png(workspace_plot.self_collision_figure(samples=100_000)),
+            _png(self_collision_plot.self_collision_figure(samples=100_000)),
         ),
         ("torque.png", torque_figure()),
         *((name, _png(draw())) for name, draw in FIGURES.items()),

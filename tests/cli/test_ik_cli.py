@@ -83,7 +83,7 @@ def test_workspace_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_filled_loops_have_the_exact_area() -> None:
-    from alpha5_model.viewer.workspace_plot import loops
+    from alpha5_model.viewer.outlines import loops
 
     for side in a5.workspace.SIDES:
         total = 0.0

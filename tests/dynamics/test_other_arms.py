@@ -21,8 +21,8 @@ from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.studies.uncertainty import effects
 from alpha5_model.theory.dh.chain import DHChain, DHLink
-from alpha5_model.viewer import figures
 from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.motion_plot import motion_figure
 from alpha5_model.water.terms import water_terms
 
 LONGER = 0.05
@@ -250,11 +250,11 @@ def test_its_motion_is_analysed_and_drawn_without_the_margin_of_other_digits() -
     for at in (0, 40, 80):
         tcp = chain().forward_kinematics(analysis.smooth.position[at])
         assert analysis.tcp[at] == pytest.approx(tcp[:3, 3], abs=1e-14)
-    page = figures.motion_figure(analysis)
+    page = motion_figure(analysis)
     ours = a5.trajectory.analyse(motion, method="interpolate")
     labels = [
         {text for axes in shown.axes for text in axes.get_legend_handles_labels()[1]}
-        for shown in (page, figures.motion_figure(ours))
+        for shown in (page, motion_figure(ours))
     ]
     assert labels[1] - labels[0] == {"printed digits"}
 

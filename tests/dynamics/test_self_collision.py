@@ -242,7 +242,7 @@ def test_command_line(capsys: Any, tmp_path: Any) -> None:
 
 
 def test_the_picture_shows_the_share_of_each_column(arm: Any) -> None:
-    from alpha5_model.viewer.workspace_plot import self_collision_figure
+    from alpha5_model.viewer.self_collision_plot import self_collision_figure
 
     cell = 0.06
     page = self_collision_figure(cell, samples=200)

@@ -22,7 +22,7 @@ from alpha5_model.errors import FileFormatError, InputError, UnknownNameError
 from alpha5_model.proofs.comparison.chains import find_chains
 from alpha5_model.proofs.comparison.measure import compare, compare_robots
 from alpha5_model.proofs.comparison.printed_digits import last_digits, meant_angle
-from alpha5_model.viewer.figures import plot_comparison
+from alpha5_model.viewer.comparison_plot import plot_comparison
 
 OWN = urdf()
 AXES = ("axis_e", "axis_d", "axis_c", "axis_b")

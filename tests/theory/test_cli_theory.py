@@ -16,7 +16,7 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import OutputError, UnknownNameError
 from alpha5_model.theory.planar import PlanarArm
-from alpha5_model.viewer.workspace_plot import new_axes, plot_planar, save
+from alpha5_model.viewer.planar_plot import new_axes, plot_planar, save
 
 SCRIPT = (
     Path(__file__).resolve().parents[2] / "scripts" / "checks" / "lecture_examples.py"

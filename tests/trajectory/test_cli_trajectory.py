@@ -273,7 +273,7 @@ def test_progress_is_reported_for_long_work(motion_file: Path) -> None:
 
 
 def test_plot_keeps_the_extremes_of_long_curves() -> None:
-    from alpha5_model.viewer.figures import thin
+    from alpha5_model.viewer.motion_plot import thin
 
     time = np.arange(100_003.0)
     values = np.random.default_rng(1).normal(size=time.size)
@@ -286,7 +286,7 @@ def test_plot_keeps_the_extremes_of_long_curves() -> None:
 
 
 def test_plot_draws_what_was_computed(motion_file: Path) -> None:
-    from alpha5_model.viewer.figures import motion_figure
+    from alpha5_model.viewer.motion_plot import motion_figure
 
     analysis = a5.trajectory.analyse(a5.trajectory.read_motion(motion_file))
     page = motion_figure(analysis)

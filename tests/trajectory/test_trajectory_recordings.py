@@ -570,7 +570,7 @@ def test_recorded_effort_against_the_torque(
 
 
 def test_the_effort_is_drawn_where_there_is_one(tmp_path: Path) -> None:
-    from alpha5_model.viewer.figures import motion_figure
+    from alpha5_model.viewer.motion_plot import motion_figure
 
     states = samples()
     for s in states[3:9]:

@@ -17,7 +17,7 @@ from reference import LOWER, UPPER
 
 import alpha5_model as a5
 from alpha5_model.description.srdf import NAMED_POSES
-from alpha5_model.viewer.build import pose_of
+from alpha5_model.viewer.poses import pose_of
 
 pytestmark = needs_browser
 
@@ -658,7 +658,7 @@ def test_a_page_survives_what_it_cannot_read(chromium: Any) -> None:
 
         def send() -> None:
             for message in packed:
-                for page in visualizer.window.server.pages:
+                for page in visualizer.window.server.live.pages:
                     page.send(message)
 
         visualizer.window.server.call(send)

@@ -19,9 +19,11 @@ import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH
 from alpha5_model.description.reading import urdf_shapes
 from alpha5_model.trajectory import Motion, analyse
-from alpha5_model.viewer.build import build_scene, pose_of, tour
+from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.page import static_page
+from alpha5_model.viewer.poses import pose_of
 from alpha5_model.viewer.shapes import drawn
+from alpha5_model.viewer.tracks import tour
 
 pytestmark = needs_browser
 
@@ -44,7 +46,8 @@ def arm() -> a5.Arm:
 def moved(arm: a5.Arm) -> Motion:
     """A raised pose, and back, in less than two seconds."""
     home = pose_of(arm, "home")
-    return tour([home, home + np.array([0.2, 0.25, -0.2, 0.4, 0.0]), home])
+    there = home + np.array([0.2, 0.25, -0.2, 0.4, 0.0])
+    return tour([home, there, home], a5.parameters())
 
 
 @pytest.fixture(scope="module")

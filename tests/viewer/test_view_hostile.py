@@ -27,7 +27,8 @@ from websockets.sync.client import connect
 
 import alpha5_model as a5
 from alpha5_model.errors import InputError, ViewerError
-from alpha5_model.viewer import server
+from alpha5_model.viewer import connections, protocol, server
+from alpha5_model.viewer.messages import read_positions
 from alpha5_model.viewer.visualizer import ArmVisualizer
 
 POSE = np.array([2.0, 1.0, 2.2, 0.4, 0.005])
@@ -194,13 +195,13 @@ def test_what_a_page_sends_is_within_the_limits_exactly() -> None:
         ends = seed.integers(0, 3, 5)
         q[ends == 1] = low[ends == 1] - 0.9e-9
         q[ends == 2] = high[ends == 2] + 0.9e-9
-        said = server.positions_said(json.dumps({"q": q.tolist()}), arm)
+        said = read_positions(json.dumps({"q": q.tolist()}), arm)
         assert ((low <= said) & (said <= high)).all()
         np.testing.assert_allclose(said, q, rtol=0, atol=1e-9)
         joint = seed.integers(5)
         q[joint] = high[joint] + 1.1e-9
         with pytest.raises(a5.errors.JointLimitError, match=arm.joint_names[joint]):
-            server.positions_said(json.dumps({"q": q.tolist()}), arm)
+            read_positions(json.dumps({"q": q.tolist()}), arm)
 
 
 def test_a_page_leaves_a_floating_base_where_it_is() -> None:
@@ -475,15 +476,15 @@ def test_many_pages(viewer: ArmVisualizer) -> None:
 def test_a_page_that_stops_reading_is_left(
     viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server, "_BACKLOG", 4_000_000)
-    known = set(viewer.window.server.pages)
+    monkeypatch.setattr(connections, "_BACKLOG", 4_000_000)
+    known = set(viewer.window.server.live.pages)
     with socket.create_connection(address(viewer), timeout=SOON) as slow:
         slow.sendall(upgrade(viewer))
-        while not viewer.window.server.pages - known:
+        while not viewer.window.server.live.pages - known:
             time.sleep(0.005)
         for _ in range(10):
             viewer["mine"].set_property("note", "x" * 1_000_000)
-        while viewer.window.server.pages - known:
+        while viewer.window.server.live.pages - known:
             time.sleep(0.005)
     viewer["mine"].delete()
 
@@ -491,7 +492,7 @@ def test_a_page_that_stops_reading_is_left(
 def test_an_answer_that_nobody_reads_is_not_kept(
     viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server, "_LONGEST_VISIT", 0.5)
+    monkeypatch.setattr(connections, "_LONGEST_VISIT", 0.5)
     asked = 60
     one = request(viewer).replace(b"close", b"keep-alive")
     whole = len(raw(viewer, request(viewer), last=b"</html>"))
@@ -508,7 +509,7 @@ def test_an_answer_that_nobody_reads_is_not_kept(
 def test_a_page_that_answers_no_ping_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "_PING", 0.2)
     viewer = a5.view(a5.load())
-    pages = viewer.window.server.pages
+    pages = viewer.window.server.live.pages
 
     def left() -> list[bool]:
         return [page.ws_connection.is_closing() for page in list(pages)]
@@ -594,7 +595,7 @@ COMMANDS: dict[str, tuple[bytes, ...]] = {
     "path_of_noise": (b"set_transform", b"\xff\xfe", PLACE),
     "deep_path": (b"delete", b"/a" * 2000, pack("delete", "/a" * 2000)),
     "long_path": (b"delete", b"a" * 100_000, pack("delete", "a" * 100_000)),
-    "large": (b"set_object", b"/meshcat/x", b"\0" * (server._LARGEST_REQUEST + 1)),
+    "large": (b"set_object", b"/meshcat/x", b"\0" * (protocol._LARGEST_REQUEST + 1)),
     "many_frames": (b"x",) * 20_000,
 }
 
@@ -632,7 +633,7 @@ def test_noise_and_silence_on_the_port_of_other_programs(viewer: ArmVisualizer) 
 def test_a_request_that_waits_for_a_page_holds_nobody_up(
     viewer: ArmVisualizer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server, "PAGE_PATIENCE", 0.3)
+    monkeypatch.setattr(protocol, "PAGE_PATIENCE", 0.3)
     capture = umsgpack.packb({"type": "capture_image"})
     for frames in ((b"wait",), (b"capture_image", b"", capture)):
         with zmq.Context() as context, context.socket(zmq.REQ) as client:

@@ -37,7 +37,7 @@ def in_scene(visualizer: ArmVisualizer, link: str) -> np.ndarray:
     from meshcat.servers.tree import find_node
 
     node = find_node(
-        visualizer.window.server.tree, ["meshcat", "alpha5", "bodies", link]
+        visualizer.window.server.live.tree, ["meshcat", "alpha5", "bodies", link]
     )
     return np.reshape(umsgpack.unpackb(node.transform)["matrix"], (4, 4)).T
 
@@ -88,7 +88,7 @@ def test_other_programs_connect_by_its_address(visualizer: ArmVisualizer) -> Non
         timeout=30,
     )
     assert visualizer.url() in done.stdout, done.stderr
-    assert "guest" in visualizer.window.server.tree["meshcat"]
+    assert "guest" in visualizer.window.server.live.tree["meshcat"]
     visualizer["guest"].delete()
 
 

@@ -16,7 +16,8 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.errors import InputError
 from alpha5_model.viewer.build import build_scene
-from alpha5_model.viewer.picture import Canvas, picture, picture_png, shade
+from alpha5_model.viewer.canvas import Canvas, shade
+from alpha5_model.viewer.picture import picture, picture_png
 from alpha5_model.viewer.scene import Camera
 from alpha5_model.viewer.shapes import ball
 

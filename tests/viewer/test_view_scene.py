@@ -24,9 +24,12 @@ from alpha5_model.errors import (
     ShapeError,
     UnknownNameError,
 )
-from alpha5_model.viewer.build import ARROW_SCALE, build_scene, pose_of, tour
-from alpha5_model.viewer.scene import GROUPS, Mean, Rigid, Scene
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.drawing import ARROW_SCALE
+from alpha5_model.viewer.poses import pose_of
+from alpha5_model.viewer.scene import GROUPS, Mean, Rigid, Scene, WeightedPoint
 from alpha5_model.viewer.shapes import arrow, ball, drawn, read_obj, triad, tube
+from alpha5_model.viewer.tracks import tour
 
 
 @pytest.fixture(scope="module")
@@ -338,7 +341,7 @@ def test_triads_and_tubes_point_along_their_axes() -> None:
 
 def test_tour_rests_at_its_ends_and_keeps_the_speeds() -> None:
     ends = np.array([[3.1, 0.1, 0.1, 1.6, 0.0013], [2.0, 1.5, 2.5, 0.4, 0.0080]])
-    motion = tour([ends[0], ends[1], ends[0]])
+    motion = tour([ends[0], ends[1], ends[0]], a5.parameters())
     np.testing.assert_array_equal(motion.position[[0, -1]], ends[[0, 0]])
     assert (motion.position == ends[1]).all(axis=1).sum() > 5
     speed = np.abs(np.gradient(motion.position, motion.time, axis=0)).max(axis=0)
@@ -384,7 +387,10 @@ def test_poses_by_name_and_number() -> None:
 
 def test_a_mean_needs_no_normalised_weights() -> None:
     mean = Mean(
-        (("a", 2.0, np.array([0, 0, 1.0])), ("b", 6.0, np.zeros(3))),
+        (
+            WeightedPoint("a", 2.0, np.array([0, 0, 1.0])),
+            WeightedPoint("b", 6.0, np.zeros(3)),
+        ),
         np.array([0, 1, 0]),
     )
     shifted = np.eye(4)

@@ -15,6 +15,8 @@ import alpha5_model as a5
 from alpha5_model.cli import main
 from alpha5_model.numbers.hydrodynamics import LEVELS
 from alpha5_model.viewer import figures
+from alpha5_model.viewer.motion_plot import motion_figure
+from alpha5_model.viewer.mount_plot import mount_load_figure
 from alpha5_model.water.terms import water_terms
 
 CURRENT = (0.4, -0.7, 0.3)
@@ -222,7 +224,7 @@ def test_without_a_current_nothing_is_said_of_moving_water(file):
     assert a.moving_water is None
     assert "water" not in a5.trajectory.text(a5.trajectory.summary(a))
     assert not any("water" in name for name in a5.trajectory.columns(a))
-    figure = figures.motion_figure(a)
+    figure = motion_figure(a)
     assert "moving water" not in [
         text.get_text() for text in figure.legends[0].get_texts()
     ]
@@ -230,7 +232,7 @@ def test_without_a_current_nothing_is_said_of_moving_water(file):
 
 def test_the_plot_shows_the_cause_with_a_band(file):
     a = a5.trajectory.analyse(a5.trajectory.read_motion(file), current=CURRENT)
-    figure = figures.motion_figure(a)
+    figure = motion_figure(a)
     assert "moving water" in [text.get_text() for text in figure.legends[0].get_texts()]
     assert "current (0.4, -0.7, 0.3) m/s, its effect estimated" in figure.get_suptitle()
     for k in range(len(a.smooth.joints)):
@@ -253,7 +255,7 @@ def test_a_floating_base_has_no_mount_to_load():
 
 def test_the_polar_picture_is_the_load_over_the_direction(tmp_path, capsys):
     q, arm = (3.1, 1.2, 1.8, 0.4), a5.load()
-    page = figures.mount_load_figure(arm, q, 0.8)
+    page = mount_load_figure(arm, q, 0.8)
     angles = page.axes[0].lines[0].get_xdata()
     for i in (0, 11, 40, 72):
         flow = 0.8 * np.array([np.cos(angles[i]), np.sin(angles[i]), 0.0])
@@ -301,7 +303,7 @@ def test_the_polar_picture_is_that_of_the_position(monkeypatch, tmp_path, capsys
     ]
     path = str(tmp_path / "polar.svg")
     torque(capsys, *given, "--fluid", "fresh", "--current", "0.3 0.4 0", "--plot", path)
-    wanted = figures.mount_load_figure(a5.load(a5.FRESH_WATER), q, 0.5)
+    wanted = mount_load_figure(a5.load(a5.FRESH_WATER), q, 0.5)
     (page,) = made
     for axes, other in zip(page.axes, wanted.axes, strict=True):
         line = axes.lines[0].get_ydata()

@@ -1,0 +1,256 @@
+"""Shapes and labels of a scene: bodies, frames, centres and forces, the current, IK solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import transform
+from alpha5_model.description.reading import UrdfJoint, urdf_shapes
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.kinematics import ik, reach
+from alpha5_model.viewer.poses import link_poses
+from alpha5_model.viewer.scene import (
+    ARROWS,
+    LOOK,
+    WORLD,
+    Color,
+    Label,
+    Load,
+    Mean,
+    Rigid,
+    Shape,
+    WeightedPoint,
+)
+from alpha5_model.viewer.shapes import arrow, ball, drawn, triad
+
+#: Length of an arrow per force [m/N].
+ARROW_SCALE = ARROWS["force"]
+#: Length of the axes of a frame [m].
+_AXES = 0.05
+_COLORS: dict[str, Color] = {
+    name: (red, green, blue) for name, (red, green, blue) in LOOK["colors"].items()
+}
+#: Links that no joint of the arm moves, which have no ghosts.
+_FIXED_LINKS = ("base_link", "link_0")
+_ball = cache(ball)
+
+
+def bodies(urdf: str, folder: str) -> Iterator[Shape]:
+    """The visual shapes of a URDF, whose file names start at a folder."""
+    for shape in urdf_shapes(urdf, "visual"):
+        red, green, blue = shape.color[:3]
+        dark = max(red, green, blue) < 0.4
+        yield Shape(
+            group="bodies",
+            name=f"{shape.link}/part_{shape.index}",
+            anchor=Rigid(shape.link),
+            mesh=drawn(shape, folder),
+            color=(red, green, blue),
+            # Only highlights show the form of a dark body.
+            shine=0.9 if dark else 0.4,
+        )
+
+
+def collision_bodies(urdf: str, folder: str) -> Iterator[Shape]:
+    """The collision shapes of a URDF, whose file names start at a folder."""
+    for shape in urdf_shapes(urdf, "collision"):
+        yield Shape(
+            group="collision",
+            name=f"{shape.link}_{shape.index}",
+            anchor=Rigid(shape.link),
+            mesh=drawn(shape, folder),
+            color=_COLORS["orange"],
+            opacity=0.35,
+        )
+
+
+def frames(
+    tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]
+) -> Iterator[Shape | Label]:
+    """Axes of every link frame, drawn over the bodies; names of joints, frames and the tcp.
+
+    Args:
+        tree: Joints from the base to the tip.
+        beyond: Name of each joint that can be moved -> whether it is beyond a limit.
+    """
+    axes = triad(_AXES, 0.0013)
+    tip_of_x = transform(translation=(_AXES, 0.0, 0.0))
+    base = tree[0].parent
+    yield Shape("frames", base, Rigid(base), axes, on_top=1)
+    for joint in tree:
+        link = joint.child
+        yield Shape("frames", link, Rigid(link), axes, on_top=1)
+        if link == "tcp":
+            yield Label("bodies", "tcp", Rigid(link))
+            continue
+        yield Label("frames", link, Rigid(link, tip_of_x), (0.1, 0.3, 0.6))
+        if joint.name in beyond:
+            yield _joint_label(joint, beyond[joint.name])
+
+
+def _joint_label(joint: UrdfJoint, beyond: bool) -> Label:
+    if beyond:
+        text = f"{joint.name}, beyond its limit"
+        return Label("bodies", text, Rigid(joint.child), _COLORS["red"])
+    return Label("bodies", joint.name, Rigid(joint.child))
+
+
+@dataclass(frozen=True)
+class _Center:
+    """A kind of centre, from ``scene.toml``.
+
+    Attributes:
+        group: Of its balls and labels.
+        point, share, force: Attributes of `Load`: the centre, its weight in a mean, its
+            force.
+        text: Of the label of the whole arm's centre.
+        ball: The two colours of its balls.
+        ink: Colour of the label.
+        arrow: Colour of the arrows.
+        sense: 1 if the force acts along gravity, -1 if against it.
+    """
+
+    group: str
+    point: str
+    share: str
+    force: str
+    text: str
+    ball: tuple[str, str]
+    ink: str
+    arrow: str
+    sense: float
+
+
+_CENTERS = [_Center(group=group, **fields) for group, fields in LOOK["centers"].items()]
+
+
+def centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
+    """Balls at the centres of each body with arrows of its forces, larger ones of the whole arm.
+
+    Args:
+        gravity: Acceleration in the world, (3,) [m/s^2].
+        loads: Weight and buoyancy of the bodies.
+    """
+    down = gravity / (np.linalg.norm(gravity) or 1.0)
+    for kind in _CENTERS:
+        for i, load in enumerate(loads):
+            yield from _center(kind, f"load_{i}", [load], down, whole=False)
+        yield from _center(kind, "arm", loads, down, whole=True)
+
+
+def _center(
+    kind: _Center, name: str, loads: Sequence[Load], down: FloatArray, whole: bool
+) -> Iterator[Shape | Label]:
+    """Ball and arrow at the common centre of some loads, with labels for the whole arm."""
+    points = tuple(
+        WeightedPoint(
+            link=load.link,
+            weight=getattr(load, kind.share),
+            point=getattr(load, kind.point),
+        )
+        for load in loads
+        if getattr(load, kind.share)
+    )
+    if not points:
+        return
+    at = Mean(points)
+    first, second = (_COLORS[color] for color in kind.ball)
+    sphere = _ball(0.0095 if whole else 0.0048, first, second)
+    yield Shape(kind.group, name, at, sphere, on_top=2)
+    if whole:
+        yield Label(kind.group, kind.text, at, _COLORS[kind.ink])
+
+    strength = sum(getattr(load, kind.force) for load in loads)
+    if not strength:
+        return
+    tip = ARROW_SCALE * kind.sense * strength * down
+    color = _COLORS[kind.arrow]
+    if not whole:
+        yield Shape(kind.force, name, at, arrow(tip, 0.0022), color, on_top=1)
+        return
+    red, green, blue = color
+    darker = (0.8 * red, 0.8 * green, 0.8 * blue)
+    yield Shape(kind.force, name, at, arrow(tip, 0.004), darker, on_top=1)
+    text = f"{kind.force} {strength:.2f} N"
+    yield Label(kind.force, text, Mean(points, tip), darker)
+
+
+def current_arrow(flow: FloatArray) -> Iterator[Shape | Label]:
+    """An arrow beside the base along the current (3,) [m/s], with a label."""
+    teal = _COLORS["teal"]
+    beside_base = Rigid(WORLD, transform(translation=(0.0, -0.16, 0.05)))
+    speed = float(np.linalg.norm(flow))
+    tip = ARROWS["current"] * flow
+    mesh = arrow(tip, 0.004) if speed else _ball(0.004, teal, teal)
+    yield Shape("current", "arrow", beside_base, mesh, teal, on_top=1)
+    text = f"current {speed:.3g} m/s, load estimated"
+    yield Label("current", text, beside_base, teal)
+
+
+def ghosts(
+    arm: Arm,
+    tree: Sequence[UrdfJoint],
+    body_shapes: Sequence[Shape],
+    q: FloatArray,
+    target: FloatArray,
+) -> Iterator[Shape | Label]:
+    """The target, and every solution of its inverse kinematics as ghosts of the moving links.
+
+    Args:
+        arm: The arm.
+        tree: Its joints from the base to the tip.
+        body_shapes: Its bodies.
+        q: Its joint positions (nq,); a ghost has the same base and jaws.
+        target: Position of the tcp in base_link, (3,) [m].
+    """
+    solutions = ik.inverse_kinematics(target)
+    first_joint = len(q) - len(arm.joint_names)
+    for i in np.flatnonzero(solutions.exists):
+        solution = q.copy()
+        solution[first_joint : first_joint + 4] = solutions.q[i]
+        poses = link_poses(arm, tree, solution)
+        branch = ik.BRANCHES[i]
+        color = tuple(LOOK["ghosts"][i])
+        yield from _ghost(branch, color, body_shapes, poses)
+
+        text = branch.replace("_", " ")
+        if not solutions.within_limits[i]:
+            text += ", beyond the limits"
+        elbow = transform(translation=poses["link_3"][:3, 3])
+        yield Label("ghosts", text, Rigid(WORLD, elbow), color)
+    yield from _target(arm, q, target)
+
+
+def _ghost(
+    branch: str,
+    color: Any,
+    body_shapes: Sequence[Shape],
+    poses: Mapping[str, FloatArray],
+) -> Iterator[Shape]:
+    """Copies of the bodies that joints move, with the links at some poses."""
+    for body in body_shapes:
+        if isinstance(body.anchor, Rigid) and body.anchor.link not in _FIXED_LINKS:
+            yield Shape(
+                group="ghosts",
+                name=f"{branch}/{body.name}",
+                anchor=Rigid(WORLD, poses[body.anchor.link]),
+                mesh=body.mesh,
+                color=color,
+                opacity=0.3,
+            )
+
+
+def _target(arm: Arm, q: FloatArray, target: FloatArray) -> Iterator[Shape | Label]:
+    base = arm.forward_kinematics(q, frame="base_link")
+    at = Rigid(WORLD, transform(translation=base.act(target)))
+    sphere = ball(0.008, _COLORS["pink"], _COLORS["white"])
+    yield Shape("ghosts", "target", at, sphere, on_top=2)
+    away = float(reach.distance_to_reach(target))
+    text = f"target, out of reach by {1e3 * away:.1f} mm" if away else "target"
+    yield Label("ghosts", text, at, (0.75, 0.05, 0.4))

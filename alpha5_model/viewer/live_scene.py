@@ -1,0 +1,122 @@
+"""The scene that the open pages of a live viewer show."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+from meshcat.servers.tree import SceneTree, find_node, walk
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.viewer.commands import Command
+from alpha5_model.viewer.messages import path_parts
+from alpha5_model.viewer.scene import Scene
+
+
+class Shown(Protocol):
+    """What the viewer shows: an arm at a pose."""
+
+    arm: Arm
+    scene: Scene
+
+    @property
+    def q(self) -> FloatArray:
+        """Joint positions at which the arm is shown, (nq,)."""
+
+    def place(self, q: FloatArray, mover: Any = None) -> None:
+        """Show the arm at q (nq,); the mover is the page that sent it, if one did."""
+
+
+class Page(Protocol):
+    """The connection of an open page.
+
+    Attributes:
+        asked: Numbers of the pictures that the page was asked for and has not sent yet.
+    """
+
+    asked: deque[int]
+
+    def send(self, message: bytes) -> None:
+        """Send a packed command."""
+
+    def close(self) -> None:
+        """Disconnect."""
+
+
+class LiveScene:
+    """The scene that all open pages show, and that a new page gets.
+
+    All methods are called in the server's thread.
+
+    Attributes:
+        viewer: What the pages show.
+        tree: meshcat's tree of the scene.
+        pages: The pages that are open.
+    """
+
+    def __init__(self, viewer: Shown) -> None:
+        self.viewer = viewer
+        self.tree: Any = SceneTree()
+        self.pages: set[Page] = set()
+        #: The last command of each type that a new page gets after the scene.
+        self._told: dict[str, bytes] = {}
+
+    def enter(self, page: Page) -> None:
+        """Show the scene to a new page."""
+        self.pages.add(page)
+        for message in (*self.messages(), *self._told.values()):
+            page.send(message)
+
+    def tell(self, command: Command, mover: Any = None) -> None:
+        """Send a command to all pages but one, and to the pages that are opened later."""
+        packed = command.packed()
+        self._told[command["type"]] = packed
+        for page in self.pages - {mover}:
+            page.send(packed)
+
+    def move(self, command: Command) -> None:
+        """Move a node for pages that are opened later; open pages move it themselves."""
+        node = find_node(self.tree, path_parts(command["path"]))
+        node.transform = command.packed()
+
+    def obey(self, kind: str, path: list[str], data: bytes) -> None:
+        """Carry out a command of meshcat's protocol, here and in all pages.
+
+        Args:
+            kind: Its name, such as ``set_transform``.
+            path: The parts of the path of a node.
+            data: The packed command.
+        """
+        known = kind == "set_object" and find_node(self.tree, path).object == data
+        if not known:
+            for page in self.pages:
+                page.send(data)
+
+        if kind == "delete":
+            self._delete(path)
+            return
+        node = find_node(self.tree, path)
+        if kind == "set_object":
+            node.object = data
+            node.properties = []
+        elif kind == "set_transform":
+            node.transform = data
+        elif kind == "set_animation":
+            node.animation = data
+        else:
+            node.properties.append(data)
+
+    def _delete(self, path: list[str]) -> None:
+        if path:
+            find_node(self.tree, path[:-1]).pop(path[-1], None)
+        else:
+            self.tree = SceneTree()
+
+    def messages(self) -> Iterator[bytes]:
+        """The packed commands that build the scene as it is now."""
+        for node in walk(self.tree):
+            for part in (node.object, *node.properties, node.transform, node.animation):
+                if part is not None:
+                    yield part

@@ -1,0 +1,134 @@
+"""Checks of what pages and other programs send to the live viewer.
+
+Each function takes a message as it came and returns what it holds, or raises. Nothing
+else in the viewer reads what comes from outside.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from typing import Any
+
+import numpy as np
+import umsgpack  # type: ignore[import-untyped]
+
+from alpha5_model._support.checks import FloatArray, shaped
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.errors import InputError, JointLimitError
+
+#: Longest message with joint positions [characters].
+_LONGEST_POSE = 4096
+#: Most parts of the path of a node in the scene.
+_DEEPEST_PATH = 64
+#: Longest path of a node in the scene [bytes].
+_LONGEST_PATH = 4096
+#: How far beyond a limit rounding may put a joint [rad or m].
+_ROUNDING = 1e-9
+_DATA_URL = re.compile(r"data:image/\w+;base64,")
+
+
+def read_positions(message: str | bytes, arm: Arm) -> FloatArray:
+    """Read the joint positions that a page sends as ``{"q": [...]}``.
+
+    Args:
+        message: The page's message; anything.
+        arm: The arm whose joints they are.
+
+    Returns:
+        Positions within the limits, (n,) [rad, and m for axis_a].
+
+    Raises:
+        InputError: Not such a message (`ShapeError`, `NonFiniteError`).
+        JointLimitError: A joint is beyond a limit.
+    """
+    expected = '{"q": [...]} as text'
+    if not isinstance(message, str):
+        raise InputError("message", f"{len(message)} bytes", expected)
+    if len(message) > _LONGEST_POSE:
+        raise InputError("message", f"{len(message)} characters", expected)
+    content = _json(message)
+    if not isinstance(content, dict) or set(content) != {"q"}:
+        raise InputError("message", message, expected)
+
+    names = arm.joint_names
+    limits = arm.limits
+    joints = shaped("q", content["q"], (len(names),))
+    inside = np.clip(joints, limits.lower, limits.upper)
+    for name, value, bound in zip(names, joints, inside, strict=True):
+        if abs(value - bound) > _ROUNDING:
+            unit = "m" if name == "axis_a" else "rad"
+            raise JointLimitError(name, float(value), float(bound), unit)
+    return inside
+
+
+def read_picture(message: str) -> bytes:
+    """Read the picture that a page sends, as the bytes of an image file.
+
+    Raises:
+        InputError: Not such a message.
+    """
+    content = _json(message)
+    address = content.get("data")
+    start = _DATA_URL.match(address) if isinstance(address, str) else None
+    try:
+        if start is None:
+            raise ValueError
+        return base64.b64decode(address[start.end() :], validate=True)
+    except ValueError:
+        raise InputError("data", address, "a picture as a data URL") from None
+
+
+def read_command(kind: bytes, path: bytes, data: bytes) -> list[str]:
+    """Check a command of meshcat's protocol as pages will read it.
+
+    Args:
+        kind: Its name, such as ``set_transform``.
+        path: Path of a node in the scene.
+        data: Name, path and all else in MessagePack.
+
+    Returns:
+        The parts of the path.
+
+    Raises:
+        InputError: Pages could not read the command, or would read it as another one.
+    """
+    parts = _node(path)
+    try:
+        content = umsgpack.unpackb(data)
+    # umsgpack has many errors of its own, and lets NumPy's and Python's through.
+    except Exception:
+        content = None
+    if not isinstance(content, dict) or content.get("type") != kind.decode():
+        raise InputError("data", data[:40], f"{kind.decode()} in MessagePack")
+
+    inside = content.get("path", "")
+    if not isinstance(inside, str) or path_parts(inside) != parts:
+        raise InputError("path in the data", inside, f"{path.decode()!r}, as beside it")
+    return parts
+
+
+def path_parts(path: str) -> list[str]:
+    """The names of the nodes along a path of meshcat's scene tree."""
+    return [part for part in path.split("/") if part]
+
+
+def _node(path: bytes) -> list[str]:
+    """The parts of a path from another program, which must be short and in UTF-8."""
+    if len(path) > _LONGEST_PATH:
+        raise InputError("path", f"{len(path)} bytes", f"at most {_LONGEST_PATH}")
+    try:
+        parts = path_parts(path.decode())
+    except UnicodeDecodeError:
+        raise InputError("path", path, "UTF-8") from None
+    if len(parts) > _DEEPEST_PATH:
+        raise InputError("path", f"{len(parts)} parts", f"at most {_DEEPEST_PATH}")
+    return parts
+
+
+def _json(message: str) -> Any:
+    try:
+        return json.loads(message)
+    except (ValueError, RecursionError):
+        raise InputError("message", message, "JSON") from None

@@ -1,0 +1,318 @@
+"""Plot of an analysed motion: joints, torques, currents, power, mount load, path of the TCP."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.viewer.figures import CAUSES, Color, new_figure, number, style
+
+if TYPE_CHECKING:
+    from alpha5_model.trajectory.analysis import Analysis
+
+#: Most points of a curve; longer ones are thinned and keep the extremes of each
+#: stretch.
+_POINTS = 4000
+#: Most points at which the band of the printed digits is computed.
+_BAND_POINTS = 500
+#: Widths of the curves of `CAUSES`.
+_CAUSE_WIDTHS = (3.8, 3.2, 2.9, 1.3, 1.3)
+_GRAY = "#999999"
+#: Behind a text, so that it stays readable over a curve.
+_PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.5}
+
+
+@style(
+    axes={"grid": True, "titlelocation": "left", "titlesize": 11},
+    grid={"color": "#E6E6E6", "linewidth": 0.6},
+    legend={"fontsize": 8},
+    lines={"linewidth": 1.0},
+    xtick={"labelsize": 9},
+    ytick={"labelsize": 9},
+)
+def motion_figure(analysis: Analysis) -> Any:
+    """Plot an analysed motion, as a matplotlib Figure.
+
+    One row for each joint (position, torque by cause, motor current) and one for the
+    whole arm (power, load on the mount, TCP path).
+    """
+    rows = len(analysis.smooth.joints)
+    page = new_figure(16, 2.35 * rows + 4.2)
+    page.get_layout_engine().set(h_pad=0.06, w_pad=0.08)
+    panels = page.subplots(rows + 1, 3, height_ratios=[1.0] * rows + [1.6])
+    # All but the path of the TCP, which is the last, have the same time axis.
+    for axes in page.axes[1:-1]:
+        axes.sharex(page.axes[0])
+
+    for k, (position, torque, current) in enumerate(panels[:-1]):
+        _draw_position(position, analysis, k)
+        _draw_torque(torque, analysis, k)
+        _draw_current(current, analysis, k)
+        for axes in (position, torque, current):
+            axes.tick_params(labelbottom=False)
+    power, mount, path = panels[-1]
+    _draw_power(power, analysis)
+    _draw_mount(mount, analysis)
+    _draw_path(path, analysis)
+    for axes in (power, mount, path):
+        axes.legend()
+
+    # The lowest current has the path below it, which has no time axis.
+    lowest_current = panels[-2, 2]
+    lowest_current.tick_params(labelbottom=True)
+    for axes in (lowest_current, power, mount):
+        axes.set_xlabel("time [s]")
+    _title_columns(panels[:-1], analysis)
+    _title_page(page, panels[0, 1], analysis)
+    return page
+
+
+def _title_columns(panels: Any, analysis: Analysis) -> None:
+    """Titles over the columns of the joints' panels (n, 3), and equal scales in each column."""
+    positions, torques, currents = panels.T
+    positions[0].set_title("joint position (dots: samples)")
+    joints = analysis.smooth.joints
+    most = _most(analysis.torque, joints, "N·m")
+    torques[0].set_title(f"joint torque by cause, {most}")
+    most = _most(analysis.current, joints, "A")
+    currents[0].set_title(f"motor current, {most}; band: friction")
+    _equal_scales(torques, "N·m")
+    _equal_scales(currents, "A")
+
+
+def _most(values: FloatArray, joints: tuple[str, ...], unit: str) -> str:
+    """The largest magnitude of values (N, n) among the rotary joints, and its joint."""
+    sizes = np.nanmax(np.abs(values[:, :4]), axis=0)
+    return f"at most {number(sizes.max())} {unit} ({joints[int(sizes.argmax())]})"
+
+
+def _equal_scales(column: Any, unit: str) -> None:
+    """Give the panels with a unit the same scale: small noise beside large values stays small."""
+    alike = [axes for axes in column if axes.get_ylabel().endswith(f"[{unit}]")]
+    limits = [axes.get_ylim() for axes in alike if axes.has_data()]
+    lowest = min(low for low, _ in limits)
+    highest = max(high for _, high in limits)
+    for axes in alike:
+        axes.set_ylim(lowest, highest)
+
+
+def _title_page(page: Any, torque_axes: Any, analysis: Analysis) -> None:
+    """The legend of the torques beside the title of the page."""
+    handles, names = torque_axes.get_legend_handles_labels()
+    # There is room for five names in a row.
+    columns = -(-len(names) // (1 + len(names) // 6))
+    page.legend(handles, names, ncols=columns, fontsize=10, loc="outside upper right")
+    page.align_ylabels()
+    page.suptitle(_title(analysis), fontsize=12, x=0.01, ha="left")
+
+
+def _title(analysis: Analysis) -> str:
+    """Source, fluid, smoothing and motor constants, in one line."""
+    smooth = analysis.smooth
+    fluid = f"{len(smooth.time)} samples; fluid {analysis.arm.fluid_density:g} kg/m³"
+    if analysis.moving_water is not None:
+        flow = ", ".join(f"{x:g}" for x in analysis.moving_water.current)
+        fluid += f"; current ({flow}) m/s, its effect estimated"
+    width = "" if smooth.bandwidth is None else f" {smooth.bandwidth:.3g} Hz"
+    constants = analysis.actuators[0].constants
+    method = f"{smooth.method}{width}; motor constants: {constants}"
+    return f"{Path(analysis.motion.source).name}   ({fluid}; {method})"
+
+
+# ---- one joint
+
+
+def _draw_position(axes: Any, analysis: Analysis, k: int) -> None:
+    name = analysis.arm.joint_names[k]
+    lower = analysis.arm.limits.lower[k]
+    upper = analysis.arm.limits.upper[k]
+    scale, unit = (1e3, "mm") if name == "axis_a" else (180 / np.pi, "°")
+    samples = thin(analysis.motion.time, scale * analysis.motion.position[:, k])
+    axes.plot(*samples, ".", color=_GRAY, markersize=4, label="samples")
+    _curve(axes, analysis, scale * analysis.smooth.position[:, k], color=Color.BLUE)
+
+    # The noise of a joint at rest does not fill the panel.
+    low, high = axes.get_ylim()
+    least = 0.04 * scale * (upper - lower)
+    spare = max(0.0, least - (high - low)) / 2
+    axes.set_ylim(low - spare, high + spare)
+    _bounds(axes, scale * lower, scale * upper)
+    axes.set_ylabel(f"{name} [{unit}]")
+
+
+def _draw_torque(axes: Any, analysis: Analysis, k: int) -> None:
+    smooth = analysis.smooth
+    torque = analysis.torque[:, k]
+    _draw_causes(axes, analysis, k)
+    if analysis.moving_water is not None:
+        low, _, high = analysis.moving_water.torque[:, :, k].T
+        _band(axes, analysis, low, high)
+    _draw_digits(axes, analysis, k)
+    look: dict[str, Any] = {"color": Color.BLACK, "linewidth": 1.3}
+    _curve(axes, analysis, torque, **look, label="torque")
+    if analysis.motion.effort is not None:
+        effort = analysis.motion.effort[:, k]
+        there = np.isfinite(effort)
+        recorded = thin(smooth.time[there], effort[there])
+        axes.plot(*recorded, color=_GRAY, zorder=1, label="recorded effort")
+    _mark(axes, smooth.time, torque)
+    unit = "N" if k == 4 else "N·m"
+    axes.set_ylabel(f"{smooth.joints[k]} [{unit}]")
+
+
+def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
+    causes = analysis.causes()
+    for width, (cause, color) in zip(_CAUSE_WIDTHS, CAUSES.items(), strict=True):
+        if cause in causes:
+            look: dict[str, Any] = {"color": color, "linewidth": width}
+            label = cause.replace("_", " ")
+            _curve(axes, analysis, causes[cause][:, k], **look, label=label)
+
+
+def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
+    """The band in which the printed digits leave the torque, if they are of this arm."""
+    from alpha5_model.dynamics.dimensions import has_dimensions
+    from alpha5_model.studies.uncertainty.effects import torque_margin
+
+    if not has_dimensions(analysis.arm._model):
+        return
+    smooth = analysis.smooth
+    step = -(-len(smooth.time) // _BAND_POINTS)
+    margin = torque_margin(
+        analysis.arm,
+        smooth.position[::step],
+        smooth.velocity[::step],
+        smooth.acceleration[::step],
+    )
+    low, high = analysis.torque[::step, k] + margin[..., k]
+    look: dict[str, Any] = {"color": _GRAY, "linewidth": 0}
+    axes.fill_between(smooth.time[::step], low, high, **look, label="printed digits")
+
+
+def _draw_current(axes: Any, analysis: Analysis, k: int) -> None:
+    axes.set_ylabel(f"{analysis.smooth.joints[k]} [A]")
+    current = analysis.current[:, k]
+    if not np.isfinite(current).all():
+        axes.text(
+            0.5,
+            0.5,
+            "the lead of the jaw's screw is not published",
+            color="#777777",
+            fontsize=9,
+            ha="center",
+            va="center",
+            transform=axes.transAxes,
+        )
+        axes.set_yticks([])
+        return
+    _band(axes, analysis, analysis.current_lower[:, k], analysis.current_upper[:, k])
+    _curve(axes, analysis, current, color=Color.BLUE)
+    _mark(axes, analysis.smooth.time, current)
+    if analysis.current_limit is not None:
+        _bounds(axes, -analysis.current_limit, analysis.current_limit)
+
+
+# ---- the whole arm
+
+
+def _draw_power(axes: Any, analysis: Analysis) -> None:
+    electrical = np.nansum(analysis.electrical_power, axis=1)
+    mechanical = analysis.mechanical_power.sum(axis=1)
+    for values, color, label in (
+        (electrical, Color.BLUE, "electrical"),
+        (mechanical, Color.VERMILION, "mechanical"),
+    ):
+        _curve(axes, analysis, values, color=color, linewidth=1.1, label=label)
+    most = number(electrical.max())
+    most_mechanical = number(mechanical.max())
+    sizes = f"at most {most} W, {most_mechanical} W mechanical"
+    axes.set(title=f"power of all motors, {sizes}", ylabel="power [W]")
+
+
+def _draw_mount(axes: Any, analysis: Analysis) -> None:
+    force = analysis.base_wrench[:, :3]
+    moment = analysis.base_wrench[:, 3:]
+    for component, color, width, name in (
+        (0, Color.VERMILION, 2.6, "x"),
+        (1, Color.GREEN, 1.8, "y"),
+        (2, Color.BLUE, 1.0, "z"),
+    ):
+        look: dict[str, Any] = {"color": color, "linewidth": width}
+        _curve(axes, analysis, moment[:, component], **look, label=f"moment {name}")
+    most_force = number(np.linalg.norm(force, axis=1).max())
+    most_moment = number(np.linalg.norm(moment.T, axis=0).max())
+    most = f"{most_moment} N·m (force {most_force} N)"
+    axes.set(title=f"moment on the mount, at most {most}", ylabel="moment [N·m]")
+
+
+def _draw_path(axes: Any, analysis: Analysis) -> None:
+    step = max(1, len(analysis.tcp) // _POINTS)
+    x, y, z = 1e3 * analysis.tcp[::step].T
+    axes.plot(x, z, color=Color.BLUE, linewidth=1.2, label="side (x, z)")
+    axes.plot(x, y, color=Color.ORANGE, linewidth=1.2, label="top (x, y)")
+    open_circle = {"color": "white", "markeredgecolor": Color.BLACK, "markersize": 6}
+    for other in (z, y):
+        axes.plot(x[0], other[0], "o", **open_circle)
+        axes.plot(x[-1], other[-1], "o", color=Color.BLACK, markersize=5)
+    axes.plot(0, 0, "+", color=Color.VERMILION, markersize=10, label="base_link")
+    axes.set_aspect("equal", adjustable="datalim")
+    steps = np.linalg.norm(np.diff(analysis.tcp, axis=0), axis=1)
+    title = f"path of the TCP, {number(1e3 * steps.sum())} mm from ○ to ●"
+    axes.set(title=title, xlabel="x [mm]", ylabel="z or y [mm]")
+
+
+# ---- curves, bands and marks
+
+
+def _curve(axes: Any, analysis: Analysis, values: FloatArray, **options: Any) -> None:
+    """A quantity (N,) over time."""
+    axes.plot(*thin(analysis.smooth.time, values), **options)
+
+
+def _band(axes: Any, analysis: Analysis, one: FloatArray, other: FloatArray) -> None:
+    """What lies between two quantities (N,) over time."""
+    time, end = thin(analysis.smooth.time, one)
+    other_end = np.interp(time, analysis.smooth.time, other)
+    axes.fill_between(time, end, other_end, color="#9ECAE9", linewidth=0)
+
+
+def _mark(axes: Any, time: FloatArray, values: FloatArray) -> None:
+    """A dot at the value with the largest magnitude, with its number."""
+    at = int(np.abs(values).argmax())
+    value = values[at]
+    axes.margins(y=0.18)
+    axes.plot(time[at], value, "o", color=Color.BLACK, markersize=4)
+    axes.annotate(
+        number(value),
+        (time[at], value),
+        ha="center",
+        bbox=_PAPER,
+        xytext=(0, 6 if value > 0 else -14),
+        textcoords="offset points",
+        fontsize=8,
+    )
+
+
+def _bounds(axes: Any, *bounds: float) -> None:
+    """Dashed lines, which leave the limits of the axis as they are."""
+    axes.set_ylim(axes.get_ylim())
+    for bound in bounds:
+        axes.axhline(bound, color=Color.VERMILION, linestyle="--")
+
+
+def thin(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """At most `_POINTS` points: the lowest and the highest of each stretch, and the last."""
+    stretch = -(-len(time) // (_POINTS // 2))
+    if stretch <= 2:
+        return time, values
+    whole = len(time) // stretch * stretch
+    rows = np.asarray(values[:whole]).reshape(-1, stretch)
+    start = np.arange(0, whole, stretch)
+    lowest = start + rows.argmin(axis=1)
+    highest = start + rows.argmax(axis=1)
+    in_order = np.sort(np.stack([lowest, highest], axis=1))
+    index = np.append(in_order.ravel(), len(time) - 1)
+    return time[index], values[index]

@@ -1,0 +1,72 @@
+"""Boundaries as polylines, and the regions that they bound on matplotlib axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.reach import planar_arc
+from alpha5_model.theory import planar
+
+#: Longest chord of an arc of the arm's workspace in a plot [rad].
+CHORD = 0.01
+_ORIGIN = (0.0, 0.0)
+
+
+def polyline(curve: planar.Curve, step: float) -> FloatArray:
+    """Points along a curve, (N, 2) [m], on an arc at most an angle of ``step`` [rad] apart."""
+    span = curve.span if isinstance(curve, planar.Arc) else step
+    count = max(2, math.ceil(span / step) + 1)
+    return curve.point(np.linspace(*curve.interval, count))
+
+
+def loops(arcs: Iterable[workspace.Arc], step: float = CHORD) -> list[FloatArray]:
+    """Polygons that together wind once around what a boundary bounds: the origin and each arc.
+
+    Lines from the origin and back cancel, and so does the yaw axis where the boundary
+    is open.
+
+    Args:
+        arcs: A whole boundary, as `workspace.boundary` gives it.
+        step: Angle between two points of an arc, at most [rad].
+
+    Returns:
+        Polygons (N, 2), (R, z) [m], counter-clockwise around what is filled.
+    """
+    polygons = []
+    for arc in arcs:
+        line = polyline(planar_arc(arc), step)[:: arc.filled]
+        polygons.append(np.vstack([_ORIGIN, line]))
+    return polygons
+
+
+def fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) -> None:
+    """Fill the region to the left of closed boundaries, given as lines (N, 2) in any order."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    # As in `loops`, lines from the origin and back cancel.
+    outlines = [
+        Outline(np.vstack([_ORIGIN, line, _ORIGIN]), closed=True) for line in lines
+    ]
+    if outlines:
+        region = Outline.make_compound_path(*outlines)
+        axes.add_patch(PathPatch(region, facecolor=color, linewidth=0, **options))
+
+
+def legend_below(axes: Any, drop: float, **options: Any) -> None:
+    """A legend under the axes, ``drop`` of their height below them, each label once."""
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    axes.legend(
+        unique.values(),
+        unique.keys(),
+        loc="upper center",
+        bbox_to_anchor=(0.5, -drop),
+        **options,
+    )

@@ -1,0 +1,87 @@
+"""Poses of an arm and of its links: by name, from text, in a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray, choice, float_array
+from alpha5_model.description.reading import UrdfJoint, parse_urdf
+from alpha5_model.description.srdf import NAMED_POSES
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import parameters as numbers
+from alpha5_model.viewer.scene import WORLD, Scene
+
+#: Position and unit quaternion of a floating base at the world's origin.
+_AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def named_poses(arm: Arm) -> dict[str, FloatArray]:
+    """Named poses as joint positions (n,) of the arm, its jaws closed."""
+    jaws = numbers.parameters().joints[4 : len(arm.joint_names)]
+    closed = [joint.lower for joint in jaws]
+    return {name: np.array([*pose, *closed]) for name, pose in NAMED_POSES.items()}
+
+
+def pose_of(arm: Arm, text: str) -> FloatArray:
+    """Joint positions (nq,) from the name of a pose, or from numbers with commas or spaces.
+
+    Raises:
+        UnknownNameError: The text is neither numbers nor the name of a pose.
+        InputError: Too few or too many numbers (`NonFiniteError`).
+    """
+    named = named_poses(arm)
+    n = len(arm.joint_names)
+    try:
+        values = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        return with_base(arm, named[choice("pose", text.strip(), tuple(named))])
+    if len(values) == 4:
+        values += named["home"][4:].tolist()
+    if len(values) != n:
+        names = ", ".join(arm.joint_names)
+        raise InputError("pose", text, f"{n} numbers ({names}), or the name of a pose")
+    return with_base(arm, float_array("pose", values, (n,)))
+
+
+def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
+    """Joint positions (n,) as the arm's q (nq,), a floating base at the world's origin."""
+    return np.concatenate([_AT_ORIGIN, joints]) if arm.floating_base else joints
+
+
+def link_poses(
+    arm: Arm, tree: Sequence[UrdfJoint], q: FloatArray
+) -> dict[str, FloatArray]:
+    """Pose of the world and of every link in the world, (4, 4), by Pinocchio."""
+    links = [tree[0].parent, *(joint.child for joint in tree)]
+    poses = {WORLD: np.eye(4)}
+    for link in links:
+        placement = arm.forward_kinematics(q, frame=link)
+        poses[link] = np.array(placement.homogeneous)
+    return poses
+
+
+def posed(scene: Scene, arm: Arm, q: FloatArray) -> Scene:
+    """The scene with its arm at joint positions q (nq,)."""
+    poses = link_poses(arm, scene.tree, q)
+    return replace(scene, q=q[len(q) - len(scene.sliders) :], poses=poses)
+
+
+def tree_of(arm: Arm, urdf: str) -> tuple[UrdfJoint, ...]:
+    """The joint tree of a URDF, with the joints placed as in the arm's model.
+
+    The arm may have other corrections than the URDF.
+    """
+    tree = tuple(parse_urdf(urdf).joints.values())
+    poses = link_poses(arm, tree, with_base(arm, np.zeros(len(arm.joint_names))))
+    return tuple(_placed(joint, poses) for joint in tree)
+
+
+def _placed(joint: UrdfJoint, poses: dict[str, FloatArray]) -> UrdfJoint:
+    """The joint, placed so that its child is at its pose at joint position zero."""
+    parent_to_child = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
+    motion_at_zero = joint.motion(joint.offset)
+    return replace(joint, transform=parent_to_child @ np.linalg.inv(motion_at_zero))

@@ -1,0 +1,138 @@
+"""Plot of the part of the workspace that the arm reaches only in self-collision."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model.dynamics.collision import without_self_collision
+from alpha5_model.dynamics.load import load
+from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.plane import ArmPlane, arm_plane
+from alpha5_model.viewer.figures import Color, new_figure, style
+from alpha5_model.viewer.shapes import Mesh, read_obj
+from alpha5_model.viewer.workspace_plot import FILL
+
+#: Edge of the cells in which self-collision is counted [m].
+CELL = 0.015
+#: Range of the axes [mm].
+_RANGE = (-390, 390)
+
+
+class _Cells(NamedTuple):
+    """What the arm reaches of a grid of points.
+
+    Attributes:
+        x, y, z: Coordinates of the points, [m].
+        reached: Whether the arm reaches a point, (X, Y, Z).
+        free: Whether it does so without self-collision, (X, Y, Z).
+    """
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    reached: BoolArray
+    free: BoolArray
+
+
+@style()
+def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
+    """Plot, from above and from the side, the share that is reached in self-collision only.
+
+    Args:
+        cell: Edge of the cells whose centres are tried [m].
+        samples: Points behind the share in the title.
+    """
+    cells = _tried(arm_plane(), cell)
+    base = _base()
+    page = new_figure(9.6, 4.7)
+    above, side = page.subplots(1, 2)
+    _draw_view(above, cells, "y")
+    image = _draw_view(side, cells, "z")
+    for axes, up in ((above, 1), (side, 2)):
+        _draw_base(axes, base, up)
+    above.set_title("from above: share of the reached heights")
+    side.set_title("from the side: share of the reached widths")
+    above.annotate(
+        "theta_0 stops",
+        (-300, 20),
+        (-385, 330),
+        fontsize=8,
+        arrowprops={"arrowstyle": "-", "lw": 0.6},
+    )
+
+    found = workspace.sampled_share(without_self_collision, samples)
+    share = f"{1 - found.share:.1%} ± {found.standard_error:.1%}"
+    title = f"{share} of the reachable volume is reached only in self-collision"
+    page.suptitle(title, fontsize=11)
+    label = "reached only in self-collision [%]"
+    page.colorbar(image, ax=[above, side], shrink=0.8, pad=0.02, label=label)
+    return page
+
+
+def _tried(plane: ArmPlane, cell: float) -> _Cells:
+    """Try a grid of points that holds all that the arm can reach."""
+    across = math.ceil((plane.a_0 + plane.longest) / cell)
+    up = math.ceil(plane.longest / cell)
+    x = np.asarray(cell * np.arange(-across, across + 1), np.float64)
+    y = x
+    z = np.asarray(cell * np.arange(-up, up + 1) + plane.d_0, np.float64)
+    points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+    reached = workspace.reachable(points)
+    free = np.zeros_like(reached)
+    free[reached] = workspace.reachable(points[reached], accept=without_self_collision)
+    return _Cells(x=x, y=y, z=z, reached=reached, free=free)
+
+
+def _base() -> Mesh:
+    """The drawn body of link_0, in base_link."""
+    placement = load().forward_kinematics(np.zeros(4), "link_0").homogeneous
+    path = Path(REPOSITORY_PATH, "meshes", "link_0.obj")
+    return read_obj(str(path)).moved(placement)
+
+
+def _draw_view(axes: Any, cells: _Cells, up: str) -> Any:
+    """The share of the points behind one another that are reached in self-collision only.
+
+    Args:
+        axes: Where to draw it.
+        cells: What is reached.
+        up: ``"y"`` from above, ``"z"`` from the side.
+
+    Returns:
+        The coloured cells.
+    """
+    from matplotlib.colors import ListedColormap
+
+    rows, away = (cells.y, 2) if up == "y" else (cells.z, 1)
+    reached = cells.reached.sum(axis=away)
+    free = cells.free.sum(axis=away)
+    share = 100 * (reached - free) / np.maximum(reached, 1)
+    image = None
+    for values, colors in ((reached, ListedColormap([FILL])), (share, "YlOrRd")):
+        image = axes.pcolormesh(
+            cells.x * 1e3,
+            rows * 1e3,
+            np.ma.masked_equal(values, 0).T,  # Nothing is drawn where it is zero.
+            cmap=colors,
+            vmin=0,
+            vmax=100,
+            shading="nearest",
+        )
+    axes.set(aspect="equal", xlim=_RANGE, ylim=_RANGE)
+    axes.set(xlabel="x [mm]", ylabel=f"{up} [mm]")
+    return image
+
+
+def _draw_base(axes: Any, base: Mesh, up: int) -> None:
+    """The body of link_0, with x to the right and another axis upwards."""
+    from matplotlib.collections import PolyCollection
+
+    triangles: Any = base.vertices[base.faces][:, :, [0, up]] * 1e3
+    axes.add_collection(PolyCollection(triangles, color=Color.BLACK, linewidth=0.3))
+    axes.annotate("link_0", (0, 0), (0, -14), textcoords="offset points", fontsize=8)

@@ -1,0 +1,121 @@
+"""Motions to play: a recording with its torques, a tour of poses, positions at a steady rate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, float_array
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.errors import InputError
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.trajectory import Motion, analyse, motion
+from alpha5_model.trajectory.smoothing import DEFAULT_BANDWIDTH
+from alpha5_model.viewer.scene import MotionTrack
+
+#: Samples of a tour per second.
+_RATE = 25.0
+#: Rest of a tour at each pose [s].
+_PAUSE = 0.6
+
+
+def motion_track(
+    played: Motion, arm: Arm, q: FloatArray, current: ArrayLike | None = None
+) -> MotionTrack:
+    """A motion of the arm's joints, with the torques and the load on the mount that it takes.
+
+    Args:
+        played: The motion. Joints that the arm lacks are left out.
+        arm: The arm. On a vehicle it has no mount, and the track has no loads.
+        q: Where joints stay that the motion lacks, (nq,).
+        current: Velocity of the water in the world, (3,) [m/s]; no moving water if
+            None.
+    """
+    time = played.time - played.time[0]
+    n = len(arm.joint_names)
+    common = min(n, len(played.joints))
+    positions = np.tile(q[len(q) - n :], (len(time), 1))
+    positions[:, :common] = played.position[:, :common]
+
+    loads: dict[str, FloatArray] = {}
+    if not arm.floating_base:
+        velocity = played.velocity
+        if velocity is not None:
+            velocity = np.pad(velocity[:, :common], ((0, 0), (0, n - common)))
+        loads = _loads(arm, motion(time, positions, velocity), current)
+    name = Path(played.source).name
+    return MotionTrack(name=name, time=time, q=positions, loads=loads)
+
+
+def _loads(arm: Arm, moved: Motion, current: ArrayLike | None) -> dict[str, FloatArray]:
+    """Torque by cause, and as ``mount`` the load on the mount."""
+    # A smoothing bandwidth needs more than two samples for each of its periods.
+    step = np.median(np.diff(moved.time))
+    method = "spline" if step < 0.5 / DEFAULT_BANDWIDTH else "interpolate"
+    analysis = analyse(moved, arm, method=method, current=current)
+    causes = analysis.causes()
+    del causes["friction"]  # It acts in the motor, not at the joint.
+    return {**causes, "mount": analysis.base_wrench}
+
+
+def tour(waypoints: ArrayLike, parameters: Alpha5Parameters) -> Motion:
+    """Move from pose to pose, resting at each.
+
+    Each leg follows ``s = (1 - cos(pi t / T)) / 2`` and takes the time at which the
+    fastest joint just reaches its speed.
+
+    Args:
+        waypoints: (N, n), at least two, joints base to tip [rad; jaw rod m].
+        parameters: The arm, for the speeds of its joints.
+
+    Returns:
+        The motion, sampled at 25 Hz.
+
+    Raises:
+        InputError: Fewer than two poses, or not of four or five joints.
+    """
+    joints = parameters.joints[: np.shape(waypoints)[-1]]
+    poses = float_array("waypoints", waypoints, (len(joints),))
+    if poses.ndim != 2 or len(poses) < 2:
+        raise InputError("waypoints", poses.shape, "at least two poses in rows")
+    speeds = np.array([joint.velocity for joint in joints])
+    resting = round(_PAUSE * _RATE)
+
+    pieces = [_rest(poses[0], resting)]
+    for start, end in pairwise(poses):
+        pieces += [_leg(start, end, speeds), _rest(end, resting)]
+    q = np.concatenate(pieces)
+    time = np.arange(len(q)) / _RATE
+    return replace(motion(time, q), source="a short motion")
+
+
+def _rest(pose: FloatArray, samples: int) -> FloatArray:
+    """Samples of a pose (n,), in rows."""
+    return np.repeat(pose[None], samples, axis=0)
+
+
+def _leg(start: FloatArray, end: FloatArray, speeds: FloatArray) -> FloatArray:
+    """Samples after the first of a smooth move from start (n,) to end (n,), in rows."""
+    duration = float(np.max(np.pi / 2 * np.abs(end - start) / speeds))
+    samples = max(2, round(duration * _RATE) + 2)
+    phase = np.linspace(0.0, np.pi, samples)[1:]
+    done = (1.0 - np.cos(phase)) / 2
+    return np.asarray(start + (end - start) * done[:, None])
+
+
+def resampled(
+    arm: Arm, time: FloatArray, q: FloatArray, rate: float
+) -> Iterator[FloatArray]:
+    """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
+    duration = time[-1] - time[0]
+    ticks = time[0] + np.arange(0.0, duration + 0.999 / rate, 1.0 / rate)
+    # Place 2.3 is three tenths of the way from sample 2 to sample 3.
+    for place in np.interp(ticks, time, np.arange(float(len(time)))):
+        i = min(int(place), len(time) - 2)
+        yield pin.interpolate(arm.model, q[i], q[i + 1], place - i)
