@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Argument, Option, style
 
-from alpha5_model._support.files import check_outputs
+from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing
 from alpha5_model.cli.words import WORDS

@@ -11,8 +11,9 @@ import numpy as np
 from typer import Option
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.files import atomic_write, is_stream
+from alpha5_model._support.files import is_stream
 from alpha5_model._support.text import table
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import audit_text
 from alpha5_model.cli.printing import say
 from alpha5_model.description import srdf, verification

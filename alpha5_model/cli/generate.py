@@ -10,8 +10,10 @@ from typing import Annotated, Any, NamedTuple
 from typer import Context, Option, echo
 
 from alpha5_model._support.checks import choice
-from alpha5_model._support.files import atomic_write_all, check_outputs, is_stream
+from alpha5_model._support.files import is_stream
+from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.paths import REPOSITORY_PATH
+from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.cli import options, printing, values
 from alpha5_model.codegen.c_library import COptions, c_files
 from alpha5_model.description import committed, mjcf, sdf

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from alpha5_model._support.files import check_outputs
+from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.words import WORDS
 from alpha5_model.errors import InputError

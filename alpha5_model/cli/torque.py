@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from typer import Option
 
-from alpha5_model._support.files import check_outputs
+from alpha5_model._support.outputs import check_outputs
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.cli.limits import JOINTS

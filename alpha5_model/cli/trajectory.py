@@ -11,7 +11,7 @@ from typer import Argument, Option
 
 from alpha5_model import trajectory as library
 from alpha5_model._support.checks import choice
-from alpha5_model._support.files import check_outputs
+from alpha5_model._support.outputs import check_outputs
 from alpha5_model.cli import options, printing, values
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError

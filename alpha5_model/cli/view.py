@@ -13,7 +13,8 @@ import numpy as np
 from typer import Option, echo
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.files import atomic_write_all, check_outputs
+from alpha5_model._support.outputs import check_outputs
+from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError, NoDisplayError
 from alpha5_model.trajectory import read_motion

@@ -10,9 +10,9 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from alpha5_model._support.files import atomic_write_all
 from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model._support.spatial import Placement
+from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.description.bodies import arm_bodies
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES, srdf

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.files import PathLike, atomic_write, output_format
+from alpha5_model._support.files import PathLike
+from alpha5_model._support.outputs import output_format
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.trajectory.analysis import Analysis
 from alpha5_model.trajectory.file_table import Progress
 from alpha5_model.trajectory.key_figures import summary

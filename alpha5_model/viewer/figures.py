@@ -9,7 +9,9 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from alpha5_model._support.files import PathLike, atomic_write, output_format
+from alpha5_model._support.files import PathLike
+from alpha5_model._support.outputs import output_format
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import needing
 
 #: Suffixes of the files that `write_figure` writes.

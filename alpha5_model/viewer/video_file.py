@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from alpha5_model._support.checks import real
-from alpha5_model._support.files import PathLike, atomic_write, output_format
+from alpha5_model._support.files import PathLike
+from alpha5_model._support.outputs import output_format
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import InputError, needing
 from alpha5_model.viewer.picture import Pixels
 

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from alpha5_model._support.files import atomic_write
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.description.assets import mesh_assets
 from alpha5_model.description.mjcf import MjcfOptions, mjcf_files
 from alpha5_model.description.sdf import sdf_files

@@ -14,8 +14,8 @@ from conformance.conformance import installed
 from conformance.ros_tools import NotThereError, Result, Workspace
 
 import alpha5_model as a5
-from alpha5_model._support.files import atomic_write
 from alpha5_model._support.paths import URDF_PATH
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files
 from alpha5_model.numbers.parameters import parameters
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import alpha5_model as a5
-from alpha5_model._support.files import atomic_write
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.trajectory import analyse, read_motion
 from alpha5_model.viewer import self_collision_plot, workspace_plot
 from alpha5_model.viewer.build import build_scene

@@ -52,7 +52,9 @@ import pinocchio as pin
 
 import alpha5_model as a5
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.files import STDOUT, atomic_write, check_outputs, read_named
+from alpha5_model._support.files import STDOUT, read_named
+from alpha5_model._support.outputs import check_outputs
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import (
     Alpha5Error,

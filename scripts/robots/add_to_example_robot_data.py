@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from alpha5_model._support.files import atomic_write_all
+from alpha5_model._support.writing import atomic_write_all
 from alpha5_model.loaders import files as loaders
 
 MODULE = Path(loaders.__file__).with_name("alpha5_loader.py")

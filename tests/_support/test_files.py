@@ -18,12 +18,8 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model._support.files import (
-    atomic_write,
-    atomic_write_all,
-    check_outputs,
-    output_format,
-)
+from alpha5_model._support.outputs import check_outputs, output_format
+from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import COMMANDS as COMMAND_NAMES
 from alpha5_model.cli import application, main
 from alpha5_model.errors import InputError, OutputError, UnknownNameError
@@ -285,7 +281,7 @@ def test_two_names_of_one_file_are_refused(tmp_path: Path) -> None:
 def test_what_is_read_only_stays(tmp_path: Path) -> None:
     """As nobody, since root may write everywhere."""
     code = (
-        "import sys; from alpha5_model._support.files import atomic_write\n"
+        "import sys; from alpha5_model._support.writing import atomic_write\n"
         "from alpha5_model.errors import OutputError\n"
         "import os; os.setuid(65534)\n"
         "for path in sys.argv[1:]:\n"

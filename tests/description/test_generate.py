@@ -12,8 +12,8 @@ import yaml
 from urdf_edits import mass_text, with_mass
 
 import alpha5_model as a5
-from alpha5_model._support.files import atomic_write, atomic_write_all
 from alpha5_model._support.paths import REPOSITORY_PATH, XACRO_PATH
+from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.cli import main
 from alpha5_model.description.committed import (
     StaleFile,

@@ -15,8 +15,8 @@ from reference import LOWER, UPPER, configurations
 from scipy.spatial.transform import Rotation
 from water_reference import URDF, VOLUME, Reference
 
-from alpha5_model._support.files import atomic_write
 from alpha5_model._support.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import main
 from alpha5_model.description import mjcf as writer
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files

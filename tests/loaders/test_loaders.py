@@ -19,7 +19,7 @@ from reference import LOWER, UPPER
 from water_reference import Reference
 
 import alpha5_model as a5
-from alpha5_model._support.files import atomic_write
+from alpha5_model._support.writing import atomic_write
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.loaders import alpha5_description, alpha5_mj_description
 from alpha5_model.loaders.files import loader_class, robot_files

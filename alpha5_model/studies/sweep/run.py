@@ -10,12 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from alpha5_model._support.checks import count
-from alpha5_model._support.files import (
-    PathLike,
-    atomic_write,
-    atomic_write_all,
-    check_outputs,
-)
+from alpha5_model._support.files import PathLike
+from alpha5_model._support.outputs import check_outputs
+from alpha5_model._support.writing import atomic_write, atomic_write_all
 from alpha5_model.errors import MissingDependencyError
 from alpha5_model.studies.sweep.chunks import (
     Chunks,
