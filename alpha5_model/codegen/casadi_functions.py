@@ -14,8 +14,17 @@ def named(
     """A Function with dense outputs, of those inputs that they depend on."""
     dense = [casadi.densify(out) for out in outputs.values()]
     needed = _symbols(casadi.veccat(*dense))
-    used = {key: x for key, x in inputs.items() if needed & _symbols(x)}
-    return casadi.Function(name, [*used.values()], dense, [*used], [*outputs])
+    used = {}
+    for key, symbol in inputs.items():
+        if needed & _symbols(symbol):
+            used[key] = symbol
+    return casadi.Function(
+        name,
+        list(used.values()),
+        dense,
+        list(used),
+        list(outputs),
+    )
 
 
 def _symbols(expression: casadi.SX) -> set[str]:
@@ -35,5 +44,9 @@ def folded(function: casadi.Function, **values: Any) -> casadi.Function:
 
     outputs = [casadi.densify(out) for out in function.call(given)]
     return casadi.Function(
-        function.name(), [*free.values()], outputs, [*free], function.name_out()
+        function.name(),
+        list(free.values()),
+        outputs,
+        list(free),
+        function.name_out(),
     )

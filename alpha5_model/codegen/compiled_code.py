@@ -107,7 +107,7 @@ def prepared(program: Program) -> Kernel:
     inputs = [slot for slot in program.inputs if slot.name != PARAMETERS]
     inputs.insert(place, k)
     out = [
-        Step("output", 0, (0, element, register))
+        Step(op="output", result=0, arguments=(0, element, register))
         for register, element in handed_over.items()
     ]
     return Kernel(
@@ -153,8 +153,11 @@ def _rest(
             if constants[register].op == "const":
                 rest.append(constants[register])
             else:
-                rest.append(Step("input", register, (place, len(handed_over))))
-                handed_over[register] = len(handed_over)
+                element = len(handed_over)
+                handed_over[register] = element
+                rest.append(
+                    Step(op="input", result=register, arguments=(place, element))
+                )
         rest.append(step)
     return rest, handed_over
 

@@ -128,7 +128,8 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
     allowed = SX.sym("tolerances", len(Tolerances._fields))
-    tolerances = Tolerances._make(vertsplit(allowed))
+    by_name = dict(zip(Tolerances._fields, vertsplit(allowed), strict=True))
+    tolerances = Tolerances(**by_name)
 
     target = _target(position, plane, tolerances)
     theta_3 = _wrist_angle(wrist, plane, tolerances)

@@ -219,7 +219,11 @@ def _selection(step: Step, steps: Sequence[Step]) -> Step | None:
         opposite, if_false = no.arguments
         negation = steps[opposite]
         if negation.op == "not" and negation.arguments == (condition,):
-            return Step("if_else", step.result, (condition, if_true, if_false))
+            return Step(
+                op="if_else",
+                result=step.result,
+                arguments=(condition, if_true, if_false),
+            )
     return None
 
 

@@ -89,9 +89,11 @@ def ribbon(
     from scipy.interpolate import CubicSpline
 
     x, y, half_thickness = np.array(d.centre_line).T
-    steps = np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0]))
-    lengths = np.cumsum(steps)
+    x_steps = np.diff(x, prepend=x[0])
+    y_steps = np.diff(y, prepend=y[0])
+    lengths = np.cumsum(np.hypot(x_steps, y_steps))
     knots = lengths / lengths[-1]
+
     shares = np.linspace(start, stop, STATIONS)
     points = CubicSpline(knots, np.column_stack([x, y]))(shares)
     half = np.interp(shares, knots, half_thickness)

@@ -87,8 +87,12 @@ def check_closed(faces: Indices) -> None:
     Raises:
         Alpha5Error: It is not.
     """
-    here, there = map(np.sort, _edges(faces))
-    if (here[1:] == here[:-1]).any() or (here != there).any():
+    edges, reverses = _edges(faces)
+    here = np.sort(edges)
+    there = np.sort(reverses)
+    is_twice = (here[1:] == here[:-1]).any()
+    is_alone = (here != there).any()
+    if is_twice or is_alone:
         raise Alpha5Error(
             "a surface is no longer closed after rounding its coordinates"
         )
