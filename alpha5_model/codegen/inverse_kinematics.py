@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from functools import reduce
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi
 from casadi import (
@@ -128,8 +128,7 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
     position = SX.sym("position", 3)
     wrist = SX.sym("wrist")
     allowed = SX.sym("tolerances", len(Tolerances._fields))
-    by_name = dict(zip(Tolerances._fields, vertsplit(allowed), strict=True))
-    tolerances = Tolerances(**by_name)
+    tolerances = _tolerances(allowed)
 
     target = _target(position, plane, tolerances)
     theta_3 = _wrist_angle(wrist, plane, tolerances)
@@ -156,6 +155,12 @@ def inverse_kinematics(plane: ArmPlane) -> casadi.Function:
             "singular": singular,
         },
     )
+
+
+def _tolerances(allowed: SX) -> Tolerances:
+    """The elements of an input by name; symbols in place of numbers."""
+    symbols: Any = vertsplit(allowed)
+    return Tolerances(**dict(zip(Tolerances._fields, symbols, strict=True)))
 
 
 def _branch(
