@@ -1,4 +1,4 @@
-"""The arm in a browser, on a page, in a picture; plots of its workspace and of motions."""
+"""The arm in a browser, on a page, in a picture; plots of workspaces and motions."""
 
 from alpha5_model.viewer.show import (
     view,

@@ -69,7 +69,7 @@ def annotated(
 
 
 def _draw_labels(pen: _Pen, scene: Scene, canvas: Canvas, finer: int) -> None:
-    """Labels beside their points, from the top down, each below those that it would cover."""
+    """Labels beside their points, from the top down, none over another."""
     labels = [label for label in scene.labels if label.group in scene.show]
     points = np.array([label.anchor.transform(scene.poses)[:3, 3] for label in labels])
     places = canvas.project(points.reshape(-1, 3))[:, :2] / finer
@@ -103,7 +103,7 @@ def _draw_label(pen: _Pen, label: Label, box: _Box) -> None:
 
 
 def _draw_scale_bars(pen: _Pen, scene: Scene, canvas: Canvas, finer: int) -> None:
-    """How long lengths and arrows are, at the distance of the point that the camera looks at."""
+    """Scales of lengths and arrows, at the distance of the camera's target."""
     distance = float(np.linalg.norm(scene.camera.eye - scene.camera.target))
     pixels_per_metre = canvas.focal / distance / finer
     bars = _scale_bars(scene)

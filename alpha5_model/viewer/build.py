@@ -1,4 +1,4 @@
-"""Build the scene of an arm: what is drawn of it, its poses, and what its page computes with."""
+"""Build the scene of an arm: its drawing, its poses, the numbers of its page."""
 
 from __future__ import annotations
 

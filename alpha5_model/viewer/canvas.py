@@ -49,7 +49,7 @@ class _Fragments(NamedTuple):
 
 
 class _Lines(NamedTuple):
-    """Triangles cut into rows of pixels, one entry for each row that a triangle crosses.
+    """Triangles cut into rows of pixels, one entry for each row of a triangle.
 
     Attributes:
         triangle: Number of the triangle, (L,).
@@ -91,7 +91,7 @@ class Canvas:
         self._depth = np.full(width * height, np.inf, dtype=np.float32)
 
     def project(self, points: FloatArray) -> FloatArray:
-        """Points (N, 3) in the world to (N, 3): pixel column, pixel row, distance ahead [m]."""
+        """Column, row and distance ahead [m] of points in the world, (N, 3)."""
         local = (points - self._eye) @ self.axes.T
         right = local[:, 0]
         up = local[:, 1]
@@ -229,7 +229,7 @@ def _visible(
 
 
 def _spans(low: ArrayLike, high: ArrayLike, limit: int) -> tuple[IntArray, IntArray]:
-    """First pixel whose centre is at or beyond ``low``, and first beyond ``high``, 0 to limit."""
+    """First pixel with its centre from ``low`` on, first after ``high``, 0 to limit."""
     # A centre on a shared edge belongs to both sides, however it is rounded.
     first = np.ceil(np.subtract(low, 0.5 + _EDGE))
     last = np.floor(np.add(high, 0.5 + _EDGE))
@@ -255,7 +255,7 @@ def _counted(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
 def shade(
     normals: FloatArray, colors: FloatArray, axes: FloatArray, shine: float
 ) -> FloatArray:
-    """Colours (N, 3) of lit surfaces: ambient, diffuse and a highlight after Blinn and Phong.
+    """Colours (N, 3) of lit surfaces, with a highlight after Blinn and Phong.
 
     Args:
         normals: Unit, in the world, (N, 3).

@@ -1,4 +1,4 @@
-"""A scene as commands of meshcat's protocol; the live viewer and the page on disk get the same."""
+"""A scene as commands of meshcat's protocol, for live pages and pages on disk."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def pose_commands(scene: Scene) -> Iterator[Command]:
 
 
 def pose_message(scene: Scene) -> Command:
-    """The command that tells a page the joint positions, and the poses of links without a joint."""
+    """The command with the joint positions and the poses of links without a joint."""
     carried = {joint.child for joint in scene.tree}
     fixed = {
         link: pose.tolist() for link, pose in scene.poses.items() if link not in carried

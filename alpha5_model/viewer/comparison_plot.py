@@ -36,7 +36,7 @@ class _Panel(NamedTuple):
 
 @style(xtick={"labelsize": 8}, ytick={"labelsize": 8})
 def plot_comparison(comparison: Comparison, path: PathLike) -> Path:
-    """Draw the errors of mass, COM and inertia per body and of the gravity torque per joint.
+    """Draw the errors of mass, COM and inertia by body, of gravity torque by joint.
 
     Args:
         comparison: What `alpha5_model.compare` returns.

@@ -1,4 +1,4 @@
-"""Connections of browsers to the live viewer: which are let in, and the WebSocket of a page."""
+"""Connections of browsers to the live viewer, and the WebSocket of a page."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class PageConnection(tornado.websocket.WebSocketHandler):
         self.asked: deque[int] = deque()
 
     def prepare(self) -> None:
-        """Answer only the viewer's own page, so that no other page can drive the arm."""
+        """Answer only the viewer's own page: no other page may drive the arm."""
         headers = self.request.headers
         own = f"http://{self.request.host}"
         without_origin = "" if "Upgrade" in headers else own

@@ -1,4 +1,4 @@
-"""Shapes and labels of a scene: bodies, frames, centres and forces, the current, IK solutions."""
+"""Shapes and labels: bodies, frames, centres and forces, current, IK solutions."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def collision_bodies(urdf: str, folder: str) -> Iterator[Shape]:
 def frames(
     tree: Sequence[UrdfJoint], beyond: Mapping[str, bool]
 ) -> Iterator[Shape | Label]:
-    """Axes of every link frame, drawn over the bodies; names of joints, frames and the tcp.
+    """Axes of the link frames, drawn over the bodies; names of joints and frames.
 
     Args:
         tree: Joints from the base to the tip.
@@ -131,7 +131,7 @@ _CENTERS = [_Center(group=group, **fields) for group, fields in LOOK["centers"].
 
 
 def centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Label]:
-    """Balls at the centres of each body with arrows of its forces, larger ones of the whole arm.
+    """Balls at the centres of the bodies and of the arm, with arrows of the forces.
 
     Args:
         gravity: Acceleration in the world, (3,) [m/s^2].
@@ -147,7 +147,7 @@ def centers(gravity: FloatArray, loads: Sequence[Load]) -> Iterator[Shape | Labe
 def _center(
     kind: _Center, name: str, loads: Sequence[Load], down: FloatArray, whole: bool
 ) -> Iterator[Shape | Label]:
-    """Ball and arrow at the common centre of some loads, with labels for the whole arm."""
+    """Ball and arrow at the common centre of some loads; labels for the whole arm."""
     points = tuple(
         WeightedPoint(
             link=load.link,
@@ -200,7 +200,7 @@ def ghosts(
     q: FloatArray,
     target: FloatArray,
 ) -> Iterator[Shape | Label]:
-    """The target, and every solution of its inverse kinematics as ghosts of the moving links.
+    """The target, and the solutions of its inverse kinematics as ghosts.
 
     Args:
         arm: The arm.

@@ -25,7 +25,7 @@ def framed(
     view: str = "home",
     also: Iterable[Poses] = (),
 ) -> Scene:
-    """The scene with the nearest camera that sees all corners of its bodies and shown shapes.
+    """The scene with the nearest camera that sees its bodies and all that is shown.
 
     Args:
         scene: What there is.
@@ -52,7 +52,7 @@ def check_size(size: Size) -> Size:
 
 
 def _corners(scene: Scene, places: Iterable[Poses]) -> FloatArray:
-    """Corners (N, 3) of the bodies and of what is shown, with the links in several places."""
+    """Corners (N, 3) of the bodies and of what is shown, at several poses."""
     seen = {"bodies", *scene.show}
     shapes = [shape for shape in scene.shapes if shape.group in seen]
     corners: list[FloatArray] = []

@@ -70,14 +70,14 @@ class LiveScene:
             page.send(message)
 
     def tell(self, command: Command, mover: Any = None) -> None:
-        """Send a command to all pages but one, and to the pages that are opened later."""
+        """Send a command to all pages but one, and to pages that open later."""
         packed = command.packed()
         self._told[command["type"]] = packed
         for page in self.pages - {mover}:
             page.send(packed)
 
     def move(self, command: Command) -> None:
-        """Move a node for pages that are opened later; open pages move it themselves."""
+        """Move a node for pages that open later; open pages move it themselves."""
         node = find_node(self.tree, path_parts(command["path"]))
         node.transform = command.packed()
 

@@ -97,7 +97,7 @@ def read_command(kind: bytes, path: bytes, data: bytes) -> list[str]:
     parts = _node(path)
     try:
         content = umsgpack.unpackb(data)
-    # umsgpack has many errors of its own, and lets NumPy's and Python's through.
+    # umsgpack raises many errors of its own, NumPy's and Python's.
     except Exception:
         content = None
     if not isinstance(content, dict) or content.get("type") != kind.decode():

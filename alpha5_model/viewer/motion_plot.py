@@ -1,4 +1,4 @@
-"""Plot of an analysed motion: joints, torques, currents, power, mount load, path of the TCP."""
+"""Plot of an analysed motion: positions, torques, currents, power, mount, path."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def motion_figure(analysis: Analysis) -> Any:
 
 
 def _title_columns(panels: Any, analysis: Analysis) -> None:
-    """Titles over the columns of the joints' panels (n, 3), and equal scales in each column."""
+    """Titles over the columns of the joints' panels (n, 3), and equal scales."""
     positions, torques, currents = panels.T
     positions[0].set_title("joint position (dots: samples)")
     joints = analysis.smooth.joints
@@ -90,7 +90,7 @@ def _most(values: FloatArray, joints: tuple[str, ...], unit: str) -> str:
 
 
 def _equal_scales(column: Any, unit: str) -> None:
-    """Give the panels with a unit the same scale: small noise beside large values stays small."""
+    """Give panels with the same unit the same scale, so that noise looks small."""
     alike = [axes for axes in column if axes.get_ylabel().endswith(f"[{unit}]")]
     limits = [axes.get_ylim() for axes in alike if axes.has_data()]
     lowest = min(low for low, _ in limits)
@@ -173,7 +173,7 @@ def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
 
 
 def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
-    """The band in which the printed digits leave the torque, if they are of this arm."""
+    """The band in which the printed digits leave the torque."""
     from alpha5_model.dynamics.dimensions import has_dimensions
     from alpha5_model.studies.uncertainty.effects import torque_margin
 
@@ -304,7 +304,7 @@ def _bounds(axes: Any, *bounds: float) -> None:
 
 
 def thin(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """At most `_POINTS` points: the lowest and the highest of each stretch, and the last."""
+    """At most `_POINTS` points: lowest and highest of each stretch, and the last."""
     stretch = -(-len(time) // (_POINTS // 2))
     if stretch <= 2:
         return time, values

@@ -25,7 +25,7 @@ _DIRECTIONS = 73
 
 
 class _Load(NamedTuple):
-    """Size of the load by direction, (`_DIRECTIONS`,), with all numbers low, nominal and high."""
+    """Size of the load by direction, (`_DIRECTIONS`,), by level of the estimates."""
 
     low: FloatArray
     nominal: FloatArray
@@ -34,7 +34,9 @@ class _Load(NamedTuple):
 
 @style(axes={"grid": True, "titlesize": 11, "titlepad": 18}, legend={"fontsize": 8})
 def mount_load_figure(arm: Arm, q: ArrayLike, speed: float) -> Any:
-    """Force and moment of a level current on the mount of an arm at rest, as a matplotlib Figure.
+    """Plot the load of a level current on the mount, as a matplotlib Figure.
+
+    Force and moment are those of an arm at rest, for each direction of the current.
 
     Lines are nominal, bands go from all numbers low to all high; they are estimated,
     not published.

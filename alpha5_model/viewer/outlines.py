@@ -19,14 +19,14 @@ _ORIGIN = (0.0, 0.0)
 
 
 def polyline(curve: planar.Curve, step: float) -> FloatArray:
-    """Points along a curve, (N, 2) [m], on an arc at most an angle of ``step`` [rad] apart."""
+    """Points along a curve, (N, 2) [m]; on an arc at most ``step`` [rad] apart."""
     span = curve.span if isinstance(curve, planar.Arc) else step
     count = max(2, math.ceil(span / step) + 1)
     return curve.point(np.linspace(*curve.interval, count))
 
 
 def loops(arcs: Iterable[workspace.Arc], step: float = CHORD) -> list[FloatArray]:
-    """Polygons that together wind once around what a boundary bounds: the origin and each arc.
+    """Polygons of the origin and each arc, which together wind once around a region.
 
     Lines from the origin and back cancel, and so does the yaw axis where the boundary
     is open.
@@ -46,7 +46,7 @@ def loops(arcs: Iterable[workspace.Arc], step: float = CHORD) -> list[FloatArray
 
 
 def fill(axes: Any, lines: Iterable[FloatArray], color: str, **options: Any) -> None:
-    """Fill the region to the left of closed boundaries, given as lines (N, 2) in any order."""
+    """Fill what lies to the left of closed boundaries, lines (N, 2) in any order."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 

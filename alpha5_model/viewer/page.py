@@ -83,7 +83,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
 
 
 def _groups(scene: Scene) -> list[dict[str, Any]]:
-    """The groups with a switch on the page: ghosts, and groups of which there is something."""
+    """The groups with a switch on the page: ghosts, and groups that are not empty."""
     drawn = {"ghosts", *(shape.group for shape in scene.shapes)}
     return [
         {"name": name, "title": title, "shown": name in scene.show}

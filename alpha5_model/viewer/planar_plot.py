@@ -33,7 +33,7 @@ def plot_planar(
     dexterous: bool = True,
     resolution: int = 81,
 ) -> Any:
-    """Draw a planar arm, its workspace and its dexterous workspace, joint limits included.
+    """Draw a planar arm, its workspace and its dexterous workspace, within limits.
 
     The dexterous workspace is exact where `dexterous_radii` applies. For other arms of
     three joints, the last one revolute, it is a map of the share of orientations

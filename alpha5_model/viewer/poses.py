@@ -27,7 +27,7 @@ def named_poses(arm: Arm) -> dict[str, FloatArray]:
 
 
 def pose_of(arm: Arm, text: str) -> FloatArray:
-    """Joint positions (nq,) from the name of a pose, or from numbers with commas or spaces.
+    """Joint positions (nq,) from a name, or from numbers with commas or spaces.
 
     Raises:
         UnknownNameError: The text is neither numbers nor the name of a pose.
@@ -48,7 +48,7 @@ def pose_of(arm: Arm, text: str) -> FloatArray:
 
 
 def with_base(arm: Arm, joints: FloatArray) -> FloatArray:
-    """Joint positions (n,) as the arm's q (nq,), a floating base at the world's origin."""
+    """Joint positions (n,) as q (nq,), with a floating base at the world's origin."""
     return np.concatenate([_AT_ORIGIN, joints]) if arm.floating_base else joints
 
 

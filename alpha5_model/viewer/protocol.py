@@ -37,7 +37,7 @@ Answer = Callable[[bytes], None]
 
 
 class Requests:
-    """What other programs have asked for. All methods are called in the server's thread.
+    """What other programs have asked for. All methods run in the server's thread.
 
     Args:
         live: Carries out commands, and knows the open pages.
@@ -103,7 +103,7 @@ class Requests:
                 raise _unknown(request)
 
     def page_opened(self, page: Page) -> None:
-        """Answer who waits for a page, and ask the page for the pictures that are wanted."""
+        """Answer who waits for a page, and ask it for the pictures that are wanted."""
         for number in list(self._visits):
             answer = self._visits.pop(number)
             answer(b"ok")

@@ -1,4 +1,4 @@
-"""What is drawn, as data: shapes and labels in named groups, each anchored to the arm; a camera.
+"""What is drawn, as data: shapes and labels in groups, on anchors; a camera.
 
 A `Scene` knows nothing of browsers or pixels. `commands` and `page` turn it into
 meshcat commands and a page, `picture` into a PNG.

@@ -42,7 +42,7 @@ class _Cells(NamedTuple):
 
 @style()
 def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
-    """Plot, from above and from the side, the share that is reached in self-collision only.
+    """Plot, from above and the side, the share that is reached in self-collision only.
 
     Args:
         cell: Edge of the cells whose centres are tried [m].
@@ -97,7 +97,7 @@ def _base() -> Mesh:
 
 
 def _draw_view(axes: Any, cells: _Cells, up: str) -> Any:
-    """The share of the points behind one another that are reached in self-collision only.
+    """The share of points behind one another that are reached in self-collision only.
 
     Args:
         axes: Where to draw it.

@@ -125,7 +125,7 @@ class Server:
     # ---- called by this program, in any thread
 
     def call(self, change: Callable[[], Result]) -> Result:
-        """Let the server's thread make a change, so that every page sees changes in one order.
+        """Let the server's thread make a change: every page sees changes in one order.
 
         Raises:
             ViewerError: The viewer is closed, or does not answer.

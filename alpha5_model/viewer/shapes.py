@@ -1,4 +1,4 @@
-"""Triangle meshes: the shapes of a URDF, solids of revolution, boxes, arrows, balls, axes, tubes.
+"""Triangle meshes: shapes of a URDF, solids of revolution, arrows, balls, tubes.
 
 Every mesh has a normal at each corner, so that the page and the picture shade it alike.
 """
@@ -53,7 +53,11 @@ class Mesh:
 
 
 def drawn(shape: UrdfShape, folder: str) -> Mesh:
-    """The mesh of a URDF's shape in its link's frame; relative file names start at the folder.
+    """The mesh of a URDF's shape in its link's frame.
+
+    Args:
+        shape: The shape.
+        folder: Where relative file names start.
 
     Raises:
         MissingFileError, FileFormatError: A mesh that is missing or not a triangle OBJ,
@@ -128,7 +132,7 @@ def join(meshes: list[Mesh]) -> Mesh:
 
 
 def lathe(profile: ArrayLike, sides: int = 24) -> Mesh:
-    """Turn a profile of (radius, z) points about z; each segment has flat normals along z.
+    """Turn a profile of (radius, z) points about z; each segment is flat along z.
 
     The profile runs with the body to its left, from the bottom up, so that normals
     point outward.
@@ -160,7 +164,7 @@ def cylinder(radius: float, length: float) -> Mesh:
 
 
 def quads(corners: FloatArray, normals: ArrayLike) -> Mesh:
-    """Flat quadrilaterals: corners (N, 4, 3), counter-clockwise; normals (N, 3) or (3,)."""
+    """Quadrilaterals: corners (N, 4, 3), counter-clockwise; normals (N, 3) or (3,)."""
     each = np.broadcast_to(np.asarray(normals, np.float64), (len(corners), 3))
     return Mesh(
         vertices=corners.reshape(-1, 3),
@@ -183,7 +187,7 @@ def box(size: ArrayLike) -> Mesh:
 
 
 def arrow(vector: ArrayLike, radius: float) -> Mesh:
-    """An arrow from the origin along a vector (3,) [m], shaft of the given radius [m]."""
+    """An arrow from the origin along a vector (3,) [m], radius of the shaft [m]."""
     direction = np.asarray(vector, dtype=np.float64)
     length = float(np.linalg.norm(direction))
     neck = length - min(5.0 * radius, 0.6 * length)
@@ -198,7 +202,7 @@ def arrow(vector: ArrayLike, radius: float) -> Mesh:
 
 
 def ball(radius: float, first: ArrayLike, second: ArrayLike, sides: int = 24) -> Mesh:
-    """A sphere at the origin with octants of two colours, the usual symbol for a centre of mass."""
+    """A sphere with octants of two colours, the usual symbol for a centre of mass."""
     angles = np.linspace(0.0, np.pi / 2, sides // 4 + 1)
     azimuths, polars = np.meshgrid(angles, angles, indexing="ij")
     azimuth = azimuths.ravel()
@@ -238,7 +242,7 @@ def triad(length: float, radius: float) -> Mesh:
 
 
 def tube(points: FloatArray, radius: float, sides: int = 6) -> Mesh:
-    """A thin tube along a polyline (N, 3) [m]: a line that keeps its width in every renderer."""
+    """A thin tube along a polyline (N, 3) [m]: a line of the same width everywhere."""
     parts = []
     for start, end in pairwise(points):
         length = float(np.linalg.norm(end - start))
@@ -257,7 +261,12 @@ def _grid(rows: int, columns: int) -> NDArray[np.uint32]:
 
 
 def _triangles(first: NDArray[np.intp], b: int, c: int, d: int) -> NDArray[np.uint32]:
-    """Two triangles for each quadrilateral with corners at ``first`` (N,) and b, c, d after it."""
+    """Two triangles for each quadrilateral.
+
+    Args:
+        first: Number of its first corner, (N,).
+        b, c, d: Numbers of the other corners, counted from the first.
+    """
     pair = np.array([[0, b, c], [0, c, d]], np.uint32)
     return (first[:, None, None].astype(np.uint32) + pair).reshape(-1, 3)
 

@@ -1,4 +1,4 @@
-"""What the page computes joint torques from: weight, buoyancy and current on each body."""
+"""What the page computes torques from: weight, buoyancy and current on bodies."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def statics_of(
 
 
 def _share_of_link_4(parameters: Alpha5Parameters) -> FloatArray:
-    """Change of the base parameters per first moment and mass of a body in link_4, (41, 4)."""
+    """Base parameters per first moment and mass of a body in link_4, (41, 4)."""
     units = np.zeros((4, 5, 2, 4, 4))
     for component in range(4):
         units[component, 4, 1, component, 3] = 1.0

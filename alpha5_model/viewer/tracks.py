@@ -1,4 +1,4 @@
-"""Motions to play: a recording with its torques, a tour of poses, positions at a steady rate."""
+"""Motions to play: a recording with its torques, a tour, positions at a steady rate."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _PAUSE = 0.6
 def motion_track(
     played: Motion, arm: Arm, q: FloatArray, current: ArrayLike | None = None
 ) -> MotionTrack:
-    """A motion of the arm's joints, with the torques and the load on the mount that it takes.
+    """A motion of the arm's joints, with its torques and its load on the mount.
 
     Args:
         played: The motion. Joints that the arm lacks are left out.
@@ -112,7 +112,7 @@ def _leg(start: FloatArray, end: FloatArray, speeds: FloatArray) -> FloatArray:
 def resampled(
     arm: Arm, time: FloatArray, q: FloatArray, rate: float
 ) -> Iterator[FloatArray]:
-    """Joint positions (nq,) at a steady rate [1/s] along a motion, time (N,) and q (N, nq)."""
+    """Joint positions (nq,) at a rate [1/s] along a motion, time (N,) and q (N, nq)."""
     duration = time[-1] - time[0]
     ticks = time[0] + np.arange(0.0, duration + 0.999 / rate, 1.0 / rate)
     # Place 2.3 is three tenths of the way from sample 2 to sample 3.

@@ -23,7 +23,7 @@ VIDEO_FORMATS = (".mp4", ".gif")
 def film(
     path: PathLike, fps: float
 ) -> Iterator[tuple[float, Callable[[Pixels], None]]]:
-    """Write a video: yields its frames per second, and a function that adds a picture to it.
+    """Write a video: yields its rate [1/s], and a function that adds a picture.
 
     The file is written whole when the block ends, or not at all.
 

@@ -117,7 +117,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
     def on_change(
         self, callback: Callable[[FloatArray], object]
     ) -> Callable[[FloatArray], object]:
-        """Call a function with q (nq,) whenever a page has moved the arm; also a decorator.
+        """Call a function with q (nq,) when a page has moved the arm; also a decorator.
 
         The joints are within their limits: other positions from a page are refused. The
             function runs in a thread of its own and may call `display`. While it is
@@ -150,7 +150,7 @@ class ArmVisualizer(meshcat.Visualizer):  # type: ignore[misc]
                 _LOG.exception("on_change")
 
     def play(self, q: ArrayLike, dt: float) -> float:
-        """Play joint positions in real time, dropping frames rather than falling behind.
+        """Play joint positions in real time, dropping frames if they are late.
 
         Within `create_video_ctx` they go into the video instead, at its rate.
 

@@ -33,7 +33,7 @@ _LEGEND = (
     legend={"fontsize": 8.5},
 )
 def workspace_figure() -> Any:
-    """Plot the exact and the published reachable set in the half-plane, as a matplotlib Figure.
+    """Plot the exact and the published workspace, as a matplotlib Figure.
 
     Left, the boundary of the reachable set by the joint that stops it. Right, the
     published region over it. Lengths in mm.
