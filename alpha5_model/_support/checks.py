@@ -1,4 +1,4 @@
-"""Input checks: each returns what it was given in the type to compute with, or raises."""
+"""Input checks: each returns its value in the type to compute with, or raises."""
 
 from __future__ import annotations
 
@@ -15,71 +15,81 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Kind = TypeVar("Kind")
 
-#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a quaternion
-#: from 1, before it is refused: URDFs and logs print some seven digits.
+#: Types of numbers in a list that are taken as they are.
+_NUMBERS = {float, int, np.float64}
+#: How far from a rotation a matrix may be, entrywise in ``R R^T``, or the norm of a
+#: quaternion from 1, before it is refused: URDFs and logs print some seven digits.
 ROTATION_TOLERANCE = 1e-6
-#: The largest number that dynamics, inertia and actuators compute with, in SI units. No term has
-#: more than five such factors (energy: mass, length twice, speed twice), so that none overflows; a
-#: sixth root leaves room for sums.
+#: The largest number that dynamics, inertia and actuators compute with, in SI units. No
+#: term has more than five such factors (energy: mass, length twice, speed twice), so
+#: that none overflows; a sixth root leaves room for sums.
 LARGEST = sys.float_info.max ** (1 / 6)
 
 
 def float_array(name: str, value: ArrayLike, trailing: tuple[int, ...]) -> FloatArray:
-    """Check and convert an array whose last axes are fixed and whose leading axes are free.
+    """Check and convert an array with fixed last axes and free leading axes.
 
     Args:
         name: Name of the argument, for the message.
-        value: Anything NumPy reads as real numbers; not what has a mask or a unit, which it would
-            drop.
+        value: Anything NumPy reads as real numbers; not what has a mask or a unit,
+            which it would drop.
         trailing: Expected trailing shape; ``(3,)`` accepts (3,), (N, 3), (..., 3).
 
     Returns:
-        A float64 array of shape (..., \\*trailing), C-contiguous and aligned, as compiled code
-        reads it; the caller's own array if it already is one.
+        A float64 array of shape (..., \\*trailing), C-contiguous and aligned, as
+        compiled code reads it; the caller's own array if it already is one.
 
     Raises:
-        InputError: Not real numbers (strings, complex, truth values, ragged lists, None), or more
-            than numbers (masked arrays and other subclasses of NumPy's, quantities with a unit).
+        InputError: Not real numbers (strings, complex, truth values, ragged lists,
+            None), or more than numbers (masked arrays and other subclasses of NumPy's,
+            quantities with a unit).
         ShapeError: Wrong trailing shape.
         NonFiniteError: NaN or infinity; the first bad index is named.
     """
     try:
-        array = np.asarray(value) if _plain(value) else None
+        array = np.asarray(value) if _holds_only_numbers(value) else None
     except Exception:  # __array__ may raise anything
         array = None
     if array is None or array.dtype.kind not in "fiu":
         raise InputError(name, value, "an array of real numbers, without mask or unit")
+
     if array.dtype != np.float64:
-        with np.errstate(over="ignore"):  # of long doubles: named below
+        # A long double may overflow: it is named below.
+        with np.errstate(over="ignore"):
             array = array.astype(np.float64)
-    if not (
-        array.flags.c_contiguous and array.flags.aligned
-    ):  # a view, a mapped file, records
+    # A view, a mapped file or a column of records may be neither.
+    if not (array.flags.c_contiguous and array.flags.aligned):
         array = array.copy()
-    if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(
-        trailing
-    ):
-        shape = "(" + ", ".join(["...", *map(str, trailing)]) + ")"
-        raise ShapeError(name, array.shape, f"shape {shape}")
+
+    leading = array.ndim - len(trailing)
+    if leading < 0 or array.shape[leading:] != trailing:
+        shape = ", ".join(["...", *map(str, trailing)])
+        raise ShapeError(name, array.shape, f"shape ({shape})")
     if not np.isfinite(array).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        first = np.argwhere(~np.isfinite(array))[0]
+        index = tuple(int(i) for i in first)
         raise NonFiniteError(name, float(array[index]), index)
     return array
 
 
-def _plain(value: Any) -> bool:
-    """Whether it holds only numbers, at any depth of lists; NumPy drops masks and units."""
-    kind = type(value)
-    if kind in (np.ndarray, np.float64, float, int):
+def _holds_only_numbers(value: Any) -> bool:
+    """Whether a value holds only numbers, at any depth of lists.
+
+    NumPy would drop masks and units without a word.
+    """
+    if type(value) in (np.ndarray, np.float64, float, int):
         return True
     if isinstance(value, list | tuple):
-        return {*map(type, value)} <= {float, int, np.float64} or all(
-            map(_plain, value)
-        )
+        # Usually a flat list, which this settles quickly.
+        if set(map(type, value)) <= _NUMBERS:
+            return True
+        return all(map(_holds_only_numbers, value))
     if isinstance(value, np.ndarray):
         return isinstance(value, np.memmap)
-    unit = hasattr(value, "unit") or hasattr(value, "units")
-    return not unit and not isinstance(value, bool | np.bool_ | bytes | bytearray)
+
+    has_unit = hasattr(value, "unit") or hasattr(value, "units")
+    is_other = isinstance(value, bool | np.bool_ | bytes | bytearray)
+    return not has_unit and not is_other
 
 
 def shaped(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
@@ -102,24 +112,28 @@ def bounded(name: str, array: FloatArray) -> FloatArray:
     """
     if array.size and max(array.max(), -array.min()) > LARGEST:
         worst = float(array.flat[np.abs(array).argmax()])
-        raise InputError(
-            name, worst, f"numbers of at most {LARGEST:.1e}, else results overflow"
-        )
+        expected = f"numbers of at most {LARGEST:.1e}, else results overflow"
+        raise InputError(name, worst, expected)
     return array
 
 
 def array(name: str, value: ArrayLike, *shape: int) -> FloatArray:
-    """Check and convert an array of one shape that can be computed with: `shaped` and `bounded`."""
+    """Check and convert an array of one shape: `shaped` and `bounded`."""
     return bounded(name, shaped(name, value, shape))
 
 
 def real(
     name: str, value: Any, minimum: float | None = None, strict: bool = False
 ) -> float:
-    """Check and convert one finite real number that can be computed with, optionally bounded below.
+    """Check and convert one finite real number that can be computed with.
+
+    Args:
+        minimum: The least number that is allowed; any is if left out.
+        strict: Whether ``minimum`` itself is refused.
 
     Raises:
-        InputError: Not a real number, too large, or below ``minimum`` (at it, if ``strict``).
+        InputError: Not a real number, too large, or below ``minimum`` (at it, if
+            ``strict``).
         NonFiniteError: NaN or infinity.
     """
     array = float_array(name, value, ())
@@ -133,7 +147,9 @@ def real(
 
 
 def flag(name: str, value: Any) -> bool:
-    """Check True or False; the truth of 1, "no" or an array may not be what the caller meant.
+    """Check True or False.
+
+    The truth of 1, "no" or an array may not be what the caller meant.
 
     Raises:
         InputError: Anything else.
@@ -167,24 +183,24 @@ def listed(name: str, value: Any, expected: str) -> list[Any]:
 
 
 def fitting(**given: tuple[ArrayLike, tuple[int, ...]]) -> list[FloatArray]:
-    """Arrays of real numbers with their trailing shapes, whose leading shapes broadcast.
+    """Arrays of real numbers with given last axes, whose leading axes broadcast.
 
     Raises:
         InputError: Not finite real numbers; ShapeError: of shapes that do not fit.
     """
-    arrays = [
-        float_array(name, value, trailing) for name, (value, trailing) in given.items()
-    ]
-    shapes = tuple(array.shape for array in arrays)
-    pairs = zip(shapes, given.values(), strict=True)
+    arrays = []
+    leading_shapes = []
+    for name, (value, trailing) in given.items():
+        array = float_array(name, value, trailing)
+        arrays.append(array)
+        leading_shapes.append(array.shape[: array.ndim - len(trailing)])
+
     try:
-        np.broadcast_shapes(
-            *(shape[: len(shape) - len(end)] for shape, (_, end) in pairs)
-        )
+        np.broadcast_shapes(*leading_shapes)
     except ValueError:
-        raise ShapeError(
-            ", ".join(given), shapes, "leading shapes that broadcast"
-        ) from None
+        shapes = tuple(array.shape for array in arrays)
+        expected = "leading shapes that broadcast"
+        raise ShapeError(", ".join(given), shapes, expected) from None
     return arrays
 
 
@@ -192,11 +208,11 @@ def together(**values: ArrayLike) -> list[FloatArray]:
     """Arrays of real numbers, broadcast to one shape.
 
     Raises:
-        InputError: Not finite real numbers; ShapeError: of shapes that do not broadcast.
+        InputError: Not finite real numbers; ShapeError: of shapes that do not
+            broadcast.
     """
-    return list(
-        np.broadcast_arrays(*fitting(**{k: (v, ()) for k, v in values.items()}))
-    )
+    scalars = {name: (value, ()) for name, value in values.items()}
+    return list(np.broadcast_arrays(*fitting(**scalars)))
 
 
 def generator(seed: Any) -> np.random.Generator:
@@ -217,12 +233,11 @@ def count(name: str, value: Any) -> int:
     Raises:
         InputError: Anything else, True and 1.0 included.
     """
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int)
-        or not 1 <= value <= sys.maxsize
-    ):
-        raise InputError(name, value, "a whole number of at least 1")
+    expected = "a whole number of at least 1"
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InputError(name, value, expected)
+    if not 1 <= value <= sys.maxsize:
+        raise InputError(name, value, expected)
     return value
 
 
@@ -247,31 +262,30 @@ def named(kind: str, names: Any, choices: Sequence[str]) -> tuple[str, ...]:
     expected = f"a tuple of names, such as ({choices[0]!r},)"
     if isinstance(names, str):
         raise InputError(f"{kind}s", names, expected)
-    asked = {
-        choice(kind, name, choices) for name in listed(f"{kind}s", names, expected)
-    }
+    given = listed(f"{kind}s", names, expected)
+    asked = {choice(kind, name, choices) for name in given}
     return tuple(name for name in choices if name in asked)
 
 
 def frozen(array: ArrayLike) -> FloatArray:
-    """A float64 copy of which no flag makes a writeable one: it lies in bytes."""
+    """A float64 copy that cannot be made writeable: its memory is that of bytes."""
     given = np.asarray(array, dtype=np.float64)
     return np.ndarray(given.shape, np.float64, given.tobytes())
 
 
 def is_rotation(matrix: FloatArray) -> BoolArray:
-    """Which of the matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`: (...)."""
+    """Which matrices (..., 3, 3) are rotations, within `ROTATION_TOLERANCE`."""
     with np.errstate(all="ignore"):
-        off = np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(
-            axis=(-2, -1)
-        )
-        return np.asarray((off <= ROTATION_TOLERANCE) & (np.linalg.det(matrix) > 0))
+        product = matrix @ np.swapaxes(matrix, -1, -2)
+        off = np.abs(product - np.eye(3)).max(axis=(-2, -1))
+        keeps_hand = np.linalg.det(matrix) > 0
+        return np.asarray((off <= ROTATION_TOLERANCE) & keeps_hand)
 
 
 def is_rigid(transform: FloatArray) -> BoolArray:
-    """Which of (..., 4, 4) are a rotation, a translation and a last row 0 0 0 1: (...)."""
-    last = (transform[..., 3, :] == (0, 0, 0, 1)).all(axis=-1)
-    return np.asarray(is_rotation(transform[..., :3, :3]) & last)
+    """Which matrices (..., 4, 4) are a rotation, a translation and 0 0 0 1."""
+    last_row_fits = (transform[..., 3, :] == (0, 0, 0, 1)).all(axis=-1)
+    return np.asarray(is_rotation(transform[..., :3, :3]) & last_row_fits)
 
 
 def rigid_transform(name: str, value: ArrayLike) -> FloatArray:

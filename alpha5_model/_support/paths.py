@@ -1,14 +1,14 @@
-"""Where the generated and source files are: in a checkout, or inside an installed wheel."""
+"""Where the files are: in a checkout, or inside an installed wheel."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-#: Folder with ``urdf/``, ``xacro/``, ``meshes/``, ``mjcf/``: the checkout, or the wheel's data folder.
-REPOSITORY_PATH = str(
-    _data if (_data := _PACKAGE / "_data").is_dir() else _PACKAGE.parent
-)
+_WHEEL_DATA = _PACKAGE / "_data"
+#: Folder with ``urdf/``, ``xacro/``, ``meshes/``, ``mjcf/``: the checkout, or the
+#: wheel's data folder.
+REPOSITORY_PATH = str(_WHEEL_DATA if _WHEEL_DATA.is_dir() else _PACKAGE.parent)
 #: Folder to which ``package://alpha5_description`` resolves.
 PACKAGE_PATH = REPOSITORY_PATH
 #: The arm with its jaws locked, 4 joints.

@@ -1,4 +1,4 @@
-"""Rotations, rigid transforms and angles as in a URDF; lengths in metres, angles in radians."""
+"""Rotations, rigid transforms and angles as in a URDF, in metres and radians."""
 
 from __future__ import annotations
 
@@ -43,56 +43,75 @@ def cross_matrix(vector: ArrayLike) -> FloatArray:
 
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Rotations about unit vectors (..., 3) by angles (...), by Rodrigues' formula, (..., 3, 3)."""
-    k, a = cross_matrix(axis), np.asarray(angle)[..., None, None]
+    """Rotations (..., 3, 3) about unit vectors (..., 3) by angles (...): Rodrigues."""
+    k = cross_matrix(axis)
+    a = np.asarray(angle)[..., None, None]
     return np.asarray(np.eye(3) + np.sin(a) * k + (1.0 - np.cos(a)) * (k @ k))
 
 
 def rotation_from_rpy(rpy: Sequence[float] | FloatArray) -> FloatArray:
     """``Rz(yaw) Ry(pitch) Rx(roll)``, (3, 3): URDF's fixed-axis roll, pitch, yaw."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    x = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
-    y = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
-    return np.array([x, y, (-sp, cp * sr, cp * cr)])
+    sr, sp, sy = np.sin(rpy)
+    cr, cp, cy = np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
 
 
 def rpy_from_rotation(r: FloatArray) -> Triple:
-    """Fixed-axis roll, pitch, yaw of a rotation (3, 3); at a pitch of +-pi/2 the roll is zero."""
-    across = math.hypot(r[0, 0], r[1, 0])
-    pitch = math.atan2(-r[2, 0], across)
-    if across > 1e-3:
-        return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
-    yaw = (
-        math.atan2(r[1, 0], r[0, 0]) if across > 1e-9 else math.atan2(-r[0, 1], r[1, 1])
-    )
+    """Fixed-axis roll, pitch, yaw of a rotation (3, 3).
+
+    At a pitch of +-pi/2 the roll is zero.
+    """
+    cos_pitch = math.hypot(r[0, 0], r[1, 0])
+    pitch = math.atan2(-r[2, 0], cos_pitch)
+    if cos_pitch > 1e-9:
+        yaw = math.atan2(r[1, 0], r[0, 0])
+    else:
+        yaw = math.atan2(-r[0, 1], r[1, 1])
+    if cos_pitch > 1e-3:
+        return math.atan2(r[2, 1], r[2, 2]), pitch, yaw
+
     # Yaw is inaccurate here: roll from what yaw leaves, so that the errors cancel.
-    s, c = math.sin(yaw), math.cos(yaw)
-    return math.atan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1]), pitch, yaw
+    sin_yaw = math.sin(yaw)
+    cos_yaw = math.cos(yaw)
+    sin_roll = sin_yaw * r[0, 2] - cos_yaw * r[1, 2]
+    cos_roll = cos_yaw * r[1, 1] - sin_yaw * r[0, 1]
+    return math.atan2(sin_roll, cos_roll), pitch, yaw
 
 
 def quaternion_from_rpy(rpy: Sequence[float]) -> tuple[float, float, float, float]:
     """(x, y, z, w) of the same rotation as `rotation_from_rpy`."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(np.divide(rpy, 2)), np.cos(np.divide(rpy, 2))
-    x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
-    z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
+    half = np.divide(rpy, 2)
+    sr, sp, sy = np.sin(half)
+    cr, cp, cy = np.cos(half)
+    x = sr * cp * cy - cr * sp * sy
+    y = cr * sp * cy + sr * cp * sy
+    z = cr * cp * sy - sr * sp * cy
+    w = cr * cp * cy + sr * sp * sy
     return float(x), float(y), float(z), float(w)
 
 
 def transform(
     rotation: ArrayLike | None = None, translation: ArrayLike = (0, 0, 0)
 ) -> FloatArray:
-    """Transforms (..., 4, 4) of rotations (..., 3, 3), if any, and translations (..., 3)."""
+    """Transforms (..., 4, 4) from rotations (..., 3, 3) and translations (..., 3)."""
     r = np.eye(3) if rotation is None else np.asarray(rotation)
     out = np.zeros((*r.shape[:-2], 4, 4))
-    out[..., :3, :3], out[..., :3, 3], out[..., 3, 3] = r, translation, 1.0
+    out[..., :3, :3] = r
+    out[..., :3, 3] = translation
+    out[..., 3, 3] = 1.0
     return out
 
 
 def moved(transform: FloatArray, points: FloatArray) -> FloatArray:
     """Points (..., 3), carried by transforms (..., 4, 4)."""
-    return np.asarray(
-        (transform[..., :3, :3] @ points[..., None])[..., 0] + transform[..., :3, 3]
-    )
+    rotated = (transform[..., :3, :3] @ points[..., None])[..., 0]
+    return np.asarray(rotated + transform[..., :3, 3])
 
 
 def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:
@@ -102,5 +121,7 @@ def pose(xyz: ArrayLike, rpy: Sequence[float] | FloatArray) -> FloatArray:
 
 def excess_of_box(point: FloatArray, bounds: FloatArray) -> float:
     """Distance of a point (3,) from a box (3, 2); 0 inside."""
-    outside = np.maximum(np.maximum(bounds[:, 0] - point, point - bounds[:, 1]), 0.0)
+    below = bounds[:, 0] - point
+    above = point - bounds[:, 1]
+    outside = np.maximum(np.maximum(below, above), 0.0)
     return float(np.linalg.norm(outside))

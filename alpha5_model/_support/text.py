@@ -1,4 +1,4 @@
-"""Results to be read, columns side by side, long lines wrapped, units with their signs; and for JSON."""
+"""Results as text: wrapped lines, tables, units with their signs; and for JSON."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-#: Control characters, which a terminal obeys, but for ends of lines, tabs and plain colours.
+#: Control characters that a terminal obeys; ends of lines, tabs and plain colours pass.
 _OBEYED = re.compile(
     r"(\x1b\[(?:0|1|3[0-7]|9[0-7])m)"
     r"|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
@@ -24,40 +24,51 @@ def printable(text: str) -> str:
 
 
 def readable(text: str) -> str:
-    """Units as a reader writes them: ``N m`` and ``kg m^2`` as ``N·m`` and ``kg·m²``."""
+    """A text with its units as people write them: ``N·m`` and ``kg·m²``."""
     text = text.replace("^2", "²").replace("^3", "³")
     return re.sub(r"\b(N|kg) (mm?)(?![a-z])", r"\1·\2", text)
 
 
 def plain(value: Any, unknown: float | None = None) -> Any:
-    """Numbers, texts, arrays, records and collections of them in the types that JSON has.
+    """A result in the types of JSON: numbers, texts, arrays, records, collections.
 
     Args:
         unknown: In place of a number that is not finite.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    value = value._asdict() if hasattr(value, "_asdict") else value
+        return plain(asdict(value), unknown)
+    if hasattr(value, "_asdict"):
+        return plain(value._asdict(), unknown)
     if isinstance(value, dict):
         return {key: plain(item, unknown) for key, item in value.items()}
+
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [plain(item, unknown) for item in value]
-    return unknown if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return unknown
+    return value
 
 
 def wrapped(line: str, width: int, hang: int | None = None) -> list[str]:
-    """A line as lines of at most so many characters; what does not fit hangs two deeper than it.
+    """A line, broken into lines of at most ``width`` characters; words stay whole.
 
     Args:
-        hang: Spaces before each line but the first.
+        hang: Spaces before each line but the first; two more than before the first if
+            left out.
     """
-    spaces = len(line) - len(line.lstrip()) + 2 if hang is None else hang
     if len(line) <= width:
         return [line]
-    whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
-    return textwrap.wrap(line, width, subsequent_indent=" " * spaces, **whole)
+    indent = len(line) - len(line.lstrip())
+    spaces = indent + 2 if hang is None else hang
+    return textwrap.wrap(
+        line,
+        width,
+        subsequent_indent=" " * spaces,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def table(
@@ -71,20 +82,21 @@ def table(
 
     Args:
         rows: Of equally many cells.
-        align: ``<`` or ``>`` for each column; the last one holds for those that follow, too.
+        align: ``<`` or ``>`` for each column; the last one also holds for those that
+            follow.
         indent: Spaces before each line.
-        width: What is longer goes on under its last cell; 0 for lines as long as they are.
+        width: Longer lines go on under their last cell; 0 for lines of any length.
         gap: Spaces between columns.
     """
     cells = [[readable(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     sides = align + align[-1] * (len(widths) - len(align))
+    last_column = indent + sum(widths[:-1]) + gap * (len(widths) - 1)
+
     lines = []
     for row in cells:
-        parts = [
-            f"{c:{side}{n}}" for c, side, n in zip(row, sides, widths, strict=True)
-        ]
-        line = (" " * indent + (" " * gap).join(parts)).rstrip()
-        hang = indent + sum(widths[:-1]) + gap * (len(widths) - 1)
-        lines += wrapped(line, width, hang) if width else [line]
+        columns = zip(row, sides, widths, strict=True)
+        aligned = [f"{cell:{side}{size}}" for cell, side, size in columns]
+        line = (" " * indent + (" " * gap).join(aligned)).rstrip()
+        lines += wrapped(line, width, hang=last_column) if width else [line]
     return lines

@@ -38,10 +38,10 @@ def atomic_write(path: PathLike, content: str | bytes) -> Path:
 def atomic_write_all(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together: none is renamed before all are on the disk.
 
-    A plain file is written through a temporary one beside it, which is synchronised with
-    the disk as its folder is, and a rename; after a loss of power there is the old file
-    or the new one. It keeps its mode, and its folder is made if missing. A symlink is
-    followed. Devices, pipes and ``-``, standard output, are written into.
+    A plain file is written through a temporary one beside it, which is synchronised
+    with the disk as its folder is, and a rename; after a loss of power there is the old
+    file or the new one. It keeps its mode, and its folder is made if missing. A symlink
+    is followed. Devices, pipes and ``-``, standard output, are written into.
 
     Args:
         files: Target -> text (written as UTF-8, newlines as they are) or bytes.
@@ -149,7 +149,7 @@ def _spare(temporary: Path) -> Path:
 
 
 def _restorer(file: Path, spare: Path) -> Callable[[], object]:
-    """Puts back the file that is there now; a hard link keeps it, if the system has them."""
+    """Puts back the file that is there now; a hard link keeps it, if possible."""
     if not file.exists():
         return partial(file.unlink, missing_ok=True)
     with suppress(OSError):
