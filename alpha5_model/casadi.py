@@ -25,7 +25,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import MissingDependencyError
-from alpha5_model.kinematics.plane import DOUBLE
+from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.numbers.parameters import parameters
 
 __all__ = ["load"]

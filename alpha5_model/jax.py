@@ -31,7 +31,7 @@ from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.dynamics.load import load as load_arm
 from alpha5_model.errors import ShapeError, needing
-from alpha5_model.kinematics.plane import DOUBLE, SINGLE
+from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 
 with needing("alpha5_model.jax", "pip install jax"):
     import jax.numpy as jnp

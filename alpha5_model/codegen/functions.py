@@ -12,7 +12,8 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.codegen.base_parameters import BASE_PARAMETERS, moments, regrouped
 from alpha5_model.errors import needing
-from alpha5_model.kinematics.plane import DOUBLE, ArmPlane
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.tolerances import DOUBLE
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 with needing("making code of the equations", "pip install casadi"):

@@ -41,7 +41,8 @@ from casadi import (
 )
 
 from alpha5_model.codegen.casadi_functions import named
-from alpha5_model.kinematics.plane import ArmPlane, Tolerances
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.tolerances import Tolerances
 
 
 class _Target(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.reach import planar_arc
+from alpha5_model.kinematics.arcs import planar_arc
 from alpha5_model.theory import planar
 
 #: Longest chord of an arc of the arm's workspace in a plot [rad].

@@ -8,7 +8,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.reach import planar_arc
+from alpha5_model.kinematics.arcs import planar_arc
 from alpha5_model.viewer.outlines import polyline
 from alpha5_model.viewer.scene import Rigid, Shape
 from alpha5_model.viewer.shapes import Mesh, join, lathe, quads, tube

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.arcs import planar_arc
 from alpha5_model.kinematics.plane import arm_plane
-from alpha5_model.kinematics.reach import planar_arc
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.outlines import CHORD, fill, legend_below, loops, polyline

@@ -18,7 +18,10 @@ from alpha5_model.codegen.casadi_functions import folded
 from alpha5_model.codegen.inverse_kinematics import inverse_kinematics
 from alpha5_model.codegen.program import TRUTHS, program
 from alpha5_model.codegen.python_code import python_source
-from alpha5_model.kinematics.plane import DOUBLE, SINGLE, arm_plane
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
+
+PLANE = ArmPlane.from_parameters(a5.parameters())
 
 
 def solve(
@@ -26,7 +29,7 @@ def solve(
 ) -> list[np.ndarray]:
     """q (N, 4, 4), exists and within_limits (N, 4), singular (N,)."""
     count = len(position)
-    function = folded(inverse_kinematics(arm_plane()), tolerances=tolerances).map(count)
+    function = folded(inverse_kinematics(PLANE), tolerances=tolerances).map(count)
     found = (
         np.array(x) for x in function.call([casadi.DM(position.T), casadi.DM(wrist).T])
     )
@@ -168,6 +171,4 @@ def test_what_is_not_a_number_is_within_no_limits(wrist: float) -> None:
 
 
 def test_it_is_short() -> None:
-    assert (
-        program(folded(inverse_kinematics(arm_plane()), tolerances=DOUBLE)).flops < 235
-    )
+    assert program(folded(inverse_kinematics(PLANE), tolerances=DOUBLE)).flops < 235

@@ -160,7 +160,7 @@ def test_on_the_yaw_axis_theta_0_is_tried() -> None:
 
 def test_shares_against_exact_volumes_and_areas() -> None:
     """The underarm pose alone: its first moment by Green's theorem, turned through what it can face."""
-    from alpha5_model.kinematics.workspace import first_moment
+    from alpha5_model.kinematics.arcs import first_moment
 
     exact = (2 * math.pi - WEDGE) * first_moment(space.boundary("underarm"))
     found = space.sampled_share(underarm, 40_000, seed=3)

@@ -17,7 +17,7 @@ import alpha5_model as a5
 from alpha5_model.codegen.kernels import choice as kernels_package
 from alpha5_model.codegen.kernels import numpy_kernels
 from alpha5_model.kinematics import ik
-from alpha5_model.kinematics.plane import AXIS_TOLERANCE
+from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE
 
 COUNT, EACH = 130_000, 10_000
 

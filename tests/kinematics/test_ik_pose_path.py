@@ -545,7 +545,7 @@ def test_pose_on_the_axis_has_the_least_error_over_theta_0_and_theta_3() -> None
 def test_how_a_turn_is_shared(
     size: list[float], turn: float, first: float, expected: list[float]
 ) -> None:
-    from alpha5_model.kinematics.path import shared_turn
+    from alpha5_model.kinematics.axis_crossing import shared_turn
 
     np.testing.assert_allclose(
         shared_turn(np.array(size), turn, first, 0.5), expected, rtol=0, atol=1e-15

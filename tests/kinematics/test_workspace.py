@@ -293,7 +293,7 @@ def test_volume_without_limits_by_pappus() -> None:
 
 def test_volume_lost_to_the_wedges() -> None:
     """Were theta_0 free, the two wedges would be as full as the rest."""
-    from alpha5_model.kinematics.workspace import first_moment
+    from alpha5_model.kinematics.arcs import first_moment
 
     moment = {side: first_moment(space.boundary(side)) for side in space.SIDES}
     lost = WEDGE * (2 * moment["both"] - moment["underarm"] - moment["overarm"])

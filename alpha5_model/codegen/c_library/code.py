@@ -18,7 +18,7 @@ from alpha5_model.description.origin import provenance
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.kernel_numbers import arm_parameters
 from alpha5_model.kinematics.ik import BRANCHES
-from alpha5_model.kinematics.plane import DOUBLE, SINGLE
+from alpha5_model.kinematics.tolerances import DOUBLE, SINGLE
 
 #: Outputs that are truth values.
 _FLAGS = ("exists", "within_limits", "singular")

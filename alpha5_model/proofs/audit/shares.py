@@ -12,6 +12,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.arcs import area
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.quantity import Quantity
 from alpha5_model.numbers.tables import Published
@@ -34,7 +35,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     exact = workspace.published_errors()
     beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
     # The third torus is drawn for one pose, and so is the inner one.
-    left_out = workspace.area(workspace.reachable_but_unpublished("underarm"))
+    left_out = area(workspace.reachable_but_unpublished("underarm"))
     reached = workspace.cross_section_area("underarm")
     return [
         audited(

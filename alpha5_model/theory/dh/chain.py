@@ -25,6 +25,7 @@ from alpha5_model._support.checks import (
 from alpha5_model.errors import InputError, ShapeError, UnknownNameError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import parameters
+from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.link import (
     DHLink,
     dh_transform,
@@ -95,20 +96,7 @@ class DHChain:
 
         Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
         """
-        p = parameters(corrections)
-        moving = [
-            (row, j) for row in p.dh for j in p.joints if j.dh_variable == row.variable
-        ]
-        tool = np.eye(4)
-        for row in p.dh[len(moving) :]:
-            tool = tool @ dh_transform(row.theta_offset, row.d, row.a, row.alpha)
-        rows = (
-            (0.0, r.d, r.a, r.alpha, 0, r.theta_offset, j.lower, j.upper)
-            for r, j in moving
-        )
-        names = tuple(joint.name for _, joint in moving)
-        links = tuple(DHLink(*row) for row in rows)
-        return cls(links, tool=tool, name="alpha5", joint_names=names)
+        return cls(**alpha5_table(parameters(corrections)))
 
     @classmethod
     def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:

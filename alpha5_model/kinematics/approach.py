@@ -1,0 +1,73 @@
+"""The directions from which the arm can approach a point.
+
+They are what the arm has instead of a dexterous workspace. The arm moves in a vertical
+plane through its yaw axis, and joint 3 turns about the approach direction through the
+tcp, moving neither. So at a point the arm has at most four approach directions, one per
+branch of its inverse kinematics, each with any roll that the wrist's range allows.
+
+Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of four
+joints has rank four at most, so the poses form a set of dimension four in SE(3), and a
+dexterous workspace with an interior needs six. Nor is there a single dexterous point p,
+for which the approach directions at p would have to fill a sphere. Off the yaw axis the
+plane has two azimuths and the two links in it have two configurations, so there are four
+directions at most. On the axis the azimuth is free and the links have as many
+configurations as before, so the directions form four circles about the axis at most. That
+does not fill a sphere.
+
+References:
+    [Lecture7.1] Describing Robot Arms, "Dexterous Workspace".
+    [ReachAlpha] Manufacturer's document, Section 1, Figures 3 to 6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model.kinematics.hand import Hand
+from alpha5_model.kinematics.plane import on_axis
+from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.kinematics.solver import solve
+
+
+@dataclass(frozen=True, eq=False)
+class ApproachDirections:
+    """Approach directions at points, by branch of the inverse kinematics (`BRANCHES`).
+
+    Attributes:
+        directions: Unit vectors from the wrist to the tcp, in ``base_link``, (..., 4, 3);
+            NaN if the branch does not reach the point.
+        exists: The branch reaches the point, limits aside, (..., 4).
+        within_limits: It does so within the joint limits, (..., 4).
+        any_azimuth: The point lies on the yaw axis: each direction stands for the circle
+            that theta_0 sweeps, and is its middle, (...).
+        roll: Least and greatest turn about the direction, the range of the wrist,
+            (2,) [rad].
+    """
+
+    directions: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    any_azimuth: BoolArray
+    roll: tuple[float, float]
+
+
+def approach_directions(hand: Hand, position: ArrayLike) -> ApproachDirections:
+    """The directions from which a hand reaches points (..., 3)."""
+    chain = hand.chain
+    plane = hand.plane
+    solutions = solve(SolutionArrays, position, plane.middle[3])
+    exists = solutions.exists[..., None]
+    _, axes = chain.joint_axes(np.where(exists, solutions.q, chain.home))
+    # The hand leaves the elbow along -z of joint 3's axis: d_3 is negative in Table 1.
+    outwards = np.sign(chain.links[3].d) * axes[..., 3, :]
+    return ApproachDirections(
+        directions=np.where(exists, outwards, np.nan),
+        exists=solutions.exists,
+        within_limits=solutions.within_limits,
+        any_azimuth=on_axis(solutions.position),
+        roll=(plane.lower[3], plane.upper[3]),
+    )

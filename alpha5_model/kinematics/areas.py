@@ -1,0 +1,40 @@
+"""Area and volume of the reachable set, exact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from alpha5_model.kinematics.arcs import Arc, area, first_moment
+from alpha5_model.kinematics.boundaries import boundary
+from alpha5_model.kinematics.half_plane import SIDES
+from alpha5_model.kinematics.plane import ArmPlane
+
+
+def cross_section_area(plane: ArmPlane, side: str, limits: bool) -> float:
+    """Area of the reachable part of a half-plane through the yaw axis [m^2]."""
+    return area(boundary(plane, side, limits))
+
+
+def volume(plane: ArmPlane, limits: bool) -> float:
+    """Volume of the reachable set [m^3]."""
+    return revolved(
+        plane, {side: boundary(plane, side, limits) for side in SIDES}, limits
+    )
+
+
+def revolved(
+    plane: ArmPlane, arcs: Mapping[str, tuple[Arc, ...]], limits: bool = True
+) -> float:
+    """Volume of what arcs bound, turned through the azimuths of each pose [m^3].
+
+    Args:
+        plane: The arm's.
+        arcs: By side.
+        limits: Theta_0 has limits. Then a wedge of azimuths is open to the underarm pose
+            only, and the opposite wedge to the overarm pose only.
+    """
+    underarm, overarm, both = (first_moment(arcs[side]) for side in SIDES)
+    turn = plane.upper[0] - plane.lower[0]
+    wedge = 2 * math.pi - turn if limits else 0.0
+    return (2 * math.pi - 2 * wedge) * both + wedge * (underarm + overarm)

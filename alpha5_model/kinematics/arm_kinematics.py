@@ -1,0 +1,160 @@
+"""The kinematics of one arm, made once from its record."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+from alpha5_model.kinematics import (
+    approach,
+    areas,
+    boundaries,
+    choosing,
+    half_plane,
+    nearest_points,
+    path_search,
+    pose_solver,
+    reachable_points,
+    sampled_shares,
+    singular,
+    solver,
+)
+from alpha5_model.kinematics.approach import ApproachDirections
+from alpha5_model.kinematics.arcs import Arc
+from alpha5_model.kinematics.hand import Hand
+from alpha5_model.kinematics.path_search import MAX_STEP
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.reachable_points import Accept
+from alpha5_model.kinematics.sampled_shares import SampledShare
+from alpha5_model.kinematics.singular import Singularities
+from alpha5_model.kinematics.solutions import PoseSolutionArrays, SolutionArrays
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+
+class ArmKinematics:
+    """Inverse kinematics, reach and workspace of one arm.
+
+    The functions of the same names in `alpha5_model.kinematics.ik`, ``pose``, ``path``,
+    ``reach`` and ``workspace`` are these methods for the catalogue's arm. They document
+    arguments, units and errors.
+
+    Attributes:
+        parameters: The arm.
+        plane: Its lengths, offsets and limits.
+
+    Raises:
+        InputError: The lengths or limits are not those with which the inverse kinematics
+            were generated.
+    """
+
+    def __init__(self, parameters: Alpha5Parameters) -> None:
+        self.parameters = parameters
+        self.plane = ArmPlane.from_parameters(parameters)
+        solver.check_plane(self.plane)
+        self._wrist = parameters.joints[3]
+
+    @cached_property
+    def hand(self) -> Hand:
+        """The hand, which orientations and approach directions are about."""
+        return Hand.from_parameters(self.parameters)
+
+    def inverse_kinematics(
+        self, position: ArrayLike, wrist: ArrayLike = 0.0
+    ) -> SolutionArrays:
+        """Every joint position that puts the tcp at a point."""
+        return solver.solve(SolutionArrays, position, wrist)
+
+    def best(self, solutions: SolutionArrays, q_reference: ArrayLike) -> FloatArray:
+        """The solution within the limits that is nearest to a joint position."""
+        return choosing.best(solutions, q_reference, self.plane, self._wrist)
+
+    def inverse_kinematics_pose(self, transform: Any) -> PoseSolutionArrays:
+        """Joint positions for a position exactly, and an orientation closely."""
+        return pose_solver.solve_poses(self.hand, transform)
+
+    def best_pose(
+        self, solutions: PoseSolutionArrays, q_reference: ArrayLike
+    ) -> FloatArray:
+        """The solution within the limits with the least rotation error."""
+        return choosing.best_pose(solutions, q_reference, self.plane, self._wrist)
+
+    def inverse_kinematics_path(
+        self,
+        positions: ArrayLike,
+        q_start: ArrayLike | None = None,
+        wrist: ArrayLike | None = None,
+        max_step: float = MAX_STEP,
+    ) -> FloatArray:
+        """Joint positions along a path of points, continuous and within the limits."""
+        return path_search.solve_path(
+            self.plane, self._wrist, positions, q_start, wrist, max_step
+        )
+
+    def approach_directions(self, position: ArrayLike) -> ApproachDirections:
+        """The directions from which the arm reaches points."""
+        return approach.approach_directions(self.hand, position)
+
+    def reachable(
+        self, positions: ArrayLike, limits: bool = True, accept: Accept | None = None
+    ) -> BoolArray:
+        """Whether the tcp reaches a point."""
+        return reachable_points.reachable(self.plane, positions, limits, accept)
+
+    def distance_to_reach(
+        self, positions: ArrayLike, limits: bool = True
+    ) -> FloatArray:
+        """Distance to the nearest reachable point."""
+        return nearest_points.distance_to_reach(self.plane, positions, limits)
+
+    def nearest_reachable(
+        self, positions: ArrayLike, limits: bool = True
+    ) -> FloatArray:
+        """The nearest reachable point."""
+        return nearest_points.nearest_reachable(self.plane, positions, limits)
+
+    def in_half_plane(
+        self,
+        radius: FloatArray,
+        z: FloatArray,
+        side: str = "both",
+        limits: bool = True,
+    ) -> BoolArray:
+        """Which points of a half-plane the arm reaches, theta_0 aside."""
+        return half_plane.in_half_plane(self.plane, radius, z, side, limits)
+
+    def boundary(self, side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
+        """Boundary arcs of the reachable part of a half-plane."""
+        return boundaries.boundary(self.plane, side, limits)
+
+    def cross_section_area(self, side: str = "both", limits: bool = True) -> float:
+        """Area of the reachable part of a half-plane through the yaw axis."""
+        return areas.cross_section_area(self.plane, side, limits)
+
+    def volume(self, limits: bool = True) -> float:
+        """Volume of the reachable set."""
+        return areas.volume(self.plane, limits)
+
+    def sampled_share(
+        self,
+        accept: Accept,
+        samples: int = 20_000,
+        seed: int = 0,
+        azimuth: float | None = None,
+    ) -> SampledShare:
+        """Share of the reachable set that is reached in accepted joint positions."""
+        return sampled_shares.sampled_share(self.plane, accept, samples, seed, azimuth)
+
+    def singularities(self, q: ArrayLike) -> Singularities:
+        """How far joint positions are from the three singular sets."""
+        return singular.singularities(self.plane, q)
+
+    def singular_elbow_angles(self) -> dict[str, float]:
+        """theta_2 of the stretched and of the folded arm."""
+        return singular.singular_elbow_angles(self.plane)
+
+    def manipulability(self, q: ArrayLike) -> FloatArray:
+        """Yoshikawa's measure of the tcp's linear motion."""
+        return singular.manipulability(self.plane, q)

@@ -1,0 +1,119 @@
+"""Choosing one of several solutions, and refusing targets that have none."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import BoolArray, FloatArray, float_array
+from alpha5_model.errors import InputError, JointLimitError, UnreachableError
+from alpha5_model.kinematics.nearest_points import nearest_reachable
+from alpha5_model.kinematics.plane import ArmPlane, on_axis
+from alpha5_model.kinematics.reachable_points import reachable
+from alpha5_model.kinematics.solutions import PoseSolutionArrays, SolutionArrays
+from alpha5_model.kinematics.tolerances import LIMIT_TOLERANCE
+from alpha5_model.numbers.parameters import JointParameters
+
+#: Rotation errors that differ by less are equal: the joint travel decides [rad].
+TIE = 1e-7
+
+
+def best(
+    solutions: SolutionArrays,
+    q_reference: ArrayLike,
+    plane: ArmPlane,
+    wrist: JointParameters,
+) -> FloatArray:
+    """The solutions within the limits that are nearest to a reference, (..., 4)."""
+    require_solution(solutions, plane, wrist)
+    free = on_axis(solutions.position)
+    q = solutions.q
+    if free.any():
+        q = _yaw_of_reference(q, q_reference, free, plane)
+    return _nearest(q, q_reference, solutions.within_limits)
+
+
+def best_pose(
+    solutions: PoseSolutionArrays,
+    q_reference: ArrayLike,
+    plane: ArmPlane,
+    wrist: JointParameters,
+) -> FloatArray:
+    """The solutions within the limits with the least rotation error, (..., 4)."""
+    require_solution(solutions, plane, wrist)
+    within_limits = solutions.within_limits
+    error = np.where(within_limits, solutions.rotation_error, np.inf)
+    least = error <= error.min(axis=-1, keepdims=True) + TIE
+    return _nearest(solutions.q, q_reference, least & within_limits)
+
+
+def require_solution(
+    solutions: SolutionArrays | PoseSolutionArrays,
+    plane: ArmPlane,
+    wrist: JointParameters,
+) -> None:
+    """Raise for the first target that has no solution within the limits.
+
+    Raises:
+        JointLimitError: It is within reach, and only its wrist angle is beyond the
+            limits.
+        UnreachableError: It is out of reach.
+    """
+    solved = solutions.within_limits.any(axis=-1)
+    if solved.all():
+        return
+
+    index = tuple(int(i) for i in np.argwhere(~solved)[0])
+    target = solutions.position[index]
+    if bool(reachable(plane, target, limits=True, accept=None)):
+        angle = float(np.nanmin(solutions.q[index][:, 3]))  # the same of every branch
+        _check_wrist(angle, wrist)
+
+    closest = nearest_reachable(plane, target, limits=True)
+    off = math.hypot(*(target - closest))
+    row = f" (row {', '.join(map(str, index))})" if index else ""
+    raise UnreachableError(target, off, closest, f" within the joint limits{row}")
+
+
+def _check_wrist(angle: float, wrist: JointParameters) -> None:
+    least = wrist.lower - LIMIT_TOLERANCE
+    greatest = wrist.upper + LIMIT_TOLERANCE
+    if not least <= angle <= greatest:
+        bound = wrist.lower if angle < wrist.lower else wrist.upper
+        raise JointLimitError(wrist.name, angle, bound)
+
+
+def _reference(q: FloatArray, q_reference: ArrayLike) -> FloatArray:
+    """The reference of each target of q (..., 4, 4), (..., 4)."""
+    reference = float_array("q_reference", q_reference, (4,))
+    shape = (*q.shape[:-2], 4)
+    try:
+        return np.broadcast_to(reference, shape)
+    except ValueError:
+        expected = f"shape (4,) or {shape}"
+        raise InputError("q_reference", reference.shape, expected) from None
+
+
+def _yaw_of_reference(
+    q: FloatArray, q_reference: ArrayLike, free: BoolArray, plane: ArmPlane
+) -> FloatArray:
+    """Solutions with the reference's theta_0, moved into its range, where it is free."""
+    reference = _reference(q, q_reference)
+    yaw = np.clip(reference[..., 0], plane.lower[0], plane.upper[0])
+    turned = q.copy()
+    replaced = free[..., None] & ~np.isnan(q[..., 0])
+    turned[..., 0] = np.where(replaced, yaw[..., None], q[..., 0])
+    return turned
+
+
+def _nearest(q: FloatArray, q_reference: ArrayLike, valid: BoolArray) -> FloatArray:
+    """The valid solutions of q (..., 4, 4) nearest to a reference, (..., 4)."""
+    reference = _reference(q, q_reference)
+    with np.errstate(over="ignore"):
+        travel = np.square(q - reference[..., None, :]).sum(axis=-1)
+    travel = np.minimum(travel, np.finfo(np.float64).max)  # however far the reference
+    index = np.where(valid, travel, np.inf).argmin(axis=-1)
+    chosen = np.take_along_axis(q, index[..., None, None], axis=-2)
+    return np.ascontiguousarray(chosen[..., 0, :])

@@ -1,0 +1,141 @@
+"""The orientation of the hand, and what the wrist and a free theta_0 can do for it.
+
+What is left of an orientation is split into a turn about the wrist axis and a swing
+across it (swing-twist decomposition, [Dobrowolski2015]). The turn is what theta_3 can do,
+and the swing is what remains: the angle between the wrist axis and where the target wants
+it.
+
+References:
+    [Dobrowolski2015] Swing-twist decomposition in Clifford algebra, arXiv:1506.05481.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import cross_matrix, wrap
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.theory.dh.alpha5_table import alpha5_table
+from alpha5_model.theory.dh.chain import DHChain
+
+
+class Hand(NamedTuple):
+    """The hand at the end of an arm.
+
+    Attributes:
+        chain: The arm.
+        plane: Its lengths and limits.
+        wrist_axis: Direction of joint 3's axis in the axes of the tcp, (3,), the same for
+            every joint position.
+    """
+
+    chain: DHChain
+    plane: ArmPlane
+    wrist_axis: FloatArray
+
+    @classmethod
+    def from_parameters(cls, parameters: Alpha5Parameters) -> Hand:
+        """The hand of the arm that a record describes."""
+        chain = DHChain(**alpha5_table(parameters))
+        _, axes = chain.joint_axes(chain.home)
+        rotation = chain.forward_kinematics(chain.home)[:3, :3]
+        return cls(
+            chain=chain,
+            plane=ArmPlane.from_parameters(parameters),
+            wrist_axis=rotation.T @ axes[3],
+        )
+
+    def rotation(self, q: FloatArray) -> FloatArray:
+        """Rotation matrices of the tcp, (..., 3, 3)."""
+        return self.chain.forward_kinematics(q)[..., :3, :3]
+
+    def turn_wrist(
+        self, q: FloatArray, rotation: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Joint positions with the best theta_3.
+
+        Args:
+            q: (..., 4, 4) [rad]; not changed.
+            rotation: Of the targets, (..., 3, 3).
+
+        Returns:
+            q with theta_3 within its limits, and the rotation error (..., 4) [rad].
+        """
+        middle = self.plane.middle[3]
+        lower = self.plane.lower[3]
+        upper = self.plane.upper[3]
+        axis = self.wrist_axis
+
+        turned = q.copy()
+        turned[..., 3] = 0.0
+        # Rotation that is left over, in the axes of the tcp.
+        inverse = np.swapaxes(self.rotation(turned), -1, -2)
+        rest = inverse @ rotation[..., None, :, :]
+
+        swung = rest @ axis
+        along = swung @ axis
+        swing = np.arctan2(np.linalg.norm(np.cross(axis, swung), axis=-1), along)
+        sine = np.einsum("...ij,ij->...", rest, cross_matrix(axis))
+        cosine = np.trace(rest, axis1=-2, axis2=-1) - along
+        wanted = wrap(np.arctan2(sine, cosine), middle)
+        turned[..., 3] = np.clip(wanted, lower, upper)
+
+        # cos(error / 2) = cos(swing / 2) cos(missed / 2), in the form that keeps small
+        # angles.
+        missed = turned[..., 3] - wanted
+        s = np.sin(swing / 2) ** 2
+        m = np.sin(missed / 2) ** 2
+        error = 2 * np.arctan2(np.sqrt(s + m - s * m), np.sqrt((1 - s) * (1 - m)))
+        return turned, error
+
+    def yaw_candidates(self, q: FloatArray, rotation: FloatArray) -> list[FloatArray]:
+        """Candidates for a free theta_0, one of them the best.
+
+        cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one
+        maximum has the wrist axis at the target's azimuth. If that is beyond a limit, one
+        of the two joints is at a limit.
+
+        Args:
+            q: (N, 4, 4) [rad].
+            rotation: Of the targets, (N, 3, 3).
+
+        Returns:
+            Values of theta_0, (N, 4) each.
+        """
+        lower = self.plane.lower[0]
+        upper = self.plane.upper[0]
+
+        turns = [self._turn_to_azimuth(q, rotation)]
+        for wrist in (self.plane.lower[3], self.plane.upper[3]):
+            turns.append(self._turn_with_wrist_at(wrist, q, rotation))
+
+        candidates = []
+        for turn in turns:
+            wanted = wrap(q[..., 0] + turn, self.plane.middle[0])
+            candidates.append(np.clip(wanted, lower, upper))
+        for end in (lower, upper):
+            candidates.append(np.full(q.shape[:-1], end))
+        return candidates
+
+    def _turn_to_azimuth(self, q: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Turns of theta_0 that put the wrist axis at the target's azimuth, (N, 4)."""
+        wanted = rotation @ self.wrist_axis
+        present = self.rotation(q) @ self.wrist_axis
+        azimuth = np.arctan2(wanted[:, 1], wanted[:, 0])[:, None]
+        turn: FloatArray = azimuth - np.arctan2(present[..., 1], present[..., 0])
+        return turn
+
+    def _turn_with_wrist_at(
+        self, wrist: float, q: FloatArray, rotation: FloatArray
+    ) -> FloatArray:
+        """The turns about z nearest to the rotation left over with a theta_3, (N, 4)."""
+        at_end = q.copy()
+        at_end[..., 3] = wrist
+        rest = rotation[:, None] @ np.swapaxes(self.rotation(at_end), -1, -2)
+        sine = rest[..., 1, 0] - rest[..., 0, 1]
+        cosine = rest[..., 0, 0] + rest[..., 1, 1]
+        return np.arctan2(sine, cosine)

@@ -1,0 +1,102 @@
+"""The points of a path with their solutions, and ways from one point to another."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model.errors import DiscontinuousPathError
+from alpha5_model.kinematics.choosing import require_solution
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.numbers.parameters import JointParameters
+
+
+class Front(NamedTuple):
+    """Where the arm may be after some points.
+
+    Attributes:
+        q: Joint positions, (M, 4) [rad]; NaN before a free start.
+        travel: Joint travel so far, (M,) [rad].
+    """
+
+    q: FloatArray
+    travel: FloatArray
+
+
+class Ways(NamedTuple):
+    """Ways of least travel from a front through the next L points.
+
+    Attributes:
+        first: Number of the first of these points.
+        q: Joint positions at the points, (M, L, 4) [rad].
+        travel: Joint travel since the start of the path, (M,) [rad].
+        origin: Where in the front each way begins, (M,).
+    """
+
+    first: int
+    q: FloatArray
+    travel: FloatArray
+    origin: NDArray[np.intp]
+
+    @property
+    def front(self) -> Front:
+        """Where the ways end."""
+        return Front(q=self.q[:, -1], travel=self.travel)
+
+    @property
+    def stop(self) -> int:
+        """Number of the first point after them."""
+        return self.first + int(self.q.shape[1])
+
+
+class PathPoints(NamedTuple):
+    """The points of a path.
+
+    Attributes:
+        solutions: All solutions of all N points.
+        max_step: No joint moves farther than this from one point to the next [rad].
+        plane: The arm's.
+        wrist: Its joint 3.
+    """
+
+    solutions: SolutionArrays
+    max_step: float
+    plane: ArmPlane
+    wrist: JointParameters
+
+    @property
+    def number(self) -> int:
+        """Number of points, N."""
+        return len(self.solutions.position)
+
+    def options(self, k: int) -> FloatArray:
+        """Solutions of point k within the limits, (M, 4).
+
+        Raises:
+            UnreachableError, JointLimitError: There is none.
+        """
+        options: FloatArray = self.solutions.q[k][self.solutions.within_limits[k]]
+        if not len(options):
+            so_far = SolutionArrays._make(array[: k + 1] for array in self.solutions)
+            require_solution(so_far, self.plane, self.wrist)
+        return options
+
+    def jump(self, k: int, needed: float) -> DiscontinuousPathError:
+        """The error of a point k that no continuous motion reaches."""
+        position = self.solutions.position[k]
+        return DiscontinuousPathError(k, position, needed, self.max_step)
+
+
+def step_sizes(step: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Euclidean norm and largest joint of steps (..., J), (...) each.
+
+    Both are 0 for a step of NaN, which is none.
+    """
+    with np.errstate(over="ignore"):
+        norm = np.sqrt(np.square(step).sum(axis=-1))
+    largest = np.abs(step).max(axis=-1)
+    return np.nan_to_num(norm, posinf=np.inf), np.nan_to_num(largest)

@@ -1,0 +1,100 @@
+"""The path of least joint travel through the solutions of a sequence of points.
+
+Dynamic programming [Bellman1957], as for redundant arms [Guigue2007]: from each solution
+of a point, only the way of least travel to it is kept.
+
+References:
+    [Bellman1957] Dynamic Programming, Princeton University Press.
+    [Guigue2007] Guigue, Ahmadi, Hayes, Langlois, Tang: A dynamic programming approach to
+        redundancy resolution with multiple criteria, ICRA 2007.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, float_array, real, shaped
+from alpha5_model.errors import InputError, ShapeError
+from alpha5_model.kinematics.axis_crossing import along_axis
+from alpha5_model.kinematics.path_points import Front, PathPoints, Ways, step_sizes
+from alpha5_model.kinematics.plane import ArmPlane, on_axis
+from alpha5_model.kinematics.solutions import SolutionArrays
+from alpha5_model.kinematics.solver import solve
+from alpha5_model.numbers.parameters import JointParameters
+
+#: Largest step of a joint from one point to the next that counts as continuous [rad].
+MAX_STEP = 0.5
+
+
+def solve_path(
+    plane: ArmPlane,
+    wrist_joint: JointParameters,
+    positions: ArrayLike,
+    q_start: ArrayLike | None,
+    wrist: ArrayLike | None,
+    max_step: float,
+) -> FloatArray:
+    """Joint positions along points (N, 3), continuous and within the limits, (N, 4)."""
+    target = float_array("positions", positions, (3,))
+    if target.ndim != 2:
+        raise ShapeError("positions", target.shape, "shape (N, 3)")
+    start = np.full(4, np.nan) if q_start is None else shaped("q_start", q_start, (4,))
+    max_step = real("max_step", max_step, minimum=0.0, strict=True)
+    theta_3 = np.nan_to_num(start[3]) if wrist is None else wrist
+    angle = float_array("wrist", theta_3, ())
+    if angle.shape not in ((), (len(target),)):
+        raise InputError("wrist", angle.shape, f"shape () or ({len(target)},)")
+
+    points = PathPoints(
+        solutions=solve(SolutionArrays, target, angle),
+        max_step=max_step,
+        plane=plane,
+        wrist=wrist_joint,
+    )
+    return _least_travel(_stages(points, start), len(target))
+
+
+def _stages(points: PathPoints, start: FloatArray) -> list[Ways]:
+    """The ways of least travel, in stages: one point, or a stretch on the yaw axis."""
+    on = on_axis(points.solutions.position)
+    off_axis = np.append(np.flatnonzero(~on), points.number)
+
+    stages: list[Ways] = []
+    front = Front(q=start[None], travel=np.zeros(1))
+    k = 0
+    while k < points.number:
+        stop = int(off_axis[np.searchsorted(off_axis, k)])
+        if stop == k:
+            ways = _step(points, k, front)
+        else:
+            ways = along_axis(points, k, stop, front)
+        stages.append(ways)
+        front = ways.front
+        k = ways.stop
+    return stages
+
+
+def _step(points: PathPoints, k: int, front: Front) -> Ways:
+    """From a front to the solutions of point k."""
+    options = points.options(k)
+    size, largest = step_sizes(options[:, None, :] - front.q)
+    travel = np.where(largest <= points.max_step, front.travel + size, np.inf)
+    origin = travel.argmin(axis=1)
+    least = travel[np.arange(len(options)), origin]
+    kept = np.isfinite(least)
+    if not kept.any():
+        raise points.jump(k, float(largest.min()))
+    return Ways(
+        first=k, q=options[kept][:, None], travel=least[kept], origin=origin[kept]
+    )
+
+
+def _least_travel(stages: list[Ways], count: int) -> FloatArray:
+    """Joint positions at all points, (count, 4), traced back from the best end."""
+    q = np.empty((count, 4))
+    chosen = int(stages[-1].travel.argmin()) if stages else 0
+    for ways in reversed(stages):
+        q[ways.first : ways.stop] = ways.q[chosen]
+        chosen = int(ways.origin[chosen])
+    return q

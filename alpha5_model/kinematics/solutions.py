@@ -1,0 +1,48 @@
+"""What the inverse kinematics return: arrays of all solutions of targets.
+
+They do not know their arm. `alpha5_model.kinematics.ik.Solutions` and
+`alpha5_model.kinematics.pose.PoseSolutions` are the same for the catalogue's arm, and
+choose the best solution.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from alpha5_model._support.checks import BoolArray, FloatArray
+
+#: The plane faces the target (underarm) or faces away (overarm); flipped is the other
+#: elbow.
+BRANCHES = ("underarm", "overarm", "underarm_flipped", "overarm_flipped")
+
+
+class SolutionArrays(NamedTuple):
+    """All solutions of a set of target points.
+
+    Attributes:
+        q, exists, within_limits, singular, position: As for
+            `alpha5_model.kinematics.ik.Solutions`.
+    """
+
+    q: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    singular: BoolArray
+    position: FloatArray
+
+
+class PoseSolutionArrays(NamedTuple):
+    """All solutions of a set of target poses.
+
+    Attributes:
+        q, exists, within_limits, singular, position, rotation_error, exact: As for
+            `alpha5_model.kinematics.pose.PoseSolutions`.
+    """
+
+    q: FloatArray
+    exists: BoolArray
+    within_limits: BoolArray
+    singular: BoolArray
+    position: FloatArray
+    rotation_error: FloatArray
+    exact: BoolArray
