@@ -41,8 +41,8 @@ _TABLE = """#ifndef ENTRY
 """
 
 
-class Kernel(NamedTuple):
-    """A program in two.
+class SplitProgram(NamedTuple):
+    """A kernel's program in two.
 
     Attributes:
         preparation: Computes constants ``k`` from the parameters alone, once for each
@@ -76,18 +76,19 @@ class Kernel(NamedTuple):
 
 
 def kernels(
-    programs: Sequence[Program], more: Sequence[Program] = ()
+    programs: Sequence[Program], upright: Sequence[Program] = ()
 ) -> dict[str, str]:
     """C of the compiled kernels: one body for all widths of vectors, and a table of them.
 
     Args:
         programs: The kernels.
-        more: Bodies ``NAME_upright`` for kernels if gravity has no x and y.
+        upright: Programs ``NAME_upright`` that replace a kernel's if gravity has no x
+            and y.
 
     Returns:
         File name -> text.
     """
-    every = [prepared(program) for program in (*programs, *more)]
+    every = [prepared(program) for program in (*programs, *upright)]
     bodies = "".join(_body(kernel.body) for kernel in every)
     return {
         "bodies.h": _GENERATED + bodies,
@@ -95,7 +96,7 @@ def kernels(
     }
 
 
-def prepared(program: Program) -> Kernel:
+def prepared(program: Program) -> SplitProgram:
     """A program in two: the constants ``k``, and the rest with k in their place."""
     names = [slot.name for slot in program.inputs]
     place = names.index(PARAMETERS) if PARAMETERS in names else len(names)
@@ -110,7 +111,7 @@ def prepared(program: Program) -> Kernel:
         Step(op="output", result=0, arguments=(0, element, register))
         for register, element in handed_over.items()
     ]
-    return Kernel(
+    return SplitProgram(
         preparation=Program(
             name=program.name,
             inputs=program.inputs,
@@ -183,29 +184,29 @@ def _indented(lines: Sequence[str]) -> str:
     return "".join(f"    {line}\n" for line in lines)
 
 
-def _table(kernels: Sequence[Kernel], known: int) -> str:
+def _table(every: Sequence[SplitProgram], known: int) -> str:
     """Sizes and names of the first kernels, preparations of all and their table."""
-    places = {kernel.name: i for i, kernel in enumerate(kernels)}
+    places = {kernel.name: i for i, kernel in enumerate(every)}
     names = list(places)[:known]
     return _TABLE.format(
         largest=LARGEST,
-        most=_largest_sizes(kernels),
+        most=_largest_sizes(every),
         known=known,
         each=" ".join(f"X({places[name]}, {name})" for name in names),
         gravity=[*BASE_PARAMETERS].index("gravity.x"),
-        preparations="".join(_preparation(kernel.preparation) for kernel in kernels),
-        entries="".join(_entry(kernel, places) for kernel in kernels),
+        preparations="".join(_preparation(kernel.preparation) for kernel in every),
+        entries="".join(_entry(kernel, places) for kernel in every),
     )
 
 
-def _largest_sizes(kernels: Sequence[Kernel]) -> str:
+def _largest_sizes(every: Sequence[SplitProgram]) -> str:
     """Definitions of how many elements of each kind a kernel has at most."""
     sizes = {
-        "INPUTS": [_size(kernel.inputs) for kernel in kernels],
-        "OUTPUTS": [_size(kernel.body.outputs) for kernel in kernels],
-        "PARAMETERS": [kernel.parameters for kernel in kernels],
-        "CONSTANTS": [_size(kernel.preparation.outputs) for kernel in kernels],
-        "SLOTS": [len(kernel.slots) for kernel in kernels],
+        "INPUTS": [_size(kernel.inputs) for kernel in every],
+        "OUTPUTS": [_size(kernel.body.outputs) for kernel in every],
+        "PARAMETERS": [kernel.parameters for kernel in every],
+        "CONSTANTS": [_size(kernel.preparation.outputs) for kernel in every],
+        "SLOTS": [len(kernel.slots) for kernel in every],
     }
     return "".join(
         f"#define MOST_{name} {max(counts)}\n" for name, counts in sizes.items()
@@ -225,7 +226,7 @@ def _preparation(preparation: Program) -> str:
     return _PREPARATION.format(name=preparation.name, statements=_indented(lines))
 
 
-def _entry(kernel: Kernel, places: dict[str, int]) -> str:
+def _entry(kernel: SplitProgram, places: dict[str, int]) -> str:
     """The line of a kernel in the table."""
     upright = places.get(f"{kernel.name}_upright", 0)
     inputs = len(kernel.inputs)

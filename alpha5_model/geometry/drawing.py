@@ -89,12 +89,11 @@ def draw(dimensions: Dimensions, volumes: Mapping[str, float]) -> dict[str, Draw
     solved: dict[tuple[_Drawn, float], DrawnBody] = {}
     drawn = {}
     for name, how in _DRAWN.items():
-        same = (how, volumes[name])
-        if same not in solved:
-            solved[same] = _draw_part(how, dimensions, volumes[name])
-        drawn[name] = solved[same]
-        if name in frames:
-            drawn[name] = _placed(drawn[name], frames[name])
+        key = (how, volumes[name])
+        if key not in solved:
+            solved[key] = _draw_part(how, dimensions, volumes[name])
+        body = solved[key]
+        drawn[name] = _placed(body, frames[name]) if name in frames else body
     return drawn
 
 
