@@ -17,11 +17,8 @@ from alpha5_model.cli import main
 from alpha5_model.description.reading import parse_urdf
 from alpha5_model.description.urdf import urdf
 from alpha5_model.numbers.parameters import parameters
-from alpha5_model.proofs.comparison.body_findings import (
-    BodyCase,
-    Replacement,
-    body_findings,
-)
+from alpha5_model.proofs.comparison.body_findings import BodyCase, body_findings
+from alpha5_model.proofs.comparison.body_replacement import Replacement
 from alpha5_model.proofs.comparison.hypotheses import hypotheses_of
 from alpha5_model.proofs.comparison.measure import compare_robots
 from alpha5_model.proofs.comparison.own_arm import own_arm_of

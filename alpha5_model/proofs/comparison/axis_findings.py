@@ -1,4 +1,4 @@
-"""What is wrong with mount, axes and tool, what it costs, and what to write instead."""
+"""What is wrong with the joint axes, what it costs, and what to write instead."""
 
 from __future__ import annotations
 
@@ -17,120 +17,24 @@ from alpha5_model.proofs.comparison.alignment import (
 from alpha5_model.proofs.comparison.axis_lines import Z
 from alpha5_model.proofs.comparison.best_alignment import without_zero
 from alpha5_model.proofs.comparison.chains import AXES
-from alpha5_model.proofs.comparison.correction import (
-    LEVER,
-    JointCorrection,
-    angle_between,
-    tool_pose,
-)
+from alpha5_model.proofs.comparison.correction import LEVER, JointCorrection
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
 from alpha5_model.proofs.comparison.own_arm import DIMENSIONS
 from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
+from alpha5_model.proofs.comparison.poses import origin_of
 from alpha5_model.proofs.comparison.records import Finding
 
-#: The collar of the jaws begins this far from axis_c, by the manufacturer's CAD. A tool
-#: frame between it and the finger tips, this close to the axis and with axes this close to
-#: ours, is a choice.
-JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
 #: A COM of link_0 this close to ours settles the zero of axis_e.
 SAME_COM = 1e-3  # [m]
 #: The first of `DIMENSIONS` are lengths, the others angles.
 LENGTHS = 4
-#: How many of the bodies that the base carries are named.
-NAMED = 3
 
 
-def axis_findings(evidence: Evidence) -> list[Finding]:
-    """What is wrong with the axes and the tool, base to tip."""
-    return [
-        *_shoulder(evidence),
-        *_zeros(evidence),
-        *_dimensions(evidence),
-        *_tool(evidence),
-    ]
-
-
-# ---------------------------------------------------------------------------------- base
-
-
-def mount_findings(evidence: Evidence) -> Iterator[Finding]:
-    """Where the root of the other model stands, and what it carries besides the arm."""
-    yield from _mount(evidence)
-    yield from _carried(evidence)
-
-
-def _mount(evidence: Evidence) -> Iterator[Finding]:
-    alignment = evidence.alignment
-    rotation = alignment.base[:3, :3]
-    shift = alignment.base[:3, 3]
-    cosine = float(np.clip((np.trace(rotation) - 1) / 2, -1, 1))
-    angle = math.acos(cosine)
-
-    base_link = evidence.theirs.link_poses[alignment.base_link]
-    at_base = alignment.same_base and np.allclose(
-        base_link, np.eye(4), atol=LENGTH_TOLERANCE
-    )
-    elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
-    if elsewhere and not at_base:
-        x, y, z = shift * 1e3
-        yield finding(
-            "mount" if alignment.same_base else "mount.or_zero",
-            root=evidence.other.root,
-            x=x,
-            y=y,
-            z=z,
-            turned=math.degrees(angle),
-        )
-
-
-def _carried(evidence: Evidence) -> Iterator[Finding]:
-    masses: dict[str, float] = {}
-    for name in evidence.theirs.carried:
-        mass = evidence.other.links[name].mass
-        if mass:
-            masses[name] = mass
-    total = sum(masses.values())
-    if not total:
-        return
-
-    heaviest = sorted(masses, key=lambda name: -masses[name])
-    names = ", ".join(f"{name} ({masses[name]:.5g} kg)" for name in heaviest[:NAMED])
-    if len(heaviest) > NAMED:
-        names += f" and {len(heaviest) - NAMED} more, {total:.5g} kg in all"
-    excess = total + evidence.theirs.mass[0] - evidence.parameters.links[0].mass
-    yield finding("carried", names=names, excess=excess)
-
-
-def _shoulder(evidence: Evidence) -> Iterator[Finding]:
-    """Where the link that was meant to be base_link stands below the shoulder."""
-    alignment = evidence.alignment
-    if not alignment.same_base:
-        return
-    length, angle = evidence.tolerance
-    x, y, z = alignment.stands[:3, 3] * 1e3
-    beside = math.hypot(x, y)
-    tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
-    line = "; ".join(filter(None, evidence.lines[:2]))
-    if beside > length * 1e3 or tilt > angle:
-        yield finding(
-            "beside",
-            link=alignment.base_link,
-            beside=beside,
-            tilt=math.degrees(tilt),
-            line=line,
-        )
-    elif abs(z) > length * 1e3:
-        d = evidence.parameters.dh[0].d * 1e3
-        yield finding(
-            "height",
-            link=alignment.base_link,
-            d=d,
-            above=d - z,
-            off=abs(z),
-            way="lower" if z < 0 else "higher",
-            line=line,
-        )
+def axis_findings(evidence: Evidence) -> Iterator[Finding]:
+    """What is wrong with signs, zeros and dimensions, base to tip."""
+    yield from _zeros(evidence)
+    yield from _dimensions(evidence)
 
 
 # --------------------------------------------------------------------------------- zeros
@@ -275,8 +179,8 @@ def _digits(evidence: Evidence, line: str) -> Iterator[Finding]:
     """
     alignment = evidence.alignment
     there = alignment.theirs(evidence.q)
-    meant = evidence.theirs.poses(there)[:, 4, :3, 3]
-    written = evidence.written.poses(there)[:, 4, :3, 3]
+    meant = origin_of(evidence.theirs.poses(there)[:, 4])
+    written = origin_of(evidence.written.poses(there)[:, 4])
     off = float(np.linalg.norm(meant - written, axis=1).max())
     pi_is_cut = off > LENGTH_TOLERANCE
     if pi_is_cut:
@@ -308,57 +212,3 @@ def _small_zeros(evidence: Evidence) -> str:
 def _fit(alignment: Alignment) -> FloatArray:
     """What is left between the axes, root mean square [mm] and [deg]."""
     return np.multiply(alignment.residual, (1e3, 180 / math.pi))
-
-
-# ---------------------------------------------------------------------------------- tool
-
-
-def _tool(evidence: Evidence) -> Iterator[Finding]:
-    """Where the frame of their tool stands in link_4, if they have one."""
-    correction = evidence.tool_correction
-    if correction is None:
-        return
-    ours = evidence.ours.tool_pose
-    theirs = tool_pose(evidence.ours, evidence.theirs, evidence.alignment)
-    relative = np.linalg.inv(ours) @ theirs
-    off = float(np.linalg.norm(relative[:3, 3]))
-    turned = angle_between(ours, theirs)
-    length, angle = evidence.tolerance
-    if off <= length and turned <= angle:
-        return
-
-    # Another point of the gripper, and axes that are named otherwise, are a choice.
-    same_point = off <= length or _on_gripper(evidence, theirs[:3, 3])
-    is_choice = same_point and _axes_are_a_choice(theirs, TURNED + angle)
-    x, y, z = theirs[:3, 3] * 1e3
-    yield finding(
-        "tool.choice" if is_choice else "tool",
-        frame=evidence.theirs.tool,
-        x=x,
-        y=y,
-        z=z,
-        off=off * 1e3,
-        turned=math.degrees(turned),
-        line=correction.text,
-    )
-
-
-def _on_gripper(evidence: Evidence, point: FloatArray) -> bool:
-    """Whether a point (3,) of link_4 lies on the wrist axis, in the jaws."""
-    tips = evidence.parameters.links[4].bounds[2, 0]
-    beside = math.hypot(*point[:2])
-    in_jaws = tips <= point[2] <= -JAWS_FROM
-    return bool(beside < BESIDE + evidence.tolerance.length and in_jaws)
-
-
-def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
-    """Whether one axis of a frame in link_4 lies along the wrist, at a roll of n * 30 deg."""
-    along = np.abs(tool[2, :3])
-    axis = int(along.argmax())
-    tilt = math.acos(min(1.0, float(along[axis])))
-
-    across = tool[:3, (axis + 1) % 3]
-    roll = math.atan2(across[1], across[0])
-    step = math.radians(30)
-    off_roll = abs(roll - step * round(roll / step))
-    return tilt < within and off_roll < within

@@ -8,7 +8,7 @@ body: the axes do not show them.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,68 +19,27 @@ from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.axis_lines import (
     AxisLines,
-    X,
-    Y,
-    Z,
     cross,
     foot,
     z_axes,
 )
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
-from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm, random_positions
+from alpha5_model.proofs.comparison.line_screws import (
+    BASE_SCREWS,
+    POSE_UNKNOWNS,
+    POSITIONS,
+    UNKNOWNS,
+    columns_of,
+    dimension_screws,
+    zero_screws,
+)
+from alpha5_model.proofs.comparison.own_arm import OwnArm, random_positions
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
-#: Positions at which the axes are compared: 40 lines for at most 16 unknowns.
-POSITIONS = 10
 #: Fewer positions tell how well a first guess fits.
 GUESS_POSITIONS = 4
 #: Steps of a fit, and how often a step that does not help is cut.
 STEPS, CUTS = 50, 20
-
-#: The unknowns that move their lines: rotation and shift of the base, and two zeros.
-POSE_UNKNOWNS = (
-    "base about x",
-    "base about y",
-    "base about z",
-    "base along x",
-    "base along y",
-    "base along z",
-    "zero of axis_d",
-    "zero of axis_c",
-)
-#: All unknowns; the dimensions move our lines.
-UNKNOWNS = (*POSE_UNKNOWNS, *DIMENSIONS)
-
-#: A vector for each of `POSITIONS`: none.
-NOTHING = np.zeros((POSITIONS, 3))
-
-
-class Screw(NamedTuple):
-    """How an unknown moves the lines behind it, for each position.
-
-    Attributes:
-        angular: Rotation per unit of the unknown, (POSITIONS, 3).
-        linear: Velocity of the point at our root, (POSITIONS, 3).
-        first: Index of the first axis that moves.
-    """
-
-    angular: FloatArray = NOTHING
-    linear: FloatArray = NOTHING
-    first: int = 0
-
-
-def _everywhere(vector: FloatArray) -> FloatArray:
-    """The same vector for each of `POSITIONS`."""
-    return np.tile(vector, (POSITIONS, 1))
-
-
-BASE_SCREWS = {
-    "base about x": Screw(angular=_everywhere(X)),
-    "base about y": Screw(angular=_everywhere(Y)),
-    "base about z": Screw(angular=_everywhere(Z)),
-    "base along x": Screw(linear=_everywhere(X)),
-    "base along y": Screw(linear=_everywhere(Y)),
-    "base along z": Screw(linear=_everywhere(Z)),
-}
 
 
 class Linearized(NamedTuple):
@@ -115,8 +74,8 @@ class AxisFit:
     def their_lines(self, alignment: Alignment, q: FloatArray) -> AxisLines:
         """Their axes at our positions q (..., 4), in our root frame, turning our way."""
         points, directions = self.theirs.axis_lines(alignment.theirs(q))
-        rotation = alignment.base[:3, :3]
-        shift = alignment.base[:3, 3]
+        rotation = rotation_of(alignment.base)
+        shift = origin_of(alignment.base)
         return AxisLines(
             points=points @ rotation.T + shift,
             directions=directions @ rotation.T * alignment.sign[:, None],
@@ -211,45 +170,21 @@ class AxisFit:
 
         screws = {
             **BASE_SCREWS,
-            **_zero_screws(alignment, theirs.directions, their_moments),
-            **self._dimension_screws(alignment, frames),
+            **zero_screws(alignment.sign, theirs.directions, their_moments),
+            **dimension_screws(self.ours, frames, alignment.dimensions),
         }
         # The base and the zeros move their lines, the dimensions move ours.
         pairs = [their_moments, -our_moments]
         moments = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
         pairs = [theirs.directions, -ours.directions]
         directions = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
-        columns = _columns(list(screws.values()), moments, directions)
+        columns = columns_of(list(screws.values()), moments, directions)
         return Linearized(
             alignment=alignment,
             error=error,
             jacobian=columns.T,
             square=float(error @ error),
         )
-
-    def _dimension_screws(
-        self, alignment: Alignment, frames: FloatArray
-    ) -> dict[str, Screw]:
-        """How our dimensions move our lines.
-
-        Args:
-            alignment: With the dimensions.
-            frames: Our DH frames, (4, POSITIONS, 4, 4).
-        """
-        x, y, z, points = (frames[..., :3, k] for k in range(4))
-        alpha_change = alignment.dimensions[DIMENSIONS.index("alpha_1")]
-        alpha = self.ours.parameters.dh[1].alpha + alpha_change
-        tilt = math.cos(alpha) * y[1] + math.sin(alpha) * z[1]
-        return {
-            "a_0": Screw(linear=x[0], first=1),
-            "a_1": Screw(linear=x[1], first=2),
-            "a_2": Screw(linear=x[2], first=3),
-            "d_1": Screw(linear=z[1], first=2),
-            "alpha_0": Screw(angular=x[0], linear=cross(points[1], x[0]), first=1),
-            "alpha_1": Screw(angular=x[1], linear=cross(points[2], x[1]), first=2),
-            "alpha_2": Screw(angular=x[2], linear=cross(points[3], x[2]), first=3),
-            "beta_1": Screw(angular=tilt, linear=cross(points[2], tilt), first=2),
-        }
 
 
 def _by_axis(lines: AxisLines) -> AxisLines:
@@ -258,43 +193,6 @@ def _by_axis(lines: AxisLines) -> AxisLines:
         points=np.moveaxis(lines.points, 1, 0),
         directions=np.moveaxis(lines.directions, 1, 0),
     )
-
-
-def _zero_screws(
-    alignment: Alignment, directions: FloatArray, moments: FloatArray
-) -> dict[str, Screw]:
-    """How the zeros of axis_d and axis_c move their lines (4, POSITIONS, 3)."""
-    sign = alignment.sign
-    return {
-        "zero of axis_d": Screw(
-            angular=sign[1] * directions[1], linear=sign[1] * moments[1], first=2
-        ),
-        "zero of axis_c": Screw(
-            angular=sign[2] * directions[2], linear=sign[2] * moments[2], first=3
-        ),
-    }
-
-
-def _columns(
-    screws: Sequence[Screw], moments: FloatArray, directions: FloatArray
-) -> FloatArray:
-    """Derivatives of lines by the unknowns that move them, (16, 24 * POSITIONS).
-
-    Args:
-        screws: One per unknown.
-        moments: Of the lines that it moves, (16, 4, POSITIONS, 3) [m].
-        directions: Of the same.
-    """
-    angular = np.stack([screw.angular for screw in screws])[:, None]
-    linear = np.stack([screw.linear for screw in screws])[:, None]
-    first = np.array([screw.first for screw in screws])
-    moment_rates = cross(angular, moments) + cross(linear, directions)
-    direction_rates = cross(angular, directions)
-    columns = np.concatenate([moment_rates, direction_rates], axis=-1)
-
-    moved = np.arange(4) >= first[:, None]
-    columns *= moved[..., None, None]
-    return columns.reshape(len(screws), -1)
 
 
 def _newton_step(at: Linearized, columns: list[int]) -> FloatArray:

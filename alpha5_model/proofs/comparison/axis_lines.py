@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
+from alpha5_model.proofs.comparison.poses import origin_of
 
 X, Y, Z = np.eye(3)
 
@@ -25,7 +26,7 @@ class AxisLines(NamedTuple):
 
 def z_axes(frames: FloatArray) -> AxisLines:
     """The z axes of frames (..., 4, 4), as lines (..., 3)."""
-    return AxisLines(points=frames[..., :3, 3], directions=frames[..., :3, 2])
+    return AxisLines(points=origin_of(frames), directions=frames[..., :3, 2])
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -64,16 +65,28 @@ def axis_shape(lines: AxisLines) -> FloatArray:
         common normal along the second axis [m]; angle of each axis with the one before it,
         (3,), up to pi/2 [rad].
     """
+    distances = _distances(lines)
+    upper_arm = foot(lines, 2, 3) - foot(lines, 1, 0)
+    direction = lines.directions[1]
+    offset = upper_arm @ direction
+    # The second and third axis are parallel, or nearly so: they have no common normal.
+    distances[1] = np.linalg.norm(upper_arm - offset * direction)
+    return np.array([*distances, abs(offset), *_twists(lines)])
+
+
+def _distances(lines: AxisLines) -> FloatArray:
+    """Distance of each axis (N, 3) from the one before it, (N - 1,) [m]."""
+    normals = np.cross(lines.directions[:-1], lines.directions[1:])
+    sines = np.linalg.norm(normals, axis=1)
+    steps = np.diff(lines.points, axis=0)
+    along_normals = np.sum(steps * normals, axis=1)
+    return np.asarray(np.abs(along_normals) / np.maximum(sines, 1e-9))
+
+
+def _twists(lines: AxisLines) -> FloatArray:
+    """Angle of each axis (N, 3) with the one before it, (N - 1,), up to pi/2 [rad]."""
     before = lines.directions[:-1]
     after = lines.directions[1:]
-    normals = np.cross(before, after)
-    sines = np.linalg.norm(normals, axis=1)
-    cosines = np.abs(np.sum(before * after, axis=1))
-    steps = np.diff(lines.points, axis=0)
-    lengths = np.abs(np.sum(steps * normals, axis=1)) / np.maximum(sines, 1e-9)
-
-    # The second and third axis are parallel, or nearly so: they have no common normal.
-    upper_arm = foot(lines, 2, 3) - foot(lines, 1, 0)
-    offset = upper_arm @ lines.directions[1]
-    lengths[1] = np.linalg.norm(upper_arm - offset * lines.directions[1])
-    return np.array([*lengths, abs(offset), *np.arctan2(sines, cosines)])
+    sines = np.linalg.norm(np.cross(before, after), axis=1)
+    cosines = np.sum(before * after, axis=1)
+    return np.asarray(np.arctan2(sines, np.abs(cosines)))

@@ -13,6 +13,7 @@ from alpha5_model._support.spatial import moved
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import OwnArm
+from alpha5_model.proofs.comparison.poses import origin_of
 
 #: A frame that lies closer to our base_link than this was meant to be the same one; a
 #: radian of tilt counts as 0.1 m.
@@ -71,7 +72,7 @@ def _candidate(
     distance = distance_from_base(pose)
     named = name.lower().endswith(("base", "base_link"))
 
-    in_place = np.linalg.norm(pose[:3, 3]) < SAME_FRAME
+    in_place = np.linalg.norm(origin_of(pose)) < SAME_FRAME
     same = distance < SAME_FRAME or bool(named and in_place)
     if theirs.mass[0]:
         com_error = _com_error(ours, theirs, name)
@@ -94,4 +95,4 @@ def distance_from_base(pose: FloatArray) -> float:
     A radian of tilt counts as 0.1 m.
     """
     tilt = math.acos(np.clip(pose[2, 2], -1, 1))
-    return float(np.linalg.norm(pose[:3, 3]) + 0.1 * tilt)
+    return float(np.linalg.norm(origin_of(pose)) + 0.1 * tilt)

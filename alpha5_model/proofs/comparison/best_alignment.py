@@ -18,13 +18,15 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, rotation_about, transform, wrap
 from alpha5_model.proofs.comparison.alignment import Alignment, allowed
-from alpha5_model.proofs.comparison.axis_fit import POSE_UNKNOWNS, UNKNOWNS, AxisFit
+from alpha5_model.proofs.comparison.axis_fit import AxisFit
 from alpha5_model.proofs.comparison.axis_lines import Z
 from alpha5_model.proofs.comparison.base_link import distance_from_base, with_base_link
 from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
-from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm
+from alpha5_model.proofs.comparison.line_screws import POSE_UNKNOWNS, UNKNOWNS
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, DISTANCES, OwnArm
 from alpha5_model.proofs.comparison.placement import body_errors, body_transforms
+from alpha5_model.proofs.comparison.poses import origin_of
 
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
@@ -50,16 +52,29 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     likely = sorted(close, key=judge.oddity)[:FITTED]
 
     # With all dimensions free the axes coincide: each dimension shows its own error only.
-    fits = [with_base_link(ours, theirs, axes.fit(one, UNKNOWNS)) for one in likely]
-    exact = min(fits, key=judge.oddity)
+    fits = [axes.fit(start, UNKNOWNS) for start in likely]
+    placed = [with_base_link(ours, theirs, fit) for fit in fits]
+    exact = min(placed, key=judge.oddity)
 
+    best = _with_wrong_dimensions_only(axes, exact, within)
+    best = _settle_zeros(ours, theirs, with_base_link(ours, theirs, best))
+    return replace(best, exact=_settle_zeros(ours, theirs, exact))
+
+
+def _with_wrong_dimensions_only(
+    axes: AxisFit, exact: Alignment, within: FloatArray
+) -> Alignment:
+    """The best fit with our dimensions, except those that differ.
+
+    Args:
+        axes: Both arms.
+        exact: The fit with all dimensions free.
+        within: Changes of the dimensions that are none, (8,) [m, rad].
+    """
     wrong = np.abs(exact.dimensions) > within
-    start = replace(exact, dimensions=np.where(wrong, exact.dimensions, 0.0))
+    dimensions = np.where(wrong, exact.dimensions, 0.0)
     free = {*POSE_UNKNOWNS, *itertools.compress(DIMENSIONS, wrong)}
-    best = with_base_link(ours, theirs, axes.fit(start, free))
-    return replace(
-        _settle_zeros(ours, theirs, best), exact=_settle_zeros(ours, theirs, exact)
-    )
+    return axes.fit(replace(exact, dimensions=dimensions), free)
 
 
 def without_zero(
@@ -137,7 +152,8 @@ class _Judge:
         lengths = [row.a for row in self.ours.parameters.dh[:3]]
         # One joint mounted the wrong way round makes its distance negative.
         opposite = np.multiply(-2, lengths)
-        mirrored = np.isclose(alignment.dimensions[:3], opposite, atol=5e-3)
+        distances = alignment.dimensions[DISTANCES]
+        mirrored = np.isclose(distances, opposite, atol=5e-3)
         return float(4 * wrong.sum() - 2 * mirrored.sum())
 
     def _off_bodies(self, transforms: FloatArray) -> FloatArray:
@@ -154,9 +170,9 @@ class _Judge:
 
     def _off_tool(self, transforms: FloatArray) -> FloatArray:
         """Their tool minus ours, (1, 3) [m]."""
-        point = self.theirs.link_poses[self.theirs.tool][:3, 3]
+        point = origin_of(self.theirs.link_poses[self.theirs.tool])
         tool = moved(transforms[4], point)
-        return np.asarray(tool[None] - self.ours.tool_pose[:3, 3])
+        return np.asarray(tool[None] - origin_of(self.ours.tool_pose))
 
 
 def _elsewhere(off: FloatArray) -> float:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import moved
-from alpha5_model.numbers.inertia import inconsistencies, rotate_tensor
+from alpha5_model.numbers.inertia import inconsistencies
 from alpha5_model.numbers.parameters import LinkParameters
+from alpha5_model.proofs.comparison.body_replacement import (
+    Replacement,
+    replacement_of,
+)
 from alpha5_model.proofs.comparison.diagnosis import (
     Explain,
     explain_com,
@@ -22,11 +24,11 @@ from alpha5_model.proofs.comparison.diagnosis import (
 )
 from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.findings import finding
-from alpha5_model.proofs.comparison.four_joint_arm import carried_to
 from alpha5_model.proofs.comparison.guesses import explain_guess
 from alpha5_model.proofs.comparison.hypotheses import BodyHypotheses, hypotheses_of
 from alpha5_model.proofs.comparison.inertials import TOKEN_MASS, Inertial
 from alpha5_model.proofs.comparison.placement import body_transforms, mended_transforms
+from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.records import BodyDifference, Finding
 
 #: What still agrees with the tables, as a model may print fewer digits: as a share of the
@@ -40,14 +42,6 @@ WRIST = 4
 #: Of a body's index and errors of its mass [kg] and first moment (3,) [kg m]: what they
 #: are worth in gravity torque [N m].
 Cost = Callable[[int, float, FloatArray], float]
-
-
-class Replacement(NamedTuple):
-    """What to write in place of a body's mass, COM and tensor."""
-
-    mass: str = ""
-    com: str = ""
-    inertia: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +99,7 @@ def all_body_findings(evidence: Evidence) -> Iterator[Finding]:
             known=hypotheses_of(evidence.ours, index),
             written=_written(evidence, body, transforms[index]),
             bare=_bare_links(evidence, body),
-            instead=_instead(body.ours, _written(evidence, body, mended[index])),
+            instead=replacement_of(body.ours, _written(evidence, body, mended[index])),
             cost=cost,
         )
         found = list(body_findings(case))
@@ -296,42 +290,3 @@ def _impossible(case: BodyCase) -> Iterator[Finding]:
     bounds = None if ours_breaks else ours.bounds
     for problem in inconsistencies(body.mass, body.com, body.inertia, bounds):
         yield finding("body.impossible", where=body.name, problem=problem)
-
-
-# --------------------------------------------------------------------- what to write instead
-
-
-def _instead(ours: LinkParameters, written: Sequence[Inertial]) -> Replacement:
-    """Table 2 as URDF, in the frame of the other model's heaviest link.
-
-    Each part is whole: the COM comes with the tensor, whose axes its origin turns, and
-    everything comes together if other links of the body have a mass.
-    """
-    if not written:
-        return Replacement()
-    heaviest = max(written, key=lambda link: abs(link.mass))
-    others = [link.link for link in written if link is not heaviest and link.mass]
-    to_link = np.asarray(np.linalg.inv(heaviest.pose), np.float64)
-    mass = f'<mass value="{ours.mass:g}"/>'
-    placed = _placed(ours, to_link)
-    if others:
-        empty = ", ".join(others)
-        everything = f"{heaviest.link}: {mass} {placed} (nothing in {empty})"
-        return Replacement(mass=everything, com=everything, inertia=everything)
-    placed = f"{heaviest.link}: {placed}"
-    return Replacement(mass=f"{heaviest.link}: {mass}", com=placed, inertia=placed)
-
-
-def _placed(ours: LinkParameters, to_link: FloatArray) -> str:
-    """COM and tensor of Table 2, as URDF, in the frame of another link.
-
-    Table 2 prints 1e-6 m and 1e-9 kg m^2; a frame written with fewer digits adds noise.
-    """
-    com = moved(to_link, ours.com).round(6) + 0.0
-    tensor = rotate_tensor(to_link[:3, :3], ours.inertia).round(9) + 0.0
-    xyz = " ".join(f"{x:.6g}" for x in com)
-    upper_half = zip(*np.triu_indices(3), strict=True)
-    entries = " ".join(
-        f'i{"xyz"[i]}{"xyz"[j]}="{tensor[i, j]:.6g}"' for i, j in upper_half
-    )
-    return f'<origin xyz="{xyz}" rpy="0 0 0"/> <inertia {entries}/>'

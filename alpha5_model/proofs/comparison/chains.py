@@ -15,6 +15,7 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import JOINT_NAMES
 from alpha5_model.proofs.comparison.axis_lines import AxisLines, axis_shape
 from alpha5_model.proofs.comparison.frozen_joints import rest_poses
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
 AXES = JOINT_NAMES[:4]
 TURNING = ("revolute", "continuous")
@@ -163,8 +164,8 @@ def _lines(poses: Mapping[str, FloatArray], row: Joints) -> AxisLines:
     origins = np.array([poses[joint.parent] @ joint.transform for joint in row])
     axes = [joint.axis for joint in row]
     return AxisLines(
-        points=origins[:, :3, 3],
-        directions=np.einsum("nij,nj->ni", origins[:, :3, :3], axes),
+        points=origin_of(origins),
+        directions=np.einsum("nij,nj->ni", rotation_of(origins), axes),
     )
 
 

@@ -16,6 +16,7 @@ from alpha5_model.proofs.comparison.alignment import LENGTH_TOLERANCE, Alignment
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.placement import mended_transforms
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
 #: What an angle is worth if one number stands for lengths and angles [m/rad]: the length
 #: of the arm behind it.
@@ -52,8 +53,8 @@ class JointCorrection:
         """The elements to write in place of its own; empty if it is right as it is."""
         elements = []
         if self.off > LENGTH_TOLERANCE / 10:
-            xyz = numbers(self.origin[:3, 3])
-            rpy = numbers(rpy_from_rotation(self.origin[:3, :3]))
+            xyz = numbers(origin_of(self.origin))
+            rpy = numbers(rpy_from_rotation(rotation_of(self.origin)))
             elements.append(f'<origin xyz="{xyz}" rpy="{rpy}"/>')
         if not np.allclose(self.joint.axis, self.axis, atol=1e-12):
             elements.append(f'<axis xyz="{numbers(self.axis)}"/>')
@@ -98,13 +99,13 @@ def in_degrees(theirs: float | None, ours: float) -> bool:
 
 def pose_distance(one: FloatArray, other: FloatArray) -> float:
     """Distance of two poses (4, 4) [m]; an angle counts by `LEVER`."""
-    shift = float(np.linalg.norm(one[:3, 3] - other[:3, 3]))
+    shift = float(np.linalg.norm(origin_of(one) - origin_of(other)))
     return shift + LEVER * angle_between(one, other)
 
 
 def angle_between(one: FloatArray, other: FloatArray) -> float:
     """Angle between two orientations, of poses (4, 4) [rad]."""
-    relative = one[:3, :3].T @ other[:3, :3]
+    relative = rotation_of(one).T @ rotation_of(other)
     sine = float(np.linalg.norm(relative - relative.T)) / math.sqrt(8)
     cosine = (float(np.trace(relative)) - 1) / 2
     return math.atan2(sine, cosine)

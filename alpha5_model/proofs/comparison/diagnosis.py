@@ -13,9 +13,9 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.proofs.comparison.added_inertia import added_water, wrong_point
-from alpha5_model.proofs.comparison.hypotheses import (
+from alpha5_model.proofs.comparison.hypotheses import BodyHypotheses
+from alpha5_model.proofs.comparison.hypothesis_tables import (
     MOST_MISTAKES,
-    BodyHypotheses,
     HypothesisTable,
 )
 from alpha5_model.proofs.comparison.inertials import (

@@ -12,6 +12,7 @@ from alpha5_model.description.reading import UrdfJoint
 from alpha5_model.numbers.fluids import GRAVITY
 from alpha5_model.numbers.inertia import rotate_tensor
 from alpha5_model.proofs.comparison.axis_lines import AxisLines
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 from alpha5_model.proofs.comparison.printed_digits import Rounding
 
 DOWN = np.array(GRAVITY)  # [m/s^2]
@@ -65,19 +66,18 @@ class FourJointArm:
         """
         return chain_poses(self.placements, self.axes, q)
 
+    def _moving_poses(self, q: FloatArray) -> FloatArray:
+        """Poses of the bodies 1 to 4 in the root frame, (..., 4, 4, 4)."""
+        return self.poses(q)[..., 1:, :, :]
+
     def axis_lines(self, q: FloatArray) -> AxisLines:
         """The axes as lines in the root frame, (..., 4, 3), at the angles q (..., 4)."""
-        poses = self.poses(q)[..., 1:, :, :]
-        return AxisLines(points=poses[..., :3, 3], directions=self._directions(poses))
+        return self._lines(self._moving_poses(q))
 
-    def _directions(self, poses: FloatArray) -> FloatArray:
-        """Directions of the axes in the root frame, (..., 4, 3).
-
-        Args:
-            poses: Of the moving bodies, (..., 4, 4, 4).
-        """
-        rotations = poses[..., :3, :3]
-        return np.asarray((rotations @ self.axes[..., None])[..., 0])
+    def _lines(self, poses: FloatArray) -> AxisLines:
+        """The axes as lines, (..., 4, 3), if the moving bodies have these poses."""
+        directions = rotation_of(poses) @ self.axes[..., None]
+        return AxisLines(points=origin_of(poses), directions=directions[..., 0])
 
     def gravity_regressor(
         self, q: FloatArray, gravity: FloatArray = DOWN
@@ -92,27 +92,30 @@ class FourJointArm:
             (..., 4, 4, 4): joint, moving body, and (mass [kg], first moment (3,) [kg m]
             in the body's frame).
         """
-        poses = self.poses(q)[..., 1:, :, :]
-        rotations = poses[..., :3, :3]
-        points = poses[..., :3, 3]
-        levers = points[..., None, :, :] - points[..., :, None, :]  # joint, body
-        normals = np.cross(self._directions(poses), gravity)
-
-        regressor = np.empty((*q.shape, 4, 4))
-        regressor[..., 0] = np.sum(levers * normals[..., :, None, :], axis=-1)
+        poses = self._moving_poses(q)
+        points, directions = self._lines(poses)
+        from_joints = points[..., :, None, :]
+        to_bodies = points[..., None, :, :]
+        normals = np.cross(directions, gravity)
+        levers = to_bodies - from_joints
+        per_mass = np.sum(levers * normals[..., :, None, :], axis=-1)
 
         # All bodies' rotations side by side: one product instead of four.
-        side_by_side = np.moveaxis(rotations, -3, -2).reshape(*q.shape[:-1], 3, 12)
-        regressor[..., 1:] = (normals @ side_by_side).reshape(*q.shape, 4, 3)
+        rotations = np.moveaxis(rotation_of(poses), -3, -2)
+        side_by_side = rotations.reshape(*q.shape[:-1], 3, 12)
+        per_moment = (normals @ side_by_side).reshape(*q.shape, 4, 3)
 
+        regressor = np.empty((*q.shape, 4, 4))
+        regressor[..., 0] = per_mass
+        regressor[..., 1:] = per_moment
         carries = np.triu(np.ones((4, 4)))  # a joint carries the bodies behind it
         return regressor * carries[..., None]
 
     def gravity_torque(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
         """Torques that hold the weight in air, (..., 4) [N m]; see `gravity_regressor`."""
         first_moments = self.mass[:, None] * self.com
-        bodies = np.column_stack([self.mass, first_moments])[1:]
-        torques = self.gravity_regressor(q, gravity) * bodies
+        bodies = np.column_stack([self.mass, first_moments])
+        torques = self.gravity_regressor(q, gravity) * bodies[1:]
         return np.asarray(torques.sum(axis=(-2, -1)))
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
@@ -120,20 +123,20 @@ class FourJointArm:
 
         The sum over the bodies of J^T I J, with J (..., body, joint, 6) at the COM.
         """
-        poses = self.poses(q)[..., 1:, :, :]
-        points, directions = self.axis_lines(q)
+        poses = self._moving_poses(q)
+        points, directions = self._lines(poses)
         coms = moved(poses, self.com[1:])
-        levers = coms[..., None, :] - points[..., None, :, :]
+        levers = coms[..., :, None, :] - points[..., None, :, :]
 
         turned_by = np.tril(np.ones((4, 4)))  # a body turns with the joints before it
         angular = directions[..., None, :, :] * turned_by[..., None]
         linear = np.cross(angular, levers)
         jacobian = np.concatenate([linear, angular], axis=-1)
 
-        tensors = rotate_tensor(poses[..., :3, :3], self.inertia[1:])
-        linear_momenta = self.mass[1:, None, None] * linear
-        momenta = np.concatenate([linear_momenta, angular @ tensors], axis=-1)
-        per_body = momenta @ np.swapaxes(jacobian, -1, -2)
+        mass = self.mass[1:, None, None]
+        inertia = rotate_tensor(rotation_of(poses), self.inertia[1:])
+        momentum = np.concatenate([mass * linear, angular @ inertia], axis=-1)
+        per_body = momentum @ np.swapaxes(jacobian, -1, -2)
         return np.asarray(per_body.sum(axis=-3))
 
 
@@ -152,16 +155,3 @@ def chain_poses(placements: FloatArray, axes: FloatArray, q: FloatArray) -> Floa
     for joint in range(len(axes)):
         poses.append(poses[-1] @ steps[..., joint, :, :])
     return np.stack(poses, axis=-3)
-
-
-def carried_to(
-    pose: FloatArray, com: FloatArray, inertia: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """COMs and tensors of bodies, carried to where they stand.
-
-    Args:
-        pose: Where, (..., 4, 4).
-        com: (..., 3) [m].
-        inertia: At the COM, (..., 3, 3) [kg m^2].
-    """
-    return moved(pose, com), rotate_tensor(pose[..., :3, :3], inertia)

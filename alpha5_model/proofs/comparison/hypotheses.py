@@ -5,14 +5,11 @@ Each table of hypotheses holds what one mistake or two at a time make of a print
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved
@@ -20,11 +17,19 @@ from alpha5_model.numbers.fluids import FRESH_WATER, SEA_WATER
 from alpha5_model.numbers.inertia import flip_products, point_mass_tensor, rotate_tensor
 from alpha5_model.numbers.jaws import split_link_4
 from alpha5_model.numbers.parameters import LinkParameters
+from alpha5_model.proofs.comparison.hypothesis_tables import (
+    Hypothesis,
+    HypothesisTable,
+    Step,
+    mass_hypothesis,
+    products_step,
+    signed_axes,
+    table_of,
+    with_mistakes,
+)
 from alpha5_model.proofs.comparison.own_arm import OwnArm
+from alpha5_model.proofs.comparison.poses import rotation_of
 from alpha5_model.proofs.comparison.revisions import Revision, revisions
-
-#: Two mistakes at a time; with three, some combination fits any number.
-MOST_MISTAKES = 2
 
 I_LINK = (
     "I_Link used as I_COM (about the link frame, not the COM: "
@@ -32,41 +37,6 @@ I_LINK = (
 )
 SOLIDWORKS = "products of inertia have the SolidWorks sign, that of the document"
 ZEROED = "the products of inertia are zeroed"
-
-
-class Hypothesis(NamedTuple):
-    """A wrong number.
-
-    Attributes:
-        words: The mistakes, as a person would say them.
-        value: The mass (), COM (3,) or tensor (3, 3) that they give, SI.
-        mistakes: How many they are.
-    """
-
-    words: str
-    value: FloatArray
-    mistakes: int
-
-
-class HypothesisTable(NamedTuple):
-    """Several hypotheses side by side, those with the fewest mistakes first.
-
-    Attributes:
-        words: (N,).
-        values: (N,), (N, 3) or (N, 3, 3).
-        mistakes: (N,).
-    """
-
-    words: tuple[str, ...]
-    values: FloatArray
-    mistakes: NDArray[np.int_]
-
-
-class Step(NamedTuple):
-    """A mistake in words, and what it makes of a number."""
-
-    words: str
-    change: Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +69,7 @@ class BodyHypotheses:
             *self._masses_with_water(),
             *self._masses_with_jaws(),
         ]
-        return _table(found)
+        return table_of(found)
 
     @cached_property
     def coms(self) -> HypothesisTable:
@@ -109,7 +79,7 @@ class BodyHypotheses:
             Step(words, partial(moved, to_frame))
             for words, to_frame in self.frames().items()
         ]
-        return _with_mistakes(self._sources("com"), axes, elsewhere)
+        return with_mistakes(self._sources("com"), axes, elsewhere)
 
     @cached_property
     def tensors(self) -> HypothesisTable:
@@ -118,15 +88,15 @@ class BodyHypotheses:
         for revision in revisions():
             sources += self._parallel_axis_mistakes(revision)
         signs = [
-            _products(SOLIDWORKS, xy=-1, xz=-1, yz=-1),
-            _products(ZEROED, xy=0, xz=0, yz=0),
+            products_step(SOLIDWORKS, xy=-1, xz=-1, yz=-1),
+            products_step(ZEROED, xy=0, xz=0, yz=0),
         ]
         single_signs = [
-            _products("ixy has the wrong sign", xy=-1, xz=1, yz=1),
-            _products("ixz has the wrong sign", xy=1, xz=-1, yz=1),
-            _products("iyz has the wrong sign", xy=1, xz=1, yz=-1),
+            products_step("ixy has the wrong sign", xy=-1, xz=1, yz=1),
+            products_step("ixz has the wrong sign", xy=1, xz=-1, yz=1),
+            products_step("iyz has the wrong sign", xy=1, xz=1, yz=-1),
         ]
-        return _with_mistakes(sources, signs, self._turns(), single_signs)
+        return with_mistakes(sources, signs, self._turns(), single_signs)
 
     def frames(self) -> dict[str, FloatArray]:
         """Other frames that a number may be taken from.
@@ -135,31 +105,30 @@ class BodyHypotheses:
             Words -> transform_body_to_frame at zero, (4, 4).
         """
         names = {f"in DH frame {{{k}}}": f"dh_{k}" for k in range(1, 6)}
-        names |= {f"in the frame of link_{k}": f"link_{k}" for k in self.others}
+        for k in self.others:
+            names[f"in the frame of link_{k}"] = f"link_{k}"
 
-        arm = self.ours.reduced
-        poses = arm.poses(np.zeros(4))
-        found = {}
-        for words, name in names.items():
-            (body,) = (k for k, links in enumerate(arm.links) if name in links)
-            frame = poses[body] @ arm.link_poses[name]
-            found[words] = np.linalg.inv(frame) @ poses[self.body]
-        return found
+        body = self.ours.reduced.poses(np.zeros(4))[self.body]
+        frames = self.ours.frame_poses
+        return {
+            words: np.linalg.inv(frames[name]) @ body for words, name in names.items()
+        }
 
     def _sources(self, name: str) -> list[Hypothesis]:
         """A quantity of this body and of the others, and the COB for a COM."""
         found = []
-        for revision, owner in zip(
-            revisions(), ("Table 3", "an earlier revision"), strict=True
-        ):
+        for revision in revisions():
             numbers = revision.numbers
             values = getattr(revision, name)
-            found.append(Hypothesis(numbers, values[self.body], 0))
+            own = values[self.body]
+            found.append(Hypothesis(words=numbers, value=own, mistakes=0))
             if name == "com":
-                words = f"the centre of buoyancy of {owner}"
-                found.append(Hypothesis(words, revision.cob[self.body], 1))
+                words = f"the centre of buoyancy of {revision.buoyancy_table}"
+                cob = revision.cob[self.body]
+                found.append(Hypothesis(words=words, value=cob, mistakes=1))
             for k in self.others:
-                found.append(Hypothesis(f"{numbers} of link_{k}", values[k], 1))
+                words = f"{numbers} of link_{k}"
+                found.append(Hypothesis(words=words, value=values[k], mistakes=1))
         return found
 
     def _parallel_axis_mistakes(self, revision: Revision) -> list[Hypothesis]:
@@ -172,14 +141,15 @@ class BodyHypotheses:
         words = f"{revision.numbers}, {I_LINK}"
         # Pasted as the document prints it: one slip, although two things are wrong.
         pasted = f"{words}, {SOLIDWORKS}"
-        taken_off = f"{revision.numbers}, the parallel-axis term taken off I_COM"
-        return [
-            Hypothesis(words, printed, 1),
-            Hypothesis(pasted, flip_products(printed), 1),
-            Hypothesis(words, at_com + term, 1),
-            Hypothesis(pasted, flip_products(at_com + term), 1),
-            Hypothesis(taken_off, at_com - term, 1),
-        ]
+        found = []
+        for about_link in (printed, at_com + term):
+            flipped = flip_products(about_link)
+            found.append(Hypothesis(words=words, value=about_link, mistakes=1))
+            found.append(Hypothesis(words=pasted, value=flipped, mistakes=1))
+
+        words = f"{revision.numbers}, the parallel-axis term taken off I_COM"
+        found.append(Hypothesis(words=words, value=at_com - term, mistakes=1))
+        return found
 
     def _turns(self) -> list[Step]:
         """Tensors in wrong axes or other frames."""
@@ -189,7 +159,7 @@ class BodyHypotheses:
             if np.linalg.det(matrix) > 0
         }
         for words, to_frame in self.frames().items():
-            rotations[words] = to_frame[:3, :3]
+            rotations[words] = rotation_of(to_frame)
         return [
             Step(words, partial(rotate_tensor, rotation))
             for words, rotation in rotations.items()
@@ -199,14 +169,16 @@ class BodyHypotheses:
         """Masses of this body and of others, of the whole arm, and of the water."""
         now, earlier = revisions()
         body = self.body
-        yield _mass("the mass of Table 2", now.mass[body])
-        yield _mass("an earlier revision's mass", earlier.mass[body])
+        yield mass_hypothesis("the mass of Table 2", now.mass[body])
+        yield mass_hypothesis("an earlier revision's mass", earlier.mass[body])
         for k in self.others:
-            yield _mass(f"that of link_{k}", now.mass[k])
+            yield mass_hypothesis(f"that of link_{k}", now.mass[k])
         for k in self.others:
-            yield _mass(f"an earlier revision's of link_{k}", earlier.mass[k])
-        yield _mass("that of the whole arm", now.mass.sum())
-        yield _mass("that of the displaced water", now.volume[body] * FRESH_WATER)
+            yield mass_hypothesis(f"an earlier revision's of link_{k}", earlier.mass[k])
+        yield mass_hypothesis("that of the whole arm", now.mass.sum())
+        yield mass_hypothesis(
+            "that of the displaced water", now.volume[body] * FRESH_WATER
+        )
 
     def _masses_with_water(self) -> Iterator[Hypothesis]:
         """Masses with the water's added mass of the body's volume.
@@ -230,7 +202,7 @@ class BodyHypotheses:
                 f"{owner} mass and the water's added mass of {volume}, "
                 f"{water * 1e3:.0f} g"
             )
-            yield _mass(words, dry.mass[self.body] + water)
+            yield mass_hypothesis(words, dry.mass[self.body] + water)
 
     def _masses_with_jaws(self) -> Iterator[Hypothesis]:
         """The mass of link_4 with its jaws counted again."""
@@ -239,91 +211,10 @@ class BodyHypotheses:
         now, _ = revisions()
         jaws = split_link_4(self.ours.parameters).bodies[1:]
         jaw_mass = sum(jaw.mass for jaw in jaws)
-        yield _mass("the jaws are counted twice", now.mass[4] + jaw_mass)
+        yield mass_hypothesis("the jaws are counted twice", now.mass[4] + jaw_mass)
 
 
 @lru_cache(maxsize=20)
 def hypotheses_of(ours: OwnArm, body: int) -> BodyHypotheses:
     """The hypotheses of one body, the same object for the same arm."""
     return BodyHypotheses(ours=ours, body=body)
-
-
-def _mass(words: str, value: float) -> Hypothesis:
-    """A mass by one mistake."""
-    return Hypothesis(words=words, value=np.asarray(value), mistakes=1)
-
-
-def _products(words: str, *, xy: float, xz: float, yz: float) -> Step:
-    """The step that multiplies the products of inertia by these factors."""
-    factors = np.array([[1, xy, xz], [xy, 1, yz], [xz, yz, 1]])
-    return Step(words=words, change=partial(np.multiply, factors))
-
-
-def _with_mistakes(
-    sources: Iterable[Hypothesis], *stages: Sequence[Step]
-) -> HypothesisTable:
-    """What the steps, at most one of each stage, make of the sources."""
-    found = []
-    for source in sources:
-        made = [source]
-        for stage in stages:
-            made += _one_more_mistake(made, stage)
-        found += made
-    return _table(found)
-
-
-def _one_more_mistake(
-    made: Sequence[Hypothesis], stage: Sequence[Step]
-) -> list[Hypothesis]:
-    """What each step makes of each hypothesis that has room for a mistake."""
-    open_ones = [one for one in made if one.mistakes < MOST_MISTAKES]
-    return [
-        Hypothesis(
-            words=f"{old.words}, {step.words}",
-            value=step.change(old.value),
-            mistakes=old.mistakes + 1,
-        )
-        for old, step in itertools.product(open_ones, stage)
-    ]
-
-
-def _table(found: Iterable[Hypothesis]) -> HypothesisTable:
-    """Hypotheses side by side, those with the fewest mistakes first."""
-    ordered = sorted(found, key=lambda one: one.mistakes)
-    return HypothesisTable(
-        words=tuple(one.words for one in ordered),
-        values=np.array([one.value for one in ordered]),
-        mistakes=np.array([one.mistakes for one in ordered]),
-    )
-
-
-def signed_axes() -> Iterator[tuple[str, FloatArray]]:
-    """The 47 ways to exchange and reverse axes, in words and as matrices (3, 3).
-
-    One reversed axis comes before two that contain it.
-    """
-    for order in itertools.permutations(range(3)):
-        for signs in itertools.product((1, -1), repeat=3):
-            words = _axes_in_words(order, signs)
-            if words:
-                yield words, np.diag(signs) @ np.eye(3)[list(order)]
-
-
-def _axes_in_words(order: Sequence[int], signs: Sequence[int]) -> str:
-    """How axes are exchanged and reversed; empty if they are not."""
-    names = ["xyz"[k] for k in order]
-    if names != ["x", "y", "z"]:
-        signed = [
-            f"-{name}" if sign < 0 else name
-            for name, sign in zip(names, signs, strict=True)
-        ]
-        return f"in the wrong axes ({', '.join(signed)})"
-
-    wrong = "".join(name for name, sign in zip(names, signs, strict=True) if sign < 0)
-    right = "".join(name for name, sign in zip(names, signs, strict=True) if sign > 0)
-    return (
-        "",
-        f"the sign of {wrong} is wrong (mirrored)",
-        f"turned by pi about {right}",
-        "mirrored through the origin",
-    )[len(wrong)]

@@ -9,7 +9,7 @@ import numpy as np
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.numbers.inertia import combine
-from alpha5_model.proofs.comparison.four_joint_arm import carried_to
+from alpha5_model.proofs.comparison.poses import carried_to, origin_of, rotation_of
 from alpha5_model.proofs.comparison.printed_digits import last_place
 
 #: How closely a hypothesis must give a number: half of its last digit, within these.
@@ -50,8 +50,8 @@ class Inertial:
     def meant_in_our_frame(self) -> bool:
         """Whether its frame is ours but for an error of the geometry."""
         length, angle = SAME_FRAME
-        near = np.linalg.norm(self.pose[:3, 3]) < length
-        upright = np.trace(self.pose[:3, :3]) > 1 + 2 * np.cos(angle)
+        near = np.linalg.norm(origin_of(self.pose)) < length
+        upright = np.trace(rotation_of(self.pose)) > 1 + 2 * np.cos(angle)
         return bool(near and upright)
 
     @property

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from alpha5_model.proofs.comparison.axis_findings import (
-    axis_findings,
+from alpha5_model.proofs.comparison.axis_findings import axis_findings, rest_findings
+from alpha5_model.proofs.comparison.base_findings import (
     mount_findings,
-    rest_findings,
+    shoulder_findings,
 )
 from alpha5_model.proofs.comparison.body_findings import all_body_findings
 from alpha5_model.proofs.comparison.correction import JointCorrection
@@ -15,11 +15,16 @@ from alpha5_model.proofs.comparison.evidence import Evidence
 from alpha5_model.proofs.comparison.file_findings import file_findings
 from alpha5_model.proofs.comparison.limit_findings import limit_findings, mimic_findings
 from alpha5_model.proofs.comparison.records import Finding
+from alpha5_model.proofs.comparison.tool_findings import tool_findings
 
 
 def all_findings(evidence: Evidence) -> Iterator[Finding]:
     """Everything that is wrong or odd, from the base on."""
-    axes = axis_findings(evidence)
+    axes = [
+        *shoulder_findings(evidence),
+        *axis_findings(evidence),
+        *tool_findings(evidence),
+    ]
     rest = _not_mended(evidence, axes)
     yield from mount_findings(evidence)
     yield from axes

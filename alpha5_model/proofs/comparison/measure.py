@@ -30,6 +30,7 @@ from alpha5_model.proofs.comparison.inspection import all_findings
 from alpha5_model.proofs.comparison.model_file import read_model
 from alpha5_model.proofs.comparison.own_arm import OwnArm, own_arm_of, random_positions
 from alpha5_model.proofs.comparison.placement import bodies_in_our_frames
+from alpha5_model.proofs.comparison.poses import rotation_of
 from alpha5_model.proofs.comparison.printed_digits import as_meant
 from alpha5_model.proofs.comparison.records import BodyDifference, Comparison, Finding
 from alpha5_model.proofs.comparison.reduction import reduce_robot
@@ -147,18 +148,20 @@ def _reduced(
         chain: Its four joints.
         base: The first link of its arm, if it is given.
     """
-    arm = reduce_robot(meant, chain.joints, ours.parameters, base)
+    record = ours.parameters
+    arm = reduce_robot(meant, chain.joints, record, base)
     alignment = align(ours, arm)
 
-    before_base = arm.base_path[: arm.base_path.index(alignment.base_link)]
-    all_carried = set(before_base) <= set(arm.carried)
+    base_place = arm.base_path.index(alignment.base_link)
+    before_base = set(arm.base_path[:base_place])
+    all_carried = before_base.issubset(arm.carried)
     if base is None and alignment.same_base and not all_carried:
         # What stands before our base_link carries it, even if it weighs nothing.
         base = alignment.base_link
-        arm = reduce_robot(meant, chain.joints, ours.parameters, base)
+        arm = reduce_robot(meant, chain.joints, record, base)
 
     written_joints = tuple(other.joints[name] for name in chain.names)
-    written = reduce_robot(other, written_joints, ours.parameters, base)
+    written = reduce_robot(other, written_joints, record, base)
     return _Arms(meant=arm, written=written, alignment=alignment)
 
 
@@ -218,7 +221,7 @@ def _gravity_error(evidence: Evidence) -> FloatArray:
     """Largest difference of the gravity torque in air, per joint, (4,) [N m]."""
     alignment = evidence.alignment
     # Gravity points down in our base frame, wherever the other root stands.
-    down = alignment.base[:3, :3].T @ DOWN
+    down = rotation_of(alignment.base).T @ DOWN
     theirs = evidence.written.gravity_torque(alignment.theirs(evidence.q), down)
     ours = evidence.ours.reduced.gravity_torque(evidence.q)
     return np.asarray(np.abs(theirs * alignment.sign - ours).max(axis=0))

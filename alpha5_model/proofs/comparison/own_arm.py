@@ -21,6 +21,11 @@ from alpha5_model.proofs.comparison.reduction import reduce_robot
 #: of axes that follow each other, the offset of the elbow along axis_d, and its tilt
 #: (parallel axes have no twist about their second direction).
 DIMENSIONS = ("a_0", "a_1", "a_2", "d_1", "alpha_0", "alpha_1", "alpha_2", "beta_1")
+#: Places in `DIMENSIONS`.
+DISTANCES = slice(0, 3)
+ELBOW_OFFSET = 3
+TWISTS = slice(4, 7)
+ELBOW_TILT = 7
 #: Changes of `DIMENSIONS`: none.
 AS_IT_IS = np.zeros(len(DIMENSIONS))
 
@@ -42,27 +47,45 @@ class OwnArm:
         """Pose of our tcp, Table 1's {5}, in link_4, (4, 4)."""
         return self.reduced.link_poses[self.reduced.tool]
 
+    @cached_property
+    def frame_poses(self) -> dict[str, FloatArray]:
+        """Link or DH frame -> its pose in the root at zero, (4, 4)."""
+        bodies = self.reduced.poses(np.zeros(4))
+        poses = {}
+        for body, names in zip(bodies, self.reduced.links, strict=True):
+            for name in names:
+                poses[name] = body @ self.reduced.link_poses[name]
+        return poses
+
     def frames(self, q: FloatArray, change: FloatArray = AS_IT_IS) -> FloatArray:
         """DH frames {0} to {3}, (..., 4, 4, 4), at q (..., 4), with changed dimensions.
 
         Their z axes are the joint axes. Each frame is turned by its own joint already,
         ready for the next link.
         """
+        placements = np.stack([np.eye(4), *self._links(change)])
         rows = self.parameters.dh[:4]
         offset = np.array([row.theta_offset for row in rows])
-        alpha = np.array([row.alpha for row in rows[:3]])
-        a = np.array([row.a for row in rows[:3]])
-        d = np.array([row.d for row in rows[:3]])
-
-        a += change[:3]
-        d[1] += change[3]
-        twist = rotation_about(X, alpha + change[4:7])
-        twist[1] = twist[1] @ rotation_about(Y, change[7])
-
-        lengths = np.column_stack([a, np.zeros(3), d])
-        placements = np.stack([np.eye(4), *transform(twist, lengths)])
         axes = np.tile(Z, (4, 1))
-        return chain_poses(placements, axes, q + offset)[..., 1:, :, :]
+        frames = chain_poses(placements, axes, q + offset)
+        return frames[..., 1:, :, :]
+
+    def _links(self, change: FloatArray) -> FloatArray:
+        """Links 0 to 2 with changed dimensions: poses of the frames behind, (3, 4, 4)."""
+        rows = self.parameters.dh[:3]
+        a = np.array([row.a for row in rows])
+        d = np.array([row.d for row in rows])
+        alpha = np.array([row.alpha for row in rows])
+
+        a += change[DISTANCES]
+        d[1] += change[ELBOW_OFFSET]
+        alpha += change[TWISTS]
+        twist = rotation_about(X, alpha)
+        tilt = rotation_about(Y, change[ELBOW_TILT])
+        twist[1] = twist[1] @ tilt
+
+        shift = np.column_stack([a, np.zeros(3), d])
+        return transform(twist, shift)
 
     @cached_property
     def _bodies_in_frames(self) -> FloatArray:

@@ -10,8 +10,9 @@ from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import moved, rotation_about, transform
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.axis_lines import Z
-from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm, carried_to
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import OwnArm
+from alpha5_model.proofs.comparison.poses import carried_to, rotation_of
 
 
 def bodies_in_our_frames(
@@ -70,7 +71,7 @@ def mended_transforms(
 
 def _on_z_axis(pose: FloatArray, axis: FloatArray) -> FloatArray:
     """The pose, moved as little as possible to bring its axis (3,) onto z, (4, 4)."""
-    rotation = pose[:3, :3]
+    rotation = rotation_of(pose)
     direction = rotation @ axis
     normal = np.cross(direction, Z)
     sine = float(np.linalg.norm(normal))

@@ -13,6 +13,7 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model._support.spatial import pose
 from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.proofs.comparison.poses import origin_of
 
 #: Angles that people write as fractions of pi: multiples of 15 deg, up to a full turn.
 MULTIPLES = np.arange(1, 25)[:, None] / 12
@@ -42,7 +43,7 @@ def as_meant(robot: UrdfRobot) -> UrdfRobot:
     for name, joint in robot.joints.items():
         angles = [meant_angle(text) for text in joint.printed[1].split()]
         if angles:
-            meant = pose(joint.transform[:3, 3], angles)
+            meant = pose(origin_of(joint.transform), angles)
             joints[name] = replace(joint, transform=meant)
     return replace(robot, joints=joints)
 

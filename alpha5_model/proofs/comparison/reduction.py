@@ -17,8 +17,9 @@ from alpha5_model.errors import InputError
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.chains import Joints
-from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm, carried_to
+from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.frozen_joints import rest_position
+from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.printed_digits import Rounding, last_digits
 
 #: A link on the way to axis_e that is lighter than this is a dummy of the arm's base, not

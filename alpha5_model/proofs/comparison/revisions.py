@@ -28,6 +28,7 @@ class Revision:
 
     Attributes:
         numbers: What its numbers are called, such as "Table 2's numbers".
+        buoyancy_table: What its table of buoyancy is called, such as "Table 3".
         mass: (5,) [kg].
         com: Centres of mass, (5, 3) [m].
         inertia: At the COM, URDF sign, (5, 3, 3) [kg m^2].
@@ -37,6 +38,7 @@ class Revision:
     """
 
     numbers: str
+    buoyancy_table: str
     mass: FloatArray
     com: FloatArray
     inertia: FloatArray
@@ -50,22 +52,39 @@ def revisions() -> tuple[Revision, Revision]:
     """Version 7, then the earlier revision."""
     document = published()
     earlier = earlier_revision()
-    now = _revision("Table 2's numbers", document.table_2.rows, document.table_3.rows)
-    return now, _revision("an earlier revision's numbers", earlier, earlier)
+    return (
+        _revision(
+            numbers="Table 2's numbers",
+            buoyancy_table="Table 3",
+            inertial=document.table_2.rows,
+            buoyancy=document.table_3.rows,
+        ),
+        _revision(
+            numbers="an earlier revision's numbers",
+            buoyancy_table="an earlier revision",
+            inertial=earlier,
+            buoyancy=earlier,
+        ),
+    )
 
 
 def _revision(
+    *,
     numbers: str,
+    buoyancy_table: str,
     inertial: Sequence[InertialRow],
     buoyancy: Sequence[BuoyancyRow | EarlierRow],
 ) -> Revision:
     """The revision of the printed rows of its two tables."""
+    at_com = _column(inertial, "inertia_com")
+    at_link = _column(inertial, "inertia_link")
     return Revision(
         numbers=numbers,
+        buoyancy_table=buoyancy_table,
         mass=_column(inertial, "mass"),
         com=_column(inertial, "com"),
-        inertia=flip_products(_column(inertial, "inertia_com")),
-        inertia_link=flip_products(_column(inertial, "inertia_link")),
+        inertia=flip_products(at_com),
+        inertia_link=flip_products(at_link),
         volume=_column(buoyancy, "volume"),
         cob=_column(buoyancy, "cob"),
     )

@@ -12,6 +12,7 @@ from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.placement import mended_transforms
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +102,12 @@ def _tool_in_wrist(
 
 def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
     """Distances between the origins of poses (N, 4, 4), (N,) [m]."""
-    return np.asarray(np.linalg.norm(one[:, :3, 3] - other[:, :3, 3], axis=1))
+    return np.asarray(np.linalg.norm(origin_of(one) - origin_of(other), axis=1))
 
 
 def _angles(one: FloatArray, other: FloatArray) -> FloatArray:
     """Angles between the orientations of poses (N, 4, 4), (N,) [rad]."""
-    relative = np.swapaxes(one[:, :3, :3], 1, 2) @ other[:, :3, :3]
+    relative = np.swapaxes(rotation_of(one), 1, 2) @ rotation_of(other)
     skew = relative - np.swapaxes(relative, 1, 2)
     sine = np.linalg.norm(skew, axis=(1, 2)) / np.sqrt(8)
     cosine = (np.trace(relative, axis1=1, axis2=2) - 1) / 2

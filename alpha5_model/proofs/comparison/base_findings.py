@@ -1,0 +1,96 @@
+"""What is odd about the base: its mount, what carries it, how the shoulder stands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from alpha5_model.proofs.comparison.alignment import ANGLE_TOLERANCE, LENGTH_TOLERANCE
+from alpha5_model.proofs.comparison.evidence import Evidence
+from alpha5_model.proofs.comparison.findings import finding
+from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
+from alpha5_model.proofs.comparison.records import Finding
+
+#: How many of the bodies that the base carries are named.
+NAMED = 3
+
+
+def mount_findings(evidence: Evidence) -> Iterator[Finding]:
+    """Where the root of the other model stands, and what it carries besides the arm."""
+    yield from _mount(evidence)
+    yield from _carried(evidence)
+
+
+def _mount(evidence: Evidence) -> Iterator[Finding]:
+    alignment = evidence.alignment
+    rotation = rotation_of(alignment.base)
+    shift = origin_of(alignment.base)
+    cosine = float(np.clip((np.trace(rotation) - 1) / 2, -1, 1))
+    angle = math.acos(cosine)
+
+    base_link = evidence.theirs.link_poses[alignment.base_link]
+    at_base = alignment.same_base and np.allclose(
+        base_link, np.eye(4), atol=LENGTH_TOLERANCE
+    )
+    elsewhere = np.linalg.norm(shift) > LENGTH_TOLERANCE or angle > ANGLE_TOLERANCE
+    if elsewhere and not at_base:
+        x, y, z = shift * 1e3
+        yield finding(
+            "mount" if alignment.same_base else "mount.or_zero",
+            root=evidence.other.root,
+            x=x,
+            y=y,
+            z=z,
+            turned=math.degrees(angle),
+        )
+
+
+def _carried(evidence: Evidence) -> Iterator[Finding]:
+    masses: dict[str, float] = {}
+    for name in evidence.theirs.carried:
+        mass = evidence.other.links[name].mass
+        if mass:
+            masses[name] = mass
+    total = sum(masses.values())
+    if not total:
+        return
+
+    heaviest = sorted(masses, key=lambda name: -masses[name])
+    names = ", ".join(f"{name} ({masses[name]:.5g} kg)" for name in heaviest[:NAMED])
+    if len(heaviest) > NAMED:
+        names += f" and {len(heaviest) - NAMED} more, {total:.5g} kg in all"
+    excess = total + evidence.theirs.mass[0] - evidence.parameters.links[0].mass
+    yield finding("carried", names=names, excess=excess)
+
+
+def shoulder_findings(evidence: Evidence) -> Iterator[Finding]:
+    """Where the link that was meant to be base_link stands below the shoulder."""
+    alignment = evidence.alignment
+    if not alignment.same_base:
+        return
+    length, angle = evidence.tolerance
+    x, y, z = origin_of(alignment.stands) * 1e3
+    beside = math.hypot(x, y)
+    tilt = math.acos(np.clip(alignment.stands[2, 2], -1.0, 1.0))
+    line = "; ".join(filter(None, evidence.lines[:2]))
+    if beside > length * 1e3 or tilt > angle:
+        yield finding(
+            "beside",
+            link=alignment.base_link,
+            beside=beside,
+            tilt=math.degrees(tilt),
+            line=line,
+        )
+    elif abs(z) > length * 1e3:
+        d = evidence.parameters.dh[0].d * 1e3
+        yield finding(
+            "height",
+            link=alignment.base_link,
+            d=d,
+            above=d - z,
+            off=abs(z),
+            way="lower" if z < 0 else "higher",
+            line=line,
+        )

@@ -1,0 +1,30 @@
+"""Parts of poses, and what poses do to bodies."""
+
+from __future__ import annotations
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import moved
+from alpha5_model.numbers.inertia import rotate_tensor
+
+
+def rotation_of(pose: FloatArray) -> FloatArray:
+    """The rotation (..., 3, 3) of a pose (..., 4, 4)."""
+    return pose[..., :3, :3]
+
+
+def origin_of(pose: FloatArray) -> FloatArray:
+    """The origin (..., 3) of a pose (..., 4, 4) [m]."""
+    return pose[..., :3, 3]
+
+
+def carried_to(
+    pose: FloatArray, com: FloatArray, inertia: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """COMs and tensors of bodies, carried to where they stand.
+
+    Args:
+        pose: Where, (..., 4, 4).
+        com: (..., 3) [m].
+        inertia: At the COM, (..., 3, 3) [kg m^2].
+    """
+    return moved(pose, com), rotate_tensor(rotation_of(pose), inertia)
