@@ -19,7 +19,6 @@ from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.proofs.comparison.alignment import Alignment
 from alpha5_model.proofs.comparison.axis_lines import (
     AxisLines,
-    cross,
     foot,
     z_axes,
 )
@@ -33,7 +32,7 @@ from alpha5_model.proofs.comparison.line_screws import (
     dimension_screws,
     zero_screws,
 )
-from alpha5_model.proofs.comparison.own_arm import OwnArm, random_positions
+from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, OwnArm, random_positions
 from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
 #: Fewer positions tell how well a first guess fits.
@@ -90,32 +89,35 @@ class AxisFit:
         """
         zero = np.zeros(4)
         ours = z_axes(self.ours.frames(zero, dimensions))
+
         start = Alignment(sign=sign, dimensions=dimensions)
         theirs = self.their_lines(start, zero)
-
         turn = _base_frame(ours) @ _base_frame(theirs).T
         shift = foot(ours, 0, 1) - turn @ foot(theirs, 0, 1)
-        placed = replace(start, base=transform(turn, shift))
+        with_base = replace(start, base=transform(turn, shift))
 
-        theirs = self.their_lines(placed, zero)
-        shoulder = _angle_about(
-            ours.directions[1], start=_upper_arm(theirs), end=_upper_arm(ours)
+        theirs = self.their_lines(with_base, zero)
+        shoulder = sign[1] * _angle_about(
+            ours.directions[1],
+            start=_upper_arm(theirs),
+            end=_upper_arm(ours),
         )
-        placed = replace(placed, zero=np.array([0.0, sign[1] * shoulder, 0.0, 0.0]))
+        with_shoulder = replace(with_base, zero=np.array([0.0, shoulder, 0.0, 0.0]))
 
-        theirs = self.their_lines(placed, zero)
-        elbow = _angle_about(
-            ours.directions[2], start=theirs.directions[3], end=ours.directions[3]
+        theirs = self.their_lines(with_shoulder, zero)
+        elbow = sign[2] * _angle_about(
+            ours.directions[2],
+            start=theirs.directions[3],
+            end=ours.directions[3],
         )
-        turned = np.array([0.0, sign[1] * shoulder, sign[2] * elbow, 0.0])
-        return replace(placed, zero=turned)
+        return replace(with_shoulder, zero=np.array([0.0, shoulder, elbow, 0.0]))
 
     def line_error(self, alignment: Alignment) -> float:
         """Root mean square of the difference of the lines, from fewer positions."""
         q = random_positions(self.ours.parameters, POSITIONS)[:GUESS_POSITIONS]
         ours = z_axes(self.ours.frames(q, alignment.dimensions))
         theirs = self.their_lines(alignment, q)
-        moments = cross(*theirs) - cross(*ours)
+        moments = theirs.moments - ours.moments
         directions = theirs.directions - ours.directions
         return math.sqrt(np.square([moments, directions]).mean())
 
@@ -161,8 +163,8 @@ class AxisFit:
         frames = np.moveaxis(self.ours.frames(q, alignment.dimensions), 1, 0)
         ours = z_axes(frames)  # axis, position
         theirs = _by_axis(self.their_lines(alignment, q))
-        our_moments = cross(*ours)
-        their_moments = cross(*theirs)
+        our_moments = ours.moments
+        their_moments = theirs.moments
 
         moment_errors = their_moments - our_moments
         direction_errors = theirs.directions - ours.directions
@@ -174,11 +176,12 @@ class AxisFit:
             **dimension_screws(self.ours, frames, alignment.dimensions),
         }
         # The base and the zeros move their lines, the dimensions move ours.
-        pairs = [their_moments, -our_moments]
-        moments = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
-        pairs = [theirs.directions, -ours.directions]
-        directions = np.repeat(pairs, len(POSE_UNKNOWNS), axis=0)
-        columns = columns_of(list(screws.values()), moments, directions)
+        counts = [len(POSE_UNKNOWNS), len(DIMENSIONS)]
+        columns = columns_of(
+            list(screws.values()),
+            moments=np.repeat([their_moments, -our_moments], counts, axis=0),
+            directions=np.repeat([theirs.directions, -ours.directions], counts, axis=0),
+        )
         return Linearized(
             alignment=alignment,
             error=error,

@@ -23,6 +23,11 @@ class AxisLines(NamedTuple):
     points: FloatArray
     directions: FloatArray
 
+    @property
+    def moments(self) -> FloatArray:
+        """Moments of the lines about the origin, (..., 3) [m]."""
+        return cross(self.points, self.directions)
+
 
 def z_axes(frames: FloatArray) -> AxisLines:
     """The z axes of frames (..., 4, 4), as lines (..., 3)."""
@@ -43,14 +48,16 @@ def foot(lines: AxisLines, at: int, other: int) -> FloatArray:
     """Foot, on one of the axes (..., N, 3), of its common normal with another, (..., 3)."""
     point = lines.points[..., at, :]
     direction = lines.directions[..., at, :]
+    other_point = lines.points[..., other, :]
     other_direction = lines.directions[..., other, :]
-    between = point - lines.points[..., other, :]
 
-    cosine = _dot(direction, other_direction)
-    along_other = _dot(other_direction, between)
+    between = point - other_point
     along = _dot(direction, between)
+    along_other = _dot(other_direction, between)
+    cosine = _dot(direction, other_direction)
     squared_sine = np.maximum(1 - cosine * cosine, 1e-12)
-    return np.asarray(point + (cosine * along_other - along) / squared_sine * direction)
+    distance = (cosine * along_other - along) / squared_sine
+    return np.asarray(point + distance * direction)
 
 
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:

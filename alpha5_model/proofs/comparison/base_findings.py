@@ -24,6 +24,7 @@ def mount_findings(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _mount(evidence: Evidence) -> Iterator[Finding]:
+    """Where the root of the other model stands, if not in our base_link."""
     alignment = evidence.alignment
     rotation = rotation_of(alignment.base)
     shift = origin_of(alignment.base)
@@ -48,6 +49,7 @@ def _mount(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _carried(evidence: Evidence) -> Iterator[Finding]:
+    """What the base carries besides the arm."""
     masses: dict[str, float] = {}
     for name in evidence.theirs.carried:
         mass = evidence.other.links[name].mass
@@ -58,10 +60,15 @@ def _carried(evidence: Evidence) -> Iterator[Finding]:
         return
 
     heaviest = sorted(masses, key=lambda name: -masses[name])
-    names = ", ".join(f"{name} ({masses[name]:.5g} kg)" for name in heaviest[:NAMED])
-    if len(heaviest) > NAMED:
-        names += f" and {len(heaviest) - NAMED} more, {total:.5g} kg in all"
-    excess = total + evidence.theirs.mass[0] - evidence.parameters.links[0].mass
+    named = [f"{name} ({masses[name]:.5g} kg)" for name in heaviest[:NAMED]]
+    names = ", ".join(named)
+    unnamed = len(heaviest) - NAMED
+    if unnamed > 0:
+        names += f" and {unnamed} more, {total:.5g} kg in all"
+
+    base_mass = evidence.theirs.mass[0]
+    our_base_mass = evidence.parameters.links[0].mass
+    excess = total + base_mass - our_base_mass
     yield finding("carried", names=names, excess=excess)
 
 

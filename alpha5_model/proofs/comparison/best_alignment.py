@@ -11,29 +11,27 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model._support.spatial import moved, rotation_about, transform, wrap
+from alpha5_model._support.spatial import rotation_about, transform, wrap
 from alpha5_model.proofs.comparison.alignment import Alignment, allowed
 from alpha5_model.proofs.comparison.axis_fit import AxisFit
 from alpha5_model.proofs.comparison.axis_lines import Z
-from alpha5_model.proofs.comparison.base_link import distance_from_base, with_base_link
+from alpha5_model.proofs.comparison.base_link import with_base_link
 from alpha5_model.proofs.comparison.chains import AXES
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.line_screws import POSE_UNKNOWNS, UNKNOWNS
-from alpha5_model.proofs.comparison.own_arm import DIMENSIONS, DISTANCES, OwnArm
+from alpha5_model.proofs.comparison.oddity import Judge
+from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS, TWISTS, OwnArm
 from alpha5_model.proofs.comparison.placement import body_errors, body_transforms
-from alpha5_model.proofs.comparison.poses import origin_of
 
 #: Residual of the closed form beyond which an axis points the other way [m and rad].
 REVERSED = 0.05
 #: How many alignments are fitted, the likeliest of those that fit as lines.
 FITTED = 8
-#: Bodies, tools and shapes that lie farther off than this count as much as they can.
-ELSEWHERE = 0.05  # [m]
 
 
 def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
@@ -46,7 +44,7 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     """
     axes = AxisFit(ours=ours, theirs=theirs)
     within = np.repeat(allowed(ours.parameters, theirs), 4)
-    judge = _Judge(ours=ours, theirs=theirs, within=within)
+    judge = Judge(ours=ours, theirs=theirs, within=within)
 
     close = [with_base_link(ours, theirs, start) for start in _close_starts(axes)]
     likely = sorted(close, key=judge.oddity)[:FITTED]
@@ -109,81 +107,9 @@ def _directions() -> Iterator[tuple[FloatArray, FloatArray]]:
     """Signs of the joints, (4,), and dimensions, (8,), with any twists turned by pi."""
     for sign in itertools.product((1.0, -1.0), repeat=4):
         for turned in itertools.product((0.0, math.pi), repeat=3):
-            yield np.array(sign), np.array([0.0, 0.0, 0.0, 0.0, *turned, 0.0])
-
-
-# ------------------------------------------------------------------------------ oddities
-
-
-@dataclass(frozen=True, eq=False)
-class _Judge:
-    """Tells how unlikely alignments are.
-
-    Attributes:
-        ours: Our arm.
-        theirs: The other arm.
-        within: Changes of the dimensions that are none, (8,) [m, rad].
-    """
-
-    ours: OwnArm
-    theirs: FourJointArm
-    within: FloatArray
-
-    def oddity(self, alignment: Alignment) -> float:
-        """How unlikely an alignment is: what somebody must have changed in the model.
-
-        A turned sign or a shifted zero counts one, a wrong dimension four, one to the other
-        side two, and a base that stands elsewhere or upside down up to six. Bodies
-        elsewhere count up to four together, and so do collision shapes; a tool frame
-        counts up to six.
-        """
-        base = min(6.0, 30 * distance_from_base(alignment.stands))
-        transforms = body_transforms(self.ours, self.theirs, alignment)
-        odd = alignment.oddities + base + self._changed_dimensions(alignment)
-        odd += 4 * _elsewhere(self._off_bodies(transforms))
-        odd += 4 * _elsewhere(self._off_shapes(transforms))
-        if self.theirs.tool:
-            odd += 6 * _elsewhere(self._off_tool(transforms))
-        return float(odd)
-
-    def _changed_dimensions(self, alignment: Alignment) -> float:
-        """Four for each wrong dimension; two for a distance to the other side."""
-        wrong = np.abs(alignment.dimensions) > self.within
-        lengths = [row.a for row in self.ours.parameters.dh[:3]]
-        # One joint mounted the wrong way round makes its distance negative.
-        opposite = np.multiply(-2, lengths)
-        distances = alignment.dimensions[DISTANCES]
-        mirrored = np.isclose(distances, opposite, atol=5e-3)
-        return float(4 * wrong.sum() - 2 * mirrored.sum())
-
-    def _off_bodies(self, transforms: FloatArray) -> FloatArray:
-        """Their COMs minus ours of the bodies from 2 on that have a mass, (N, 3) [m]."""
-        off = moved(transforms, self.theirs.com) - self.ours.reduced.com
-        solid = self.theirs.mass[2:] > 0
-        return np.asarray(off[2:][solid])
-
-    def _off_shapes(self, transforms: FloatArray) -> FloatArray:
-        """Their centroids minus ours of the shapes of moving bodies, (N, 3) [m]."""
-        centres = moved(transforms, self.theirs.shape_centres)
-        off = (centres - self.ours.reduced.shape_centres)[1:]
-        return np.asarray(off[np.isfinite(off[:, 0])])
-
-    def _off_tool(self, transforms: FloatArray) -> FloatArray:
-        """Their tool minus ours, (1, 3) [m]."""
-        point = origin_of(self.theirs.link_poses[self.theirs.tool])
-        tool = moved(transforms[4], point)
-        return np.asarray(tool[None] - origin_of(self.ours.tool_pose))
-
-
-def _elsewhere(off: FloatArray) -> float:
-    """How far off points (N, 3) are on average, from 0 to 1; 0 without any."""
-    if not len(off):
-        return 0.0
-    shares = np.linalg.norm(off, axis=1) / ELSEWHERE
-    return float(np.minimum(1.0, shares).mean())
-
-
-# --------------------------------------------------------------------------------- zeros
+            dimensions = AS_IT_IS.copy()
+            dimensions[TWISTS] = turned
+            yield np.array(sign), dimensions
 
 
 def _settle_zeros(
@@ -192,11 +118,12 @@ def _settle_zeros(
     """Zeros of axis_e and axis_b: as the base frame stands, and as the last body fits."""
     if alignment.same_base:
         alignment = _without_yaw(alignment)
+
     turned = _without_roll(ours, theirs, alignment)
     error = body_errors(ours, theirs, alignment)[4]
-    if 4 * body_errors(ours, theirs, turned)[4] < error:
-        alignment = turned
-    return replace(alignment, zero=wrap(alignment.zero))
+    turned_error = body_errors(ours, theirs, turned)[4]
+    best = turned if 4 * turned_error < error else alignment
+    return replace(best, zero=wrap(best.zero))
 
 
 def _without_yaw(alignment: Alignment) -> Alignment:
@@ -204,11 +131,12 @@ def _without_yaw(alignment: Alignment) -> Alignment:
     stands = alignment.stands
     yaw = math.atan2(stands[1, 0], stands[0, 0])
     back = transform(rotation_about(Z, -yaw))
+    shift = alignment.sign * [yaw, 0, 0, 0]
     return replace(
         alignment,
         base=back @ alignment.base,
         stands=back @ stands,
-        zero=alignment.zero + alignment.sign * [yaw, 0, 0, 0],
+        zero=alignment.zero + shift,
     )
 
 
@@ -218,4 +146,5 @@ def _without_roll(
     """Their last body turned into ours about the wrist, by the zero of axis_b."""
     wrist = body_transforms(ours, theirs, alignment)[4]
     roll = math.atan2(wrist[1, 0], wrist[0, 0])
-    return replace(alignment, zero=alignment.zero - alignment.sign * [0, 0, 0, roll])
+    shift = alignment.sign * [0, 0, 0, roll]
+    return replace(alignment, zero=alignment.zero - shift)

@@ -53,28 +53,38 @@ class JointCorrection:
         """The elements to write in place of its own; empty if it is right as it is."""
         elements = []
         if self.off > LENGTH_TOLERANCE / 10:
-            xyz = numbers(origin_of(self.origin))
-            rpy = numbers(rpy_from_rotation(rotation_of(self.origin)))
-            elements.append(f'<origin xyz="{xyz}" rpy="{rpy}"/>')
+            elements.append(self._origin_element)
         if not np.allclose(self.joint.axis, self.axis, atol=1e-12):
-            elements.append(f'<axis xyz="{numbers(self.axis)}"/>')
+            axis = numbers(self.axis)
+            elements.append(f'<axis xyz="{axis}"/>')
         limits = self.limits
         if limits:
             elements.append(f"<limit {limits}/>")
-        return f"{self.joint.name}: {' '.join(elements)}" if elements else ""
+
+        if not elements:
+            return ""
+        return f"{self.joint.name}: {' '.join(elements)}"
+
+    @property
+    def _origin_element(self) -> str:
+        """The origin, as URDF."""
+        xyz = origin_of(self.origin)
+        rpy = rpy_from_rotation(rotation_of(self.origin))
+        return f'<origin xyz="{numbers(xyz)}" rpy="{numbers(rpy)}"/>'
 
     @property
     def limits(self) -> str:
         """The attributes of the limits that are not ours; empty if all are."""
         if self.ours is None:
             return ""
+        ours = self.ours
         attributes = []
-        if _differs(self.joint.lower, self.ours.lower):
-            attributes.append(f'lower="{self.ours.lower:.5g}"')
-        if _differs(self.joint.upper, self.ours.upper):
-            attributes.append(f'upper="{self.ours.upper:.5g}"')
-        if in_degrees(self.joint.velocity, self.ours.velocity):
-            attributes.append(f'velocity="{self.ours.velocity:.5g}"')
+        if _differs(self.joint.lower, ours.lower):
+            attributes.append(f'lower="{ours.lower:.5g}"')
+        if _differs(self.joint.upper, ours.upper):
+            attributes.append(f'upper="{ours.upper:.5g}"')
+        if in_degrees(self.joint.velocity, ours.velocity):
+            attributes.append(f'velocity="{ours.velocity:.5g}"')
         return " ".join(attributes)
 
 

@@ -16,7 +16,8 @@ def rest_position(robot: UrdfRobot, joint: UrdfJoint) -> float:
     """
     leader = robot.joints.get(joint.mimic) if joint.mimic else None
     if leader is not None and leader.mimic is None:
-        return joint.multiplier * rest_position(robot, leader) + joint.offset
+        driven_by = rest_position(robot, leader)
+        return joint.multiplier * driven_by + joint.offset
 
     lower = joint.lower or 0.0
     upper = joint.upper or 0.0
@@ -28,5 +29,6 @@ def rest_poses(robot: UrdfRobot) -> dict[str, FloatArray]:
     poses = {robot.root: np.eye(4)}
     for joint in robot.joints.values():  # each after the joint before it
         origin = poses[joint.parent] @ joint.transform
-        poses[joint.child] = origin @ joint.motion(rest_position(robot, joint))
+        rest = joint.motion(rest_position(robot, joint))
+        poses[joint.child] = origin @ rest
     return poses

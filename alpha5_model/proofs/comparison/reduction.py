@@ -4,29 +4,29 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.spatial import moved
-from alpha5_model.description.reading import UrdfJoint, UrdfRobot
+from alpha5_model.description.reading import UrdfRobot
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.inertia import combine
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.proofs.comparison.chains import Joints
 from alpha5_model.proofs.comparison.four_joint_arm import FourJointArm
 from alpha5_model.proofs.comparison.frozen_joints import rest_position
+from alpha5_model.proofs.comparison.own_base import (
+    hanging_on,
+    joints_to,
+    own_base_links,
+    path_to,
+)
 from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.printed_digits import Rounding, last_digits
-
-#: A link on the way to axis_e that is lighter than this is a dummy of the arm's base, not
-#: something that carries it.
-CARRIED_FROM = 0.02  # [kg], a tenth of link_0
-#: What tool frames are called, the likeliest first.
-TOOL_WORDS = ("tcp", "tool", "tip", "grasp", "effector", "eef", "ee")
+from alpha5_model.proofs.comparison.tool_link import tool_link
 
 
 class _Placed(NamedTuple):
@@ -71,13 +71,13 @@ def reduce_robot(
         UnknownNameError: ``base`` is not on the way from the root to axis_e.
     """
     placed = _place(robot, joints)
-    base_path = _path(robot, joints[0].parent)
+    base_path = path_to(robot, joints[0].parent)
     still = [name for name in robot.links if placed.body[name] == 0]
-    if base is None:
-        own_base = _own_base(robot, base_path, set(still), parameters)
-    else:
+    if base is not None:
         choice("link on the way to axis_e", base, base_path)
-        own_base = _hanging_on({base}, _joints_to(robot, still))
+        own_base = hanging_on({base}, joints_to(robot, still))
+    else:
+        own_base = own_base_links(robot, base_path, set(still), parameters)
 
     groups = _groups(robot, placed, own_base)
     bodies = [_sum(robot, placed.pose, group) for group in groups]
@@ -97,7 +97,7 @@ def reduce_robot(
         base_path=base_path,
         carried=tuple(name for name in still if name not in own_base),
         digits=_digits(robot, joints, base_path, own_base),
-        tool=_tool_link(robot, joints[-1].child),
+        tool=tool_link(robot, joints[-1].child),
     )
 
 
@@ -111,29 +111,19 @@ def _place(robot: UrdfRobot, joints: Joints) -> _Placed:
         before = body[joint.parent]
         origin = pose[joint.parent] @ joint.transform
         if joint.name not in names:
+            rest = joint.motion(rest_position(robot, joint))
             body[joint.child] = before
-            pose[joint.child] = origin @ joint.motion(rest_position(robot, joint))
+            pose[joint.child] = origin @ rest
             continue
 
-        if not names.index(joint.name) == before == len(placements):
+        place = names.index(joint.name)
+        if not place == before == len(placements):
             expected = "joints that follow each other from base to tip"
             raise InputError("map", ", ".join(names), expected)
         placements.append(origin)
         body[joint.child] = before + 1
         pose[joint.child] = np.eye(4)
     return _Placed(body=body, pose=pose, placements=np.array(placements))
-
-
-def _path(robot: UrdfRobot, link: str) -> tuple[str, ...]:
-    """The links from the root to this one."""
-    parents = {joint.child: joint.parent for joint in robot.joints.values()}
-    path = [link]
-    while path[-1] in parents:
-        path.append(parents[path[-1]])
-    return tuple(reversed(path))
-
-
-# ------------------------------------------------------------------------------- bodies
 
 
 def _groups(robot: UrdfRobot, placed: _Placed, own_base: set[str]) -> list[list[str]]:
@@ -180,105 +170,11 @@ def _shape_centre(
     return np.average(centres, axis=0, weights=volumes)
 
 
-# --------------------------------------------------------------------------------- base
-
-
-def _own_base(
-    robot: UrdfRobot,
-    base_path: Sequence[str],
-    still: set[str],
-    parameters: Alpha5Parameters,
-) -> set[str]:
-    """Links of the arm's own base, among those that stand still with it.
-
-    These are all links that hang on one link of the way from the root to axis_e: on the
-    first link whose mass comes closest to that of link_0. A link heavier than the whole
-    arm is a vehicle even if it hangs on the arm's base. If axis_e turns in such a link,
-    nothing is left for link_0.
-    """
-    whole_arm = sum(link.mass for link in parameters.links)
-    if (robot.links[base_path[-1]].mass or 0.0) > whole_arm:
-        return set()
-
-    joints = _joints_to(robot, still)
-    weights = _carried_weights(robot, still, joints)
-    first = _first_link(base_path, weights, parameters.links[0].mass)
-    aside = still.difference(base_path)
-    vehicles = {name for name in aside if weights[name] > whole_arm}
-    return _hanging_on({first}, joints) - _hanging_on(vehicles, joints)
-
-
-def _joints_to(robot: UrdfRobot, links: Iterable[str]) -> list[UrdfJoint]:
-    """The joints that carry some links, each after the joint before it."""
-    carried = set(links)
-    return [joint for joint in robot.joints.values() if joint.child in carried]
-
-
-def _carried_weights(
-    robot: UrdfRobot, links: Iterable[str], joints: Sequence[UrdfJoint]
-) -> dict[str, float]:
-    """Link -> its mass and that of everything that hangs on it [kg]."""
-    weights = {name: robot.links[name].mass or 0.0 for name in links}
-    for joint in reversed(joints):
-        weights[joint.parent] += weights[joint.child]
-    return weights
-
-
-def _first_link(
-    base_path: Sequence[str], weights: Mapping[str, float], mass: float
-) -> str:
-    """The link on the way to axis_e that, with all it carries, comes closest to a mass."""
-    best = base_path[0]
-    for name in base_path[1:]:
-        closer = abs(weights[name] - mass) < abs(weights[best] - mass)
-        if closer and weights[best] - weights[name] > CARRIED_FROM:
-            best = name
-    return best
-
-
-def _hanging_on(links: set[str], joints: Iterable[UrdfJoint]) -> set[str]:
-    """These links and all that they carry; joints each after the one before it."""
-    found = set(links)
-    for joint in joints:
-        if joint.parent in found:
-            found.add(joint.child)
-    return found
-
-
 def _digits(
     robot: UrdfRobot, joints: Joints, base_path: Sequence[str], own_base: set[str]
 ) -> Rounding:
     """What the digits of the origins leave open, from the arm's own base to its wrist."""
     first = next((name for name in base_path if name in own_base), base_path[-1])
-    way = _path(robot, joints[-1].child)
+    way = path_to(robot, joints[-1].child)
     behind = way[way.index(first) + 1 :]
-    return last_digits(_joints_to(robot, behind))
-
-
-# --------------------------------------------------------------------------------- tool
-
-
-def _tool_link(robot: UrdfRobot, wrist: str) -> str:
-    """The link fixed to the wrist whose name says that its frame is the tool's.
-
-    Of several, the one with the likeliest word, then the outermost. Empty if there is none.
-    """
-    steps = {wrist: 0}
-    for joint in robot.joints.values():
-        if joint.kind == "fixed" and joint.parent in steps:
-            steps[joint.child] = steps[joint.parent] + 1
-    del steps[wrist]
-
-    ranked = [(_tool_rank(name), -count, name) for name, count in steps.items()]
-    rank, _, name = min(ranked, default=(len(TOOL_WORDS), 0, ""))
-    return name if rank < len(TOOL_WORDS) else ""
-
-
-def _tool_rank(name: str) -> int:
-    """Place in `TOOL_WORDS` of the first of them that a name contains."""
-    separated = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name)
-    words = re.split(r"[^a-z]+", separated.lower())
-    if "base" in words:
-        return len(TOOL_WORDS)
-    found = [rank for rank, word in enumerate(TOOL_WORDS) if word in words]
-    return min(found, default=len(TOOL_WORDS))
+    return last_digits(joints_to(robot, behind))
