@@ -1,7 +1,7 @@
 """Tensors with something added: water, or the parallel-axis term of a wrong point.
 
-Both depend on a size that nobody printed. It is recomputed from the numbers: one or three
-unknowns for six numbers of the tensor.
+Both depend on a size that nobody printed. It is recomputed from the numbers: one or
+three unknowns for six numbers of the tensor.
 """
 
 from __future__ import annotations
@@ -73,10 +73,11 @@ class _Cylinder(NamedTuple):
 def added_water(known: BodyHypotheses, subject: Inertial) -> AddedWater | None:
     """Tell whether mass and tensor are printed ones with a cylinder of water added.
 
-    Strip theory gives ``rho pi r^2 L^3 / 3`` about either axis across for a tensor about
-    the cylinder's end (I_Link), ``/ 12`` about its middle (I_COM), and ``rho pi r^2 L`` in
-    the mass. The radius is the body's, so that six of seven numbers test the one unknown,
-    L. The tensor is taken in our frame, or as it is written if its axes are not ours.
+    Strip theory gives ``rho pi r^2 L^3 / 3`` about either axis across for a tensor
+    about the cylinder's end (I_Link), ``/ 12`` about its middle (I_COM), and
+    ``rho pi r^2 L`` in the mass. The radius is the body's, so that six of seven numbers
+    test the one unknown, L. The tensor is taken in our frame, or as it is written if
+    its axes are not ours.
     """
     longest = largest_sizes(known.link).max()
     mass_digits = subject.mass_digits

@@ -15,8 +15,8 @@ from alpha5_model.proofs.comparison.own_arm import AS_IT_IS, DIMENSIONS
 
 #: A smaller zero is no oddity.
 SAME_ZERO = 0.005  # [rad]
-#: Smaller differences are no findings: of the axes, and of their angles, which are 0.03 mm
-#: at arm's length.
+#: Smaller differences of the axes, and of their angles, are no findings; the angle is
+#: worth 0.03 mm at arm's length.
 LENGTH_TOLERANCE, ANGLE_TOLERANCE = 1e-5, 1e-4  # [m], [rad]
 
 
@@ -30,14 +30,14 @@ class Alignment:
         zero: Position of the other joint at our zero, (4,) [rad].
         dimensions: Theirs minus ours, (8,) [m, rad]: the dimensions a_0, a_1, a_2, d_1,
             alpha_0, alpha_1, alpha_2 and the elbow's tilt beta_1; zero if held.
-        residual: What is left between their axes and ours, root mean square over positions
-            and axes: of the coordinates of the lines (their moment [m] and direction), and
-            of their angle [rad].
+        residual: What is left between their axes and ours, root mean square over
+            positions and axes: of the coordinates of the lines (their moment [m] and
+            direction), and of their angle [rad].
         base_link: Their link whose frame comes closest to our base_link.
         stands: Pose of that frame in our base_link, (4, 4).
         same_base: Whether that frame was meant to be our base_link.
-        exact: The alignment with all dimensions fitted, also those that the printed digits
-            explain; None in itself.
+        exact: The alignment with all dimensions fitted, also those that the printed
+            digits explain; None in itself.
     """
 
     base: FloatArray = field(default_factory=lambda: np.eye(4))
@@ -84,8 +84,8 @@ def allowed(
     Args:
         parameters: Our arm.
         theirs: The other arm.
-        short_pi: Allow the error of a pi that is cut short as well: it may hide in angles
-            that were computed from it.
+        short_pi: Allow the error of a pi that is cut short as well: it may hide in
+            angles that were computed from it.
     """
     upper_arm = parameters.dh[1].a
     digits = theirs.digits

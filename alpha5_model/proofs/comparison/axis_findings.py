@@ -37,7 +37,7 @@ def axis_findings(evidence: Evidence) -> Iterator[Finding]:
     yield from _dimensions(evidence)
 
 
-# --------------------------------------------------------------------------------- zeros
+# -------------------------------------------------------------------------------- zeros
 
 
 def _zeros(evidence: Evidence) -> Iterator[Finding]:
@@ -93,7 +93,7 @@ def _base_is_known(evidence: Evidence) -> bool:
     return bool(evidence.theirs.mass[0]) and (here < SAME_COM or 3 * here < turned)
 
 
-# ---------------------------------------------------------------------------- dimensions
+# --------------------------------------------------------------------------- dimensions
 
 
 def _dimensions(evidence: Evidence) -> Iterator[Finding]:
@@ -138,7 +138,7 @@ def _dimension(evidence: Evidence, index: int, change: float) -> Finding:
     )
 
 
-# ---------------------------------------------------------------------------------- rest
+# --------------------------------------------------------------------------------- rest
 
 
 def rest_findings(

@@ -1,8 +1,8 @@
 """Fit another model's joint axes to ours, as lines, by least squares.
 
-Free are the pose of the other base, the zeros of axis_d and axis_c, and the dimensions of
-our arm. A shifted zero of axis_e is a yaw of the base, and one of axis_b a roll of the last
-body: the axes do not show them.
+Free are the pose of the other base, the zeros of axis_d and axis_c, and the dimensions
+of our arm. A shifted zero of axis_e is a yaw of the base, and one of axis_b a roll of
+the last body: the axes do not show them.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class AxisFit:
     theirs: FourJointArm
 
     def their_lines(self, alignment: Alignment, q: FloatArray) -> AxisLines:
-        """Their axes at our positions q (..., 4), in our root frame, turning our way."""
+        """Their axes at our positions q (..., 4), in our root frame and sense."""
         points, directions = self.theirs.axis_lines(alignment.theirs(q))
         rotation = rotation_of(alignment.base)
         shift = origin_of(alignment.base)
@@ -81,11 +81,15 @@ class AxisFit:
         )
 
     def closed_form(self, sign: FloatArray, dimensions: FloatArray) -> Alignment:
-        """The alignment with these signs (4,) and dimensions (8,), exact if they are right.
+        """The alignment with these signs and dimensions, exact if they are right.
+
+        Args:
+            sign: +1 or -1 per joint, (4,).
+            dimensions: Changes of ours, (8,) [m, rad].
 
         The first two axes, which cross at a right angle, place the base. A turn about
-        axis_d brings axis_c to its side of the shoulder, and one about axis_c brings the
-        wrist into its direction.
+        axis_d brings axis_c to its side of the shoulder, and one about axis_c brings
+        the wrist into its direction.
         """
         zero = np.zeros(4)
         ours = z_axes(self.ours.frames(zero, dimensions))
@@ -156,8 +160,8 @@ class AxisFit:
     def linearized(self, alignment: Alignment) -> Linearized:
         """The difference of the lines and its derivative.
 
-        A screw (w, v) moves a line with moment m and direction d by ``w x m + v x d`` and
-        ``w x d``.
+        A screw (w, v) moves a line with moment m and direction d by ``w x m + v x d``
+        and ``w x d``.
         """
         q = random_positions(self.ours.parameters, POSITIONS)
         frames = np.moveaxis(self.ours.frames(q, alignment.dimensions), 1, 0)

@@ -45,7 +45,7 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def foot(lines: AxisLines, at: int, other: int) -> FloatArray:
-    """Foot, on one of the axes (..., N, 3), of its common normal with another, (..., 3)."""
+    """Foot of the common normal of two axes (..., N, 3), on the first, (..., 3)."""
     point = lines.points[..., at, :]
     direction = lines.directions[..., at, :]
     other_point = lines.points[..., other, :]
@@ -68,9 +68,9 @@ def axis_shape(lines: AxisLines) -> FloatArray:
     """Shape of four axes (4, 3) that follow each other, (7,).
 
     Returns:
-        Distance of each axis from the one before it, (3,), and of the first from the last
-        common normal along the second axis [m]; angle of each axis with the one before it,
-        (3,), up to pi/2 [rad].
+        Distance of each axis from the one before it, (3,), and of the first from the
+        last common normal along the second axis [m]; angle of each axis with the one
+        before it, (3,), up to pi/2 [rad].
     """
     distances = _distances(lines)
     upper_arm = foot(lines, 2, 3) - foot(lines, 1, 0)

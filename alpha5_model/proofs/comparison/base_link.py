@@ -41,9 +41,10 @@ class _Candidate(NamedTuple):
 
     @property
     def unlikeliness(self) -> tuple[bool, float]:
-        """Sorts the likeliest first: a named one, then the closest that faces forward."""
-        facing = self.pose[0, 0]
-        return not (self.same and self.named), round(self.distance - 1e-3 * facing, 6)
+        """Sorts the likeliest first: by name, then by distance and direction."""
+        has_name = self.same and self.named
+        forward = self.pose[0, 0]
+        return not has_name, round(self.distance - 1e-3 * forward, 6)
 
 
 def with_base_link(
@@ -51,9 +52,9 @@ def with_base_link(
 ) -> Alignment:
     """The alignment, with the link that comes closest to being our base_link.
 
-    A link is known by its frame; by the COM of link_0 in it, if axis_e stands elsewhere;
-    or by its place and name, if axis_e is upside down. If several frames could be meant,
-    the one with the right name is taken.
+    A link is known by its frame; by the COM of link_0 in it, if axis_e stands
+    elsewhere; or by its place and name, if axis_e is upside down. If several frames
+    could be meant, the one with the right name is taken.
     """
     candidates = [
         _candidate(ours, theirs, alignment, name) for name in theirs.base_path

@@ -1,9 +1,9 @@
 """Choose the likeliest of the alignments that bring another model's axes onto ours.
 
 Lines have no direction, so that several alignments fit equally well: an arm upside down
-with every joint reversed, or one whose joint is mounted the wrong way round, with all that
-follows. The axes do not show two of the zeros either, see `axis_fit`. Bodies, collision
-shapes, the base frame and the tool frame decide these.
+with every joint reversed, or one whose joint is mounted the wrong way round, with all
+that follows. The axes do not show two of the zeros either, see `axis_fit`. Bodies,
+collision shapes, the base frame and the tool frame decide these.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     """Best alignment of another model of this arm.
 
     Base, signs and the zeros of axis_d and axis_c bring their axes onto ours as well as
-    they can. The dimensions that are then still off by more than the printed digits allow
-    are fitted too: an offset must not look like a shifted zero. Of alignments that fit
-    equally well, the one with the fewest oddities is taken.
+    they can. The dimensions that are then still off by more than the printed digits
+    allow are fitted too: an offset must not look like a shifted zero. Of alignments
+    that fit equally well, the one with the fewest oddities is taken.
     """
     axes = AxisFit(ours=ours, theirs=theirs)
     within = np.repeat(allowed(ours.parameters, theirs), 4)
@@ -49,7 +49,7 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     close = [with_base_link(ours, theirs, start) for start in _close_starts(axes)]
     likely = sorted(close, key=judge.oddity)[:FITTED]
 
-    # With all dimensions free the axes coincide: each dimension shows its own error only.
+    # With all dimensions free the axes coincide: each dimension shows its own error.
     fits = [axes.fit(start, UNKNOWNS) for start in likely]
     placed = [with_base_link(ours, theirs, fit) for fit in fits]
     exact = min(placed, key=judge.oddity)
@@ -115,7 +115,10 @@ def _directions() -> Iterator[tuple[FloatArray, FloatArray]]:
 def _settle_zeros(
     ours: OwnArm, theirs: FourJointArm, alignment: Alignment
 ) -> Alignment:
-    """Zeros of axis_e and axis_b: as the base frame stands, and as the last body fits."""
+    """The alignment with zeros of axis_e and axis_b.
+
+    The base frame decides the first one, the last body the second.
+    """
     if alignment.same_base:
         alignment = _without_yaw(alignment)
 

@@ -31,8 +31,8 @@ from alpha5_model.proofs.comparison.placement import body_transforms, mended_tra
 from alpha5_model.proofs.comparison.poses import carried_to
 from alpha5_model.proofs.comparison.records import BodyDifference, Finding
 
-#: What still agrees with the tables, as a model may print fewer digits: as a share of the
-#: mass, [m], and as a share of the largest moment.
+#: What still agrees with the tables, as a model may print fewer digits: as a share of
+#: the mass, [m], and as a share of the largest moment.
 MASS_TOLERANCE, COM_TOLERANCE, INERTIA_TOLERANCE = 1e-3, 1e-4, 5e-3
 #: The arm stretched out, base to finger tips: no part of it is larger.
 REACH = 0.6  # [m]

@@ -32,8 +32,8 @@ class Chain:
     Attributes:
         joints: Base to tip.
         shape: Distances and angles of their axes, (7,) [m, rad]; see `axis_shape`.
-        differences: How far the shape is from ours, (7,) [m]: angles times the length of
-            our upper arm.
+        differences: How far the shape is from ours, (7,) [m]: angles times the length
+            of our upper arm.
         following: How many more joints turn one after another behind them.
     """
 
@@ -75,19 +75,19 @@ def find_chains(
     """Every four joints in a row that could be our first four, the best first.
 
     Joints are known by the shape of their axes. Names decide between chains of the same
-    shape, such as two arms on one vehicle. Joints that mimic another or have no range do
-    not count.
+    shape, such as two arms on one vehicle. Joints that mimic another or have no range
+    do not count.
 
     Args:
         robot: The other model.
         parameters: Our arm.
-        names: Our joint name -> theirs, as far as they are given. If all four are given,
-            they need not be in a row.
+        names: Our joint name -> theirs, as far as they are given. If all four are
+            given, they need not be in a row.
 
     Raises:
         UnknownNameError: A name that is not there.
-        InputError: Two of our joints are mapped to one, one does not turn, or there is no
-            such chain.
+        InputError: Two of our joints are mapped to one, one does not turn, or there is
+            no such chain.
     """
     given = dict(names or {})
     _check_names(robot, given)

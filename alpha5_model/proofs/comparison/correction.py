@@ -18,8 +18,8 @@ from alpha5_model.proofs.comparison.own_arm import OwnArm
 from alpha5_model.proofs.comparison.placement import mended_transforms
 from alpha5_model.proofs.comparison.poses import origin_of, rotation_of
 
-#: What an angle is worth if one number stands for lengths and angles [m/rad]: the length
-#: of the arm behind it.
+#: What an angle is worth if one number stands for lengths and angles [m/rad]: the
+#: length of the arm behind it.
 LEVER = 0.4
 #: Limits are printed to a tenth of a degree.
 LIMIT_TOLERANCE = math.radians(0.1)
@@ -45,7 +45,7 @@ class JointCorrection:
 
     @property
     def off(self) -> float:
-        """How far the origin is from what is written; an angle counts by `LEVER` [m]."""
+        """How far the origin is from the written one [m]; see `pose_distance`."""
         return pose_distance(self.joint.transform, self.origin)
 
     @property

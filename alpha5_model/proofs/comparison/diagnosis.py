@@ -1,7 +1,7 @@
-"""Why a body differs: hypotheses from the tables, tested with the other model's numbers.
+"""Why a body differs: hypotheses from the tables, tested with the other's numbers.
 
-Nothing here looks at names. The diagnosis is the fewest mistakes that give the number to its
-printed digits; a difference that no hypothesis explains has no diagnosis.
+Nothing here looks at names. The diagnosis is the fewest mistakes that give the number
+to its printed digits; a difference that no hypothesis explains has no diagnosis.
 """
 
 from __future__ import annotations

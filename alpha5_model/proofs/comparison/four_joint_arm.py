@@ -1,4 +1,4 @@
-"""An arm of four joints and five bodies: where they are, weight torques, mass matrix."""
+"""An arm of four joints and five bodies: poses, weight torques, mass matrix."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class FourJointArm:
 
     Attributes:
         joints: The four joints, base to tip.
-        placements: Pose of each joint's child in the body before it, at zero, (4, 4, 4).
+        placements: Pose of each joint's child in the body before it, at zero,
+            (4, 4, 4).
         axes: Direction of each joint in its child frame, (4, 3).
         mass: Per body, (5,) [kg].
         com: Per body, in its frame, (5, 3) [m].
@@ -71,7 +72,7 @@ class FourJointArm:
         return self.poses(q)[..., 1:, :, :]
 
     def axis_lines(self, q: FloatArray) -> AxisLines:
-        """The axes as lines in the root frame, (..., 4, 3), at the angles q (..., 4)."""
+        """The axes as lines in the root frame, (..., 4, 3), at angles q (..., 4)."""
         return self._lines(self._moving_poses(q))
 
     def _lines(self, poses: FloatArray) -> AxisLines:
@@ -112,7 +113,12 @@ class FourJointArm:
         return regressor * carries[..., None]
 
     def gravity_torque(self, q: FloatArray, gravity: FloatArray = DOWN) -> FloatArray:
-        """Torques that hold the weight in air, (..., 4) [N m]; see `gravity_regressor`."""
+        """Torques that hold the weight in air, (..., 4) [N m].
+
+        Args:
+            q: The arm's own angles, (..., 4) [rad].
+            gravity: In the root frame, (3,) [m/s^2].
+        """
         first_moments = self.mass[:, None] * self.com
         bodies = np.column_stack([self.mass, first_moments])
         torques = self.gravity_regressor(q, gravity) * bodies[1:]

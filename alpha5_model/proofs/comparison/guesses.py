@@ -106,7 +106,8 @@ def _solid_cylinder(
 def _solid_box(link: LinkParameters, mass: float, moments: FloatArray) -> str | None:
     """A solid box of about the body's size, if it has these moments (3,).
 
-    Any three moments are those of some box: only sides of whole millimetres show a guess.
+    Any three moments are those of some box: only sides of whole millimetres show a
+    guess.
     """
     squared_sides = 6 / mass * (moments.sum() - 2 * moments)
     sides = np.sqrt(np.maximum(squared_sides, 0.0))[::-1]

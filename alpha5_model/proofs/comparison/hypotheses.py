@@ -1,6 +1,7 @@
-"""The wrong numbers that known mistakes would give, made from the tables of two revisions.
+"""The wrong numbers that known mistakes make of the tables of two revisions.
 
-Each table of hypotheses holds what one mistake or two at a time make of a printed number.
+Each table of hypotheses holds what one mistake or two at a time make of a printed
+number.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ class BodyHypotheses:
 
     @cached_property
     def tensors(self) -> HypothesisTable:
-        """Tensors in the body's own axes, (N, 3, 3) [kg m^2], the right one among them."""
+        """Tensors in the body's axes, (N, 3, 3) [kg m^2], the right one among them."""
         sources = self._sources("inertia")
         for revision in revisions():
             sources += self._parallel_axis_mistakes(revision)

@@ -16,8 +16,8 @@ from alpha5_model.proofs.comparison.printed_digits import last_place
 MASS_DIGITS = (5e-5, 5e-4)  # [kg]
 COM_DIGITS = (1e-4, 5e-4)  # [m]
 INERTIA_DIGITS = (1e-3, 1e-2)  # of the largest entry
-#: A link frame that lies closer to ours was meant to be ours: the rest is an error of the
-#: geometry.
+#: A link frame that lies closer to ours was meant to be ours: the rest is an error of
+#: the geometry.
 SAME_FRAME = (0.002, 0.02)  # [m], [rad]
 #: A lighter link is a dummy: some tools ask for a mass on every link.
 TOKEN_MASS = 1e-3  # [kg]

@@ -37,7 +37,8 @@ from alpha5_model.proofs.comparison.reduction import reduce_robot
 from alpha5_model.proofs.comparison.tool import measure_tool
 
 #: Axes whose shapes lie farther apart than this are not the same arm's: a third of the
-#: upper arm. A model of this arm with an offset on the wrong side comes to 40 mm at most.
+#: upper arm. A model of this arm with an offset on the wrong side comes to 40 mm at
+#: most.
 OTHER_ARM = 0.05  # [m]
 #: If more joints follow, as on many arms, the shape has to be just this one.
 SAME_SHAPE = 0.005  # [m]
@@ -57,31 +58,33 @@ def compare(
     """Compare another model of this arm with ours.
 
     The arm is found by the shape of its axes. The bases are aligned by the joint axes,
-    every other joint is frozen with the jaws closed, and what carries the arm is left out.
-    Each body is then compared in our link frame with the tables.
+    every other joint is frozen with the jaws closed, and what carries the arm is left
+    out. Each body is then compared in our link frame with the tables.
 
     Args:
-        path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF is
-            read as it is: nothing in it is executed, and no other file is read.
-        joints: Our joint name -> theirs, for those that cannot be found by axes and names.
+        path: A URDF, or a xacro file that makes one. Meshes need not be there. A URDF
+            is read as it is: nothing in it is executed, and no other file is read.
+        joints: Our joint name -> theirs, for those that cannot be found by axes and
+            names.
         samples: Random configurations for the kinematic and dynamic errors.
         base: The first link of the arm, if something carries it; found by its mass if
             None.
-        packages: For a xacro file: name of each package in ``$(find NAME)`` -> its folder.
-            The package of the file itself is found by the ``package.xml`` above it.
+        packages: For a xacro file: name of each package in ``$(find NAME)`` -> its
+            folder. The package of the file itself is found by the ``package.xml`` above
+            it.
         arguments: For a xacro file: values of its arguments, as text.
-        xacro: Expand a xacro file. It is a program, which can read files and run commands:
-            do so only if you trust it.
+        xacro: Expand a xacro file. It is a program, which can read files and run
+            commands: do so only if you trust it.
 
     Returns:
         The comparison; ``agrees`` and ``verdict`` tell how it ends. Another arm is no
         error: the verdict tells that it is not a Reach Alpha 5, and why.
 
     Raises:
-        MissingFileError, FileFormatError: The file cannot be read, or is a xacro file that
-            is not to be expanded; the message tells where, and what to do.
-        UnknownNameError, InputError: A joint or link is not there, or the joints cannot be
-            mapped.
+        MissingFileError, FileFormatError: The file cannot be read, or is a xacro file
+            that is not to be expanded; the message tells where, and what to do.
+        UnknownNameError, InputError: A joint or link is not there, or the joints cannot
+            be mapped.
     """
     other = read_model(path, packages, arguments, xacro)
     return compare_robots(other, joints, samples, Path(path).parent, base)
@@ -129,7 +132,7 @@ def compare_robots(
 
 
 class _Arms(NamedTuple):
-    """The other arm as it is meant and as it is written, and the alignment of the first."""
+    """The other arm as it is meant and written, and the alignment of the first."""
 
     meant: FourJointArm
     written: FourJointArm

@@ -1,4 +1,4 @@
-"""Read the file of another model: a URDF as it is, or a xacro file expanded on request."""
+"""Read the file of another model: a URDF, or a xacro file expanded on request."""
 
 from __future__ import annotations
 
@@ -52,7 +52,8 @@ def read_model(
     Args:
         path: The file.
         packages: For a xacro file: name of each package in ``$(find NAME)`` -> its
-            folder. The package of the file itself is found by the ``package.xml`` above it.
+            folder. The package of the file itself is found by the ``package.xml`` above
+            it.
         arguments: For a xacro file: values of its arguments, as text.
         xacro: Whether to expand. A xacro file is a program: it can read files and run
             commands.
@@ -83,7 +84,7 @@ def read_model(
 def _check_request(
     path: str | Path, is_xacro: bool, expand: bool, options: XacroOptions
 ) -> None:
-    """Refuse a xacro file without permission, and xacro options without a xacro file."""
+    """Refuse a xacro file without permission, and xacro options for other files."""
     if is_xacro and not expand:
         problem = (
             "a xacro file is a program, and to expand it is to run it; if you trust it"

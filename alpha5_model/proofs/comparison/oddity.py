@@ -36,10 +36,10 @@ class Judge:
     def oddity(self, alignment: Alignment) -> float:
         """How unlikely an alignment is: what somebody must have changed in the model.
 
-        A turned sign or a shifted zero counts one, a wrong dimension four, one to the other
-        side two, and a base that stands elsewhere or upside down up to six. Bodies
-        elsewhere count up to four together, and so do collision shapes; a tool frame
-        counts up to six.
+        A turned sign or a shifted zero counts one, a wrong dimension four, one to the
+        other side two, and a base that stands elsewhere or upside down up to six.
+        Bodies elsewhere count up to four together, and so do collision shapes; a tool
+        frame counts up to six.
         """
         base = min(6.0, 30 * distance_from_base(alignment.stands))
         dimensions = self._changed_dimensions(alignment)
@@ -62,7 +62,7 @@ class Judge:
         return float(4 * wrong.sum() - 2 * mirrored.sum())
 
     def _off_bodies(self, transforms: FloatArray) -> FloatArray:
-        """Their COMs minus ours of the bodies from 2 on that have a mass, (N, 3) [m]."""
+        """Their COMs minus ours, from body 2 on, if they have a mass, (N, 3) [m]."""
         coms = moved(transforms, self.theirs.com)
         off = coms - self.ours.reduced.com
         solid = self.theirs.mass > 0

@@ -1,4 +1,4 @@
-"""Our own arm, as another model of it is measured against it, also with other dimensions."""
+"""Our own arm, which other models are compared with, also with other dimensions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ AS_IT_IS = np.zeros(len(DIMENSIONS))
 
 @dataclass(frozen=True, eq=False)
 class OwnArm:
-    """Our arm. A ``change`` of its dimensions is (8,) [m, rad], in order of `DIMENSIONS`.
+    """Our arm.
+
+    A ``change`` of its dimensions is (8,) [m, rad], in order of `DIMENSIONS`.
 
     Attributes:
         parameters: Its numbers.
@@ -71,7 +73,7 @@ class OwnArm:
         return frames[..., 1:, :, :]
 
     def _links(self, change: FloatArray) -> FloatArray:
-        """Links 0 to 2 with changed dimensions: poses of the frames behind, (3, 4, 4)."""
+        """Links 0 to 2 with changed dimensions: poses of their ends, (3, 4, 4)."""
         rows = self.parameters.dh[:3]
         a = np.array([row.a for row in rows])
         d = np.array([row.d for row in rows])

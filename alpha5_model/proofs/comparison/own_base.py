@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from alpha5_model.description.reading import UrdfJoint, UrdfRobot
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
-#: A link on the way to axis_e that is lighter than this is a dummy of the arm's base, not
-#: something that carries it.
+#: A link on the way to axis_e that is lighter than this is a dummy of the arm's base,
+#: not something that carries it.
 CARRIED_FROM = 0.02  # [kg], a tenth of link_0
 
 
@@ -65,7 +65,7 @@ def _carried_weights(
 def _first_link(
     base_path: Sequence[str], weights: Mapping[str, float], mass: float
 ) -> str:
-    """The link on the way to axis_e that, with all it carries, comes closest to a mass."""
+    """The link before axis_e that, with all it carries, comes closest to a mass."""
     best = base_path[0]
     for name in base_path[1:]:
         closer = abs(weights[name] - mass) < abs(weights[best] - mass)

@@ -28,9 +28,9 @@ def body_transforms(
 ) -> FloatArray:
     """transform_theirs_to_ours of the five body frames, (5, 4, 4).
 
-    Each body is held by its own joint: if the other arm's joint lies elsewhere than ours,
-    that is an error of the geometry and not one of the COM as well. Body 0 is held by the
-    frame that was meant to be base_link, if there is one.
+    Each body is held by its own joint: if the other arm's joint lies elsewhere than
+    ours, that is an error of the geometry and not one of the COM as well. Body 0 is
+    held by the frame that was meant to be base_link, if there is one.
     """
     there = alignment.base @ theirs.poses(alignment.zero)
     to_ours = np.linalg.inv(ours.zero_poses(alignment.dimensions))
@@ -46,7 +46,7 @@ def body_transforms(
 def _held_by_base_or_shoulder(
     ours: OwnArm, theirs: FourJointArm, by_shoulder: FloatArray, height: float
 ) -> FloatArray:
-    """Transform of body 1: by the shoulder, or lower by a height if its COM then fits."""
+    """Transform of body 1 by the shoulder, or by the base if its COM fits better."""
     by_base = by_shoulder.copy()
     by_base[2, 3] -= height
     choices = np.stack([by_base, by_shoulder])

@@ -89,8 +89,8 @@ def last_digits(joints: Sequence[UrdfJoint]) -> Rounding:
 
     For lengths and angles this is half of the last decimal place, added in quadrature.
     A number may have lost its trailing zeros: all lengths are taken to have as many
-    decimals as the longest of them, and so for the angles. Zeros and integers are exact.
-    For multiples of pi it is the largest error of any.
+    decimals as the longest of them, and so for the angles. Zeros and integers are
+    exact. For multiples of pi it is the largest error of any.
     """
     lengths = _fractions(joint.printed[0] for joint in joints)
     angles = _fractions(joint.printed[1] for joint in joints)

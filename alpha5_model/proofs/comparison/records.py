@@ -21,8 +21,8 @@ class Finding:
     """Something wrong or odd in the other model.
 
     Attributes:
-        where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume`` or
-            a file.
+        where: ``link_0`` to ``link_4``, ``axis_e`` to ``axis_b``, ``base``, ``volume``
+            or a file.
         text: What is wrong.
         serious: Whether the models differ by it; otherwise it is a remark.
         cost: Largest gravity torque in air that this alone is worth over the sampled
@@ -112,16 +112,16 @@ class Comparison:
         joints: Ours -> theirs.
         alignment: Base, signs and zeros.
         bodies: Base to tip.
-        tool: How far the tool is from ours, which frame of theirs it is, and in which of
-            their frames it was measured; None for another arm.
+        tool: How far the tool is from ours, which frame of theirs it is, and in which
+            of their frames it was measured; None for another arm.
         gravity_error: Largest difference of the gravity torque in air, per joint, (4,)
             [N m].
         mass_matrix_error: Largest difference of an entry of the mass matrix [kg m^2].
         volume: Volume of its collision primitives [m^3]; NaN if it has none.
         carried: Links that move with the base and are not the arm's -> mass [kg].
 
-    Another arm has no joints and no bodies, its errors are NaN, and its one finding says
-    why.
+    Another arm has no joints and no bodies, its errors are NaN, and its one finding
+    says why.
     """
 
     name: str

@@ -35,7 +35,8 @@ class _Placed(NamedTuple):
     Attributes:
         body: Link -> index of the body that it belongs to.
         pose: Link -> its pose in the frame of that body, (4, 4).
-        placements: Pose of each joint's child in the body before it, at zero, (4, 4, 4).
+        placements: Pose of each joint's child in the body before it, at zero,
+            (4, 4, 4).
     """
 
     body: dict[str, int]
@@ -173,7 +174,7 @@ def _shape_centre(
 def _digits(
     robot: UrdfRobot, joints: Joints, base_path: Sequence[str], own_base: set[str]
 ) -> Rounding:
-    """What the digits of the origins leave open, from the arm's own base to its wrist."""
+    """What the digits of the origins leave open, from the base to the wrist."""
     first = next((name for name in base_path if name in own_base), base_path[-1])
     way = path_to(robot, joints[-1].child)
     behind = way[way.index(first) + 1 :]

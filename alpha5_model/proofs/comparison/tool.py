@@ -22,12 +22,12 @@ class ToolDifference:
     Attributes:
         frame: Name of their link that was measured. Empty if none is a tool: then the
             point of their wrist where Table 1's {5} would be was measured.
-        base: Name of their link that was taken for base_link. Empty if none was meant to
-            be: then the base is where their axes put it.
+        base: Name of their link that was taken for base_link. Empty if none was meant
+            to be: then the base is where their axes put it.
         distance: At the same joint positions, (N,) [m].
         angle: At the same joint positions, (N,) [rad].
-        matched_distance: At positions that mean the same once signs and zeros are matched,
-            (N,) [m].
+        matched_distance: At positions that mean the same once signs and zeros are
+            matched, (N,) [m].
         matched_angle: At the same positions, (N,) [rad].
     """
 

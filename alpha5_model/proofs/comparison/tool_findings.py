@@ -15,8 +15,8 @@ from alpha5_model.proofs.comparison.poses import origin_of
 from alpha5_model.proofs.comparison.records import Finding
 
 #: The collar of the jaws begins this far from axis_c, by the manufacturer's CAD. A tool
-#: frame between it and the finger tips, this close to the axis and with axes this close to
-#: ours, is a choice.
+#: frame between it and the finger tips, this close to the axis and with axes this close
+#: to ours, is a choice.
 JAWS_FROM, BESIDE, TURNED = 0.13275, 0.002, math.radians(0.5)  # [m], [m], [rad]
 
 
@@ -59,7 +59,12 @@ def _on_gripper(evidence: Evidence, point: FloatArray) -> bool:
 
 
 def _axes_are_a_choice(tool: FloatArray, within: float) -> bool:
-    """Whether one axis of a frame in link_4 lies along the wrist, at a roll of n * 30 deg."""
+    """Whether one axis of a frame lies along the wrist, at a roll of n * 30 deg.
+
+    Args:
+        tool: Pose of the frame in link_4, (4, 4).
+        within: How closely [rad].
+    """
     along = np.abs(tool[2, :3])
     axis = int(along.argmax())
     tilt = math.acos(min(1.0, float(along[axis])))

@@ -13,7 +13,8 @@ TOOL_WORDS = ("tcp", "tool", "tip", "grasp", "effector", "eef", "ee")
 def tool_link(robot: UrdfRobot, wrist: str) -> str:
     """The link fixed to the wrist whose name says that its frame is the tool's.
 
-    Of several, the one with the likeliest word, then the outermost. Empty if there is none.
+    Of several, the one with the likeliest word, then the outermost. Empty if there is
+    none.
     """
     steps = {wrist: 0}
     for joint in robot.joints.values():
