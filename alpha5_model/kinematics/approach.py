@@ -5,14 +5,14 @@ plane through its yaw axis, and joint 3 turns about the approach direction throu
 tcp, moving neither. So at a point the arm has at most four approach directions, one per
 branch of its inverse kinematics, each with any roll that the wrist's range allows.
 
-Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of four
-joints has rank four at most, so the poses form a set of dimension four in SE(3), and a
-dexterous workspace with an interior needs six. Nor is there a single dexterous point p,
-for which the approach directions at p would have to fill a sphere. Off the yaw axis the
-plane has two azimuths and the two links in it have two configurations, so there are four
-directions at most. On the axis the azimuth is free and the links have as many
-configurations as before, so the directions form four circles about the axis at most. That
-does not fill a sphere.
+Its dexterous workspace is empty, whatever the joint limits. By rank: the Jacobian of
+four joints has rank four at most, so the poses form a set of dimension four in SE(3),
+and a dexterous workspace with an interior needs six. Nor is there a single dexterous
+point p, for which the approach directions at p would have to fill a sphere. Off the yaw
+axis the plane has two azimuths and the two links in it have two configurations, so
+there are four directions at most. On the axis the azimuth is free and the links have as
+many configurations as before, so the directions form four circles about the axis at
+most. That does not fill a sphere.
 
 References:
     [Lecture7.1] Describing Robot Arms, "Dexterous Workspace".
@@ -38,12 +38,12 @@ class ApproachDirections:
     """Approach directions at points, by branch of the inverse kinematics (`BRANCHES`).
 
     Attributes:
-        directions: Unit vectors from the wrist to the tcp, in ``base_link``, (..., 4, 3);
-            NaN if the branch does not reach the point.
+        directions: Unit vectors from the wrist to the tcp, in ``base_link``,
+            (..., 4, 3); NaN if the branch does not reach the point.
         exists: The branch reaches the point, limits aside, (..., 4).
         within_limits: It does so within the joint limits, (..., 4).
-        any_azimuth: The point lies on the yaw axis: each direction stands for the circle
-            that theta_0 sweeps, and is its middle, (...).
+        any_azimuth: The point lies on the yaw axis: each direction stands for the
+            circle that theta_0 sweeps, and is its middle, (...).
         roll: Least and greatest turn about the direction, the range of the wrist,
             (2,) [rad].
     """

@@ -31,8 +31,8 @@ def revolved(
     Args:
         plane: The arm's.
         arcs: By side.
-        limits: Theta_0 has limits. Then a wedge of azimuths is open to the underarm pose
-            only, and the opposite wedge to the overarm pose only.
+        limits: Theta_0 has limits. Then a wedge of azimuths is open to the underarm
+            pose only, and the opposite wedge to the overarm pose only.
     """
     underarm, overarm, both = (first_moment(arcs[side]) for side in SIDES)
     turn = plane.upper[0] - plane.lower[0]

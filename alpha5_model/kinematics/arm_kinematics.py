@@ -46,8 +46,8 @@ class ArmKinematics:
         plane: Its lengths, offsets and limits.
 
     Raises:
-        InputError: The lengths or limits are not those with which the inverse kinematics
-            were generated.
+        InputError: The lengths or limits are not those with which the inverse
+            kinematics were generated.
     """
 
     def __init__(self, parameters: Alpha5Parameters) -> None:

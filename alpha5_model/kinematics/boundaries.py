@@ -1,8 +1,8 @@
 """The boundary of what the tcp can reach, as arcs of a half-plane.
 
-In the plane the arm is a planar arm of two links. If one of its joints is at the end of its
-range, or the arm is stretched or folded, the other joint moves the tcp on an arc. The
-boundary of the reachable set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
+In the plane the arm is a planar arm of two links. If one of its joints is at the end of
+its range, or the arm is stretched or folded, the other joint moves the tcp on an arc.
+The boundary of the reachable set lies on these arcs [Siciliano2009, 2.10.4; Gupta1986].
 
 References:
     [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.10.4

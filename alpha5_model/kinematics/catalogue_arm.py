@@ -1,4 +1,4 @@
-"""The catalogue's arm, which the functions without an arm among their arguments are about."""
+"""The catalogue's arm, of which functions without an arm argument speak."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def _reference(q: FloatArray, q_reference: ArrayLike) -> FloatArray:
 def _yaw_of_reference(
     q: FloatArray, q_reference: ArrayLike, free: BoolArray, plane: ArmPlane
 ) -> FloatArray:
-    """Solutions with the reference's theta_0, moved into its range, where it is free."""
+    """Solutions with the reference's theta_0, put into its range, if it is free."""
     reference = _reference(q, q_reference)
     yaw = np.clip(reference[..., 0], plane.lower[0], plane.upper[0])
     turned = q.copy()

@@ -1,7 +1,7 @@
 """A half-plane through the yaw axis, R >= 0 outwards and z up, and who reaches it.
 
-The arm that faces the half-plane reaches it from its front (underarm). The arm that turns
-away reaches it from its back (overarm, the plane of the arm mirrored).
+The arm that faces the half-plane reaches it from its front (underarm). The arm that
+turns away reaches it from its back (overarm, the plane of the arm mirrored).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The orientation of the hand, and what the wrist and a free theta_0 can do for it.
 
 What is left of an orientation is split into a turn about the wrist axis and a swing
-across it (swing-twist decomposition, [Dobrowolski2015]). The turn is what theta_3 can do,
-and the swing is what remains: the angle between the wrist axis and where the target wants
-it.
+across it (swing-twist decomposition, [Dobrowolski2015]). The turn is what theta_3 can
+do, and the swing is what remains: the angle between the wrist axis and where the target
+wants it.
 
 References:
     [Dobrowolski2015] Swing-twist decomposition in Clifford algebra, arXiv:1506.05481.
@@ -29,8 +29,8 @@ class Hand(NamedTuple):
     Attributes:
         chain: The arm.
         plane: Its lengths and limits.
-        wrist_axis: Direction of joint 3's axis in the axes of the tcp, (3,), the same for
-            every joint position.
+        wrist_axis: Direction of joint 3's axis in the axes of the tcp, (3,), the same
+            for every joint position.
     """
 
     chain: DHChain
@@ -96,8 +96,8 @@ class Hand(NamedTuple):
         """Candidates for a free theta_0, one of them the best.
 
         cos(error / 2) is bilinear in the half angles of theta_0 and theta_3. Its one
-        maximum has the wrist axis at the target's azimuth. If that is beyond a limit, one
-        of the two joints is at a limit.
+        maximum has the wrist axis at the target's azimuth. If that is beyond a limit,
+        one of the two joints is at a limit.
 
         Args:
             q: (N, 4, 4) [rad].
@@ -132,7 +132,7 @@ class Hand(NamedTuple):
     def _turn_with_wrist_at(
         self, wrist: float, q: FloatArray, rotation: FloatArray
     ) -> FloatArray:
-        """The turns about z nearest to the rotation left over with a theta_3, (N, 4)."""
+        """Turns about z nearest to the rotation left over with a theta_3, (N, 4)."""
         at_end = q.copy()
         at_end[..., 3] = wrist
         rest = rotation[:, None] @ np.swapaxes(self.rotation(at_end), -1, -2)

@@ -1,18 +1,19 @@
-"""Inverse kinematics of the tcp position in closed form: every solution, one target or a million.
+"""Inverse kinematics of the tcp position in closed form, with all solutions.
 
 The plane of the arm (`alpha5_model.kinematics.plane`) can face the target or face away
 from it, and in the plane two links reach a point with the elbow on either side: four
 branches. The document prints the first two (Sections 1.3 and 1.4;
 `published_inverse_kinematics`). Their arccos are written here with half angles, which
-lose no digits at the edge of reach:
+lose no digits at the edge of reach (alpha is by the law of tangents):
 
     rho^2 = (+-R - a_0)^2 + (z - d_0)^2
     t = tan(gamma / 2) = sqrt((rho^2 - (l_1 - l_2)^2) / ((l_1 + l_2)^2 - rho^2))
     phi = atan2(z - d_0, +-R - a_0) -+ alpha
-    alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)  (law of tangents)
+    alpha = pi/2 - atan(t) + atan(k / t),  k = (l_2 - l_1) / (l_2 + l_1)
 
 The kernels, made from `alpha5_model.codegen.inverse_kinematics`, compute the same with
-fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's range.
+fewer arctangents, and also at every edge: of the yaw axis, of reach, of a joint's
+range.
 
 References:
     [ReachAlpha] Manufacturer's document, Sections 1.3 and 1.4.
@@ -47,8 +48,8 @@ class Solutions(SolutionArrays):
             range's middle.
         exists: The branch reaches the target, limits aside, (..., 4).
         within_limits: It exists and respects all four joint limits, (..., 4).
-        singular: The target lies on the yaw axis, or at the edge of a branch that reaches
-            it: arm stretched or folded, where the two elbows coincide, (...).
+        singular: The target lies on the yaw axis, or at the edge of a branch that
+            reaches it: arm stretched or folded, where the two elbows coincide, (...).
         position: The targets, (..., 3) [m].
     """
 
@@ -67,8 +68,8 @@ class Solutions(SolutionArrays):
             (..., 4) [rad].
 
         Raises:
-            UnreachableError: A target that no branch reaches within the limits, with the
-                distance to the nearest point that is reached and that point.
+            UnreachableError: A target that no branch reaches within the limits, with
+                the distance to the nearest point that is reached and that point.
             JointLimitError: The wrist angle asked for is beyond the limits of axis_b.
         """
         return catalogue().best(self, q_reference)
@@ -79,20 +80,20 @@ def inverse_kinematics(position: ArrayLike, wrist: ArrayLike = 0.0) -> Solutions
 
     On the yaw axis (within 1e-9 m of it) theta_0 is free: the middle of its range is
     returned, the tcp is put on the axis itself and ``singular`` is set. A batch of N
-    targets needs memory for its output, 137 bytes per target, and a scratch that does not
-    grow with N.
+    targets needs memory for its output, 137 bytes per target, and a scratch that does
+    not grow with N.
 
     Args:
         position: tcp in ``base_link``, (..., 3) [m].
-        wrist: theta_3, which moves no point; it broadcasts against ``position``'s leading
-            axes [rad].
+        wrist: theta_3, which moves no point; it broadcasts against ``position``'s
+            leading axes [rad].
 
     Returns:
         Four branches per target, whether each exists and respects the limits.
 
     Raises:
-        InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a
-            bad row.
+        InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
+            a bad row.
     """
     # The kernel knows the catalogue's arm: one target takes no more than this call.
     solved: Solutions | None = module().inverse_kinematics(Solutions, position, wrist)
@@ -111,8 +112,8 @@ def published_inverse_kinematics(position: ArrayLike) -> FloatArray:
         position: tcp in ``base_link``, (..., 3) [m].
 
     Returns:
-        theta_0, theta_1, theta_2 of the underarm pose (Section 1.3) and the overarm pose
-        (Section 1.4), (..., 2, 3) [rad]; NaN if the formulas have no value.
+        theta_0, theta_1, theta_2 of the underarm pose (Section 1.3) and the overarm
+        pose (Section 1.4), (..., 2, 3) [rad]; NaN if the formulas have no value.
 
     Raises:
         InputError: Not real numbers of that shape; `NonFiniteError` names a bad row.

@@ -1,8 +1,8 @@
-"""Following a path of points without a jump: the least joint travel through branches and limits.
+"""Joint positions along a path of points, without a jump and of least joint travel.
 
 Each point has up to four solutions within the limits, and the path goes through one of
-each (`alpha5_model.kinematics.path_search`). The ranges of all joints are shorter than a
-turn, so each solution has one place in its range. A step across the closed wedge of
+each (`alpha5_model.kinematics.path_search`). The ranges of all joints are shorter than
+a turn, so each solution has one place in its range. A step across the closed wedge of
 theta_0, or onto another branch away from where the branches meet, is a jump and is not
 taken. On the yaw axis theta_0 is free (`alpha5_model.kinematics.axis_crossing`).
 """

@@ -1,12 +1,12 @@
 """The path of least joint travel through the solutions of a sequence of points.
 
-Dynamic programming [Bellman1957], as for redundant arms [Guigue2007]: from each solution
-of a point, only the way of least travel to it is kept.
+Dynamic programming [Bellman1957], as for redundant arms [Guigue2007]: from each
+solution of a point, only the way of least travel to it is kept.
 
 References:
     [Bellman1957] Dynamic Programming, Princeton University Press.
-    [Guigue2007] Guigue, Ahmadi, Hayes, Langlois, Tang: A dynamic programming approach to
-        redundancy resolution with multiple criteria, ICRA 2007.
+    [Guigue2007] Guigue, Ahmadi, Hayes, Langlois, Tang: A dynamic programming approach
+        to redundancy resolution with multiple criteria, ICRA 2007.
 """
 
 from __future__ import annotations

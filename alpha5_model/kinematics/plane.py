@@ -8,8 +8,8 @@ the shoulder is at ``(a_0, d_0)``, and
 Here ``l_1 = a_1`` and ``l_2 = sqrt(a_2^2 + d_3^2)`` are the sides l_1 and l_2 of the
 document's triangle (Section 1.3), phi is the direction of the first link and gamma the
 angle of the triangle at the elbow. Both are a joint angle plus a constant:
-``phi = theta_1 + phi_offset``, ``gamma = theta_2 + gamma_offset``. Joint 3 turns about an
-axis through the tcp and does not move it.
+``phi = theta_1 + phi_offset``, ``gamma = theta_2 + gamma_offset``. Joint 3 turns about
+an axis through the tcp and does not move it.
 
 References:
     [Siciliano2009] Siciliano, Sciavicco, Villani, Oriolo: Robotics, section 2.12.2.
@@ -60,7 +60,8 @@ class ArmPlane(NamedTuple):
         """The plane of the arm that a record describes.
 
         Raises:
-            PublishedDataError: Table 1 is not of the shape that this closed form solves.
+            PublishedDataError: Table 1 is not of the shape that this closed form
+                solves.
         """
         base, upper, fore, wrist, tip = parameters.dh[:5]
         alphas = [base.alpha, upper.alpha, fore.alpha]

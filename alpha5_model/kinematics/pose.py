@@ -1,4 +1,4 @@
-"""Inverse kinematics of a whole pose: position exact, orientation as close as four joints allow.
+"""Inverse kinematics of a whole pose: exact position, closest orientation.
 
 A branch fixes theta_0 to theta_2; what is left of the orientation is a turn about the
 wrist axis (`alpha5_model.kinematics.hand`), and what that leaves is the rotation error.
@@ -27,8 +27,8 @@ class PoseSolutions(PoseSolutionArrays):
     """All solutions of a set of target poses. Arrays are read-only.
 
     Attributes:
-        q: (..., 4, 4): branch axis (`BRANCHES`), joint axis [rad]; NaN if the branch does
-            not reach the position. theta_3 minimises the rotation error within its
+        q: (..., 4, 4): branch axis (`BRANCHES`), joint axis [rad]; NaN if the branch
+            does not reach the position. theta_3 minimises the rotation error within its
             limits.
         exists: The branch reaches the position, limits aside, (..., 4).
         within_limits: It respects all four joint limits, (..., 4).
@@ -44,8 +44,8 @@ class PoseSolutions(PoseSolutionArrays):
     def best(self, q_reference: ArrayLike) -> FloatArray:
         """The solution within the limits with the least rotation error.
 
-        Of equally good ones, the nearest to ``q_reference`` in the Euclidean norm of the
-        joint differences [rad].
+        Of equally good ones, the nearest to ``q_reference`` in the Euclidean norm of
+        the joint differences [rad].
 
         Args:
             q_reference: (4,) or (..., 4) [rad].
@@ -60,10 +60,11 @@ class PoseSolutions(PoseSolutionArrays):
 
 
 def inverse_kinematics_pose(transform: Any) -> PoseSolutions:
-    """Joint positions that reach a position exactly and an orientation as closely as possible.
+    """Joint positions that reach a position exactly and an orientation closely.
 
-    On the yaw axis theta_0 is free: it and theta_3 are chosen together, for the least
-    rotation error within the limits of both.
+    The orientation is as close as four joints allow. On the yaw axis theta_0 is free:
+    it and theta_3 are chosen together, for the least rotation error within the limits
+    of both.
 
     Args:
         transform: transform_tcp_to_base, (..., 4, 4), or a ``pinocchio.SE3``.

@@ -13,8 +13,8 @@ from alpha5_model.kinematics.plane import on_axis
 from alpha5_model.kinematics.solutions import PoseSolutionArrays, SolutionArrays
 from alpha5_model.kinematics.solver import solve
 
-#: A rotation error below this counts as none [rad]; on the edge of reach, rounding of the
-#: position turns the wrist axis by some 1e-8.
+#: A rotation error below this counts as none [rad]; on the edge of reach, rounding of
+#: the position turns the wrist axis by some 1e-8.
 EXACT_TOLERANCE = 1e-7
 
 

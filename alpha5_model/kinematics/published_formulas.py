@@ -16,9 +16,10 @@ from alpha5_model.numbers.parameters import Alpha5Parameters
 def published_inverse_kinematics(
     parameters: Alpha5Parameters, position: ArrayLike
 ) -> FloatArray:
-    """theta_0, theta_1, theta_2 of the underarm and the overarm pose, (..., 2, 3) [rad].
+    """theta_0, theta_1, theta_2 of the two published poses, (..., 2, 3) [rad].
 
-    NaN if the formulas have no value. The names are the document's.
+    The first pose is underarm, the second overarm; NaN if the formulas have no value.
+    The names are the document's.
     """
     target = float_array("position", position, (3,))
     x, y, z = np.moveaxis(target, -1, 0)

@@ -42,8 +42,8 @@ class Torus(NamedTuple):
 class PublishedErrors:
     """The published region against the reachable set with the joint limits.
 
-    Areas are of the half-plane where both poses can turn to it; volumes count the closed
-    wedges too.
+    Areas are of the half-plane where both poses can turn to it; volumes count the
+    closed wedges too.
 
     Attributes:
         published_area, reachable_area: [m^2].
@@ -132,7 +132,7 @@ def reachable_but_unpublished(
 def _difference(
     parameters: Alpha5Parameters, side: str, published: bool
 ) -> tuple[Arc, ...]:
-    """Boundary of what one of the two has, published or reached, and the other lacks."""
+    """Boundary of what is published but not reached, or reached but not published."""
     plane = ArmPlane.from_parameters(parameters)
     arcs = _printed_arcs(parameters)
     for pose in POSES:

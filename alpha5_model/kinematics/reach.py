@@ -2,9 +2,10 @@
 
 Within the limits the reachable set is no full solid of revolution: theta_0 turns 350.97
 degrees, so a wedge of azimuths is closed to the underarm pose and the opposite wedge to
-the overarm pose. The set is the union of the two poses, each turned through the azimuths
-that it can face. A point in the closed wedge of one pose may still be reached by the
-other, and the nearest point of a pose to a target in its wedge lies in the wedge's face.
+the overarm pose. The set is the union of the two poses, each turned through the
+azimuths that it can face. A point in the closed wedge of one pose may still be reached
+by the other, and the nearest point of a pose to a target in its wedge lies in the
+wedge's face.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ def boundary(side: str = "both", limits: bool = True) -> tuple[Arc, ...]:
     the reachable set, which goes on beyond it.
 
     Args:
-        side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds at
-            all azimuths where the range of theta_0 allows both.
+        side: ``"underarm"``, ``"overarm"``, or ``"both"`` for their union, which holds
+            at all azimuths where the range of theta_0 allows both.
         limits: Respect the limits of theta_1 and theta_2.
 
     Raises:
@@ -73,15 +74,15 @@ def reachable(
             are free.
         accept: Counts a branch only if this returns True for its joint position: a
             function of (M, 4) [rad], (M,) bool, such as
-            `alpha5_model.without_self_collision`. theta_3 is the middle of its range, and
-            on the yaw axis theta_0 is tried every 10 degrees.
+            `alpha5_model.without_self_collision`. theta_3 is the middle of its range,
+            and on the yaw axis theta_0 is tried every 10 degrees.
 
     Returns:
         (...) bool; the boundary belongs to the set.
 
     Raises:
-        InputError: Not real numbers of that shape (`NonFiniteError` names a bad row), or
-            limits that are neither True nor False.
+        InputError: Not real numbers of that shape (`NonFiniteError` names a bad row),
+            or limits that are neither True nor False.
     """
     return catalogue().reachable(positions, limits, accept)
 

@@ -57,7 +57,7 @@ def sampled_share(
 def _reachable_points(
     plane: ArmPlane, number: int, rng: np.random.Generator, azimuth: float | None
 ) -> FloatArray:
-    """Points drawn evenly from the reachable set, or a half-plane of it, (number, 3)."""
+    """Points drawn evenly from the reachable set or a half-plane of it, (number, 3)."""
     parts: list[FloatArray] = []
     found = 0
     while found < number:

@@ -65,8 +65,8 @@ def solve(kind: type[Kind], position: ArrayLike, wrist: ArrayLike) -> Kind:
         wrist: theta_3; it broadcasts against ``position``'s leading axes [rad].
 
     Raises:
-        InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names a
-            bad row.
+        InputError: Not real numbers, or shapes that do not fit; `NonFiniteError` names
+            a bad row.
     """
     solved: Kind | None = module().inverse_kinematics(kind, position, wrist)
     if solved is not None:

@@ -1,7 +1,8 @@
 """The workspace: as published, as it is, and how much of the published one is wrong.
 
-`boundary` gives the exact arcs. `reachable`, `distance_to_reach` and `nearest_reachable`
-answer for points, `manipulability` and `singularities` for joint positions.
+`boundary` gives the exact arcs. `reachable`, `distance_to_reach` and
+`nearest_reachable` answer for points, `manipulability` and `singularities` for joint
+positions.
 """
 
 from __future__ import annotations
@@ -53,7 +54,10 @@ __all__ = [
 
 
 def published_tori() -> tuple[Torus, Torus, Torus]:
-    """The three limits of Section 1.2 as printed: 39.94 mm where Table 1 has 40, d_3 negative."""
+    """The three limits of Section 1.2, as printed.
+
+    39.94 mm where Table 1 has 40, and d_3 is negative.
+    """
     return published_region.published_tori(catalogue().parameters)
 
 
@@ -70,7 +74,7 @@ def published_reachable(positions: ArrayLike) -> BoolArray:
 
 
 def in_tori(radius: FloatArray, z: FloatArray) -> BoolArray:
-    """Which points of a half-plane (R, z) [m] satisfy the inequalities of Section 1.2."""
+    """Which points (R, z) [m] satisfy the three inequalities of Section 1.2, (...)."""
     return published_region.in_tori(catalogue().parameters, radius, z)
 
 
@@ -80,7 +84,7 @@ def published_errors() -> PublishedErrors:
 
 
 def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
-    """Boundary of what the document claims and no joint position within the limits reaches.
+    """Boundary of what the document claims and the arm does not reach.
 
     Args:
         side: As for `boundary`.
@@ -89,7 +93,7 @@ def published_but_unreachable(side: str = "both") -> tuple[Arc, ...]:
 
 
 def reachable_but_unpublished(side: str = "both") -> tuple[Arc, ...]:
-    """Boundary of what can be reached and the document leaves out.
+    """Boundary of what the arm reaches and the document leaves out.
 
     Args:
         side: As for `boundary`.
@@ -111,8 +115,8 @@ def volume(limits: bool = True) -> float:
     """Volume of the reachable set, exact [m^3].
 
     Args:
-        limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge of
-            azimuths belongs to the overarm pose alone, and the opposite one to the
+        limits: Respect the limits of theta_0, theta_1 and theta_2. With them, a wedge
+            of azimuths belongs to the overarm pose alone, and the opposite one to the
             underarm pose alone.
     """
     return catalogue().volume(limits)
@@ -137,8 +141,8 @@ def sampled_share(
             then.
 
     Raises:
-        InputError: Bad input, or an answer of ``accept`` that is not one True or False a
-            row.
+        InputError: Bad input, or an answer of ``accept`` that is not one True or False
+            a row.
     """
     return catalogue().sampled_share(accept, samples, seed, azimuth)
 
@@ -153,7 +157,10 @@ def singularities(q: ArrayLike) -> Singularities:
 
 
 def singular_elbow_angles() -> dict[str, float]:
-    """theta_2 of the stretched and of the folded arm [rad]; the folded one is beyond its limits."""
+    """theta_2 of the stretched and of the folded arm [rad].
+
+    The folded one is beyond its limits.
+    """
     return catalogue().singular_elbow_angles()
 
 

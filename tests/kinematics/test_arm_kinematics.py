@@ -1,0 +1,148 @@
+"""The kinematics as an object of one record: the catalogue's answers, and refusal of other arms."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import alpha5_model as a5
+from alpha5_model.errors import InputError, JointLimitError, PublishedDataError
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
+from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.ik import Solutions
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.pose import PoseSolutions, approach_directions
+from alpha5_model.numbers.parameters import Alpha5Parameters
+
+TARGETS = np.random.default_rng(2).uniform(-0.3, 0.3, (60, 3))
+REFERENCE = [1.0, 2.0, 1.5, 0.5]
+
+
+def with_row(index: int, **changes: float) -> Alpha5Parameters:
+    """The catalogue's record with a row of Table 1 changed."""
+    record = a5.parameters()
+    rows = list(record.dh)
+    rows[index] = replace(rows[index], **changes)
+    return replace(record, dh=tuple(rows))
+
+
+def with_joint(index: int, **changes: object) -> Alpha5Parameters:
+    """The catalogue's record with a joint changed."""
+    record = a5.parameters()
+    joints = list(record.joints)
+    joints[index] = replace(joints[index], **changes)
+    return replace(record, joints=tuple(joints))
+
+
+def longer() -> Alpha5Parameters:
+    return with_row(1, a=a5.parameters().dh[1].a + 0.05)
+
+
+def wider() -> Alpha5Parameters:
+    return with_joint(2, upper=a5.parameters().joints[2].upper + 0.1)
+
+
+def narrower_wrist() -> Alpha5Parameters:
+    return with_joint(3, upper=a5.parameters().joints[3].upper / 2)
+
+
+def turned() -> Alpha5Parameters:
+    return with_row(0, theta_offset=0.0)
+
+
+@pytest.mark.parametrize(
+    ("other", "named"),
+    [
+        (longer, "l_1 = 0.2"),
+        (wider, "upper = "),
+        (narrower_wrist, "upper = "),
+        (turned, "azimuth_offset = 0.0"),
+    ],
+)
+def test_an_arm_that_the_kernels_do_not_know_is_refused(
+    other: Callable[[], Alpha5Parameters], named: str
+) -> None:
+    with pytest.raises(InputError, match=f"^parameters: .*generated, got '?{named}"):
+        ArmKinematics(other())
+
+
+def test_the_plane_of_another_arm_is_its_own() -> None:
+    ours, theirs = ArmPlane.from_parameters(a5.parameters()), longer()
+    plane = ArmPlane.from_parameters(theirs)
+    assert plane.l_1 == pytest.approx(ours.l_1 + 0.05, abs=1e-15)
+    assert plane.longest == pytest.approx(ours.longest + 0.05, abs=1e-15)
+    assert plane.l_2 == ours.l_2
+    assert ArmPlane.from_parameters(wider()).upper[2] == ours.upper[2] + 0.1
+
+
+def test_an_arm_of_another_shape_has_no_plane() -> None:
+    with pytest.raises(PublishedDataError, match="not a vertical plane"):
+        ArmKinematics(with_row(2, alpha=0.3))
+
+
+def test_an_arm_of_the_same_lengths_answers_as_the_catalogue() -> None:
+    record = a5.parameters()
+    links = (*record.links[:4], replace(record.links[4], mass=0.5))
+    arm = ArmKinematics(replace(record, links=links))
+    poses = a5.dh.DHChain.alpha5().forward_kinematics(
+        np.random.default_rng(3).uniform(0.5, 3.0, (20, 4))
+    )
+    inside = TARGETS[a5.reachable(TARGETS)]
+    for ours, theirs in (
+        (arm.inverse_kinematics(TARGETS, 0.4), a5.inverse_kinematics(TARGETS, 0.4)),
+        (arm.inverse_kinematics_pose(poses), a5.inverse_kinematics_pose(poses)),
+    ):
+        assert type(ours)._fields == type(theirs)._fields
+        for one, other in zip(ours, theirs, strict=True):
+            np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(
+        arm.best(arm.inverse_kinematics(inside), REFERENCE),
+        a5.inverse_kinematics(inside).best(REFERENCE),
+    )
+    np.testing.assert_array_equal(
+        arm.approach_directions(TARGETS).directions,
+        approach_directions(TARGETS).directions,
+    )
+    np.testing.assert_array_equal(
+        arm.nearest_reachable(TARGETS), a5.nearest_reachable(TARGETS)
+    )
+    assert arm.volume() == a5.workspace.volume()
+
+
+def test_a_refusal_names_the_joint_of_the_arm_that_was_solved() -> None:
+    arm = ArmKinematics(with_joint(3, name="left_axis_b"))
+    solutions = arm.inverse_kinematics([0.2, 0.0, 0.1], 6.25)
+    with pytest.raises(JointLimitError, match="left_axis_b"):
+        arm.best(solutions, REFERENCE)
+    with pytest.raises(JointLimitError, match=r"^axis_b"):
+        a5.inverse_kinematics([0.2, 0.0, 0.1], 6.25).best(REFERENCE)
+
+
+def test_there_is_one_catalogue_arm() -> None:
+    assert catalogue() is catalogue()
+    assert catalogue().parameters is a5.parameters()
+
+
+@pytest.mark.parametrize(
+    ("solve", "kind"),
+    [
+        (lambda: a5.inverse_kinematics([0.2, 0.0, 0.1]), Solutions),
+        (lambda: a5.inverse_kinematics(TARGETS), Solutions),
+        (lambda: a5.inverse_kinematics_pose(np.eye(4)), PoseSolutions),
+    ],
+)
+def test_solutions_are_of_the_public_class_and_can_be_pickled(
+    solve: Callable[[], Solutions | PoseSolutions], kind: type
+) -> None:
+    solutions = solve()
+    assert type(solutions) is kind
+    assert len(solutions) == len(kind._fields)
+    assert not hasattr(solutions, "__dict__")
+    again = pickle.loads(pickle.dumps(solutions))
+    assert type(again) is kind
+    for one, other in zip(solutions, again, strict=True):
+        np.testing.assert_array_equal(one, other)
