@@ -22,10 +22,10 @@ from alpha5_model.geometry.drawing import bodies
 from alpha5_model.geometry.gltf import Node, glb
 from alpha5_model.geometry.triangles import Surface, surface
 from alpha5_model.geometry.wavefront import MTL_NAME, mtl, obj
-from alpha5_model.numbers.parameters import parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 
 GLB_NAME = "alpha5.glb"
-#: What part of the files needs, and what is not done where it is not installed.
+#: Packages that part of the files needs -> what is not done without them.
 _NEEDED = {"manifold3d": "meshes are not drawn", "casadi": "formulas are not generated"}
 #: Drawn by ``scripts/figures/make_figures.py``, not compared: pixels depend on the renderer.
 _PICTURE = b"![The arm in its home pose](alpha5.png)"
@@ -47,51 +47,64 @@ class StaleFile:
 def generated_files() -> dict[str, bytes]:
     """Every file that is committed and generated: path in the repository -> content.
 
-    Meshes and formulas are there only where what they need is, see `not_generated`.
+    Meshes and formulas are left out if the packages that they need are not installed, see
+    `not_generated`.
     """
-    lacking = _lacking()
-    texts = {"xacro/parameters.yaml": parameter_yaml(parameters())}
+    arm = parameters()
+    drawn = {} if "manifold3d" in _lacking() else mesh_files()
+    texts = {"xacro/parameters.yaml": parameter_yaml(arm)}
     for gripper, name in (("locked", "alpha5"), ("jaws", "alpha5_jaws")):
         texts[f"urdf/{name}.urdf"] = urdf(Variant(gripper=gripper))
         texts[f"urdf/{name}.srdf"] = srdf(gripper)
-    if _in_checkout() and "casadi" not in lacking:
-        from alpha5_model.codegen.sources import generated_sources
+    texts |= _formulas()
+    return {
+        **{path: text.encode("utf-8") for path, text in texts.items()},
+        **{f"meshes/{name}": content for name, content in drawn.items()},
+        **_menagerie(drawn),
+    }
 
-        texts |= generated_sources()
-    drawn = {} if "manifold3d" in lacking else mesh_files()
-    meshes = {f"meshes/{name}": content for name, content in drawn.items()}
-    return (
-        {path: text.encode("utf-8") for path, text in texts.items()}
-        | meshes
-        | _menagerie(drawn)
-    )
+
+def _formulas() -> dict[str, str]:
+    """Generated source code of the package; an installed package has it as it is."""
+    if not _in_checkout() or "casadi" in _lacking():
+        return {}
+
+    from alpha5_model.codegen.sources import generated_sources
+
+    return generated_sources()
 
 
 def _menagerie(drawn: Mapping[str, bytes]) -> dict[str, bytes]:
     """``mjcf/``: the arm with its jaws locked, and open, in the form of MuJoCo Menagerie."""
-    files, jaws = mjcf_files(), mjcf_files(MjcfOptions(gripper="jaws"))
-    title, said = files["README.md"].split(b"\n\n", 1)
-    files["README.md"] = b"\n\n".join((title, _PICTURE, said))
-    files["alpha5_jaws.xml"] = jaws["alpha5.xml"]
-    files["scene_jaws.xml"] = files["scene.xml"].replace(b"alpha5", b"alpha5_jaws")
-    texts = {
-        path: content
-        for path, content in files.items()
-        if not path.startswith("assets/")
-    }
-    assets = {f"assets/{name}": drawn[name] for name in drawn if name.endswith(".obj")}
-    return {f"mjcf/{path}": content for path, content in (texts | assets).items()}
+    locked = mjcf_files()
+    jaws = mjcf_files(MjcfOptions(gripper="jaws"))
+    title, text = locked["README.md"].split(b"\n\n", 1)
+
+    files = {}
+    for path, content in locked.items():
+        if not path.startswith("assets/"):
+            files[f"mjcf/{path}"] = content
+    files["mjcf/README.md"] = b"\n\n".join((title, _PICTURE, text))
+    files["mjcf/alpha5_jaws.xml"] = jaws["alpha5.xml"]
+    scene = locked["scene.xml"]
+    files["mjcf/scene_jaws.xml"] = scene.replace(b"alpha5", b"alpha5_jaws")
+    for name, content in drawn.items():
+        if name.endswith(".obj"):
+            files[f"mjcf/assets/{name}"] = content
+    return files
 
 
 def not_generated() -> tuple[str, ...]:
     """Why some files are not generated here, one line for each package that is not installed."""
-    lacking = ((name, _NEEDED[name]) for name in _lacking())
-    return tuple(
-        f"{n} is not installed: the {x} anew (pip install {n})" for n, x in lacking
-    )
+    lines = []
+    for name in _lacking():
+        remedy = f"the {_NEEDED[name]} anew (pip install {name})"
+        lines.append(f"{name} is not installed: {remedy}")
+    return tuple(lines)
 
 
 def _lacking() -> list[str]:
+    """Packages of `_NEEDED` that are not installed."""
     # An installed package has its formulas as they are.
     needed = _NEEDED if _in_checkout() else ["manifold3d"]
     return [package for package in needed if find_spec(package) is None]
@@ -110,8 +123,9 @@ def stale_files(
         repository: Folder that holds ``urdf/``, ``xacro/``, ``meshes/`` and ``mjcf/``.
         fresh: Result of `generated_files`; computed if not given.
     """
+    files = generated_files() if fresh is None else fresh
     stale = []
-    for path, content in (generated_files() if fresh is None else fresh).items():
+    for path, content in files.items():
         file = Path(repository) / path
         committed = file.read_bytes() if file.is_file() else None
         if committed != content:
@@ -122,9 +136,9 @@ def stale_files(
 def update(repository: str = REPOSITORY_PATH) -> list[Path]:
     """Write the generated files into the repository; returns the paths that changed."""
     fresh = generated_files()
-    changed = {
-        Path(repository, s.path): fresh[s.path] for s in stale_files(repository, fresh)
-    }
+    changed = {}
+    for stale in stale_files(repository, fresh):
+        changed[Path(repository, stale.path)] = fresh[stale.path]
     atomic_write_all(changed)
     return list(changed)
 
@@ -137,32 +151,37 @@ def mesh_files() -> dict[str, bytes]:
         MissingDependencyError: manifold3d, with which the bodies are drawn, is not installed.
     """
     surfaces = {name: surface(body.solid) for name, body in bodies().items()}
-    objects = {f"{name}.obj": obj(name, body) for name, body in surfaces.items()}
-    return {**objects, MTL_NAME: mtl(), GLB_NAME: glb(list(_scene(surfaces)))}
+    objects = {f"{name}.obj": obj(name, drawn) for name, drawn in surfaces.items()}
+    scene = glb(list(_scene(surfaces, parameters())))
+    return {**objects, MTL_NAME: mtl(), GLB_NAME: scene}
 
 
-def _scene(surfaces: Mapping[str, Surface]) -> Iterator[Node]:
+def _scene(
+    surfaces: Mapping[str, Surface], parameters: Alpha5Parameters
+) -> Iterator[Node]:
     """The arm in its home pose; node ``link_i`` turns about z in node ``axis_...`` by the joint angle."""
     # glTF has y up, the base frame has z up.
     yield Node("base_link", Placement("", rpy=(-math.pi / 2, 0.0, 0.0)))
     angles = iter(NAMED_POSES["home"])
-    for body in arm_bodies(parameters(), "jaws"):
+    for body in arm_bodies(parameters, "jaws"):
         if not body.meshes:  # the rod
             continue
-        at = body.placement
+        placement = body.placement
         if body.joint is not None:
-            yield Node(body.joint.name, at)
-            at = Placement(body.joint.name, rpy=(0.0, 0.0, next(angles, 0.0)))
-        yield Node(body.name, at, surfaces[body.name])
+            yield Node(body.joint.name, placement)
+            angle = next(angles, 0.0)
+            placement = Placement(body.joint.name, rpy=(0.0, 0.0, angle))
+        yield Node(body.name, placement, surfaces[body.name])
 
 
 def _diff(path: str, committed: bytes | None, fresh: bytes) -> str:
+    """Unified diff of a committed and a fresh file."""
     if committed is None:
         return f"{path}: missing\n"
     try:
-        old, new = (
-            text.decode("utf-8").splitlines(True) for text in (committed, fresh)
-        )
+        old = committed.decode("utf-8").splitlines(True)
+        new = fresh.decode("utf-8").splitlines(True)
     except UnicodeDecodeError:
         return f"{path}: {len(committed)} bytes differ from {len(fresh)} fresh ones\n"
-    return "".join(difflib.unified_diff(old, new, f"committed/{path}", f"fresh/{path}"))
+    lines = difflib.unified_diff(old, new, f"committed/{path}", f"fresh/{path}")
+    return "".join(lines)

@@ -5,12 +5,7 @@ volume-weighted mean of the collisions' pose origins as its centre of buoyancy (
 ``systems::Buoyancy``). One box per link, of exactly the printed volume and placed at the printed centre,
 therefore gives Table 3. A box is also the shape for which the system's graded density works.
 
-On request, estimated and in SDF 1.11: added mass in ``<fluid_added_mass>``, which is about the link's origin
-[SDFormat]_, and drag by Gazebo's hydrodynamics system. It takes no coefficient but those of products
-``nu_j |nu_k|`` about the link's origin (``yVabsV``, negative where they brake), so its drag is the strips' for
-each component of a velocity alone and near it for others. Its own added mass, a step late, is off.
-
-.. [SDFormat] SDFormat 1.11, inertial.sdf, ``fluid_added_mass``; gz-sim, ``systems::Hydrodynamics``.
+Added mass and drag, on request, are written by `alpha5_model.description.sdf_water`.
 """
 
 from __future__ import annotations
@@ -19,36 +14,33 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
-from typing import Any
 
 import numpy as np
 
-from alpha5_model._support.checks import choice, flag
-from alpha5_model._support.spatial import Placement, cross_matrix
+from alpha5_model._support.checks import FloatArray, choice, flag
+from alpha5_model._support.spatial import Placement
 from alpha5_model.description.assets import mesh_assets, template
 from alpha5_model.description.bodies import Body, arm_bodies
 from alpha5_model.description.frames import tcp_placement
-from alpha5_model.description.xml import XML_HEAD, add, document, serialized, text_of
+from alpha5_model.description.sdf_water import added_mass, drag
+from alpha5_model.description.xml import (
+    XML_HEAD,
+    Nested,
+    add,
+    document,
+    fill,
+    serialized,
+    text_of,
+)
 from alpha5_model.geometry.materials import material_of
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS, check_corrections
 from alpha5_model.numbers.fluids import SEA_WATER, density_of
-from alpha5_model.numbers.hydrodynamics import (
-    WATER_DENSITY,
-    BodyHydrodynamics,
-    gauss_points,
-    hydrodynamics,
-)
+from alpha5_model.numbers.hydrodynamics import hydrodynamics
 from alpha5_model.numbers.jaws import GRIPPERS, FingerJoint
 from alpha5_model.numbers.parameters import Alpha5Parameters, JointRange, parameters
 
 #: 1.9 is the most that Debian's libsdformat reads; 1.11 has ``mimic`` and ``fluid_added_mass``.
 SDF_VERSIONS = ("1.9", "1.11")
-#: Names of the components of a velocity in a matrix of added mass, of a force and of a velocity in damping.
-_ADDED, _FORCE, _VELOCITY = "xyzpqr", "xyzkmn", "UVWPQR"
-#: Share of a velocity that counts beside another one. A norm is no sum of sizes; with this one the damping is within
-#: a tenth of the strips in a current and a sixth where joints move (root mean square), 0 and 1 both err by more.
-_BESIDE = 0.45
 
 
 @dataclass(frozen=True)
@@ -93,11 +85,10 @@ def sdf_files(options: SdfOptions | None = None) -> dict[str, bytes]:
     """
     chosen = options or SdfOptions()
     meshes = mesh_assets(".obj", ".mtl")
+    config = template("model.config").format(version=chosen.version)
     return {
         "model.sdf": sdf(chosen, meshes).encode(),
-        "model.config": template("model.config")
-        .format(version=chosen.version)
-        .encode(),
+        "model.config": config.encode(),
         "world.sdf": sdf_world(chosen, meshes).encode(),
         **{f"meshes/{name}": data for name, data in meshes.items()},
     }
@@ -110,7 +101,10 @@ def sdf(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> str:
         options: What to write.
         meshes: File names of the meshes that will be in ``meshes/``; others are left out.
     """
-    root, _ = _document(options or SdfOptions(), meshes)
+    chosen = options or SdfOptions()
+    arm = parameters(chosen.corrections)
+    root = _empty_document(chosen, arm)
+    root.append(_model(chosen, arm, meshes))
     return XML_HEAD + serialized(root)
 
 
@@ -120,157 +114,150 @@ def sdf_world(options: SdfOptions | None = None, meshes: Iterable[str] = ()) -> 
     The arm is written into it, so that no search path is needed. Arguments as for `sdf`.
     """
     chosen = options or SdfOptions()
-    root, arm = _document(chosen, meshes)
-    root.remove(arm)
-    frame = ET.fromstring(
-        template("world.sdf").format(density=text_of(chosen.fluid_density))
-    )
-    frame[-1].insert(0, arm)  # into the model that is mounted
-    root.append(frame)
+    arm = parameters(chosen.corrections)
+    density = text_of(chosen.fluid_density)
+    world = ET.fromstring(template("world.sdf").format(density=density))
+    mount = world[-1]
+    mount.insert(0, _model(chosen, arm, meshes))
+
+    root = _empty_document(chosen, arm)
+    root.append(world)
     return XML_HEAD + serialized(root)
 
 
-def _document(
-    options: SdfOptions, meshes: Iterable[str]
-) -> tuple[ET.Element, ET.Element]:
-    values = parameters(options.corrections)
-    water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
-    said = "estimated, not published: published/estimated_hydrodynamics.toml of the package"
-    start = "start elsewhere, such as at home of the SRDF"
-    comments = [f"Added mass and drag: {said}."] if options.hydrodynamics else []
+def _empty_document(options: SdfOptions, arm: Alpha5Parameters) -> ET.Element:
+    """The root element, with comments about sources and the start."""
+    comments = []
+    if options.hydrodynamics:
+        comments.append(
+            "Added mass and drag: estimated, not published: "
+            "published/estimated_hydrodynamics.toml of the package."
+        )
     comments.append(
-        f"At zero, where Gazebo starts, joints are beyond their limits: {start}."
+        "At zero, where Gazebo starts, joints are beyond their limits: "
+        "start elsewhere, such as at home of the SRDF."
     )
-    root = document(values, "sdf", *comments, version=options.version)
-    # base_link and tcp have no mass: frames here, because a simulated link needs some.
-    names = {"canonical_link": "link_0", "placement_frame": "base_link"}
-    model = add(root, "model", name="alpha5", **names)
-    _frame(
-        model, "base_link", Placement("link_0", rpy=(0.0, 0.0, -values.base_yaw + 0.0))
-    )
-    for body in arm_bodies(values, options.gripper, meshes):
-        moved = water.get(body.name)
-        inertial = _link(model, body, values)
-        if body.joint is not None:
-            _joint(model, body.joint, body, options.version)
-        if moved is not None:
-            _fill(inertial, fluid_added_mass=_added_mass(moved, options.fluid_density))
-            _drag(model, body.name, moved, options.fluid_density)
-    _frame(model, "tcp", tcp_placement(values))
-    return root, model
+    return document(arm, "sdf", *comments, version=options.version)
 
 
-def _buoyancy_box(body: Body, values: Alpha5Parameters) -> tuple[float, float, float]:
-    """Edges of a box of the body's displaced volume and of its proportions [m]."""
-    jaws = values.jaws
-    thick = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
-    edges = [thick, jaws.finger_length, jaws.finger_width]
-    if not body.name.startswith("finger"):
-        edges = np.ptp(values.links[int(body.name[-1])].bounds, axis=1).tolist()
-    scale = math.cbrt(body.volume / math.prod(edges))
-    x, y, _ = (scale * edge for edge in edges)
-    return x, y, body.volume / (x * y)
+def _model(
+    options: SdfOptions, arm: Alpha5Parameters, meshes: Iterable[str]
+) -> ET.Element:
+    """The arm as a model.
 
-
-def _frame(model: ET.Element, name: str, placement: Placement) -> None:
-    _fill(
-        add(model, "frame", name=name, attached_to=placement.parent),
-        pose=_pose(placement),
-    )
-
-
-def _added_mass(water: BodyHydrodynamics, density: float) -> dict[str, float]:
-    matrix = water.added_mass * (density / WATER_DENSITY)
-    pairs = combinations_with_replacement(range(6), 2)
-    return {_ADDED[i] + _ADDED[j]: matrix[i, j] for i, j in pairs}
-
-
-def _drag(
-    model: ET.Element, link: str, water: BodyHydrodynamics, density: float
-) -> None:
-    """Quadratic damping about and in the link's frame: force i is ``D[i, j, k] nu_j |nu_k|``.
-
-    Exact for each component of the velocity alone, linear before angular; never adds energy.
+    base_link and tcp have no mass: they are frames, because a simulated link needs some.
     """
-    out = np.zeros((6, 6, 6))
-    mix = _BESIDE + (1 - _BESIDE) * np.eye(6)
-    for strip in water.strips:
-        line = strip.end - strip.start
-        length = float(np.linalg.norm(line))
-        along = np.outer(line, line) / length**2
-        for point, share in gauss_points(
-            strip, 8
-        ):  # in a file, where more cost nothing
-            velocity = np.hstack([np.eye(3), -cross_matrix(point)])
-            for part, drag in ((np.eye(3) - along, strip.across), (along, strip.along)):
-                slip = part @ velocity
-                face = density / 2 * drag * strip.diameter * length * share
-                sizes = np.linalg.norm(slip, axis=0)
-                out -= face * (slip.T @ slip)[:, :, None] * sizes * mix
-    system = {
-        "filename": "gz-sim-hydrodynamics-system",
-        "name": "gz::sim::systems::Hydrodynamics",
-    }
-    felt = np.argwhere(np.abs(out) > 1e-9 * np.abs(out).max()).tolist()
-    named = {
-        f"{_FORCE[i]}{_VELOCITY[j]}abs{_VELOCITY[k]}": out[i, j, k] for i, j, k in felt
-    }
-    off = dict.fromkeys(("disable_added_mass", "disable_coriolis"), "true")
-    _fill(add(model, "plugin", **system), link_name=link, **named, **off)
+    model = ET.Element(
+        "model", name="alpha5", canonical_link="link_0", placement_frame="base_link"
+    )
+    # Adding zero turns a negative zero into zero.
+    base_yaw = -arm.base_yaw + 0.0
+    _add_frame(model, "base_link", Placement("link_0", rpy=(0.0, 0.0, base_yaw)))
+
+    water = hydrodynamics(options.gripper) if options.hydrodynamics else {}
+    for body in arm_bodies(arm, options.gripper, meshes):
+        inertial = _add_link(model, body, arm)
+        if body.joint is not None:
+            _add_joint(model, body.joint, body, options.version)
+        if body.name in water:
+            moved = water[body.name]
+            fill(inertial, fluid_added_mass=added_mass(moved, options.fluid_density))
+            damping = drag(moved, options.fluid_density)
+            _add_hydrodynamics(model, body.name, damping)
+    _add_frame(model, "tcp", tcp_placement(arm))
+    return model
 
 
-def _link(model: ET.Element, body: Body, values: Alpha5Parameters) -> ET.Element:
-    """Adds a link; returns its inertial."""
+def _add_frame(model: ET.Element, name: str, placement: Placement) -> None:
+    frame = add(model, "frame", name=name, attached_to=placement.parent)
+    fill(frame, pose=_pose(placement))
+
+
+def _add_link(model: ET.Element, body: Body, arm: Alpha5Parameters) -> ET.Element:
+    """Add a link; returns its inertial."""
     link = add(model, "link", name=body.name)
     if body.joint is not None:
         pose = add(link, "pose", relative_to=body.placement.parent)
         pose.text = text_of(_pose(body.placement))
-    com, cob = ((*point.tolist(), 0.0, 0.0, 0.0) for point in (body.com, body.cob))
+
     inertial = add(link, "inertial")
-    _fill(inertial, pose=com, mass=body.mass, inertia=body.moments)
+    fill(inertial, pose=_at(body.com), mass=body.mass, inertia=body.moments)
     if body.volume > 0:
         collision = add(link, "collision", name="displaced_volume")
-        _fill(
-            collision, pose=cob, geometry={"box": {"size": _buoyancy_box(body, values)}}
-        )
-    for mesh, at in body.meshes.items():
-        look = dict.fromkeys(("ambient", "diffuse"), material_of(mesh).rgba)
-        shape = {"mesh": {"uri": f"meshes/{mesh}.obj"}}
-        _fill(
-            add(link, "visual", name=mesh),
-            pose=_pose(at),
-            geometry=shape,
-            material=look,
+        box = {"size": _buoyancy_box(body, arm)}
+        fill(collision, pose=_at(body.cob), geometry={"box": box})
+    for mesh, placement in body.meshes.items():
+        color = material_of(mesh).rgba
+        visual = add(link, "visual", name=mesh)
+        fill(
+            visual,
+            pose=_pose(placement),
+            geometry={"mesh": {"uri": f"meshes/{mesh}.obj"}},
+            material={"ambient": color, "diffuse": color},
         )
     return inertial
 
 
-def _joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:
+def _buoyancy_box(body: Body, arm: Alpha5Parameters) -> tuple[float, float, float]:
+    """Edges of a box with the body's displaced volume and its proportions [m]."""
+    if body.name.startswith("finger"):
+        jaws = arm.jaws
+        thickness = jaws.finger_volume / (jaws.finger_length * jaws.finger_width)
+        edges = [thickness, jaws.finger_length, jaws.finger_width]
+    else:
+        link = arm.links[int(body.name[-1])]
+        edges = np.ptp(link.bounds, axis=1).tolist()
+
+    scale = math.cbrt(body.volume / math.prod(edges))
+    x = scale * edges[0]
+    y = scale * edges[1]
+    return x, y, body.volume / (x * y)
+
+
+def _add_joint(model: ET.Element, joint: JointRange, body: Body, version: str) -> None:
     element = add(model, "joint", name=joint.name, type=joint.kind)
-    limit = {
-        name: getattr(joint, name) for name in ("lower", "upper", "effort", "velocity")
-    }
-    _fill(element, parent=body.placement.parent, child=body.name)
+    fill(element, parent=body.placement.parent, child=body.name)
     axis = add(element, "axis")
-    _fill(axis, xyz="0 0 1", limit=limit)
+    limit = {
+        "lower": joint.lower,
+        "upper": joint.upper,
+        "effort": joint.effort,
+        "velocity": joint.velocity,
+    }
+    fill(axis, xyz="0 0 1", limit=limit)
     if isinstance(joint, FingerJoint) and version != SDF_VERSIONS[0]:
-        line = {
-            "multiplier": joint.multiplier,
-            "offset": joint.offset,
-            "reference": 0.0,
-        }
-        _fill(add(axis, "mimic", joint=joint.leader), **line)
+        mimic = add(axis, "mimic", joint=joint.leader)
+        fill(
+            mimic,
+            multiplier=joint.multiplier,
+            offset=joint.offset,
+            reference=0.0,
+        )
+
+
+def _add_hydrodynamics(
+    model: ET.Element, link: str, damping: dict[str, Nested]
+) -> None:
+    """Add Gazebo's system for a link; its own added mass, a step late, is off."""
+    plugin = add(
+        model,
+        "plugin",
+        filename="gz-sim-hydrodynamics-system",
+        name="gz::sim::systems::Hydrodynamics",
+    )
+    fill(
+        plugin,
+        link_name=link,
+        **damping,
+        disable_added_mass="true",
+        disable_coriolis="true",
+    )
 
 
 def _pose(placement: Placement) -> tuple[float, ...]:
-    return *placement.xyz, *placement.rpy
+    return (*placement.xyz, *placement.rpy)
 
 
-def _fill(parent: ET.Element, /, **content: Any) -> None:
-    """Child elements by name: of a text or numbers, or of a dictionary of such again."""
-    for name, value in content.items():
-        child = add(parent, name)
-        if isinstance(value, dict):
-            _fill(child, **value)
-        else:
-            child.text = text_of(value)
+def _at(point: FloatArray) -> tuple[float, ...]:
+    """Pose of a point, without a turn."""
+    return (*point.tolist(), 0.0, 0.0, 0.0)

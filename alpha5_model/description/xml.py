@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from alpha5_model.description.origin import provenance
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 #: Type of an attribute: a text, a number, or numbers; None is left out.
 Value = str | float | Iterable[float] | None
+#: Content of an element: a text or numbers, or elements by name, each with such content.
+Nested = str | float | Iterable[float] | Mapping[str, "Nested"]
 XML_HEAD = '<?xml version="1.0"?>\n'
 
 
@@ -33,6 +35,16 @@ def add(
         if value is not None:
             texts[name] = text_of(value)
     return ET.SubElement(parent, tag, texts)
+
+
+def fill(parent: ET.Element, /, **content: Nested) -> None:
+    """Append child elements by name, with their text or with child elements of their own."""
+    for name, value in content.items():
+        child = add(parent, name)
+        if isinstance(value, Mapping):
+            fill(child, **value)
+        else:
+            child.text = text_of(value)
 
 
 def document(

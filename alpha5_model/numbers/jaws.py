@@ -16,7 +16,6 @@ Frames, by their pose in link_4 (wrist axis along -z, tip at negative z):
 from __future__ import annotations
 
 import math
-import operator
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,53 +91,118 @@ def split_link_4(parameters: Alpha5Parameters) -> Jaws:
     Returns:
         The bodies. Their sum with closed jaws is ``parameters.links[4]`` up to rounding.
     """
-    link, jaws, slide = parameters.links[4], parameters.jaws, parameters.joints[4]
-    radius, zero = jaws.rod_diameter / 2, frozen([0.0, 0.0, 0.0])
-    mass = jaws.rod_density * math.pi * radius**2 * jaws.rod_length
-    across = mass * (3 * radius**2 + jaws.rod_length**2) / 12
-    inertia = frozen(np.diag([across, across, mass * radius**2 / 2]))
-    origin = frozen([0.0, 0.0, -(jaws.collar_base + slide.lower)])
-    rod = JawBody("jaw_rod", mass, zero, inertia, 0.0, zero, math.pi, origin)
-    turn, fingers, hinges = jaws.finger_turn, [], []
-    upper, velocity = turn * (slide.upper - slide.lower), turn * slide.velocity
-    # What a finger, which only follows, can exert is the rod's effort over its lever.
-    effort, offset = slide.effort / turn, -turn * slide.lower
+    rod = _rod(parameters)
     # Finger 1 sits at -x and turns about +y of link_4, finger 2 mirrors it: both open with a
     # positive angle, so one multiplier and one range serve both.
-    for side, volume in ((-1.0, jaws.finger_volume), (1.0, jaws.second_finger_volume)):
-        name = "finger_1" if side < 0 else "finger_2"
-        y, z = jaws.finger_length, jaws.finger_width
-        x = volume / (y * z)
-        mass = jaws.finger_density * volume
-        inertia = frozen(mass / 12 * np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2]))
-        centre = frozen([-side * jaws.pivot_offset / 2, -side * y / 2, 0.0])
-        origin = frozen(
-            [side * jaws.pivot_offset, 0.0, -(jaws.collar_base + jaws.pivot_height)]
-        )
-        roll = side * math.pi / 2
-        fingers.append(
-            JawBody(name, mass, centre, inertia, volume, centre, roll, origin)
-        )
-        joint = FingerJoint(
-            f"{name}_joint", 0.0, upper, velocity, effort, slide.name, turn, offset
-        )
-        hinges.append(joint)
-    moving = [rod, *fingers]
-    placed = [pose(body.origin, (body.roll, 0.0, 0.0)) for body in moving]
-    coms = map(moved, placed, [body.com for body in moving])
-    cobs = map(moved, placed, [body.cob for body in moving])
-    tensors = [
-        rotate_tensor(at[:3, :3], b.inertia)
-        for at, b in zip(placed, moving, strict=True)
-    ]
-    masses = [link.mass, *(-body.mass for body in moving)]
-    inertias = [link.inertia, *(-tensor for tensor in tensors)]
-    mass, com, inertia = combine(masses, [link.com, *coms], inertias)
-    volumes = [body.volume for body in moving]
-    volume = link.volume - sum(volumes)
-    cob = frozen(
-        (link.volume * link.cob - sum(map(operator.mul, volumes, cobs))) / volume
+    volume_1 = parameters.jaws.finger_volume
+    volume_2 = parameters.jaws.second_finger_volume
+    finger_1 = _finger("finger_1", side=-1.0, volume=volume_1, parameters=parameters)
+    finger_2 = _finger("finger_2", side=1.0, volume=volume_2, parameters=parameters)
+    wrist = _remainder(parameters.links[4], [rod, finger_1, finger_2])
+    joints = (
+        parameters.joints[4],
+        _finger_joint("finger_1_joint", parameters),
+        _finger_joint("finger_2_joint", parameters),
     )
-    inertia = frozen((inertia + inertia.T) / 2)
-    wrist = JawBody("link_4", mass, frozen(com), inertia, volume, cob, 0.0, zero)
-    return Jaws(wrist, rod, fingers[0], fingers[1], (slide, hinges[0], hinges[1]))
+    return Jaws(
+        wrist=wrist, rod=rod, finger_1=finger_1, finger_2=finger_2, joints=joints
+    )
+
+
+def _rod(parameters: Alpha5Parameters) -> JawBody:
+    """The jaw rod, a cylinder along its z."""
+    jaws = parameters.jaws
+    radius = jaws.rod_diameter / 2
+    length = jaws.rod_length
+    mass = jaws.rod_density * math.pi * radius**2 * length
+    across = mass * (3 * radius**2 + length**2) / 12
+    along = mass * radius**2 / 2
+    centre = frozen([0.0, 0.0, 0.0])
+    height = jaws.collar_base + parameters.joints[4].lower
+    return JawBody(
+        name="jaw_rod",
+        mass=mass,
+        com=centre,
+        inertia=frozen(np.diag([across, across, along])),
+        volume=0.0,
+        cob=centre,
+        roll=math.pi,
+        origin=frozen([0.0, 0.0, -height]),
+    )
+
+
+def _finger(
+    name: str, side: float, volume: float, parameters: Alpha5Parameters
+) -> JawBody:
+    """A finger on the -x side (-1) or the +x side (1) of the wrist axis, a box."""
+    jaws = parameters.jaws
+    y = jaws.finger_length
+    z = jaws.finger_width
+    x = volume / (y * z)
+    mass = jaws.finger_density * volume
+    squares = np.diag([y**2 + z**2, x**2 + z**2, x**2 + y**2])
+    centre = frozen([-side * jaws.pivot_offset / 2, -side * y / 2, 0.0])
+    pivot_height = jaws.collar_base + jaws.pivot_height
+    return JawBody(
+        name=name,
+        mass=mass,
+        com=centre,
+        inertia=frozen(mass / 12 * squares),
+        volume=volume,
+        cob=centre,
+        roll=side * math.pi / 2,
+        origin=frozen([side * jaws.pivot_offset, 0.0, -pivot_height]),
+    )
+
+
+def _finger_joint(name: str, parameters: Alpha5Parameters) -> FingerJoint:
+    """The hinge of a finger, which follows the rod."""
+    rod = parameters.joints[4]
+    turn = parameters.jaws.finger_turn
+    return FingerJoint(
+        name=name,
+        lower=0.0,
+        upper=turn * (rod.upper - rod.lower),
+        velocity=turn * rod.velocity,
+        # A finger only follows: it can exert the rod's effort over its lever.
+        effort=rod.effort / turn,
+        leader=rod.name,
+        multiplier=turn,
+        offset=-turn * rod.lower,
+    )
+
+
+def _remainder(link: RigidBody, moving: list[JawBody]) -> JawBody:
+    """The wrist: what remains of link 4 without the moving bodies, jaws closed."""
+    masses = [link.mass]
+    coms = [link.com]
+    inertias = [link.inertia]
+    for body in moving:
+        rotation = _closed_pose(body)[:3, :3]
+        masses.append(-body.mass)
+        coms.append(moved(_closed_pose(body), body.com))
+        inertias.append(-rotate_tensor(rotation, body.inertia))
+    mass, com, inertia = combine(masses, coms, inertias)
+
+    taken_volume = 0.0
+    taken_moment = np.zeros(3)
+    for body in moving:
+        taken_volume += body.volume
+        taken_moment += body.volume * moved(_closed_pose(body), body.cob)
+    volume = link.volume - taken_volume
+    cob = (link.volume * link.cob - taken_moment) / volume
+    return JawBody(
+        name="link_4",
+        mass=mass,
+        com=frozen(com),
+        inertia=frozen((inertia + inertia.T) / 2),
+        volume=volume,
+        cob=frozen(cob),
+        roll=0.0,
+        origin=frozen([0.0, 0.0, 0.0]),
+    )
+
+
+def _closed_pose(body: JawBody) -> FloatArray:
+    """Pose of a body in link_4, jaws closed, (4, 4)."""
+    return pose(body.origin, (body.roll, 0.0, 0.0))

@@ -18,7 +18,7 @@ from water_reference import URDF, VOLUME, Reference
 from alpha5_model._support.paths import JAWS_URDF_PATH, MJCF_PATH, URDF_PATH
 from alpha5_model._support.writing import atomic_write
 from alpha5_model.cli import main
-from alpha5_model.description import mjcf as writer
+from alpha5_model.description import mjcf_bodies as writer
 from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.description.urdf import Variant, urdf

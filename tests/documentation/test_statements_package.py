@@ -33,7 +33,7 @@ from test_statements_proof import (
 )
 
 import alpha5_model as a5
-from alpha5_model.description import mjcf
+from alpha5_model.description import mjcf_drag
 from alpha5_model.geometry import solid
 from alpha5_model.studies.sweep.histograms import QUANTILE_EDGES
 
@@ -239,12 +239,12 @@ def efficiencies() -> Sequence[Figure]:
 
 
 @statement(
-    "alpha5_model/description/mjcf.py",
+    "alpha5_model/description/mjcf_drag.py",
     "With k = {} its slender drag goes within {} like the strip's",
 )
 def flat_ellipsoid() -> Sequence[Figure]:
     """MuJoCo's slender drag is of what the largest section has beyond the shadow."""
-    k = mjcf._FLATNESS
+    k = mjcf_drag._FLATNESS
     x = np.linspace(0, np.pi / 2, 2001)
     cos, sin = np.cos(x) ** 2, np.sin(x) ** 2
     shadow = np.sqrt((cos + k**4 * sin) / (cos + k**2 * sin))

@@ -15,7 +15,8 @@ from test_mjcf import mass_matrix
 
 import alpha5_model as a5
 from alpha5_model.cli import main
-from alpha5_model.description.mjcf import MjcfOptions, ellipsoids, mjcf, mjcf_files
+from alpha5_model.description.mjcf import MjcfOptions, mjcf, mjcf_files
+from alpha5_model.description.mjcf_drag import ellipsoids
 from alpha5_model.description.sdf import SdfOptions, sdf, sdf_files, sdf_world
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS

@@ -1,0 +1,201 @@
+"""The bodies of the MuJoCo model, with the buoyancy of Table 3.
+
+MuJoCo has no hydrostatics, but it can compensate a body's weight: a body of mass m with
+``gravcomp = k`` feels ``-k m g`` at its centre of mass. Each link therefore carries, at its centre of
+buoyancy, a child body whose mass is the displaced volume over `DILUTION`; with
+``gravcomp = fluid_density * DILUTION + 1`` its own weight is cancelled and the weight of the displaced
+fluid added, upwards. The mass matrix changes by less than 1e-13 kg m^2: the child's `INERTIA`, which
+Newton wants, is taken off the link.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.spatial import Placement, quaternion_from_rpy
+from alpha5_model.description.bodies import Body
+from alpha5_model.description.mjcf_drag import ellipsoids
+from alpha5_model.description.xml import Value, add
+from alpha5_model.geometry.materials import material_of
+from alpha5_model.geometry.primitives import Primitive
+from alpha5_model.numbers.hydrodynamics import BodyHydrodynamics
+from alpha5_model.numbers.jaws import FingerJoint
+from alpha5_model.numbers.parameters import JointRange
+
+#: Displaced volume over mass of a buoyancy body [m^3/kg]: large enough not to be felt, small enough to
+#: keep every mass above the least that MuJoCo knows, 1e-15 kg.
+DILUTION = 1e9
+#: Moment of inertia of a buoyancy body [kg m^2]: Newton replaces any below 1e-10 by 1e-6.
+INERTIA = 2e-10
+#: Boxes and cylinders are given by half their lengths.
+_HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
+
+
+@dataclass(frozen=True)
+class BodyWriter:
+    """Writes the tree of bodies.
+
+    Attributes:
+        fluid_density: [kg/m^3].
+        buoyancy: Adds the buoyancy bodies.
+        collisions: Adds the collision shapes.
+        water: Link -> the strips along which the water drags it; empty without drag by strips.
+    """
+
+    fluid_density: float
+    buoyancy: bool
+    collisions: bool
+    water: Mapping[str, BodyHydrodynamics]
+
+    def add_worldbody(
+        self, root: ET.Element, bodies: Iterable[Body], tcp: Placement
+    ) -> None:
+        """Add base_link, the bodies that it carries, and the TCP as a site."""
+        world = add(root, "worldbody")
+        base = add(world, "body", name="base_link", childclass="alpha5")
+        elements = {"base_link": base}
+        for body in bodies:
+            parent = elements[body.placement.parent]
+            elements[body.name] = self._add_body(parent, body)
+        add(
+            elements[tcp.parent],
+            "site",
+            name="tcp",
+            size="0.005",
+            group="4",
+            **_pose(tcp),
+        )
+
+    def _add_body(self, parent: ET.Element, body: Body) -> ET.Element:
+        element = add(parent, "body", name=body.name, **_pose(body.placement))
+        if body.joint is not None:
+            _add_joint(element, body.joint)
+        self._add_inertial(element, body)
+        _add_visuals(element, body)
+        if self.collisions:
+            _add_collisions(element, body)
+        self._add_drag(element, body)
+        if self._floats(body):
+            self._add_buoyancy(element, body)
+        return element
+
+    def _floats(self, body: Body) -> bool:
+        """Whether a buoyancy body hangs on it."""
+        return self.buoyancy and body.volume > 0
+
+    def _add_inertial(self, element: ET.Element, body: Body) -> None:
+        moments, axes = _principal(body.inertia)
+        inertial: dict[str, Value] = {
+            "pos": body.com,
+            "quat": axes,
+            "mass": body.mass,
+        }
+        if body.joint is None and not self.buoyancy:
+            # brax merges a body without joint into the world, which must not have an inertial:
+            # a box of the same mass and moments takes its place.
+            squares = 1.5 / body.mass * (moments.sum() - 2.0 * moments)
+            add(
+                element,
+                "geom",
+                contype="0",
+                conaffinity="0",
+                type="box",
+                size=np.sqrt(squares),
+                group="4",
+                **inertial,
+            )
+            return
+        if self._floats(body):
+            moments = moments - INERTIA
+        add(element, "inertial", **inertial, diaginertia=moments)
+
+    def _add_drag(self, element: ET.Element, body: Body) -> None:
+        """Ellipsoids for the strips; a body without strips must not drag either."""
+        if body.name in self.water:
+            for strip in self.water[body.name].strips:
+                for ellipsoid in ellipsoids(strip):
+                    add(element, "geom", "strip", **ellipsoid)
+        elif self.water:
+            add(element, "geom", "no_drag")
+
+    def _add_buoyancy(self, element: ET.Element, body: Body) -> None:
+        child = add(
+            element,
+            "body",
+            name=f"{body.name}_buoyancy",
+            pos=body.cob,
+            gravcomp=self.fluid_density * DILUTION + 1.0,
+        )
+        add(
+            child,
+            "inertial",
+            pos="0 0 0",
+            mass=body.volume / DILUTION,
+            diaginertia=[INERTIA] * 3,
+        )
+        add(child, "geom", "no_drag")
+
+
+def _add_joint(element: ET.Element, joint: JointRange) -> None:
+    limits = (joint.lower, joint.upper)
+    add(
+        element,
+        "joint",
+        name=joint.name,
+        axis="0 0 1",
+        type="hinge" if joint.kind == "revolute" else "slide",
+        # Limits of a follower would fight its equality.
+        range=None if isinstance(joint, FingerJoint) else limits,
+    )
+
+
+def _add_visuals(element: ET.Element, body: Body) -> None:
+    for mesh, placement in body.meshes.items():
+        material = material_of(mesh).name
+        pose = _pose(placement)
+        add(element, "geom", "visual", mesh=mesh, material=material, **pose)
+
+
+def _add_collisions(element: ET.Element, body: Body) -> None:
+    for shape in body.shapes:
+        halves = _HALVES[shape.kind]
+        size = [length * half for length, half in zip(shape.size, halves, strict=True)]
+        pose = _pose(shape)
+        add(element, "geom", "collision", type=shape.kind, size=size, **pose)
+
+
+def _principal(inertia: FloatArray) -> tuple[FloatArray, list[float]]:
+    """Principal moments [kg m^2] and the quaternion (w, x, y, z) of their axes in the body.
+
+    MuJoCo 3.5 finds them from a full tensor to about 4e-10 kg m^2 only.
+    """
+    from scipy.spatial.transform import Rotation
+
+    moments, axes = np.linalg.eigh(inertia)
+    right_handed = axes * np.sign(np.linalg.det(axes))
+    rotation = Rotation.from_matrix(right_handed)
+    x, y, z, w = rotation.as_quat(canonical=True).tolist()
+    return moments, _without_negative_zeros(w, x, y, z)
+
+
+def _pose(placement: Placement | Primitive) -> dict[str, Value]:
+    """Attributes ``pos`` and ``quat``, None where they are zero and no turn.
+
+    Not ``euler``: readers other than MuJoCo take its angles in another order.
+    """
+    x, y, z, w = quaternion_from_rpy(placement.rpy)
+    moved = any(placement.xyz)
+    turned = any(placement.rpy)
+    return {
+        "pos": placement.xyz if moved else None,
+        "quat": _without_negative_zeros(w, x, y, z) if turned else None,
+    }
+
+
+def _without_negative_zeros(*numbers: float) -> list[float]:
+    return [number + 0.0 for number in numbers]
