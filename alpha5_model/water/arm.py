@@ -35,7 +35,8 @@ from alpha5_model.numbers.hydrodynamics import (
     DragStrip,
     hydrodynamics,
 )
-from alpha5_model.water.tree import HydrodynamicTree, JointWater
+from alpha5_model.water.forces import JointWater
+from alpha5_model.water.tree import HydrodynamicTree
 from alpha5_model.water.vehicle import Trim, Vehicle, afloat, carrying, static_trim
 
 #: One state in each row, or one for all.
