@@ -65,7 +65,7 @@ def torque_record(
     Args:
         current: Velocity of the water in base_link [m/s]; None for still water.
     """
-    from alpha5_model.studies.uncertainty.effects import torque_margin
+    from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
     torque = arm.inverse_dynamics(*state)
     causes = _causes(arm, state)

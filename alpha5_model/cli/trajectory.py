@@ -16,7 +16,7 @@ from alpha5_model.cli import options, printing, values
 from alpha5_model.dynamics.actuators import Actuator, actuator
 from alpha5_model.errors import InputError
 from alpha5_model.numbers.jaws import GRIPPERS
-from alpha5_model.studies.uncertainty.effects import torque_margin
+from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.trajectory.time_series import FORMATS
 from alpha5_model.viewer import figures
 from alpha5_model.viewer.motion_plot import motion_figure

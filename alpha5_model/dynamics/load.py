@@ -96,7 +96,8 @@ def arm_of(
     """The arm of a parameter set, Table 1 and limits included, on a fixed base with locked jaws.
 
     Args:
-        parameters: From `alpha5_model.numbers.parameters`, or a set of `alpha5_model.studies.uncertainty.effects.sample`.
+        parameters: From `alpha5_model.numbers.parameters`, or a set of
+            `alpha5_model.uncertainty.sample`.
         fluid_density, gravity: See `alpha5_model.load`.
     """
     model, p = load(fluid_density, gravity=gravity).model, parameters

@@ -175,7 +175,7 @@ def _draw_causes(axes: Any, analysis: Analysis, k: int) -> None:
 def _draw_digits(axes: Any, analysis: Analysis, k: int) -> None:
     """The band in which the printed digits leave the torque."""
     from alpha5_model.dynamics.dimensions import has_dimensions
-    from alpha5_model.studies.uncertainty.effects import torque_margin
+    from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
     if not has_dimensions(analysis.arm._model):
         return

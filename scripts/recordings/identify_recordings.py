@@ -31,7 +31,7 @@ import numpy as np
 import alpha5_model as a5
 from alpha5_model.dynamics.regression import NAMES, regressor_rows
 from alpha5_model.errors import Alpha5Error, FileFormatError
-from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty import linear_maps, printed
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])
@@ -50,14 +50,19 @@ UNSEEN = 100.0
 def numbers(corrections: tuple[str, ...] = ()) -> np.ndarray:
     """The eight net first moments in fresh water, (8,) [kg m]."""
     middle, _ = printed.ends(corrections)
-    return printed.groups(middle, corrections, a5.FRESH_WATER)[COLUMNS]
+    return linear_maps.groups(middle, corrections, a5.FRESH_WATER, a5.parameters())[
+        COLUMNS
+    ]
 
 
 def by_digits() -> np.ndarray:
     """What one standard deviation of each printed number is in the eight, (K, 8)."""
     middle, half = printed.ends(())
     sets = middle + np.diag(half) * 3**-0.5
-    return printed.groups(sets, (), a5.FRESH_WATER)[:, COLUMNS] - numbers()
+    return (
+        linear_maps.groups(sets, (), a5.FRESH_WATER, a5.parameters())[:, COLUMNS]
+        - numbers()
+    )
 
 
 def linear(recording: recordings.Recording) -> tuple[np.ndarray, np.ndarray]:

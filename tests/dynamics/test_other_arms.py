@@ -19,7 +19,7 @@ from alpha5_model.dynamics.dimensions import DRAWN, check_dimensions, check_limi
 from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
-from alpha5_model.studies.uncertainty import effects
+from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.theory.dh.chain import DHChain, DHLink
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.motion_plot import motion_figure
@@ -139,7 +139,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "a collision model": lambda: CollisionModel(arm().model),
     "moving water": lambda: water_terms(arm(), *ROWS, current=(0.0, 1.0, 0.0)),
     "bounds": lambda: a5.uncertainty.bounds(Q, V, A, arm()),
-    "margin": lambda: effects.torque_margin(arm(), Q, V, A),
+    "margin": lambda: torque_margin(arm(), Q, V, A),
     "scene": lambda: build_scene(arm()),
     "CasADi": casadi_formulas,
     "JAX": jax_formulas,

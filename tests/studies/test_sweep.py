@@ -224,7 +224,7 @@ def test_water_corrections_and_motors_against_single_calls(tmp_path: Path) -> No
 
 def test_parameter_samples_are_those_of_uncertainty(tmp_path: Path) -> None:
     from alpha5_model.dynamics.load import arm_of
-    from alpha5_model.studies.uncertainty.effects import sample
+    from alpha5_model.studies.uncertainty.sampling import sample
 
     study = (
         f"seed = 5\n[axes]\n{STATES}\nparameters = 4\n"

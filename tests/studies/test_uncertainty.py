@@ -25,8 +25,8 @@ from alpha5_model.dynamics.regression import regressor_rows
 from alpha5_model.errors import Alpha5Error
 from alpha5_model.numbers.inertia import pseudo_inertia
 from alpha5_model.numbers.jaws import split_link_4
-from alpha5_model.studies.uncertainty import printed
-from alpha5_model.studies.uncertainty.effects import torque_margin
+from alpha5_model.studies.uncertainty import linear_maps, printed
+from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 
 u = a5.uncertainty
 TOML = Path(a5.__file__).with_name("numbers") / "reach_alpha_mk2_v7.toml"
@@ -201,12 +201,12 @@ def test_no_sample_is_an_impossible_body(monkeypatch: pytest.MonkeyPatch) -> Non
             assert link.volume >= 0
     heavy = drawn.values[:, drawn.names.index("link_2.mass")]
     assert heavy.min() < 0.2  # from -0.62 to 1.38 kg there would be 31 % of nothing
-    links = np.tensordot(drawn.values[:1], printed.link_map(()), 1)
-    assert printed.possible(links).tolist() == [True]
+    links = np.tensordot(drawn.values[:1], linear_maps.link_map(()), 1)
+    assert linear_maps.possible(links).tolist() == [True]
     for column, change in ((0, -1.0), (4, -1e-3), (5, 2e-4), (7, -1e-3), (10, -1e-3)):
         wrong = links.copy()
         wrong[0, 3, column] += change
-        assert printed.possible(wrong).tolist() == [False], column
+        assert linear_maps.possible(wrong).tolist() == [False], column
 
 
 def test_every_body_of_the_intervals_is_possible() -> None:

@@ -19,7 +19,7 @@ from alpha5_model import jax as jax_arms
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import fluids, inertia
-from alpha5_model.studies.uncertainty.effects import torque_margin
+from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
 from alpha5_model.water.terms import water_terms
 
 #: More rows than the compiled kernels turn to columns at once.

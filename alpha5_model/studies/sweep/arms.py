@@ -14,7 +14,7 @@ from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.fluids import SEA_WATER, gravity_in_base
 from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
 from alpha5_model.studies.sweep.study import Study
-from alpha5_model.studies.uncertainty.effects import sample
+from alpha5_model.studies.uncertainty.sampling import sample
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm

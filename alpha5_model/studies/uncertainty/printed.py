@@ -1,7 +1,8 @@
-"""What the digits of each printed number allow, and parameter sets drawn from that.
+"""The interval of each printed number, and parameter sets with other numbers.
 
-A number stands for all that round to it: 0.38 kg is 0.375 to 0.385 kg; friction has the tolerance that is
-printed with it. Zeros of Table 1 are exact: axes that meet are no measured lengths.
+A number stands for all that round to it: 0.38 kg is 0.375 to 0.385 kg. Friction has the
+tolerance that is printed with it. Zeros of Table 1 are exact: axes that meet are no
+measured lengths.
 """
 
 from __future__ import annotations
@@ -13,53 +14,37 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from alpha5_model._support.checks import (
-    FloatArray,
-    array,
-    choice,
-    count,
-    frozen,
-    generator,
-    named,
-    real,
-)
-from alpha5_model.codegen.base_parameters import regrouped
-from alpha5_model.errors import InputError
+from alpha5_model._support.checks import FloatArray, named
 from alpha5_model.numbers.corrections import CORRECTIONS, DEFAULT_CORRECTIONS
-from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
-from alpha5_model.numbers.inertia import second_moments
-from alpha5_model.numbers.parameters import (
-    Alpha5Parameters,
-    convert,
-    link_numbers,
-    parameters,
-)
+from alpha5_model.numbers.parameters import Alpha5Parameters, convert
 from alpha5_model.numbers.printed import published
 from alpha5_model.numbers.quantity import DECIMAL_SHIFT, Quantity
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.masses import implied_mass
 
-#: Where the documents contradict themselves or can be read in two ways: name -> what is believed in
-#: place of the plain reading.
+#: Where the documents contradict themselves or can be read in two ways: name -> what is
+#: believed in place of the plain reading.
 ALTERNATIVES: dict[str, str] = {
     "link3_cob": CORRECTIONS["link3_cob"].statement,
-    "implied_mass": "The masses that best carry Table 2's I_COM to its I_Link, not those printed.",
+    "implied_mass": "The masses that best carry Table 2's I_COM to its I_Link, "
+    "not those printed.",
     "torque_constant": "Table 4's K_t for both constants of a motor, which should agree.",
     "voltage_constant": "Table 4's K_v for both; K_t if that is asked for, too.",
     "link2_mass": "Link 2's 0.38 kg is 0.380 kg, printed without its last zero.",
-    "motor_efficiency": "Table 4's eta_max is the motor's: nothing is lost in the gearbox.",
+    "motor_efficiency": "Table 4's eta_max is the motor's: "
+    "nothing is lost in the gearbox.",
 }
-#: Entries of a symmetric matrix, and the place of each in (3, 3).
-UPPER = np.triu_indices(3)
-SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 #: Table -> what its rows are about.
 _TABLES = {
-    **dict.fromkeys(("table_1", "table_2", "table_3"), "link"),
+    "table_1": "link",
+    "table_2": "link",
+    "table_3": "link",
     "table_4": "actuator",
 }
 Names = Iterable[str]
+#: From the name of a printed number and the number to another number.
+_Change = Callable[[str, Quantity], Quantity]
 
 
 @dataclass(frozen=True)
@@ -67,7 +52,8 @@ class PrintedNumber:
     """A number of Tables 1 to 4 and its interval, SI units.
 
     Attributes:
-        name: As ``link_2.mass``, ``link_3.cob.z``, ``link_1.inertia_com.xy``, ``actuator_0.friction``.
+        name: As ``link_2.mass``, ``link_3.cob.z``, ``link_1.inertia_com.xy``,
+            ``actuator_0.friction``.
         printed: Digits and unit as printed.
         value: The middle of the interval. With the alternatives ``implied_mass`` and
             ``motor_efficiency`` it is not what is printed.
@@ -81,6 +67,18 @@ class PrintedNumber:
     upper: float
 
 
+def printed_numbers(alternatives: Names = ()) -> dict[str, PrintedNumber]:
+    """Every number of Tables 1 to 4 by its name, with the interval of its digits.
+
+    Args:
+        alternatives: Names of `ALTERNATIVES` to believe.
+
+    Raises:
+        UnknownNameError: An alternative that is not recorded.
+    """
+    return dict(numbers(believed(alternatives)))
+
+
 def believed(alternatives: Names) -> tuple[str, ...]:
     """Check names of `ALTERNATIVES`."""
     return named("alternative", alternatives, tuple(ALTERNATIVES))
@@ -88,25 +86,53 @@ def believed(alternatives: Names) -> tuple[str, ...]:
 
 @cache
 def numbers(alternatives: tuple[str, ...]) -> dict[str, PrintedNumber]:
-    """Every number by its name; the alternatives are checked, and the answer is not to be changed."""
+    """Every number by its name. The answer must not be changed.
+
+    Args:
+        alternatives: Checked names of `ALTERNATIVES`.
+    """
     found: dict[str, Quantity] = {}
-    _changed(lambda name, number: found.setdefault(name, number))
+
+    def note(name: str, number: Quantity) -> Quantity:
+        return found.setdefault(name, number)
+
+    _changed(note)
     out = {}
     for name, number in found.items():
-        # An axis that meets another one is at no measured distance.
-        exact = not number.value and name.endswith((".d", ".a"))
-        value, half = number.si, 0.0 if exact else number.rounding
-        if name == "link_2.mass" and "link2_mass" in alternatives:
-            half = _finest_mass().rounding
-        if name.endswith("efficiency") and "motor_efficiency" in alternatives:
-            value, half = 1.0, 0.0
-        if name.endswith("friction"):
-            half = max(half, value * found[f"{name}_tolerance"].si)
-        if name.endswith("mass") and "implied_mass" in alternatives:
-            value, half = implied_mass(published().table_2.rows[int(name[5])])
-        if not name.endswith("tolerance"):
-            out[name] = PrintedNumber(name, number, value, value - half, value + half)
+        if name.endswith("tolerance"):
+            continue
+        tolerance = found.get(f"{name}_tolerance")
+        value, half = _interval(name, number, tolerance, alternatives)
+        out[name] = PrintedNumber(
+            name=name,
+            printed=number,
+            value=value,
+            lower=value - half,
+            upper=value + half,
+        )
     return out
+
+
+def _interval(
+    name: str,
+    number: Quantity,
+    tolerance: Quantity | None,
+    alternatives: tuple[str, ...],
+) -> tuple[float, float]:
+    """Middle and half width of a number's interval."""
+    value = number.si
+    if name.endswith("efficiency") and "motor_efficiency" in alternatives:
+        return 1.0, 0.0
+    if name.endswith("mass") and "implied_mass" in alternatives:
+        return implied_mass(published().table_2.rows[int(name[5])])
+    if name == "link_2.mass" and "link2_mass" in alternatives:
+        return value, _finest_mass().rounding
+    if not number.value and name.endswith((".d", ".a")):
+        # An axis that meets another one is at no measured distance.
+        return value, 0.0
+    if tolerance is not None:
+        return value, max(number.rounding, value * tolerance.si)
+    return value, number.rounding
 
 
 def _finest_mass() -> Quantity:
@@ -117,190 +143,85 @@ def _finest_mass() -> Quantity:
 
 def ends(alternatives: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
     """Middle and half width of the intervals, (K,) each."""
-    lower, upper = np.array(
-        [(x.lower, x.upper) for x in numbers(alternatives).values()]
-    ).T
+    intervals = [(x.lower, x.upper) for x in numbers(alternatives).values()]
+    lower, upper = np.array(intervals).T
     return (lower + upper) / 2, (upper - lower) / 2
-
-
-def _changed(change: Callable[[str, Quantity], Quantity]) -> Published:
-    """Tables 1 to 4 with every number changed, by its name; the two halves of a tensor have the same names."""
-
-    def walked(value: Any, name: str, axes: str = "") -> Any:
-        if isinstance(value, Quantity):
-            return change(".".join([name, "".join(sorted(axes))]).rstrip("."), value)
-        if isinstance(value, tuple):
-            return tuple(
-                walked(item, name, axes + "xyz"[i]) for i, item in enumerate(value)
-            )
-        if isinstance(value, str):
-            return value
-        parts = {f.name: getattr(value, f.name) for f in fields(value)}
-        return replace(
-            value, **{k: walked(part, f"{name}.{k}") for k, part in parts.items()}
-        )
-
-    tables: dict[str, Any] = {"elbow": walked(published().elbow, "elbow")}
-    for key, kind in _TABLES.items():
-        table = getattr(published(), key)
-        rows = tuple(walked(row, f"{kind}_{i}") for i, row in enumerate(table.rows))
-        tables[key] = replace(table, rows=rows)
-    return replace(published(), **tables)
 
 
 def parameter_set(
     values: Mapping[str, float], alternatives: tuple[str, ...]
 ) -> Alpha5Parameters:
     """The arm's parameters with other values of printed numbers, by name, SI units."""
-    return convert(*printed_set(values, alternatives))
+    tables, corrections = printed_set(values, alternatives)
+    return convert(tables, corrections)
 
 
 def printed_set(
     values: Mapping[str, float], alternatives: tuple[str, ...]
 ) -> tuple[Published, tuple[str, ...]]:
-    """The tables with these values, and the corrections among the alternatives."""
+    """The tables with other values, and the corrections to apply to them.
+
+    Args:
+        values: By name, SI units; numbers without one stay as printed.
+        alternatives: Checked names of `ALTERNATIVES`.
+    """
     known = numbers(alternatives)
-    same = [name for name in alternatives if name.endswith("_constant")]
+    same_constant = [name for name in alternatives if name.endswith("_constant")]
 
     def change(name: str, number: Quantity) -> Quantity:
-        if same and name.endswith("_constant"):
-            name = f"{name.partition('.')[0]}.{same[0]}"
+        if same_constant and name.endswith("_constant"):
+            actuator = name.partition(".")[0]
+            name = f"{actuator}.{same_constant[0]}"
         if name.endswith("efficiency") and "motor_efficiency" in alternatives:
             return Quantity("100", "%")
-        if name not in values:
-            return known[name].printed if name in known else number
-        digits = Decimal(repr(float(values[name]))).scaleb(-DECIMAL_SHIFT[number.unit])
-        return Quantity(str(digits), number.unit)
+        if name in values:
+            return _quantity(values[name], number.unit)
+        return known[name].printed if name in known else number
 
     corrections = tuple(name for name in alternatives if name in CORRECTIONS)
     return _changed(change), DEFAULT_CORRECTIONS + corrections
 
 
-@cache
-def link_map(alternatives: tuple[str, ...]) -> FloatArray:
-    """From the printed numbers to the links, (K, 5, 14); it is linear, the frame of link 3's COB included.
+def _quantity(value: float, unit: str) -> Quantity:
+    """A value in SI units as a table would print it in another unit."""
+    digits = Decimal(repr(float(value))).scaleb(-DECIMAL_SHIFT[unit])
+    return Quantity(str(digits), unit)
 
-    Numbers of a link: mass, COM (3), second moments at the COM (6), volume, COB (3).
+
+def _changed(change: _Change) -> Published:
+    """Tables 1 to 4 with every number changed.
+
+    The two halves of a tensor have the same names.
     """
-    names, out = tuple(numbers(alternatives)), []
-    for row in np.eye(len(names)):
-        values = dict(zip(names, row.tolist(), strict=True))
-        links = []
-        # No bodies: all numbers but one are zero.
-        for link in link_numbers(*printed_set(values, alternatives)):
-            second = second_moments(link["inertia"])[UPPER]
-            mass, volume = link["mass"], link["volume"]
-            links.append([mass, *link["com"], *second, volume, *link["cob"]])
-        out.append(links)
-    return frozen(out)
+    tables: dict[str, Any] = {"elbow": _walked(published().elbow, "elbow", change)}
+    for key, kind in _TABLES.items():
+        table = getattr(published(), key)
+        rows = [_walked(row, f"{kind}_{i}", change) for i, row in enumerate(table.rows)]
+        tables[key] = replace(table, rows=tuple(rows))
+    return replace(published(), **tables)
 
 
-@cache
-def grouping(fluid_density: float) -> FloatArray:
-    """From m, m c, second moments, V and V b of the links to the base parameters, gravity left out, (5, 14, 38)."""
-    places = [(3, 3), (0, 3), (1, 3), (2, 3), *zip(*UPPER, strict=True)]
-    out = []
-    for link, k in np.ndindex(5, 14):
-        unit, (i, j) = np.zeros((5, 2, 4, 4)), places[k % 10]
-        unit[link, :, i, j] = unit[link, :, j, i] = (
-            1.0 if k < 10 else (0.0, -fluid_density)
-        )
-        out.append(regrouped(unit, np.zeros(3), parameters())[:-3])
-    return frozen(np.reshape(out, (5, 14, -1)))
-
-
-def groups(
-    values: FloatArray, alternatives: tuple[str, ...], density: float
-) -> FloatArray:
-    """Base parameters, gravity left out, of printed numbers, (..., K) to (..., 38)."""
-    links = np.tensordot(values, link_map(alternatives), 1)
-    mass, com, volume, cob = (
-        links[..., :1],
-        links[..., 1:4],
-        links[..., 10:11],
-        links[..., 11:],
-    )
-    second = links[..., 4:10] + mass * com[..., UPPER[0]] * com[..., UPPER[1]]
-    moments = np.concatenate([mass, mass * com, second, volume, volume * cob], axis=-1)
-    return np.asarray(np.tensordot(moments, grouping(density), 2))
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Parameter sets; make one with `sample`.
-
-    Attributes:
-        names: Of the printed numbers, (K,).
-        values: (n, K) SI units.
-        alternatives: Those believed.
-    """
-
-    names: tuple[str, ...]
-    values: FloatArray
-    alternatives: tuple[str, ...]
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    def parameters(self, index: int) -> Alpha5Parameters:
-        """One set as the record that `alpha5_model.numbers.parameters` returns.
-
-        Raises:
-            InputError: Not the number of a set.
-        """
-        size = len(self)
-        whole = isinstance(index, int | np.integer) and not isinstance(index, bool)
-        if not whole or not -size <= index < size:
-            raise InputError("index", index, f"a whole number from 0 to {size - 1}")
-        values = dict(zip(self.names, self.values[index].tolist(), strict=True))
-        return parameter_set(values, self.alternatives)
-
-    def base_parameters(
-        self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
-    ) -> FloatArray:
-        """`alpha5_model.codegen.base_parameters` of every set, for the generated kernels, (n, 41).
-
-        The lengths of Table 1 are built into the kernels and stay as printed.
-        """
-        density = real("fluid_density", fluid_density, minimum=0.0)
-        own = groups(self.values, self.alternatives, density)
-        weight = np.broadcast_to(array("gravity", gravity, 3), (len(self), 3))
-        return np.concatenate([own, weight], axis=1)
-
-
-def sample(
-    n: int, seed: int = 0, distribution: str = "uniform", alternatives: Names = ()
-) -> Sample:
-    """Parameter sets whose numbers all round to the printed ones; what is no body is drawn again.
+def _walked(value: Any, name: str, change: _Change, axes: str = "") -> Any:
+    """A part of a table with its numbers changed.
 
     Args:
-        n: How many.
-        seed: Of the random numbers.
-        distribution: ``uniform`` within the intervals, or ``normal`` of the same variance, which passes their
-            ends.
-        alternatives: Names of `ALTERNATIVES` to believe.
-
-    Raises:
-        InputError: Not such numbers.
-        UnknownNameError: No such distribution or alternative.
+        value: A number, a tuple of parts along x, y, z, a text or a record.
+        name: Of the part.
+        change: Of a number.
+        axes: That lead from the part of this name to the value.
     """
-    rng, chosen, out = generator(seed), believed(alternatives), np.empty((0, 0))
-    normal = choice("distribution", distribution, ("uniform", "normal")) == "normal"
-    middle, half = ends(chosen)
-    while len(out) < count("n", n):
-        shape = n - len(out), middle.size
-        drawn = rng.normal(0, 3**-0.5, shape) if normal else rng.uniform(-1, 1, shape)
-        sets = middle + half * drawn
-        sets = sets[possible(np.tensordot(sets, link_map(chosen), 1))]
-        out = np.concatenate([out.reshape(-1, middle.size), sets])
-    return Sample(tuple(numbers(chosen)), frozen(out), chosen)
-
-
-def possible(links: FloatArray) -> Any:
-    """Which sets of links (n, 5, 14) are bodies: pseudo-inertia positive definite, no volume below 0; (n,).
-
-    The pseudo-inertia is positive definite where the mass is positive and so are the second moments at the
-    COM [Wensing2018].
-    """
-    spread = np.linalg.eigvalsh(links[..., 4 + SYMMETRIC])[..., 0] > 0
-    return (spread & (links[..., 0] > 0) & (links[..., 10] >= 0)).all(axis=-1)
+    if isinstance(value, Quantity):
+        in_order = "".join(sorted(axes))
+        return change(f"{name}.{in_order}".rstrip("."), value)
+    if isinstance(value, tuple):
+        return tuple(
+            _walked(item, name, change, axes + axis)
+            for axis, item in zip("xyz", value, strict=False)
+        )
+    if isinstance(value, str):
+        return value
+    parts = {}
+    for field in fields(value):
+        part = getattr(value, field.name)
+        parts[field.name] = _walked(part, f"{name}.{field.name}", change)
+    return replace(value, **parts)

@@ -1,0 +1,271 @@
+"""Base parameters from a recorded motion, within what the printed digits allow."""
+
+from __future__ import annotations
+
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import FloatArray, instance, shaped
+from alpha5_model.dynamics.arm import Arm
+from alpha5_model.dynamics.kernel_numbers import arm_parameters
+from alpha5_model.dynamics.load import load
+from alpha5_model.dynamics.regression import NAMES, regressor_rows
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import parameters as records
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.digit_bounds import extremes, payload
+from alpha5_model.studies.uncertainty.linear_maps import groups, link_map
+from alpha5_model.studies.uncertainty.printed import Names
+from alpha5_model.studies.uncertainty.sampling import DEVIATION
+from alpha5_model.trajectory import Motion, smooth
+
+#: Half of a 95 % interval in standard deviations.
+_WIDE = NormalDist().inv_cdf(0.975)
+#: Noise [N m, N] below which a recording is a computation.
+_LEAST_NOISE = 1e-12
+#: Gains that are rounding, relative to the largest one.
+_RANK = 1e-12
+#: Steps of Gauss and Newton.
+_STEPS = 4
+
+
+class Identification(NamedTuple):
+    """Base parameters from data.
+
+    See `alpha5_model.codegen.base_parameters` for names and units.
+
+    Attributes:
+        names: Of the base parameters, (38,).
+        estimate: (38,).
+        lower, upper: 95 % intervals, (38,) each, cut to what the printed digits allow.
+        covariance: (38, 38).
+        supported: Which ones the data know at least twice as well as the printed digits
+            do, (38,) bool; of the others they tell little or nothing.
+        gains: Of each independent combination of printed numbers, best first: standard
+            deviation by the digits over that by the data, (r,); below 1 the digits say
+            more. The first over the last is the condition of the data.
+        combinations: What one standard deviation by the digits of each is in base
+            parameters, (r, 38).
+        noise: Standard deviation of what is left over, for each torque or part of the
+            load [N m, N].
+        parameters: The estimate as a parameter set, whose bodies are all possible.
+    """
+
+    names: tuple[str, ...]
+    estimate: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    covariance: FloatArray
+    supported: Any
+    gains: FloatArray
+    combinations: FloatArray
+    noise: FloatArray
+    parameters: Alpha5Parameters
+
+
+def identify(
+    motion: Motion,
+    arm: Arm | None = None,
+    *,
+    wrench: ArrayLike | None = None,
+    alternatives: Names = (),
+    **smoothing: Any,
+) -> Identification:
+    """Base parameters that a motion with its efforts, or the load on the mount, supports.
+
+    Unknown are the printed numbers, scaled so that their intervals are -1 to 1. Torques
+    and loads are linear in the base parameters, and these nearly so in the numbers: a
+    few steps of Gauss and Newton find them. No number leaves its interval, where every
+    body is possible, so the result is physically consistent by construction. The
+    intervals count as one more measurement, with the variance 1/3 of a uniform number,
+    which settles what the data do not. Noise is taken as white; its size is that of
+    what is left over.
+
+    Args:
+        motion: From `alpha5_model.trajectory`; the jaw rod is left out.
+        arm: Its fluid, gravity and payload are taken as known; None for the bare arm in
+            sea water.
+        wrench: Force and moment on the mount in base_link, (N, 6) [N, N m]; None for
+            the motion's efforts.
+        alternatives: Names of `ALTERNATIVES` to believe.
+        smoothing: As of `alpha5_model.trajectory.smooth`.
+
+    Raises:
+        InputError: A motion without efforts, no wrench either, or arrays that do not
+            fit; an arm on a floating base or with jaws that move.
+    """
+    chosen = printed.believed(alternatives)
+    arm = load() if arm is None else instance("arm", arm, Arm)
+    gravity = arm_parameters(arm)[-3:]
+    recording = _recording(motion, gravity, wrench, smoothing)
+
+    catalogue = records.parameters()
+    unknowns = _Unknowns(chosen, arm.fluid_density, catalogue)
+    fit = _fitted(recording, unknowns, payload(arm, catalogue))
+    bare = load(arm.fluid_density)
+    ends = extremes(
+        np.eye(len(NAMES))[None],
+        payload(bare, catalogue),
+        arm.fluid_density,
+        chosen,
+        catalogue,
+    )
+    return _identification(unknowns, fit, ends[:, 0])
+
+
+class _Recording(NamedTuple):
+    """What was measured, and the regressor of it.
+
+    Attributes:
+        regressor: (N, n, 38).
+        measured: Torques or loads, (N, n); NaN for what is missing.
+    """
+
+    regressor: FloatArray
+    measured: FloatArray
+
+
+def _recording(
+    motion: Motion,
+    gravity: FloatArray,
+    wrench: ArrayLike | None,
+    smoothing: dict[str, Any],
+) -> _Recording:
+    """The load on the mount if it is given, else the motion's efforts."""
+    smoothed = smooth(instance("motion", motion, Motion), **smoothing)
+    q = np.array(smoothed.position[:, :4])
+    v = np.array(smoothed.velocity[:, :4])
+    a = np.array(smoothed.acceleration[:, :4])
+    both = regressor_rows(q, v, a, gravity)
+    if wrench is not None:
+        measured = shaped("wrench", wrench, (len(q), 6))
+        return _Recording(regressor=both[:, 4:], measured=measured)
+    if motion.effort is not None:
+        return _Recording(regressor=both[:, :4], measured=motion.effort[:, :4])
+    expected = "one with recorded efforts, or a wrench"
+    raise InputError("motion", motion.source, expected)
+
+
+class _Unknowns:
+    """The printed numbers that base parameters depend on, z, each from -1 to 1.
+
+    Attributes:
+        count: How many.
+        slope: Base parameters by each, at the middle of the intervals, (count, 38).
+        alternatives: Those believed.
+    """
+
+    def __init__(
+        self,
+        alternatives: tuple[str, ...],
+        density: float,
+        parameters: Alpha5Parameters,
+    ) -> None:
+        self._middle, half = printed.ends(alternatives)
+        matters = half * np.abs(link_map(alternatives)).any(axis=(1, 2)) > 0
+        self._scaled = np.diag(half)[matters]
+        self._density = density
+        self._parameters = parameters
+        self.alternatives = alternatives
+        self.count = len(self._scaled)
+        unit = np.eye(self.count)
+        self.slope = (self.base_parameters(unit) - self.base_parameters(-unit)) / 2
+
+    def base_parameters(self, z: FloatArray) -> FloatArray:
+        """Base parameters, gravity left out, (..., count) to (..., 38)."""
+        values = self._values(z)
+        return groups(values, self.alternatives, self._density, self._parameters)
+
+    def parameter_set(self, z: FloatArray) -> Alpha5Parameters:
+        """The arm's parameters with these numbers."""
+        names = printed.numbers(self.alternatives)
+        values = dict(zip(names, self._values(z), strict=True))
+        return printed.parameter_set(values, self.alternatives)
+
+    def _values(self, z: FloatArray) -> FloatArray:
+        """The printed numbers, (..., K)."""
+        return self._middle + z @ self._scaled
+
+
+class _Fit(NamedTuple):
+    """The unknowns that fit a recording best.
+
+    Attributes:
+        z: (count,).
+        noise: Standard deviation of what is left over, (n,).
+        data: What the recording says of z, in standard deviations, (38 + 1, count).
+        table: The same above what the digits say.
+    """
+
+    z: FloatArray
+    noise: FloatArray
+    data: FloatArray
+    table: FloatArray
+
+
+def _fitted(recording: _Recording, unknowns: _Unknowns, known: FloatArray) -> _Fit:
+    """Fit the unknowns by weighted least squares within their intervals.
+
+    Args:
+        recording: What was measured.
+        unknowns: The printed numbers.
+        known: Base parameters of the payload, (38,).
+    """
+    from scipy.optimize import lsq_linear
+
+    regressor, measured = recording
+    present = np.isfinite(measured)
+    augmented = np.concatenate([regressor, measured[..., None]], axis=-1)
+    by_digits = np.eye(unknowns.count) / DEVIATION
+
+    z = np.zeros(unknowns.count)
+    noise = np.ones(measured.shape[1])
+    for _ in range(_STEPS):
+        weighted = augmented / noise[:, None]
+        triangle = np.asarray(np.linalg.qr(weighted[present], mode="r"))
+        by_base_parameters = triangle[:, :-1]
+        data = by_base_parameters @ unknowns.slope.T
+        at_zero = unknowns.base_parameters(z) + known - z @ unknowns.slope
+        rest = triangle[:, -1] - by_base_parameters @ at_zero
+
+        table = np.vstack([data, by_digits])
+        target = np.append(rest, np.zeros(unknowns.count))
+        z = lsq_linear(table, target, bounds=(-1.0, 1.0), method="bvls").x
+        left_over = measured - regressor @ (unknowns.base_parameters(z) + known)
+        noise = np.sqrt(np.nanmean(left_over**2, axis=0)) + _LEAST_NOISE
+    return _Fit(z=z, noise=noise, data=data, table=table)
+
+
+def _identification(unknowns: _Unknowns, fit: _Fit, ends: FloatArray) -> Identification:
+    """The base parameters of a fit, with their intervals.
+
+    Args:
+        unknowns: The printed numbers.
+        fit: Of them.
+        ends: Lowest and highest base parameters by the digits, (2, 38).
+    """
+    slope = unknowns.slope
+    estimate = unknowns.base_parameters(fit.z)
+    covariance = slope.T @ np.linalg.inv(fit.table.T @ fit.table) @ slope
+    half_width = _WIDE * np.sqrt(np.diag(covariance))
+    by_digits = _WIDE * DEVIATION * np.linalg.norm(slope, axis=0)
+    lower, upper = np.clip([estimate - half_width, estimate + half_width], *ends)
+
+    _, gains, directions = np.linalg.svd(fit.data * DEVIATION, full_matrices=False)
+    told = gains > gains[0] * _RANK
+    return Identification(
+        names=NAMES,
+        estimate=estimate,
+        lower=lower,
+        upper=upper,
+        covariance=covariance,
+        supported=2 * half_width < by_digits,
+        gains=gains[told],
+        combinations=DEVIATION * directions[told] @ slope,
+        noise=fit.noise,
+        parameters=unknowns.parameter_set(fit.z),
+    )

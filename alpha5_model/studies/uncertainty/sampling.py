@@ -1,0 +1,114 @@
+"""Parameter sets drawn from the intervals of the printed numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from alpha5_model._support.checks import (
+    FloatArray,
+    array,
+    choice,
+    count,
+    frozen,
+    generator,
+    real,
+)
+from alpha5_model.errors import InputError
+from alpha5_model.numbers import parameters as records
+from alpha5_model.numbers.fluids import GRAVITY, SEA_WATER
+from alpha5_model.numbers.parameters import Alpha5Parameters
+from alpha5_model.studies.uncertainty import printed
+from alpha5_model.studies.uncertainty.linear_maps import groups, link_map, possible
+from alpha5_model.studies.uncertainty.printed import Names
+
+#: Standard deviation of a number that is uniform in -1 to 1.
+DEVIATION = 3**-0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Parameter sets; make one with `sample`.
+
+    Attributes:
+        names: Of the printed numbers, (K,).
+        values: (n, K) SI units.
+        alternatives: Those believed.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    alternatives: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def parameters(self, index: int) -> Alpha5Parameters:
+        """One set as the record that `alpha5_model.numbers.parameters` returns.
+
+        Raises:
+            InputError: Not the number of a set.
+        """
+        size = len(self)
+        whole = isinstance(index, int | np.integer) and not isinstance(index, bool)
+        if not whole or not -size <= index < size:
+            raise InputError("index", index, f"a whole number from 0 to {size - 1}")
+        values = dict(zip(self.names, self.values[index].tolist(), strict=True))
+        return printed.parameter_set(values, self.alternatives)
+
+    def base_parameters(
+        self, fluid_density: float = SEA_WATER, gravity: ArrayLike = GRAVITY
+    ) -> FloatArray:
+        """`alpha5_model.codegen.base_parameters` of every set, (n, 41).
+
+        They are for the generated kernels. The lengths of Table 1 are built into these
+        and stay as printed.
+        """
+        density = real("fluid_density", fluid_density, minimum=0.0)
+        catalogue = records.parameters()
+        of_bodies = groups(self.values, self.alternatives, density, catalogue)
+        weight = np.broadcast_to(array("gravity", gravity, 3), (len(self), 3))
+        return np.concatenate([of_bodies, weight], axis=1)
+
+
+def sample(
+    n: int, seed: int = 0, distribution: str = "uniform", alternatives: Names = ()
+) -> Sample:
+    """Draw parameter sets whose numbers all round to the printed ones.
+
+    A set that is no body is drawn again.
+
+    Args:
+        n: How many.
+        seed: Of the random numbers.
+        distribution: ``uniform`` within the intervals, or ``normal`` of the same
+            variance, which passes their ends.
+        alternatives: Names of `ALTERNATIVES` to believe.
+
+    Raises:
+        InputError: Not such numbers.
+        UnknownNameError: No such distribution or alternative.
+    """
+    rng = generator(seed)
+    chosen = printed.believed(alternatives)
+    choice("distribution", distribution, ("uniform", "normal"))
+    size = count("n", n)
+
+    middle, half = printed.ends(chosen)
+    values = np.empty((0, middle.size))
+    while len(values) < size:
+        shape = (size - len(values), middle.size)
+        if distribution == "normal":
+            drawn = rng.normal(0, DEVIATION, shape)
+        else:
+            drawn = rng.uniform(-1, 1, shape)
+        sets = middle + half * drawn
+        links = np.tensordot(sets, link_map(chosen), 1)
+        values = np.concatenate([values, sets[possible(links)]])
+    return Sample(
+        names=tuple(printed.numbers(chosen)),
+        values=frozen(values),
+        alternatives=chosen,
+    )
