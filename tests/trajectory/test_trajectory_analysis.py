@@ -643,11 +643,12 @@ def test_motors_and_rated_speeds_are_those_of_the_arms_record() -> None:
     """Twice the friction of axis_d's motor, and an axis_d that counts as at rest."""
     p = a5.parameters()
     motor = dataclasses.replace(p.actuators[1], friction=2 * p.actuators[1].friction)
-    fast = dataclasses.replace(p.joints[1], velocity=1000 * p.joints[1].velocity)
+    fast = dataclasses.replace(p.joints[1], velocity=4 * p.joints[1].velocity)
     actuators = (p.actuators[0], motor, *p.actuators[2:])
     joints = (p.joints[0], fast, *p.joints[2:])
     time = np.linspace(0.0, 3.0, 60)
-    motion = a5.trajectory.motion(time, 1.5 + 0.3 * np.sin(time)[:, None] * np.ones(4))
+    swing = np.array([0.3, 0.003, 0.3, 0.3])  # rest is slower than 0.001 rad/s
+    motion = a5.trajectory.motion(time, 1.5 + np.sin(time)[:, None] * swing)
     catalogue = a5.trajectory.analyse(motion)
 
     with_motor = dataclasses.replace(p, actuators=actuators)
