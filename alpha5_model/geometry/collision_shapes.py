@@ -90,17 +90,27 @@ def _base(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.base
     radius = dimensions.radius
     neck = [
-        box((d.tube_front, -y, -z), (-1.5, y, min(z, d.hub_high))) for y, z in d.neck
+        box(
+            low=(d.tube_front, -y, -z),
+            high=(-1.5, y, min(z, d.hub_high)),
+        )
+        for y, z in d.neck
     ]
     half = d.foot_half_width
     return [
-        cylinder(radius, d.cap, d.tube_front, "x"),
-        cylinder(d.plug_radius, d.rear, d.cap, "x"),
-        cylinder(1.6 * d.plug_radius, d.cap - 5.0, d.cap, "x"),
-        cylinder(radius, d.hub_low, d.hub_high, "z"),
+        cylinder(radius, low=d.cap, high=d.tube_front, axis="x"),
+        cylinder(d.plug_radius, low=d.rear, high=d.cap, axis="x"),
+        cylinder(1.6 * d.plug_radius, low=d.cap - 5.0, high=d.cap, axis="x"),
+        cylinder(radius, low=d.hub_low, high=d.hub_high, axis="z"),
         *neck,
-        box((d.foot_rear, d.foot_face, -half), (d.foot_front, -8.0, half)),
-        box((d.foot_front, d.foot_edge, -half), (d.foot_slope, -8.0, half)),
+        box(
+            low=(d.foot_rear, d.foot_face, -half),
+            high=(d.foot_front, -8.0, half),
+        ),
+        box(
+            low=(d.foot_front, d.foot_edge, -half),
+            high=(d.foot_slope, -8.0, half),
+        ),
         _slope_of_foot(dimensions),
     ]
 
@@ -127,8 +137,8 @@ def _shell(dimensions: Dimensions) -> list[Primitive]:
     radius = dimensions.radius
     collar_axis = (d.axes_apart, 0.0, 0.0)
     return [
-        cylinder(radius, d.cheek_inner, d.cheek_outer, "z"),
-        cylinder(radius, d.floor, d.collar_face, "y", collar_axis),
+        cylinder(radius, low=d.cheek_inner, high=d.cheek_outer, axis="z"),
+        cylinder(radius, low=d.floor, high=d.collar_face, axis="y", at=collar_axis),
         *_half_shell(dimensions),
         *_sides_of_shell(dimensions),
     ]
@@ -157,7 +167,12 @@ def _half_shell(dimensions: Dimensions) -> list[Primitive]:
         else:
             near = d.axes_apart - half
         far = d.axes_apart + half
-        boxes.append(box((near, d.mitre - high, low), (far, d.floor, high)))
+        boxes.append(
+            box(
+                low=(near, d.mitre - high, low),
+                high=(far, d.floor, high),
+            )
+        )
     return boxes
 
 
@@ -170,10 +185,22 @@ def _sides_of_shell(dimensions: Dimensions) -> list[Primitive]:
     beside = d.axes_apart + 1.0
     top = d.cheek_inner
     return [
-        box((near_1, y_0, 0.0), (beside, y_1, top)),
-        box((near_2, y_1, d.mitre - y_2), (beside, y_2, top)),
-        box((d.inside, y_2, d.mitre - y_3), (beside, d.floor, top)),
-        box((d.inside, y_3, -dimensions.radius), (beside, d.floor, d.mitre - y_3)),
+        box(
+            low=(near_1, y_0, 0.0),
+            high=(beside, y_1, top),
+        ),
+        box(
+            low=(near_2, y_1, d.mitre - y_2),
+            high=(beside, y_2, top),
+        ),
+        box(
+            low=(d.inside, y_2, d.mitre - y_3),
+            high=(beside, d.floor, top),
+        ),
+        box(
+            low=(d.inside, y_3, -dimensions.radius),
+            high=(beside, d.floor, d.mitre - y_3),
+        ),
     ]
 
 
@@ -181,7 +208,9 @@ def _upper_arm(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.upper_arm
     start = _start_of_tube(dimensions)
     middle = (0.0, d.drop / 2, 0.0)
-    tube = cylinder(dimensions.radius, start, d.reach - start, "x", middle)
+    tube = cylinder(
+        dimensions.radius, low=start, high=d.reach - start, axis="x", at=middle
+    )
 
     one_end = _end_of_upper_arm(dimensions)
     to_other_end = pose((d.reach, d.drop, 0.0), (0.0, 0.0, math.pi))
@@ -200,26 +229,35 @@ def _end_of_upper_arm(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.upper_arm
     y = d.drop / 2
     far = _start_of_tube(dimensions) + 1.0
-    shapes = [cylinder(dimensions.radius, d.barrel_low, d.barrel_high, "z")]
+    shapes = [
+        cylinder(dimensions.radius, low=d.barrel_low, high=d.barrel_high, axis="z")
+    ]
     for low, high, half in _slabs(d.slabs, dimensions.radius):
         near = d.mitre + low
-        shapes.append(box((near, y - half, low), (far, y + half, high)))
+        shapes.append(
+            box(
+                low=(near, y - half, low),
+                high=(far, y + half, high),
+            )
+        )
 
     end_of_neck = (d.mitre + d.barrel_high, d.neck, d.barrel_high)
-    shapes.append(box((14.0, 2.1, 3.0), end_of_neck))
+    shapes.append(box(low=(14.0, 2.1, 3.0), high=end_of_neck))
     return shapes
 
 
 def _wrist(dimensions: Dimensions) -> Primitive:
     d = dimensions.wrist
     end = dimensions.jaws.collar_base + d.collar_height
-    return cylinder(dimensions.radius, -end, -d.tube_start, "z")
+    return cylinder(dimensions.radius, low=-end, high=-d.tube_start, axis="z")
 
 
 def _finger(dimensions: Dimensions) -> list[Primitive]:
     d = dimensions.finger
     half_thickness = dimensions.jaws.finger_width / 2
-    shapes = [cylinder(d.lug_radius, -half_thickness, half_thickness, "z")]
+    shapes = [
+        cylinder(d.lug_radius, low=-half_thickness, high=half_thickness, axis="z")
+    ]
     for start, stop in pairwise(d.boxes):
         shapes.append(_box_of_blade(dimensions, start, stop, side=0.0))
     *tip_boxes, last_of_tip = d.tip_boxes

@@ -21,9 +21,13 @@ def finger(dimensions: Dimensions) -> Part:
     half_thickness = dimensions.jaws.finger_width / 2
     blade = _blade(d) ^ _plate(d)
     lug = cylinder(
-        d.lug_radius, -half_thickness, half_thickness, edges=(0.5, 0.5), segments=36
+        d.lug_radius,
+        low=-half_thickness,
+        high=half_thickness,
+        edges=(0.5, 0.5),
+        segments=36,
     )
-    pin = cylinder(d.pin_radius, -50, 50, segments=24)
+    pin = cylinder(d.pin_radius, low=-50, high=50, segments=24)
     outside = union([blade, lug])
     outside -= _other_finger(dimensions)
     outside -= _beyond_tip(dimensions)
@@ -32,7 +36,7 @@ def finger(dimensions: Dimensions) -> Part:
     def perforated(radius: float) -> Solid:
         holes = []
         for y, share in d.holes:
-            hole = cylinder(share * radius, -50, 50, axis="x", segments=40)
+            hole = cylinder(share * radius, low=-50, high=50, axis="x", segments=40)
             holes.append(hole.translate([0, y, 0]))
         return outside - union(holes)
 
@@ -66,12 +70,21 @@ def _other_finger(dimensions: Dimensions) -> Solid:
     """The room of the other finger, beyond a stepped middle plane."""
     d = dimensions.finger
     middle = dimensions.jaws.pivot_offset - d.gap
-    lower = box((middle - d.hook, -50, -50), (50, 150, d.gap))
-    return lower + box((middle + d.hook, -50, -50), (50, 150, 50))
+    lower = box(
+        low=(middle - d.hook, -50, -50),
+        high=(50, 150, d.gap),
+    )
+    return lower + box(
+        low=(middle + d.hook, -50, -50),
+        high=(50, 150, 50),
+    )
 
 
 def _beyond_tip(dimensions: Dimensions) -> Solid:
-    return box((-50, dimensions.jaws.finger_length, -50), (50, 200, 50))
+    return box(
+        low=(-50, dimensions.jaws.finger_length, -50),
+        high=(50, 200, 50),
+    )
 
 
 def ribbon(

@@ -47,7 +47,7 @@ def _ring(middle: float) -> Groove:
 def base(dimensions: Dimensions) -> Part:
     """The base in link_0; free: the depth of the bore under link 1."""
     d = dimensions.base
-    bolt = cylinder(1.4, d.hub_low - 1, d.hub_low + 1.6, segments=12)
+    bolt = cylinder(1.4, low=d.hub_low - 1, high=d.hub_low + 1.6, segments=12)
     bolts = circle_of(bolt, 6, 10.5, 30.0)
     solids = [
         _hub(dimensions),
@@ -59,7 +59,7 @@ def base(dimensions: Dimensions) -> Part:
     outside = union(solids) - bolts
 
     def bored(depth: float) -> Solid:
-        bore = cylinder(d.shaft_radius, d.hub_high - depth, d.hub_high + 1)
+        bore = cylinder(d.shaft_radius, low=d.hub_high - depth, high=d.hub_high + 1)
         return outside - bore.translate([0, d.shaft_offset, 0])
 
     return Part(outside=outside, cut=bored)
@@ -69,8 +69,8 @@ def _hub(dimensions: Dimensions) -> Solid:
     d = dimensions.base
     return cylinder(
         dimensions.radius,
-        d.hub_low,
-        d.hub_high,
+        low=d.hub_low,
+        high=d.hub_high,
         edges=(d.hub_edge, 0.6),
         grooves=[_ring(d.hub_high - 4)],
     )
@@ -80,8 +80,8 @@ def _base_tube(dimensions: Dimensions) -> Solid:
     d = dimensions.base
     return cylinder(
         dimensions.radius,
-        d.cap,
-        d.tube_front,
+        low=d.cap,
+        high=d.tube_front,
         axis="x",
         edges=(d.cap_edge, 0.8),
         grooves=[_ring(d.tube_front - 6.0), _ring(d.tube_front - 16.0)],
@@ -91,16 +91,19 @@ def _base_tube(dimensions: Dimensions) -> Solid:
 def _base_neck(dimensions: Dimensions) -> Solid:
     """Between tube and hub, below link 1's collar."""
     d = dimensions.base
-    neck = cylinder(dimensions.radius - 0.2, d.tube_front - 2, 0.0, axis="x")
-    return neck - box((d.tube_front, -40, d.hub_high), (1, 40, 40))
+    neck = cylinder(dimensions.radius - 0.2, low=d.tube_front - 2, high=0.0, axis="x")
+    return neck - box(
+        low=(d.tube_front, -40, d.hub_high),
+        high=(1, 40, 40),
+    )
 
 
 def _cable_plug(d: SimpleNamespace) -> tuple[Solid, Solid]:
     """The nut and the threaded plug in the middle of the cap."""
     nut = cylinder(
         1.6 * d.plug_radius,
-        d.cap - 5,
-        d.cap + 2,
+        low=d.cap - 5,
+        high=d.cap + 2,
         axis="x",
         edges=(0.8, 0),
         segments=6,
@@ -108,8 +111,8 @@ def _cable_plug(d: SimpleNamespace) -> tuple[Solid, Solid]:
     thread = [Groove(d.rear + x, width=2.0, depth=0.6) for x in (5.0, 8.0, 11.0)]
     plug = cylinder(
         d.plug_radius,
-        d.rear,
-        d.cap,
+        low=d.rear,
+        high=d.cap,
         axis="x",
         edges=(1.2, 0),
         grooves=thread,
@@ -128,7 +131,9 @@ def _foot(d: SimpleNamespace) -> Solid:
     ]
     foot = prism(outline, -d.foot_half_width, d.foot_half_width, edge=1.2)
 
-    hole = cylinder(1.7, d.foot_face - 1, d.foot_face + 7, axis="y", segments=16)
+    hole = cylinder(
+        1.7, low=d.foot_face - 1, high=d.foot_face + 7, axis="y", segments=16
+    )
     lengthwise = (d.foot_rear + 8.0, d.foot_front - 8.0)
     places = itertools.product(lengthwise, (-13.0, 13.0))
     return foot - union(hole.translate([x, 0, z]) for x, z in places)
@@ -143,15 +148,22 @@ def shell(dimensions: Dimensions) -> Part:
     The bore is parallel to the collar's axis.
     """
     d = dimensions.shell
-    cheek = cylinder(dimensions.radius, d.cheek_inner, d.cheek_outer, edges=(0, 1.2))
-    bolt = cylinder(1.4, d.cheek_outer - 1.6, 40, segments=12)
+    cheek = cylinder(
+        dimensions.radius, low=d.cheek_inner, high=d.cheek_outer, edges=(0, 1.2)
+    )
+    bolt = cylinder(1.4, low=d.cheek_outer - 1.6, high=40, segments=12)
     bolts = circle_of(bolt, 6, 14.0)
-    ring = cylinder(9.5, d.cheek_outer - 0.8, 40) - cylinder(8.3, 0, 41)
+    ring = cylinder(9.5, low=d.cheek_outer - 0.8, high=40) - cylinder(
+        8.3, low=0, high=41
+    )
     outside = union([_half_shell(dimensions), cheek]) - bolts - ring
 
     def bored(radius: float) -> Solid:
-        bore = cylinder(radius, -40, d.floor, axis="y")
-        bore ^= box((0, -60, -40), (40, 60, d.cheek_outer - 2.5 - d.bore_shift))
+        bore = cylinder(radius, low=-40, high=d.floor, axis="y")
+        bore ^= box(
+            low=(0, -60, -40),
+            high=(40, 60, d.cheek_outer - 2.5 - d.bore_shift),
+        )
         return outside - bore.translate([d.axes_apart, 0, d.bore_shift])
 
     return Part(outside=outside, cut=bored)
@@ -162,9 +174,9 @@ def _half_shell(dimensions: Dimensions) -> Solid:
     d = dimensions.shell
     far = (-40, -40, -40)
     shell = _collar(dimensions).translate([d.axes_apart, 0, 0])
-    shell -= cylinder(dimensions.radius + 0.6, -40, d.cheek_inner)
-    shell -= box(far, (d.inside, d.floor, d.cheek_inner))
-    shell -= box(far, (d.axes_apart + 0.6, 0, d.cheek_inner))
+    shell -= cylinder(dimensions.radius + 0.6, low=-40, high=d.cheek_inner)
+    shell -= box(low=far, high=(d.inside, d.floor, d.cheek_inner))
+    shell -= box(low=far, high=(d.axes_apart + 0.6, 0, d.cheek_inner))
     return shell
 
 
@@ -174,15 +186,18 @@ def _collar(dimensions: Dimensions) -> Solid:
     radius = dimensions.radius
     collar = cylinder(
         radius,
-        -radius,
-        d.collar_face,
+        low=-radius,
+        high=d.collar_face,
         axis="y",
         edges=(0, 0.6),
         grooves=[_ring(d.floor + 1.6)],
     )
     collar = collar.trim_by_plane((0, 1, 1), d.mitre / math.sqrt(2))
 
-    notch = box((-2.0, -1.0, 0.0), (2.0, 1.0, 5.0))
+    notch = box(
+        low=(-2.0, -1.0, 0.0),
+        high=(2.0, 1.0, 5.0),
+    )
     notches = circle_of(notch.translate([radius + 1.2, 0, 0]), 24, 0.0)
     notches = notches.rotate([-90, 0, 0])
     return collar - notches.translate([0, d.collar_face - 5.0, 0])
@@ -203,12 +218,12 @@ def upper_arm(dimensions: Dimensions) -> Part:
         return solid.rotate([0, 0, 180]).translate([d.reach, d.drop, 0])
 
     half = union([_barrel(dimensions), _barrel_neck(dimensions)])
-    relief = cylinder(d.cheek_relief, d.barrel_high, 40)
+    relief = cylinder(d.cheek_relief, low=d.barrel_high, high=40)
     outside = union([_motor_tube(dimensions), half, opposite(half)])
     outside -= union([relief, opposite(relief)])
 
     def bored(radius: float) -> Solid:
-        hole = cylinder(radius, d.barrel_low + 3, d.barrel_high + 1)
+        hole = cylinder(radius, low=d.barrel_low + 3, high=d.barrel_high + 1)
         return outside - union([hole, opposite(hole)])
 
     return Part(outside=outside, cut=bored)
@@ -220,7 +235,7 @@ def _motor_tube(dimensions: Dimensions) -> Solid:
     radius = dimensions.radius
     places = (38.0, 48.0, d.reach - 48.0, d.reach - 38.0)
     rings = [_ring(x) for x in places]
-    tube = cylinder(radius, -radius, d.reach + radius, axis="x", grooves=rings)
+    tube = cylinder(radius, low=-radius, high=d.reach + radius, axis="x", grooves=rings)
     tube = tube.translate([0, d.drop / 2, 0])
     tube = tube.trim_by_plane((1, 0, -1), d.mitre / math.sqrt(2))
     return tube.trim_by_plane((-1, 0, -1), (d.mitre - d.reach) / math.sqrt(2))
@@ -229,19 +244,26 @@ def _motor_tube(dimensions: Dimensions) -> Solid:
 def _barrel(dimensions: Dimensions) -> Solid:
     d = dimensions.upper_arm
     edges = (d.barrel_edge, 0.6)
-    barrel = cylinder(dimensions.radius, d.barrel_low, d.barrel_high, edges=edges)
-    bolt = cylinder(1.4, -40, d.barrel_low + 1.6, segments=12)
+    barrel = cylinder(
+        dimensions.radius, low=d.barrel_low, high=d.barrel_high, edges=edges
+    )
+    bolt = cylinder(1.4, low=-40, high=d.barrel_low + 1.6, segments=12)
     bolts = circle_of(bolt, 6, 11.5)
-    ring = cylinder(9.0, -40, d.barrel_low + 0.8) - cylinder(7.8, -41, 0)
+    ring = cylinder(9.0, low=-40, high=d.barrel_low + 0.8) - cylinder(
+        7.8, low=-41, high=0
+    )
     return barrel - bolts - ring
 
 
 def _barrel_neck(dimensions: Dimensions) -> Solid:
     """The tube's lower part, which goes on past its cut end until it meets the barrel."""
     d = dimensions.upper_arm
-    stub = cylinder(dimensions.radius - 0.2, 2.0, 24.0, axis="x")
+    stub = cylinder(dimensions.radius - 0.2, low=2.0, high=24.0, axis="x")
     stub = stub.translate([0, d.drop / 2, 0])
-    return stub ^ box((0, -1, -40), (60, d.neck, d.barrel_high))
+    return stub ^ box(
+        low=(0, -1, -40),
+        high=(60, d.neck, d.barrel_high),
+    )
 
 
 # --- link 4: the wrist tube with its rings, and the slotted jaw collar
@@ -256,15 +278,15 @@ def wrist(dimensions: Dimensions) -> Part:
     end = dimensions.jaws.collar_base + d.collar_height
     tube = cylinder(
         dimensions.radius,
-        -end,
-        -d.tube_start,
+        low=-end,
+        high=-d.tube_start,
         edges=(2.5, 0.8),
         grooves=_wrist_grooves(dimensions),
     )
     slotted = tube - _jaw_slot(d, end) - _rod_bore(d, end) - _hinge_pins(dimensions)
 
     def bored(depth: float) -> Solid:
-        return slotted - cylinder(d.bearing_radius, -d.tube_start - depth, 0)
+        return slotted - cylinder(d.bearing_radius, low=-d.tube_start - depth, high=0)
 
     return Part(outside=tube, cut=bored)
 
@@ -281,19 +303,22 @@ def _wrist_grooves(dimensions: Dimensions) -> list[Groove]:
 def _jaw_slot(d: SimpleNamespace, end: float) -> Solid:
     """The slot across the collar in which the fingers turn."""
     half_width = d.slot_half_width
-    return box((-40, -half_width, -end - 1), (40, half_width, -end + d.slot_depth))
+    return box(
+        low=(-40, -half_width, -end - 1),
+        high=(40, half_width, -end + d.slot_depth),
+    )
 
 
 def _rod_bore(d: SimpleNamespace, end: float) -> Solid:
     """The bore in the slot's floor, where the jaw rod comes out."""
     floor = -end + d.slot_depth
-    return cylinder(d.rod_radius, -end - 1, floor + d.rod_depth, segments=36)
+    return cylinder(d.rod_radius, low=-end - 1, high=floor + d.rod_depth, segments=36)
 
 
 def _hinge_pins(dimensions: Dimensions) -> Solid:
     """The holes of the fingers' hinges."""
     jaws = dimensions.jaws
     height = jaws.collar_base + jaws.pivot_height
-    pin = cylinder(1.5, -40, 40, axis="y", segments=24)
+    pin = cylinder(1.5, low=-40, high=40, axis="y", segments=24)
     places = (-jaws.pivot_offset, jaws.pivot_offset)
     return union(pin.translate([x, 0, -height]) for x in places)

@@ -56,14 +56,15 @@ def test_program(arm: Arm, made: Iterable[Program], options: COptions) -> str:
 
     tests = {}
     for function in made:
-        if any(slot.name in states[0] for slot in function.inputs):
+        takes_a_state = any(slot.name in states[0] for slot in function.inputs)
+        if takes_a_state:
             tests[function.name] = _test_of_states(function, arm, states, real)
     if options.struct:
         tests["with_payload"] = _test_of_payload(arm, states, real)
 
-    columns = {
-        name: numbers([state[name] for state in states], real) for name in states[0]
-    }
+    columns = {}
+    for name in states[0]:
+        columns[name] = numbers([state[name] for state in states], real)
     return template(
         "test_alpha5.c",
         **columns,
@@ -82,17 +83,25 @@ def _states(parameters: Alpha5Parameters, real: str) -> list[dict[str, FloatArra
     rng = np.random.default_rng(5)
     kind = np.float32 if real == "float" else np.float64
     shape = (_STATES, 4)
-    drawn = {name: rng.normal(scale=2.0, size=shape) for name in ("q", "v", "a", "tau")}
-    drawn["q"] = rng.uniform(*_limits(parameters), shape)
+    drawn = {}
+    for name in ("q", "v", "a", "tau"):
+        drawn[name] = rng.normal(scale=2.0, size=shape)
+    lower, upper = _limits(parameters)
+    drawn["q"] = rng.uniform(lower, upper, shape)
 
     rounded = {name: x.astype(kind).astype(np.float64) for name, x in drawn.items()}
-    return [{name: x[i] for name, x in rounded.items()} for i in range(_STATES)]
+    states = []
+    for i in range(_STATES):
+        states.append({name: x[i] for name, x in rounded.items()})
+    return states
 
 
 def _limits(parameters: Alpha5Parameters) -> tuple[list[float], list[float]]:
     """Lower and upper limits of theta_0 to theta_3."""
     joints = parameters.joints[:4]
-    return [joint.lower for joint in joints], [joint.upper for joint in joints]
+    lower = [joint.lower for joint in joints]
+    upper = [joint.upper for joint in joints]
+    return lower, upper
 
 
 def _test_of_states(
