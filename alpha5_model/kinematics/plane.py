@@ -25,7 +25,7 @@ import numpy as np
 from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.kinematics.tolerances import AXIS_TOLERANCE
-from alpha5_model.numbers.parameters import Alpha5Parameters, parameters
+from alpha5_model.numbers.parameters import Alpha5Parameters
 
 
 class ArmPlane(NamedTuple):
@@ -91,11 +91,6 @@ class ArmPlane(NamedTuple):
             longest=l_1 + l_2,
             shortest=abs(l_1 - l_2),
         )
-
-
-def arm_plane() -> ArmPlane:
-    """The plane of the Reach Alpha 5."""
-    return ArmPlane.from_parameters(parameters())
 
 
 def on_axis(position: FloatArray) -> BoolArray:

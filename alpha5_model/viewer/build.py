@@ -13,7 +13,7 @@ from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.dynamics.dimensions import check_dimensions
 from alpha5_model.kinematics import ik, reach
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.catalogue_arm import catalogue
 from alpha5_model.numbers import parameters as numbers
 from alpha5_model.trajectory import Motion
 from alpha5_model.viewer import drawing
@@ -96,7 +96,7 @@ def build_scene(
         sliders=sliders,
         q=position[-len(sliders) :],
         poses=link_poses(arm, tree, position),
-        plane=arm_plane(),
+        plane=catalogue().plane,
         shapes=tuple(thing for thing in things if isinstance(thing, Shape)),
         labels=tuple(thing for thing in things if isinstance(thing, Label)),
         loads=loads,

@@ -13,7 +13,8 @@ from alpha5_model._support.paths import REPOSITORY_PATH
 from alpha5_model.dynamics.collision import without_self_collision
 from alpha5_model.dynamics.load import load
 from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.plane import ArmPlane, arm_plane
+from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.shapes import Mesh, read_obj
 from alpha5_model.viewer.workspace_plot import FILL
@@ -48,7 +49,7 @@ def self_collision_figure(cell: float = CELL, samples: int = 20_000) -> Any:
         cell: Edge of the cells whose centres are tried [m].
         samples: Points behind the share in the title.
     """
-    cells = _tried(arm_plane(), cell)
+    cells = _tried(catalogue().plane, cell)
     base = _base()
     page = new_figure(9.6, 4.7)
     above, side = page.subplots(1, 2)

@@ -10,7 +10,8 @@ import numpy as np
 
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.arcs import planar_arc
-from alpha5_model.kinematics.plane import arm_plane
+from alpha5_model.kinematics.catalogue_arm import catalogue
+from alpha5_model.kinematics.plane import ArmPlane
 from alpha5_model.theory import planar
 from alpha5_model.viewer.figures import Color, new_figure, style
 from alpha5_model.viewer.outlines import CHORD, fill, legend_below, loops, polyline
@@ -56,7 +57,7 @@ def _draw_exact(axes: Any) -> None:
         for arc in workspace.boundary(side):
             points = polyline(planar_arc(arc), CHORD) * 1e3
             axes.plot(*points.T, _line_style(arc), color=color, linewidth=1.8)
-    _mark_shoulder(axes)
+    _mark_shoulder(axes, catalogue().plane)
     for color, line, text in _LEGEND:
         axes.plot([], [], line, color=color, label=text)
     area = workspace.cross_section_area() * 1e4
@@ -72,8 +73,7 @@ def _line_style(arc: workspace.Arc) -> str:
     return "--" if "theta_1" in arc.cause else ":"
 
 
-def _mark_shoulder(axes: Any) -> None:
-    plane = arm_plane()
+def _mark_shoulder(axes: Any, plane: ArmPlane) -> None:
     shoulder = (plane.a_0 * 1e3, plane.d_0 * 1e3)
     axes.plot(*shoulder, "+", color=Color.BLACK)
     leader = {"arrowstyle": "-", "lw": 0.6}
