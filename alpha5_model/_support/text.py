@@ -97,6 +97,9 @@ def table(
     for row in cells:
         columns = zip(row, sides, widths, strict=True)
         aligned = [f"{cell:{side}{size}}" for cell, side, size in columns]
-        line = (" " * indent + (" " * gap).join(aligned)).rstrip()
-        lines += wrapped(line, width, hang=last_column) if width else [line]
+        line = " " * indent + (" " * gap).join(aligned)
+        if width:
+            lines += wrapped(line.rstrip(), width, hang=last_column)
+        else:
+            lines.append(line.rstrip())
     return lines

@@ -143,14 +143,16 @@ def _water(record: Record) -> printing.Lines:
     yield WORDS["torque"]["water"].format(current=current)
 
     rows = [["", "nominal", "range", ""]]
-    for joint, unit in zip(record["joints"], ("N m",) * 4 + ("N",), strict=False):
+    for k, joint in enumerate(record["joints"]):
         nominal = _cell(joint["moving_water"])
         interval = _range(joint["moving_water_range"])
+        unit = "N m" if k < 4 else "N"
         rows.append([joint["joint"], nominal, interval, unit])
 
     loads = record["mount"]["moving_water"]
     for part, unit in (("force", "N"), ("moment", "N m")):
-        low, middle, high = (math.hypot(*loads[level][part]) for level in LEVELS)
+        vectors = [loads[level][part] for level in LEVELS]
+        low, middle, high = [math.hypot(*vector) for vector in vectors]
         rows.append([part, _cell(middle), _range((low, high)), f"{unit} on the mount"])
     yield from table(rows, "<>><")
 

@@ -96,7 +96,11 @@ def _expected(counts: Sequence[int], unit: str) -> str:
 
 
 def _units_for(unit: str) -> dict[str, _Unit]:
-    """The units that may stand behind a number measured in an SI unit or in several."""
+    """The units that may stand behind a number.
+
+    Args:
+        unit: SI unit of the number, or several: ``rad/s``, ``rad or m``, ``kg, m``.
+    """
     kinds = ("rad", "m") if " m" in unit else (unit.partition("/")[0],)
     return {name: found for name, found in _UNITS.items() if found.si in kinds}
 

@@ -103,23 +103,27 @@ def added_inertia(parameters: Alpha5Parameters, matrices: AddedMass) -> FloatArr
     """
     chain = DHChain.alpha5()
     q = _grid(parameters)
-    frames = chain.frames(q)
-    points, axes = chain.joint_axes(q)
-
-    out = np.zeros((len(q), 4))
+    inertia = np.zeros((len(q), 4))
     for i in range(1, 5):
-        # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z
-        # (Section 2).
-        origin = frames[:, i - 1, :3, 3]
-        angle = q[:, i - 1] + chain.links[i - 1].offset
-        turn = frames[:, i - 1, :3, :3] @ rotation_about((0, 0, 1), angle)
+        twist = _twists(chain, q, i)
+        added_mass = matrices[f"link_{i}"]
+        inertia[:, :i] += np.einsum("nka,ab,nkb->nk", twist, added_mass, twist)
+    return np.asarray(inertia.mean(axis=0))
 
-        # Twist of link i in its frame, for a unit rate of each joint before it.
-        spin = axes[:, :i]
-        speed = np.cross(spin, origin[:, None] - points[:, :i])
-        twist = np.concatenate([speed @ turn, spin @ turn], axis=-1)
-        out[:, :i] += np.einsum("nka,ab,nkb->nk", twist, matrices[f"link_{i}"], twist)
-    return np.asarray(out.mean(axis=0))
+
+def _twists(chain: DHChain, q: FloatArray, i: int) -> FloatArray:
+    """Twists of link i in its frame, for a unit rate of each joint, (N, i, 6)."""
+    # Inertial frame {i} stands at DH frame {i-1}, turned by the joint about its z
+    # (Section 2).
+    pose = chain.frames(q)[:, i - 1]
+    angle = q[:, i - 1] + chain.links[i - 1].offset
+    turn = pose[:, :3, :3] @ rotation_about((0, 0, 1), angle)
+    origin = pose[:, None, :3, 3]
+
+    points, axes = chain.joint_axes(q)
+    spin = axes[:, :i]
+    speed = np.cross(spin, origin - points[:, :i])
+    return np.concatenate([speed @ turn, spin @ turn], axis=-1)
 
 
 def _grid(parameters: Alpha5Parameters) -> FloatArray:

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from alpha5_model._support.checks import FloatArray
+from alpha5_model._support.checks import BoolArray, FloatArray
 from alpha5_model.kinematics import workspace
 from alpha5_model.kinematics.arcs import area
 from alpha5_model.numbers.parameters import Alpha5Parameters
@@ -64,20 +64,34 @@ def _rounding_of_shares(printed: Published, parameters: Alpha5Parameters) -> Flo
     points = np.stack([np.zeros_like(radius), radius, height], axis=-1)
     reached = workspace.reachable(points)
 
-    def differing(x: FloatArray) -> FloatArray:
-        a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = x
-        square = (radius - a_0) ** 2 + (height - d_0) ** 2
-        outer = (np.hypot(opposite, adjacent) + np.hypot(d_3, a_2)) ** 2
-        inner = (offset + a_2) ** 2 + (length + d_3) ** 2
-        below = (radius - a_0) ** 2 + (height - d_0 + drop) ** 2
-        region = (inner <= square) & (square <= outer) & (below >= d_3**2)
-
+    def differing(lengths: FloatArray) -> FloatArray:
+        region = _between_tori(radius, height, lengths)
         beyond = region & ~reached
         missed = reached & ~region
         return np.array([beyond.sum() / region.sum(), missed.sum() / reached.sum()])
 
     bounds: FloatArray = figure(differing, _inputs(printed)).bound
     return bounds
+
+
+def _between_tori(
+    radius: FloatArray, height: FloatArray, lengths: FloatArray
+) -> BoolArray:
+    """Which points lie between the printed tori.
+
+    Args:
+        lengths: In the order of `_inputs` [m].
+    """
+    a_0, d_0, a_2, d_3, opposite, adjacent, offset, length, drop = lengths
+    square = (radius - a_0) ** 2 + (height - d_0) ** 2
+    outer_square = (np.hypot(opposite, adjacent) + np.hypot(d_3, a_2)) ** 2
+    inner_square = (offset + a_2) ** 2 + (length + d_3) ** 2
+    lower_square = (radius - a_0) ** 2 + (height - d_0 + drop) ** 2
+
+    outside_inner = inner_square <= square
+    inside_outer = square <= outer_square
+    outside_lower = lower_square >= d_3**2
+    return np.asarray(outside_inner & inside_outer & outside_lower)
 
 
 def _grid(parameters: Alpha5Parameters) -> tuple[FloatArray, FloatArray]:
