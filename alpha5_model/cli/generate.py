@@ -63,63 +63,60 @@ MESH_URIS = {
     "file": (Path(REPOSITORY_PATH) / "meshes").as_uri() + "/",
 }
 
+# The options of this command.
+_Output = Annotated[Path | None, Option(help="File; for mjcf, sdf and c a folder.")]
+_DescriptionFormat = Annotated[str, Option("--format", help="urdf, mjcf, sdf or c.")]
+_Prefix = Annotated[str, Option(help="Before every link and joint name.")]
+_Parent = Annotated[str, Option(help="Link to mount on; made if given.")]
+_Xyz = Annotated[str, Option(help="Mount in the parent, x y z (m).")]
+_Rpy = Annotated[str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")]
+_MeshUri = Annotated[str, Option(help=options.HELP["meshes"])]
+_Collision = Annotated[str, Option(help="primitives or none.")]
+_DhFrames = Annotated[bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")]
+_Ros2Control = Annotated[bool, Option("--ros2-control", help="Interfaces, device ids.")]
+_Ros2ControlPlugin = Annotated[str, Option(help="Hardware.")]
+_Corrections = Annotated[str | None, Option(help="With commas; '' is to the letter.")]
+_Fluid = Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")]
+_Gravity = Annotated[str, Option(help="c: in base_link (m/s^2).")]
+_Real = Annotated[str, Option(help="c: double or float.")]
+_Parameters = Annotated[str, Option(help="c: masses and water folded, or a struct.")]
+_Actuators = Annotated[str, Option(help="mjcf: position, velocity or motor.")]
+_Buoyancy = Annotated[str, Option(help="mjcf: bodies, or none, for brax.")]
+_SdfVersion = Annotated[str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")]
+_Drag = Annotated[bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")]
+_Hydrodynamics = Annotated[
+    bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
+]
+_Check = Annotated[bool, Option("--check", help="Compare the committed files.")]
+_Update = Annotated[bool, Option("--update", help="Write the committed files anew.")]
+
 
 def generate(
     context: Context,
-    output: Annotated[
-        Path | None, Option(help="File; for mjcf, sdf and c a folder.")
-    ] = None,
-    description_format: Annotated[
-        str, Option("--format", help="urdf, mjcf, sdf or c.")
-    ] = "urdf",
+    output: _Output = None,
+    description_format: _DescriptionFormat = "urdf",
     gripper: options.Gripper = "locked",
-    prefix: Annotated[str, Option(help="Before every link and joint name.")] = "",
-    parent: Annotated[str, Option(help="Link to mount on; made if given.")] = "",
-    xyz: Annotated[str, Option(help="Mount in the parent, x y z (m).")] = "0 0 0",
-    rpy: Annotated[
-        str, Option(help="Its roll, pitch, yaw (rad; 180 0 0 deg).")
-    ] = "0 0 0",
-    mesh_uri: Annotated[str, Option(help=options.HELP["meshes"])] = "relative",
-    collision: Annotated[str, Option(help="primitives or none.")] = "primitives",
-    dh_frames: Annotated[
-        bool, Option("--dh-frames", help="Add dh_1 ... dh_5.")
-    ] = False,
-    ros2_control: Annotated[
-        bool, Option("--ros2-control", help="Interfaces, device ids.")
-    ] = False,
-    ros2_control_plugin: Annotated[
-        str, Option(help="Hardware.")
-    ] = "mock_components/GenericSystem",
-    corrections: Annotated[
-        str | None, Option(help="With commas; '' is to the letter.")
-    ] = None,
-    fluid: Annotated[str, Option(help=f"mjcf, sdf, c: {options.FLUID}")] = "sea",
-    gravity: Annotated[str, Option(help="c: in base_link (m/s^2).")] = options.DOWN,
-    real: Annotated[str, Option(help="c: double or float.")] = "double",
-    parameters: Annotated[
-        str, Option(help="c: masses and water folded, or a struct.")
-    ] = "folded",
-    actuators: Annotated[
-        str, Option(help="mjcf: position, velocity or motor.")
-    ] = "position",
-    buoyancy: Annotated[
-        str, Option(help="mjcf: bodies, or none, for brax.")
-    ] = "bodies",
-    sdf_version: Annotated[
-        str, Option(help="sdf: 1.9, or 1.11 (fingers follow).")
-    ] = "1.9",
-    drag: Annotated[
-        bool, Option("--drag", help="mjcf: MuJoCo's own, not published.")
-    ] = False,
-    hydrodynamics: Annotated[
-        bool, Option("--hydrodynamics", help=options.HELP["moving_water"])
-    ] = False,
-    check: Annotated[
-        bool, Option("--check", help="Compare the committed files.")
-    ] = False,
-    update: Annotated[
-        bool, Option("--update", help="Write the committed files anew.")
-    ] = False,
+    prefix: _Prefix = "",
+    parent: _Parent = "",
+    xyz: _Xyz = "0 0 0",
+    rpy: _Rpy = "0 0 0",
+    mesh_uri: _MeshUri = "relative",
+    collision: _Collision = "primitives",
+    dh_frames: _DhFrames = False,
+    ros2_control: _Ros2Control = False,
+    ros2_control_plugin: _Ros2ControlPlugin = "mock_components/GenericSystem",
+    corrections: _Corrections = None,
+    fluid: _Fluid = "sea",
+    gravity: _Gravity = options.DOWN,
+    real: _Real = "double",
+    parameters: _Parameters = "folded",
+    actuators: _Actuators = "position",
+    buoyancy: _Buoyancy = "bodies",
+    sdf_version: _SdfVersion = "1.9",
+    drag: _Drag = False,
+    hydrodynamics: _Hydrodynamics = False,
+    check: _Check = False,
+    update: _Update = False,
 ) -> int:
     """Write the description of any variant of the arm.
 
@@ -155,6 +152,7 @@ def generate(
     }
 
     made = _FORMATS[description_format]
+    # Each field of the record is an option, or made from one above.
     record = made.options(**{name: given[name] for name in made.option_names()})
     files = made.files(record)
     main_file = files[made.main_file]

@@ -23,16 +23,29 @@ from alpha5_model.viewer.motion_plot import motion_figure
 
 _USE_VELOCITY = {"auto": None, "file": True, "positions": False}
 
+# The options of this command.
+_File = Annotated[Path, Argument(help=options.HELP["file"])]
+_Topic = Annotated[str | None, Option(help="Of a bag with several arms.")]
+_Prefix = Annotated[str | None, Option(help="Before the joints' names: left_.")]
+_Output = Annotated[Path | None, Option("--output", "-o", help="Table, .csv or .json.")]
+_Gripper = Annotated[str, Option(help=options.HELP["gripper"])]
+_Smoothing = Annotated[str, Option(help="spline, savgol or interpolate (no noise).")]
+_Bandwidth = Annotated[float, Option(help="-3 dB frequency of the smoothing (Hz).")]
+_Velocities = Annotated[str, Option(help="file, positions (their slope) or auto.")]
+_SupplyVoltage = Annotated[float | None, Option(help="For limits (V); not published.")]
+_CurrentLimit = Annotated[
+    float | None, Option(help="Of each motor (A); not published.")
+]
+_ScrewLead = Annotated[
+    float | None, Option(help="Jaw rod (m per turn); not published.")
+]
+
 
 def trajectory(
-    file: Annotated[Path, Argument(help=options.HELP["file"])],
-    topic: Annotated[str | None, Option(help="Of a bag with several arms.")] = None,
-    prefix: Annotated[
-        str | None, Option(help="Before the joints' names: left_.")
-    ] = None,
-    output: Annotated[
-        Path | None, Option("--output", "-o", help="Table, .csv or .json.")
-    ] = None,
+    file: _File,
+    topic: _Topic = None,
+    prefix: _Prefix = None,
+    output: _Output = None,
     plot: options.Plot = None,
     as_json: options.Json = False,
     fluid: options.Fluid = "sea",
@@ -40,27 +53,15 @@ def trajectory(
     mount: options.Mount = "0 0 0",
     payload: options.Payload = None,
     current: options.Current = None,
-    gripper: Annotated[str, Option(help=options.HELP["gripper"])] = "auto",
-    smoothing: Annotated[
-        str, Option(help="spline, savgol or interpolate (no noise).")
-    ] = "spline",
-    bandwidth: Annotated[
-        float, Option(help="-3 dB frequency of the smoothing (Hz).")
-    ] = 2.0,
-    velocities: Annotated[
-        str, Option(help="file, positions (their slope) or auto.")
-    ] = "auto",
+    gripper: _Gripper = "auto",
+    smoothing: _Smoothing = "spline",
+    bandwidth: _Bandwidth = 2.0,
+    velocities: _Velocities = "auto",
     constants: options.Constants = "printed",
     efficiency: options.Efficiency = "gearbox",
-    supply_voltage: Annotated[
-        float | None, Option(help="For limits (V); not published.")
-    ] = None,
-    current_limit: Annotated[
-        float | None, Option(help="Of each motor (A); not published.")
-    ] = None,
-    screw_lead: Annotated[
-        float | None, Option(help="Jaw rod (m per turn); not published.")
-    ] = None,
+    supply_voltage: _SupplyVoltage = None,
+    current_limit: _CurrentLimit = None,
+    screw_lead: _ScrewLead = None,
 ) -> None:
     """Torques by cause, motor currents, power, load on the mount and TCP path of a motion.
 

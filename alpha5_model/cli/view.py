@@ -35,31 +35,34 @@ _FRAME_RATE = 25.0
 #: A picture shows all of this many poses of a motion.
 _FRAMED_POSES = 24
 
+# The options of this command.
+_Pose = Annotated[str | None, Option(help="stow, home, reach, or positions (rad).")]
+_Target = Annotated[str | None, Option(help="x y z (m): show all solutions of its IK.")]
+_Motion = Annotated[Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")]
+_Show = Annotated[str | None, Option(help=options.HELP["groups"])]
+_Current = Annotated[str | None, Option(help=options.HELP["arrow"])]
+_Html = Annotated[Path | None, Option(help="Write a page that works from disk.")]
+_Image = Annotated[Path | None, Option(help="Draw a PNG without a screen.")]
+_Video = Annotated[Path | None, Option(help="Write the motion as .mp4 or .gif.")]
+_Size = Annotated[str, Option(help="Pixels of PNG and video.")]
+_Port = Annotated[int, Option(help="Of the live viewer; 0 for a free one.")]
+_Serve = Annotated[bool, Option("--serve", help="Do not open a browser.")]
+
 
 def view(
-    pose: Annotated[
-        str | None, Option(help="stow, home, reach, or positions (rad).")
-    ] = None,
-    target: Annotated[
-        str | None, Option(help="x y z (m): show all solutions of its IK.")
-    ] = None,
-    motion: Annotated[
-        Path | None, Option(help="Recording (CSV, Parquet, ROS bag).")
-    ] = None,
-    show: Annotated[str | None, Option(help=options.HELP["groups"])] = None,
+    pose: _Pose = None,
+    target: _Target = None,
+    motion: _Motion = None,
+    show: _Show = None,
     gripper: options.Gripper = "jaws",
     fluid: options.Fluid = "sea",
-    current: Annotated[str | None, Option(help=options.HELP["arrow"])] = None,
-    html: Annotated[
-        Path | None, Option(help="Write a page that works from disk.")
-    ] = None,
-    image: Annotated[Path | None, Option(help="Draw a PNG without a screen.")] = None,
-    video: Annotated[
-        Path | None, Option(help="Write the motion as .mp4 or .gif.")
-    ] = None,
-    size: Annotated[str, Option(help="Pixels of PNG and video.")] = "1600x1000",
-    port: Annotated[int, Option(help="Of the live viewer; 0 for a free one.")] = 0,
-    serve: Annotated[bool, Option("--serve", help="Do not open a browser.")] = False,
+    current: _Current = None,
+    html: _Html = None,
+    image: _Image = None,
+    video: _Video = None,
+    size: _Size = "1600x1000",
+    port: _Port = 0,
+    serve: _Serve = False,
 ) -> None:
     """Look at the arm: live in a browser, or as a page or a picture.
 
