@@ -309,11 +309,11 @@ class Workspace:
     @property
     def area(self) -> float:
         """Area [m^2], by Green's theorem over the boundary."""
-        area = 0.0
-        for edge in self.edges:
-            sign = 1 if edge.inside_left else -1
-            area += edge.curve.area_integral() * sign
-        return area
+        parts = [
+            edge.curve.area_integral() * (1 if edge.inside_left else -1)
+            for edge in self.edges
+        ]
+        return sum(parts)
 
     @property
     def radii(self) -> tuple[float, float]:
