@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
-from alpha5_model._support.checks import choice
+from alpha5_model._support.checks import FloatArray, choice
 from alpha5_model._support.files import PathLike
 from alpha5_model.errors import FileFormatError, MissingFileError
 from alpha5_model.numbers.tables import JOINT_NAMES
@@ -20,6 +20,16 @@ _JOINT_STATE = "sensor_msgs/msg/JointState"
 _CHUNK = 10_000
 
 
+class JointState(Protocol):
+    """A ``sensor_msgs/JointState``; fields that are not known are empty."""
+
+    header: Any
+    name: list[str]
+    position: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+
 class Message(NamedTuple):
     """A joint state as recorded.
 
@@ -27,14 +37,13 @@ class Message(NamedTuple):
         publisher: Name of the node that sent it, or the connection's number.
         received: When it was recorded [ns].
         stamp: The time it states [ns]; 0 if it states none.
-        content: ``sensor_msgs/JointState`` with ``name``, ``position``, ``velocity``
-            and ``effort``.
+        content: The joint state.
     """
 
     publisher: str
     received: int
     stamp: int
-    content: Any
+    content: JointState
 
 
 class Selection(NamedTuple):
@@ -116,7 +125,7 @@ def _messages(
     total = sum(c.msgcount for c in connections)
     for count, (c, received, raw) in enumerate(bag.messages(connections), start=1):
         budget.take(len(raw))
-        content = decode(raw, _JOINT_STATE)
+        content: JointState = decode(raw, _JOINT_STATE)
         stamp = content.header.stamp
         message = Message(
             publisher=getattr(c.ext, "callerid", None) or f"connection {c.id}",

@@ -128,10 +128,10 @@ def _known_motors(a: Analysis) -> list[int]:
 
 def _drawn_interval(a: Analysis) -> list[float | None]:
     """The energy drawn over the printed tolerance of friction: least and most [J]."""
-    least_current = _powers(a, a.current_lower)
-    most_current = _powers(a, a.current_upper)
-    least = np.minimum(least_current, most_current).sum(axis=0)
-    most = np.maximum(least_current, most_current).sum(axis=0)
+    at_lower = _powers(a, a.current_lower)
+    at_upper = _powers(a, a.current_upper)
+    least = np.minimum(at_lower, at_upper).sum(axis=0)
+    most = np.maximum(at_lower, at_upper).sum(axis=0)
     return [_drawn(least, a.smooth.time), _drawn(most, a.smooth.time)]
 
 

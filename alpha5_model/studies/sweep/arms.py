@@ -18,6 +18,7 @@ from alpha5_model.studies.uncertainty.sampling import sample
 
 if TYPE_CHECKING:
     from alpha5_model.dynamics.arm import Arm
+    from alpha5_model.water.arm import HydrodynamicArm
 
 #: The parameter sets of one study.
 _sample = lru_cache(maxsize=1)(sample)
@@ -31,7 +32,7 @@ class ArmOfCase(NamedTuple):
         motors: Of the four joints.
     """
 
-    arm: Any
+    arm: Arm | HydrodynamicArm
     motors: list[Actuator]
 
 

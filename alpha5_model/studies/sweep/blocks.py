@@ -21,6 +21,8 @@ from alpha5_model.studies.sweep.quantities import quantities_of
 from alpha5_model.studies.sweep.states import States, recorded_states, states_of
 from alpha5_model.studies.sweep.study import BLOCK, Study
 
+#: Columns of a table by name.
+Columns = dict[str, NDArray[Any]]
 #: Numbers of rows that are set aside for the samples of a recording.
 _RECORDED = 2**32
 
@@ -37,8 +39,8 @@ class Block:
     """
 
     rows: NDArray[np.int64]
-    index: dict[str, Any]
-    columns: dict[str, Any]
+    index: dict[str, int | NDArray[np.intp]]
+    columns: dict[str, NDArray[Any]]
     quantities: dict[str, FloatArray]
 
 
@@ -101,10 +103,10 @@ def inputs(study: Study, row: int) -> dict[str, Any]:
     return {name: values[at].item() for name, values in table.items()}
 
 
-def columns(study: Study, block: Block) -> dict[str, Any]:
+def columns(study: Study, block: Block) -> Columns:
     """A block as a table: numbers of the rows, axes, and quantities kept as tables."""
     grid = {**study.cases, **study.states}
-    table: dict[str, Any] = {"row": block.rows}
+    table: Columns = {"row": block.rows}
     for name, places in block.index.items():
         table[name] = np.array(grid[name])[places]
     table |= block.columns
@@ -116,7 +118,7 @@ def columns(study: Study, block: Block) -> dict[str, Any]:
     return {name: np.broadcast_to(values, shape) for name, values in table.items()}
 
 
-def _quantity_columns(output: Output, block: Block) -> dict[str, FloatArray]:
+def _quantity_columns(output: Output, block: Block) -> Columns:
     """The columns of a quantity that is kept as a table."""
     values = block.quantities[output.quantity]
     names = [f"{output.quantity}.{column}" for column in output.columns]

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.studies.sweep.blocks import Block
+from alpha5_model.studies.sweep.blocks import Block, Columns
 from alpha5_model.studies.sweep.outputs import Output
 from alpha5_model.studies.sweep.reduction import IntArray, Reduction
 from alpha5_model.studies.sweep.study import Study
@@ -50,9 +49,9 @@ class Extremes(Reduction):
             return np.abs(values)
         return -values if self.output.form == "minimum" else values
 
-    def _groups_of(self, block: Block) -> Any:
+    def _groups_of(self, block: Block) -> int | NDArray[np.intp]:
         """The group of each row of a block, or one number if all are in one."""
-        group: Any = 0
+        group: int | NDArray[np.intp] = 0
         for name, axis in self._by.items():
             group = group * len(axis) + block.index[name]
         return group
@@ -79,7 +78,7 @@ class Extremes(Reduction):
         """The keys that have something."""
         return np.flatnonzero(self.values > -np.inf)
 
-    def result(self) -> dict[str, Any]:
+    def result(self) -> Columns:
         """The axes, then each column and its row; NaN and -1 if a group has none."""
         table = self._axes_of_groups()
         sign = -1.0 if self.output.form == "minimum" else 1.0
@@ -92,7 +91,7 @@ class Extremes(Reduction):
             table[f"{name}_row"] = np.where(unknown, -1, rows[k])
         return table
 
-    def _axes_of_groups(self) -> dict[str, Any]:
+    def _axes_of_groups(self) -> Columns:
         """The value of each axis in each group; the last axis runs fastest."""
         grid = np.meshgrid(*self._by.values(), indexing="ij")
         values = [axis.ravel() for axis in grid]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.studies.sweep.blocks import Block
+from alpha5_model.studies.sweep.blocks import Block, Columns
 from alpha5_model.studies.sweep.outputs import Output
 from alpha5_model.studies.sweep.reduction import IntArray, Reduction
 
@@ -44,7 +42,7 @@ class Histogram(Reduction):
         """The keys that have something."""
         return np.flatnonzero(self.counts)
 
-    def result(self) -> dict[str, Any]:
+    def result(self) -> Columns:
         """The edges of each bin, then the counts of each column."""
         return {
             "low": self._edges[:-1],
@@ -60,10 +58,10 @@ class Quantiles(Histogram):
         edges = np.concatenate([-QUANTILE_EDGES[::-1], QUANTILE_EDGES])
         super().__init__(output, edges)
 
-    def result(self) -> dict[str, Any]:
+    def result(self) -> Columns:
         """The levels, then for each column the edges of the bins that they are in."""
         levels = np.array(self.output.levels)
-        table: dict[str, Any] = {"level": levels}
+        table: Columns = {"level": levels}
         edges = np.append(self._edges, np.nan)  # NaN if there are no numbers at all
         for name, counts in self.counts_by_column().items():
             place = _bins_of_levels(levels, counts)

@@ -7,13 +7,12 @@ give the same result, whoever computed which of them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.studies.sweep.blocks import Block
+from alpha5_model.studies.sweep.blocks import Block, Columns
 from alpha5_model.studies.sweep.outputs import Output
 
 IntArray = NDArray[np.int64]
@@ -51,10 +50,10 @@ class Reduction(ABC):
         """The keys that have something."""
 
     @abstractmethod
-    def result(self) -> dict[str, Any]:
+    def result(self) -> Columns:
         """Columns by name."""
 
-    def parts(self, name: str) -> dict[str, Any]:
+    def parts(self, name: str) -> Columns:
         """What `merge` takes of another reduction of this output, as a table."""
         keys = self.known()
         return {

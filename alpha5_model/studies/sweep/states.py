@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.studies.sweep.study import Study
@@ -29,8 +30,8 @@ class States:
         motion: Positions, velocities and accelerations of the four joints, (n, 4).
     """
 
-    index: dict[str, Any]
-    columns: dict[str, Any]
+    index: dict[str, NDArray[np.intp]]
+    columns: dict[str, NDArray[Any]]
     motion: SmoothMotion
 
 
@@ -59,7 +60,7 @@ def states_of(study: Study, first: int, last: int) -> States:
     return States(index=index, columns=drawn, motion=motion)
 
 
-def _grid_places(study: Study, first: int, last: int) -> dict[str, Any]:
+def _grid_places(study: Study, first: int, last: int) -> dict[str, NDArray[np.intp]]:
     """Where states are on each axis of the grid; the last axis runs fastest."""
     index = {}
     place = np.arange(first, last) // study.samples
@@ -83,7 +84,7 @@ def _drawn(study: Study, first: int, last: int) -> dict[str, FloatArray]:
     }
 
 
-def _of_joints(rate: str, given: dict[str, Any], zero: FloatArray) -> FloatArray:
+def _of_joints(rate: str, given: dict[str, FloatArray], zero: FloatArray) -> FloatArray:
     """Positions (``pos``), velocities (``vel``) or accelerations (``acc``), (n, 4)."""
     columns = [given.get(f"{joint}_{rate}", zero) for joint in _JOINTS]
     return np.stack(columns, axis=1)
