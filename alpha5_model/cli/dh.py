@@ -10,8 +10,7 @@ from typer import Argument, Option
 from alpha5_model._support.text import table
 from alpha5_model.cli import options, printing, values
 from alpha5_model.errors import InputError
-from alpha5_model.theory.dh import arm_types
-from alpha5_model.theory.dh.chain import DHChain, DHLink
+from alpha5_model.theory.dh import DHChain, DHLink, arm_types, tasks
 
 _LINK = "'THETA D A ALPHA SIGMA'"
 _ANSWER = {True: "yes", False: "no"}
@@ -72,7 +71,7 @@ def _record(chain: DHChain, q: Any) -> dict[str, Any]:
         "base": chain.base,
         "tool": chain.tool,
         "type": arm_types.classify(chain),
-        "tasks": arm_types.task_capability(chain),
+        "tasks": tasks.task_capability(chain),
         "q": q,
         "frames": dict(zip(names, chain.frames(q), strict=True)),
     }

@@ -28,7 +28,7 @@ import alpha5_model as a5
 from alpha5_model.dynamics.batch import frame_positions
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.numbers import corrections, fluids, inertia
-from alpha5_model.theory.dh import arm_types
+from alpha5_model.theory.dh import arm_types, orientations, tasks
 from alpha5_model.water.terms import water_terms
 
 #: Parameter -> a good value. What stands in no target's own table is looked up here.
@@ -455,7 +455,7 @@ def _plain() -> dict[str, Draw]:
         (inertia, ("flip_products", "point_mass_tensor", "tensor_at_origin", "tensor_at_com", "rotate_tensor", "combine", "second_moments", "pseudo_inertia", "principal_moments", "radii_of_gyration", "inconsistencies", "check_possible")),
         (fluids, ("gravity_in_base",)),
         (corrections, ("check_corrections",)),
-        (arm_types, ("even_rotations",)),
+        (orientations, ("even_rotations",)),
     ):  # fmt: skip
         for name in names:
             call = getattr(module, name)
@@ -533,13 +533,11 @@ def _theory() -> dict[str, Draw]:
     )
     for function in (
         arm_types.classify,
-        arm_types.task_capability,
-        arm_types.orientation_freedom,
-        arm_types.spatial_dexterity,
+        tasks.task_capability,
+        orientations.orientation_freedom,
+        orientations.spatial_dexterity,
     ):
-        draws[f"arm_types.{function.__name__}"] = of(
-            lambda rng, f=function: f, chain=_chain
-        )
+        draws[f"dh.{function.__name__}"] = of(lambda rng, f=function: f, chain=_chain)
     for method in ("poses", "forward_kinematics", "jacobian", "part"):
         draws[f"a5.planar.PlanarArm.{method}"] = of(
             lambda rng, m=method: getattr(_planar(rng), m),

@@ -20,7 +20,7 @@ from alpha5_model.dynamics.load import arm_of
 from alpha5_model.dynamics.torque_causes import torque_terms
 from alpha5_model.errors import InputError
 from alpha5_model.studies.uncertainty.digit_bounds import torque_margin
-from alpha5_model.theory.dh.chain import DHChain, DHLink
+from alpha5_model.theory.dh import DHChain, DHLink
 from alpha5_model.viewer.build import build_scene
 from alpha5_model.viewer.motion_plot import motion_figure
 from alpha5_model.water.terms import water_terms

@@ -12,8 +12,15 @@ import alpha5_model as a5
 from alpha5_model import planar
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.kinematics import pose
-from alpha5_model.theory.dh import arm_types, link, urdf
-from alpha5_model.theory.dh.chain import dh_transform
+from alpha5_model.theory.dh import (
+    arm_types,
+    dh_transform,
+    frame_assignment,
+    orientations,
+    sampling,
+    tasks,
+    urdf,
+)
 
 space = a5.workspace
 CHAIN = a5.dh.DHChain.alpha5()
@@ -98,21 +105,21 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         a5.dh.DHChain.from_axes,
         {**AXES, "tolerance": 1e-9, "name": "n", "joint_names": ()},
     ),
-    (link.common_normal, LINES),
+    (frame_assignment.common_normal, LINES),
     (arm_types.classify, {"chain": CHAIN, "vertical": (0.0, 0, 1)}),
     (
-        arm_types.task_capability,
+        tasks.task_capability,
         {"chain": CHAIN, "tool_axis": None, "samples": 2, "seed": 0},
     ),
     (
-        arm_types.sample_configurations,
+        sampling.sample_configurations,
         {"chain": CHAIN, "count": 2, "rng": np.random.default_rng(0)},
     ),
-    (arm_types.chain_size, {"chain": CHAIN}),
-    (arm_types.spatial_conditions, {"chain": CHAIN}),
-    (arm_types.orientation_freedom, {"chain": CHAIN, "q": Q}),
+    (sampling.chain_size, {"chain": CHAIN}),
+    (tasks.spatial_conditions, {"chain": CHAIN}),
+    (orientations.orientation_freedom, {"chain": CHAIN, "q": Q}),
     (
-        arm_types.spatial_dexterity,
+        orientations.spatial_dexterity,
         {
             "chain": CHAIN,
             "positions": P,
@@ -122,7 +129,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "seed": 0,
         },
     ),
-    (arm_types.even_rotations, {"number": 3}),
+    (orientations.even_rotations, {"number": 3}),
     (
         planar.PlanarArm,
         {"lengths": (5.0, 4.0), "limits": None, "joints": "RR", "angles": None},

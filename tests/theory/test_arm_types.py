@@ -14,16 +14,15 @@ from scipy.optimize import brentq
 import alpha5_model as a5
 from alpha5_model.errors import InputError, NonFiniteError, ShapeError
 from alpha5_model.kinematics.pose import approach_directions
-from alpha5_model.theory.dh.arm_types import (
-    classify,
+from alpha5_model.theory.dh import DHChain, DHLink
+from alpha5_model.theory.dh.arm_types import classify
+from alpha5_model.theory.dh.orientations import (
     even_rotations,
-    matrix_rank,
     orientation_freedom,
-    spatial_conditions,
     spatial_dexterity,
-    task_capability,
 )
-from alpha5_model.theory.dh.chain import DHChain, DHLink
+from alpha5_model.theory.dh.sampling import matrix_rank
+from alpha5_model.theory.dh.tasks import spatial_conditions, task_capability
 
 Q = math.pi / 2
 X, Y, Z = np.eye(3)

@@ -21,7 +21,7 @@ from alpha5_model.errors import (
     ShapeError,
     UnknownNameError,
 )
-from alpha5_model.theory.dh.chain import DHChain, DHLink, dh_transform
+from alpha5_model.theory.dh import DHChain, DHLink, dh_transform
 
 QUARTER = math.pi / 2
 ANGLE = st.floats(-7, 7)

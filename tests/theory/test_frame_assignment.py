@@ -12,7 +12,7 @@ from example_robot_data import load
 import alpha5_model as a5
 from alpha5_model.errors import Alpha5Error, InputError, UnknownNameError
 from alpha5_model.theory.dh.chain import DHChain
-from alpha5_model.theory.dh.link import common_normal
+from alpha5_model.theory.dh.frame_assignment import common_normal
 
 KINDS = ("skew", "parallel", "antiparallel", "intersecting", "coincident", "opposed")
 TIGHT = 1e-12

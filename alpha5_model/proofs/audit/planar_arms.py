@@ -17,8 +17,8 @@ import numpy as np
 from alpha5_model._support.checks import FloatArray
 from alpha5_model.proofs.audit.rounding import sampled_share
 from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited, texts
-from alpha5_model.theory.dh.arm_types import spatial_conditions
 from alpha5_model.theory.dh.chain import DHChain
+from alpha5_model.theory.dh.tasks import spatial_conditions
 from alpha5_model.theory.planar import (
     PlanarArm,
     dexterity,

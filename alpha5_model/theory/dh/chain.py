@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -26,19 +26,17 @@ from alpha5_model.errors import InputError, ShapeError, UnknownNameError
 from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
 from alpha5_model.numbers.parameters import parameters
 from alpha5_model.theory.dh.alpha5_table import alpha5_table
-from alpha5_model.theory.dh.link import (
-    DHLink,
-    dh_transform,
+from alpha5_model.theory.dh.frame_assignment import (
     frames_on_axes,
     table_row,
     unit_vectors,
 )
+from alpha5_model.theory.dh.link import DHLink
 from alpha5_model.theory.dh.urdf import pinocchio_axes, urdf_model, urdf_text
-
-__all__ = ["DHChain", "DHLink", "Frame", "dh_transform"]
 
 #: A frame of a chain: the number j of {j}, or the tool.
 Frame = int | Literal["tool"]
+_PAIRS = "(lower, upper) of each joint"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +46,14 @@ class DHChain:
     Attributes:
         links: One `DHLink` per joint, base to tip; at least one.
         base: transform_0_to_world, (4, 4): where frame {0} stands; read-only.
-        tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only. Constant rows at
-            the end of a printed table belong here.
+        tool: transform_tool_to_N, (4, 4): the tool in the last frame; read-only.
+            Constant rows at the end of a printed table belong here.
         name: For messages, tables and the URDF.
         joint_names: One per joint.
 
     Raises:
-        InputError: No links, something that is not a `DHLink`, or a base or tool that is not a
-            rigid transform.
+        InputError: No links, something that is not a `DHLink`, or a base or tool that
+            is not a rigid transform.
     """
 
     links: tuple[DHLink, ...]
@@ -65,34 +63,27 @@ class DHChain:
     joint_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        links = tuple(listed("links", self.links, "at least one DHLink"))
-        if not links:
-            raise InputError("links", self.links, "at least one DHLink")
-        for link in links:
-            if not isinstance(link, DHLink):
-                raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
-        instance("name", self.name, str)
-        names = tuple(
-            listed("joint_names", self.joint_names, f"{len(links)} different names")
-        )
-        names = names or tuple(f"joint_{j}" for j in range(1, len(links) + 1))
-        different = {name for name in names if isinstance(name, str)}
-        if not len(different) == len(names) == len(links):
-            raise InputError("joint_names", names, f"{len(links)} different names")
+        links = _checked_links(self.links)
         object.__setattr__(self, "links", links)
+        instance("name", self.name, str)
+        names = _checked_names(self.joint_names, len(links))
         object.__setattr__(self, "joint_names", names)
         for part in ("base", "tool"):
             object.__setattr__(self, part, rigid_transform(part, getattr(self, part)))
 
     @classmethod
     def from_table(cls, rows: Sequence[ArrayLike], **options: Any) -> DHChain:
-        """A chain from rows ``[theta, d, a, alpha, sigma]``; options as for `DHChain`."""
+        """A chain from rows ``[theta, d, a, alpha, sigma]``.
+
+        Options are those of `DHChain`.
+        """
         table = listed("rows", rows, "rows [theta, d, a, alpha, sigma]")
         return cls(tuple(DHLink.from_vector(row) for row in table), **options)
 
     @classmethod
     def alpha5(cls, corrections: Iterable[str] = DEFAULT_CORRECTIONS) -> DHChain:
-        """The Reach Alpha 5 [ReachAlpha, Table 1]: four joints; the fixed last row is the tool.
+        """The Reach Alpha 5 [ReachAlpha, Table 1]: four joints; the fixed last row is
+        the tool.
 
         Frame {0} is ``base_link``, the tool is ``tcp``, DH frame {5}.
         """
@@ -102,8 +93,8 @@ class DHChain:
     def from_pinocchio(cls, model: Any, frame: str | None = None) -> DHChain:
         """The chain from a pin.Model's root to one of its frames.
 
-        Joint variables, their zero and their sign are the model's. Joints off the chain stay at
-        zero.
+        Joint variables, their zero and their sign are the model's. Joints off the chain
+        stay at zero.
 
         Args:
             model: pin.Model; not changed.
@@ -111,8 +102,8 @@ class DHChain:
 
         Raises:
             UnknownNameError: No such frame.
-            InputError: A joint on the chain with other than one degree of freedom, or a helical
-                one; or no joint at all.
+            InputError: A joint on the chain with other than one degree of freedom, or a
+                helical one; or no joint at all.
         """
         return cls.from_axes(**pinocchio_axes(model, frame))
 
@@ -123,8 +114,9 @@ class DHChain:
         """The chain from a URDF's root to a link; see `from_pinocchio`.
 
         Raises:
-            InputError, MissingFileError, FileFormatError: The file cannot be read; see `read_urdf`,
-                which names the line, and what Pinocchio says of a URDF that only it refuses.
+            InputError, MissingFileError, FileFormatError: The file cannot be read; see
+                `read_urdf`, which names the line, and what Pinocchio says of a URDF
+                that only it refuses.
         """
         return cls.from_pinocchio(urdf_model(path), frame)
 
@@ -142,22 +134,23 @@ class DHChain:
     ) -> DHChain:
         """A chain from its joint axes, drawn at one configuration, which is its home.
 
-        The frames are those of `alpha5_model.theory.dh.link`.
+        The frames are those of `alpha5_model.theory.dh.frame_assignment`.
 
         Args:
             points: A point on each joint axis, (N, 3) in the world [m].
             directions: Direction of each axis, (N, 3), of any length but zero.
             sigma: Joint types, 0 revolute (default) and 1 prismatic, (N,).
-            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is {N-1} without
-                its joint, and the table ends with a row of zeros.
-            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each link's offset
-                takes up the rest, ``theta = q + offset``; by default the joint variable is theta or
-                d itself.
+            end_effector: transform_end_effector_to_world, (4, 4); by default {N} is
+                {N-1} without its joint, and the table ends with a row of zeros.
+            q: Joint position at which the axes are drawn, (N,) [rad or m]. Then each
+                link's offset takes up the rest, ``theta = q + offset``; by default the
+                joint variable is theta or d itself.
             limits: (lower, upper) of each joint variable, (N, 2).
-            tolerance: Axes within this angle [rad] count as parallel, within this distance [m] as
-                intersecting. The error that this makes in the axes of an arm of 1 m is of the same
-                size. Axes with a larger tilt have a common normal about 1 m / tilt away, and
-                rounding errs by 2e-16 m / tilt in numbers of that size: the default balances both.
+            tolerance: Axes within this angle [rad] count as parallel, within this
+                distance [m] as intersecting. The error that this makes in the axes of
+                an arm of 1 m is of the same size. Axes with a larger tilt have a common
+                normal about 1 m / tilt away, and rounding errs by 2e-16 m / tilt in
+                numbers of that size: the default balances both.
             options: ``name`` and ``joint_names`` of the chain.
 
         Raises:
@@ -170,46 +163,24 @@ class DHChain:
                 "points, directions", (p.shape, z.shape), "(N, 3) both, N at least 1"
             )
         z = unit_vectors("directions", z.tolist(), 2)
-        n, pairs = len(p), "(lower, upper) of each joint"
-        types: list[Any] = [0] * n
-        if sigma is not None:
-            types = [
-                real("sigma", x)
-                for x in listed("sigma", sigma, "0 or 1 for each joint")
-            ]
-        bounds = (
-            [(-math.inf, math.inf)] * n
-            if limits is None
-            else listed("limits", limits, pairs)
-        )
-        drawn = np.zeros(n) if q is None else shaped("q", q, (n,))
-        if len(types) != n or len(bounds) != n:
-            raise ShapeError(
-                "sigma, limits", (len(types), len(bounds)), f"{n} joints each"
-            )
-        end = (
-            None
-            if end_effector is None
-            else rigid_transform("end_effector", end_effector)
-        )
+        types = _joint_types(sigma, len(p))
+        pairs = _pairs_of_limits(limits, len(p))
+        drawn = None if q is None else shaped("q", q, (len(p),))
+        if len(types) != len(p) or len(pairs) != len(p):
+            given = len(types), len(pairs)
+            raise ShapeError("sigma, limits", given, f"{len(p)} joints each")
+        end = None
+        if end_effector is not None:
+            end = rigid_transform("end_effector", end_effector)
+
         frames = frames_on_axes(p, z, end, tolerance)
         links = []
-        for j in range(n):
-            theta, d, a, alpha = table_row(np.linalg.inv(frames[j]) @ frames[j + 1])
-            offset = 0.0
-            if q is not None:
-                value, offset = float(drawn[j]), (d if types[j] else theta) - drawn[j]
-                theta, d = (theta, value) if types[j] else (value, d)
-            bound = listed("limits", bounds[j], pairs)
-            if len(bound) != 2:
-                raise ShapeError("limits", (len(bound),), pairs)
-            links.append(DHLink(theta, d, a, alpha, types[j], offset, *bound))
-        tool = np.eye(4)
-        if end is not None:
-            tool = np.linalg.inv(frames[n]) @ end
-            u, _, vt = np.linalg.svd(tool[:3, :3])
-            tool[:3, :3] = u @ vt  # the rounding error of a rotation taken out
-        return cls(tuple(links), frames[0], tool, **options)
+        for j, (frame, following) in enumerate(pairwise(frames[: len(p) + 1])):
+            row = table_row(np.linalg.inv(frame) @ following)
+            position = None if drawn is None else float(drawn[j])
+            links.append(_link(row, types[j], position, pairs[j]))
+        tool = np.eye(4) if end is None else _tool(frames[len(p)], end)
+        return cls(links=tuple(links), base=frames[0], tool=tool, **options)
 
     def to_urdf(self) -> str:
         """The chain as URDF text; see `urdf.urdf_text`."""
@@ -233,12 +204,12 @@ class DHChain:
 
     @property
     def lower(self) -> FloatArray:
-        """Lower joint limits, (N,) [rad or m], -inf where there is none."""
+        """Lower joint limits, (N,) [rad or m], -inf if there is none."""
         return np.array([link.lower for link in self.links])
 
     @property
     def upper(self) -> FloatArray:
-        """Upper joint limits, (N,) [rad or m], inf where there is none."""
+        """Upper joint limits, (N,) [rad or m], inf if there is none."""
         return np.array([link.upper for link in self.links])
 
     def frames(self, q: ArrayLike) -> FloatArray:
@@ -253,9 +224,10 @@ class DHChain:
         position = float_array("q", q, (self.n,))
         out = np.empty((*position.shape[:-1], self.n + 2, 4, 4))
         out[..., 0, :, :] = self.base
-        steps = (link.transform(position[..., j]) for j, link in enumerate(self.links))
-        for j, step in enumerate(chain(steps, [self.tool])):
+        for j, link in enumerate(self.links):
+            step = link.transform(position[..., j])
             np.matmul(out[..., j, :, :], step, out=out[..., j + 1, :, :])
+        np.matmul(out[..., self.n, :, :], self.tool, out=out[..., self.n + 1, :, :])
         return out
 
     def forward_kinematics(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
@@ -274,7 +246,8 @@ class DHChain:
         return np.ascontiguousarray(self.frames(q)[..., self._index(frame), :, :])
 
     def joint_axes(self, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Origins of frames {j-1} and directions z_{j-1}, the axes of joints 1 to N, in the world.
+        """Origins of frames {j-1} and directions z_{j-1}, the axes of joints 1 to N, in
+        the world.
 
         Args:
             q: (..., N) [rad or m].
@@ -288,8 +261,8 @@ class DHChain:
     def jacobian(self, q: ArrayLike, frame: Frame = "tool") -> FloatArray:
         """Geometric Jacobian [Siciliano2009, 3.1.3].
 
-        Linear rows first: velocity of the frame's origin, then angular velocity, both in the axes
-        of the world (Pinocchio's ``LOCAL_WORLD_ALIGNED``).
+        Linear rows first: velocity of the frame's origin, then angular velocity, both
+        in the axes of the world (Pinocchio's ``LOCAL_WORLD_ALIGNED``).
 
         Args:
             q: (..., N) [rad or m].
@@ -301,10 +274,12 @@ class DHChain:
         index = self._index(frame)
         frames = self.frames(q)
         tip = frames[..., index, :3, 3]
-        z, points = frames[..., : self.n, :3, 2], frames[..., : self.n, :3, 3]
+        z = frames[..., : self.n, :3, 2]
+        points = frames[..., : self.n, :3, 3]
         turns = np.array(self.sigma)[:, None] == 0
         linear = np.where(turns, np.cross(z, tip[..., None, :] - points), z)
-        columns = np.concatenate([linear, np.where(turns, z, 0.0)], axis=-1)
+        angular = np.where(turns, z, 0.0)
+        columns = np.concatenate([linear, angular], axis=-1)
         columns[..., index:, :] = 0.0
         return np.ascontiguousarray(np.swapaxes(columns, -1, -2))
 
@@ -313,7 +288,89 @@ class DHChain:
             return self.n + 1
         number = isinstance(frame, int | np.integer) and not isinstance(frame, bool)
         if not number or not 0 <= int(frame) <= self.n:
-            raise UnknownNameError(
-                "frame", frame, [*map(str, range(self.n + 1)), "tool"]
-            )
+            numbers = [str(j) for j in range(self.n + 1)]
+            raise UnknownNameError("frame", frame, [*numbers, "tool"])
         return int(frame)
+
+
+def _checked_links(given: Any) -> tuple[DHLink, ...]:
+    links = tuple(listed("links", given, "at least one DHLink"))
+    if not links:
+        raise InputError("links", given, "at least one DHLink")
+    for link in links:
+        if not isinstance(link, DHLink):
+            raise InputError("links", link, "DHLink rows (see DHLink.from_vector)")
+    return links
+
+
+def _checked_names(given: Any, number: int) -> tuple[str, ...]:
+    """Names of the joints: all different; ``joint_1`` and so on if none are given."""
+    expected = f"{number} different names"
+    names = tuple(listed("joint_names", given, expected))
+    if not names:
+        names = tuple(f"joint_{j}" for j in range(1, number + 1))
+    different = {name for name in names if isinstance(name, str)}
+    if not len(different) == len(names) == number:
+        raise InputError("joint_names", names, expected)
+    return names
+
+
+def _joint_types(sigma: Any, number: int) -> list[Any]:
+    """0 for each joint, or the numbers that are given."""
+    if sigma is None:
+        return [0.0] * number
+    return [real("sigma", x) for x in listed("sigma", sigma, "0 or 1 for each joint")]
+
+
+def _pairs_of_limits(limits: Any, number: int) -> list[Any]:
+    """What is given as limits of each joint; infinite ones if there are none."""
+    if limits is None:
+        return [(-math.inf, math.inf)] * number
+    return list(listed("limits", limits, _PAIRS))
+
+
+def _link(
+    row: tuple[float, float, float, float],
+    joint_type: Any,
+    position: float | None,
+    limits: Any,
+) -> DHLink:
+    """The link of a table's row.
+
+    Args:
+        row: theta, d, a, alpha.
+        joint_type: 0 revolute, 1 prismatic.
+        position: The joint variable at which the row is drawn; the offset takes up the
+            rest. None: the variable is theta or d itself.
+        limits: (lower, upper) of the joint variable.
+    """
+    theta, d, a, alpha = row
+    offset = 0.0
+    if position is not None and joint_type:
+        offset = d - position
+        d = position
+    elif position is not None:
+        offset = theta - position
+        theta = position
+    bound = listed("limits", limits, _PAIRS)
+    if len(bound) != 2:
+        raise ShapeError("limits", (len(bound),), _PAIRS)
+    lower, upper = bound
+    return DHLink(
+        theta=theta,
+        d=d,
+        a=a,
+        alpha=alpha,
+        sigma=joint_type,
+        offset=offset,
+        lower=lower,
+        upper=upper,
+    )
+
+
+def _tool(last: FloatArray, end: FloatArray) -> FloatArray:
+    """transform_tool_to_N, (4, 4), the rounding error of its rotation removed."""
+    tool = np.linalg.inv(last) @ end
+    u, _, vt = np.linalg.svd(tool[:3, :3])
+    tool[:3, :3] = u @ vt
+    return np.asarray(tool)

@@ -1,4 +1,6 @@
-"""Joint axes of a serial arm from a Pinocchio model or a URDF, and URDF from its DH table."""
+"""Joint axes of a serial arm from a Pinocchio model or a URDF, and URDF from its DH
+table.
+"""
 
 from __future__ import annotations
 
@@ -24,54 +26,85 @@ from alpha5_model.theory.dh.link import DHLink
 #: With 400 moving joints Pinocchio takes 4 GB; with 5000 links in a row it crashes.
 MOST_JOINTS = 100
 MOST_LINKS = 1000
+#: A pitch above this makes a joint helical [m].
+_HELICAL = 1e-12
 #: What a joint of a URDF needs in order to move.
 _MOVING = ("origin", "parent", "child", "axis", "limit", "mimic")
 _NO_INERTIA = dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")
 
 
 def pinocchio_axes(model: Any, frame: str | None) -> dict[str, Any]:
-    """What `DHChain.from_axes` needs to know of a pin.Model; see `DHChain.from_pinocchio`."""
+    """The arguments of `DHChain.from_axes` for a pin.Model; see
+    `DHChain.from_pinocchio`.
+    """
     import pinocchio as pin
 
-    names = [f.name for f in instance("model", model, pin.Model).frames]
-    if frame is None:
-        last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
-        frame = last[-1].name
-    if not isinstance(frame, str) or frame not in names:
-        raise UnknownNameError("frame", frame, names)
-    tip = model.getFrameId(frame)
+    tip = _tip(instance("model", model, pin.Model), frame)
     path = [j for j in model.supports[model.frames[tip].parentJoint] if j != 0]
     if not path:
-        raise InputError("frame", frame, "a frame that a joint moves")
+        name = model.frames[tip].name
+        raise InputError("frame", name, "a frame that a joint moves")
     data = model.createData()
     q = pin.neutral(model)
     jacobians = pin.computeJointJacobians(model, data, q).reshape(6, -1)
     pin.updateFramePlacements(model, data)
-    rows = []
+    points = []
+    directions = []
+    sigma = []
     for j in path:
-        joint = model.joints[j]
-        # World Jacobian: linear is the velocity of the body's point at the world's origin.
-        linear, angular = jacobians[:3, joint.idx_v], jacobians[3:, joint.idx_v]
-        if joint.nv != 1 or (angular.any() and abs(linear @ angular) > 1e-12):
-            raise InputError(
-                model.names[j], joint.shortname(), "a revolute or prismatic joint"
-            )
-        slides, limits = not angular.any(), (-math.inf, math.inf)
-        both = model.lowerPositionLimit, model.upperPositionLimit
-        lower, upper = (float(each[joint.idx_q]) for each in both)
-        if (
-            joint.nq == 1 and lower < upper
-        ):  # continuous: Pinocchio keeps cosine and sine
-            limits = lower, upper
-        direction = linear if slides else angular
-        rows.append((data.oMi[j].translation, direction, int(slides), limits))
-    table = "points", "directions", "sigma", "limits"
-    drawn: dict[str, Any] = dict(zip(table, zip(*rows, strict=True), strict=True))
-    drawn |= {"end_effector": data.oMf[tip].homogeneous, "q": np.zeros(len(path))}
-    return drawn | {
+        direction, slides = _axis(model, j, jacobians)
+        points.append(data.oMi[j].translation)
+        directions.append(direction)
+        sigma.append(int(slides))
+    return {
+        "points": tuple(points),
+        "directions": tuple(directions),
+        "sigma": tuple(sigma),
+        "limits": tuple(_limits(model, j) for j in path),
+        "end_effector": data.oMf[tip].homogeneous,
+        "q": np.zeros(len(path)),
         "name": model.name,
         "joint_names": tuple(model.names[j] for j in path),
     }
+
+
+def _tip(model: Any, frame: str | None) -> int:
+    """Index of a frame; by default of the last body frame of the last joint."""
+    if frame is None:
+        last = [f for f in model.frames if f.parentJoint == model.njoints - 1]
+        frame = last[-1].name
+    names = [f.name for f in model.frames]
+    if not isinstance(frame, str) or frame not in names:
+        raise UnknownNameError("frame", frame, names)
+    return int(model.getFrameId(frame))
+
+
+def _axis(model: Any, j: int, jacobians: FloatArray) -> tuple[FloatArray, bool]:
+    """Direction of joint j's axis in the world, (3,), and whether the joint slides
+    along it.
+
+    ``jacobians`` are the joints' in the world: their linear part is the velocity of the
+    body's point at the world's origin, (6, nv).
+    """
+    joint = model.joints[j]
+    linear = jacobians[:3, joint.idx_v]
+    angular = jacobians[3:, joint.idx_v]
+    helical = angular.any() and abs(linear @ angular) > _HELICAL
+    if joint.nv != 1 or helical:
+        expected = "a revolute or prismatic joint"
+        raise InputError(model.names[j], joint.shortname(), expected)
+    slides = not angular.any()
+    return (linear if slides else angular), slides
+
+
+def _limits(model: Any, j: int) -> tuple[float, float]:
+    """Limits of joint j; infinite for a continuous one (cosine and sine)."""
+    joint = model.joints[j]
+    lower = float(model.lowerPositionLimit[joint.idx_q])
+    upper = float(model.upperPositionLimit[joint.idx_q])
+    if joint.nq == 1 and lower < upper:
+        return lower, upper
+    return -math.inf, math.inf
 
 
 def urdf_model(path: str | os.PathLike[str]) -> Any:
@@ -84,30 +117,36 @@ def urdf_model(path: str | os.PathLike[str]) -> Any:
     text = read_named(path, "a URDF file")
     robot = parse_urdf(text, str(path))
     moving = sum(joint.kind != "fixed" for joint in robot.joints.values())
-    if moving > MOST_JOINTS:
-        problem = f"expected at most {MOST_JOINTS} joints that move, got {moving}"
-        raise FileFormatError(
-            path, f"{problem}: Pinocchio's memory grows with their cube"
-        )
-    if len(robot.links) > MOST_LINKS:
-        problem = f"expected at most {MOST_LINKS} links, got {len(robot.links)}"
-        raise FileFormatError(
-            path, f"{problem}: Pinocchio's reader calls itself for each in a row"
-        )
-    # Rewritten, since Pinocchio reads no UTF-16, and without what moves nothing: its parser would
-    # print a warning about a texture's colour.
+    _check_size(path, moving, len(robot.links))
+    # Written anew, since Pinocchio reads no UTF-16.
     tree = parse_xml(text, str(path)).top
-    for element in tree:
-        kept = _MOVING if element.tag == "joint" else ()
-        element[:] = [child for child in element if child.tag in kept]
-        for limit in element.findall(
-            "limit"
-        ):  # Pinocchio requires two values that move nothing
-            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
+    _keep_what_moves(tree)
     try:
         return pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise FileFormatError(path, " ".join(str(error).split())) from None
+
+
+def _check_size(path: str | os.PathLike[str], joints: int, links: int) -> None:
+    """Refuse what Pinocchio cannot take."""
+    if joints > MOST_JOINTS:
+        problem = f"expected at most {MOST_JOINTS} joints that move, got {joints}"
+        why = "Pinocchio's memory grows with their cube"
+        raise FileFormatError(path, f"{problem}: {why}")
+    if links > MOST_LINKS:
+        problem = f"expected at most {MOST_LINKS} links, got {links}"
+        why = "Pinocchio's reader calls itself for each in a row"
+        raise FileFormatError(path, f"{problem}: {why}")
+
+
+def _keep_what_moves(robot: ET.Element) -> None:
+    """Take out what moves nothing: Pinocchio warns about a texture's colour."""
+    for element in robot:
+        kept = _MOVING if element.tag == "joint" else ()
+        element[:] = [child for child in element if child.tag in kept]
+        for limit in element.findall("limit"):
+            # Pinocchio requires these two, which move nothing.
+            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
 
 
 def urdf_text(
@@ -115,9 +154,10 @@ def urdf_text(
 ) -> str:
     """The URDF of a DH chain: links ``base_link, frame_0, link_1, frame_1, ..., tool``.
 
-    ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1}, displaced by the
-    constant part of its row; a and alpha follow it. Revolute joints without limits become
-    ``continuous``. A DH table says nothing of mass, effort and speed: they are zero.
+    ``frame_j`` is DH frame {j}. Joint j turns about or slides along z of {j-1},
+    displaced by the constant part of its row; a and alpha follow it. Revolute joints
+    without limits become ``continuous``. A DH table says nothing of mass, effort and
+    speed: they are zero.
 
     Args:
         name: Of the robot.
@@ -125,62 +165,98 @@ def urdf_text(
         rows: Name and row of each joint, base to tip.
 
     Raises:
-        MissingParameterError: A prismatic joint, or a revolute one limited on one side only, whose
-            limits are not finite: URDF needs both.
+        MissingParameterError: A prismatic joint, or a revolute one limited on one side
+            only, whose limits are not finite: URDF needs both.
     """
     robot = ET.Element("robot", name=name)
-    base, tool = ((pose[:3, 3], rpy_from_rotation(pose[:3, :3])) for pose in ends)
-    ET.SubElement(
-        robot, "link", name="base_link"
-    )  # KDL warns about any inertial on a root
-    _joint(robot, "base", "fixed", ("base_link", "frame_0"), *base)
+    base, tool = ends
+    # No <inertial>: KDL warns about any on a root.
+    ET.SubElement(robot, "link", name="base_link")
+    _add_joint(
+        robot,
+        name="base",
+        kind="fixed",
+        parent="base_link",
+        child="frame_0",
+        xyz=base[:3, 3],
+        rpy=rpy_from_rotation(base[:3, :3]),
+    )
     last = "frame_0"
     for j, (joint, row) in enumerate(rows, start=1):
-        bounded = math.isfinite(row.lower) and math.isfinite(row.upper)
-        continuous = row.revolute and row.lower == -math.inf and row.upper == math.inf
-        if not bounded and not continuous:
-            raise MissingParameterError(
-                "two finite limits", f"the URDF of joint {joint}"
-            )
-        kind = (
-            "continuous" if continuous else "revolute" if row.revolute else "prismatic"
-        )
-        theta, d = (row.offset, row.d) if row.revolute else (row.theta, row.offset)
-        link, frame = f"link_{j}", f"frame_{j}"
-        moving = _joint(
-            robot, joint, kind, (last, link), (0.0, 0.0, d), (0.0, 0.0, theta)
-        )
-        ET.SubElement(moving, "axis", xyz="0 0 1")
-        limit = ET.SubElement(moving, "limit", effort="0", velocity="0")
-        if not continuous:
-            limit.attrib |= {"lower": repr(row.lower), "upper": repr(row.upper)}
-        fixed = f"{link}_to_{frame}"
-        _joint(
-            robot,
-            fixed,
-            "fixed",
-            (link, frame),
-            (row.a, 0.0, 0.0),
-            (row.alpha, 0.0, 0.0),
-        )
-        last = frame
-    _joint(robot, "tool_joint", "fixed", (last, "tool"), *tool)
+        last = _add_row(robot, joint, row, last, j)
+    _add_joint(
+        robot,
+        name="tool_joint",
+        kind="fixed",
+        parent=last,
+        child="tool",
+        xyz=tool[:3, 3],
+        rpy=rpy_from_rotation(tool[:3, :3]),
+    )
     ET.indent(robot)
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _joint(
-    robot: ET.Element, name: str, kind: str, links: tuple[str, str], *at: Any
+def _add_row(robot: ET.Element, joint: str, row: DHLink, last: str, j: int) -> str:
+    """Add the joint, the link and the frame of row j; returns the name of the frame."""
+    link, frame = f"link_{j}", f"frame_{j}"
+    kind = _kind(joint, row)
+    theta, d = (row.offset, row.d) if row.revolute else (row.theta, row.offset)
+    moving = _add_joint(
+        robot,
+        name=joint,
+        kind=kind,
+        parent=last,
+        child=link,
+        xyz=(0.0, 0.0, d),
+        rpy=(0.0, 0.0, theta),
+    )
+    ET.SubElement(moving, "axis", xyz="0 0 1")
+    limit = ET.SubElement(moving, "limit", effort="0", velocity="0")
+    if kind != "continuous":
+        limit.attrib |= {"lower": repr(row.lower), "upper": repr(row.upper)}
+    _add_joint(
+        robot,
+        name=f"{link}_to_{frame}",
+        kind="fixed",
+        parent=link,
+        child=frame,
+        xyz=(row.a, 0.0, 0.0),
+        rpy=(row.alpha, 0.0, 0.0),
+    )
+    return frame
+
+
+def _kind(joint: str, row: DHLink) -> str:
+    """URDF's type of a joint."""
+    if row.revolute and row.lower == -math.inf and row.upper == math.inf:
+        return "continuous"
+    if not (math.isfinite(row.lower) and math.isfinite(row.upper)):
+        raise MissingParameterError("two finite limits", f"the URDF of joint {joint}")
+    return "revolute" if row.revolute else "prismatic"
+
+
+def _add_joint(
+    robot: ET.Element,
+    *,
+    name: str,
+    kind: str,
+    parent: str,
+    child: str,
+    xyz: Iterable[float],
+    rpy: Iterable[float],
 ) -> ET.Element:
-    """A joint and the link that follows it, at a position and at roll, pitch, yaw."""
-    parent, child = links
+    """Add a joint, at a position and at roll, pitch, yaw, and the link after it."""
     # Zeros are written out: some tools give a link without <inertial> a mass of 1 kg.
     inertial = ET.SubElement(ET.SubElement(robot, "link", name=child), "inertial")
     ET.SubElement(inertial, "mass", value="0")
     ET.SubElement(inertial, "inertia", _NO_INERTIA)
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
-    xyz, rpy = (" ".join(map(repr, map(float, x))) for x in at)
-    ET.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ET.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(rpy))
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
     return joint
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)

@@ -1,35 +1,41 @@
 """Planar arms: workspace, dexterous workspace, the lecture notes' theorem.
 
-The dexterous workspace is the set of points reached with every orientation of the last link.
+The dexterous workspace is the set of points reached with every orientation of the last
+link.
 
-Pin the tip at p, at a distance d from the base. The last link then turns about p, and its other end,
-the wrist, runs on the circle about p whose radius is the last link's length. p is dexterous exactly
-if the rest of the arm reaches that whole circle. Where the rest reaches an annulus, from a radius
-low to a radius high, this is the exact condition
+Pin the tip at p, at a distance d from the base. The last link then turns about p, and
+its other end, the wrist, runs on the circle about p whose radius is the last link's
+length. p is dexterous exactly if the rest of the arm reaches that whole circle. Where
+the rest reaches an annulus, from a radius low to a radius high, this is the exact
+condition
 
     d + l_n <= high   and   |d - l_n| >= low,
 
-for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with l_4 for d as in the
-notes. The notes' theorem is sufficient only. Both ask for Grashof's inequality (shortest and longest
-link together not longer than the other two); the theorem wants l_3 to be the shortest link, but l_3
-also turns fully where the shortest is l_4, the ground: then the four-bar linkage is a double crank.
+for a 3R arm ``l_3 + l_4 <= l_1 + l_2`` and ``|l_3 - l_4| >= |l_1 - l_2|``, with l_4 for
+d as in the notes. The notes' theorem is sufficient only. Both ask for Grashof's
+inequality (shortest and longest link together not longer than the other two); the
+theorem wants l_3 to be the shortest link, but l_3 also turns fully where the shortest
+is l_4, the ground: then the four-bar linkage is a double crank.
 
-For 3R arms reaching every orientation and turning through all of them with the tip held are the
-same: one elbow follows the wrist round the whole circle. Isolated radii are real: with l = (5, 4,
-1) the point p = 0 is dexterous and no neighbour is.
+For 3R arms reaching every orientation and turning through all of them with the tip held
+are the same: one elbow follows the wrist round the whole circle. Isolated radii are
+real: with l = (5, 4, 1) the point p = 0 is dexterous and no neighbour is.
 
-With joint limits dexterity is found by enumeration: each of evenly spaced orientations of the last
-link puts the wrist at one place, which the two joints before reach in at most two ways; joints
-before those are sampled.
+With joint limits dexterity is found by enumeration: each of evenly spaced orientations
+of the last link puts the wrist at one place, which the two joints before reach in at
+most two ways; joints before those are sampled.
 
 References:
-    [Lecture7.1] Describing Robot Arms, "Dexterous Workspace" and "A topological perspective for
-        3R-planar robots".
-    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech. Design 103,
-        1981.
-    [McCarthy2011] McCarthy, Soh: Geometric Design of Linkages, section 2.4 (Grashof linkages).
-    [Ting1989] Ting: Mobility criteria of single-loop N-bar linkages, J. Mech. Design 111(4), 1989.
-    [Siciliano2009] Siciliano et al.: Robotics, section 2.12.1 (solution of the planar arm).
+    [Lecture7.1] Describing Robot Arms, "Dexterous Workspace" and "A topological
+        perspective for 3R-planar robots".
+    [Kumar1981] Kumar, Waldron: The workspaces of a mechanical manipulator, J. Mech.
+        Design 103, 1981.
+    [McCarthy2011] McCarthy, Soh: Geometric Design of Linkages, section 2.4 (Grashof
+        linkages).
+    [Ting1989] Ting: Mobility criteria of single-loop N-bar linkages, J. Mech. Design
+        111(4), 1989.
+    [Siciliano2009] Siciliano et al.: Robotics, section 2.12.1 (solution of the planar
+        arm).
 """
 
 from alpha5_model.theory.planar.arm import PlanarArm, Workspace, annulus, workspace

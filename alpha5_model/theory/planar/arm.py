@@ -1,28 +1,33 @@
 """Planar arms: where their links are, and the workspace, where the tip can be, exactly.
 
-Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1 the next link
-is turned by ``angles[j]``; a revolute joint adds q_j to this angle, a prismatic joint adds q_j to
-the length of the link. So ``PlanarArm((5, 4, 1))`` is the notes' 3R arm, and a prismatic joint is a
-link of varying length, as they put it.
+Joint j is followed by link j, which leaves along the local x axis. Seen from link j-1
+the next link is turned by ``angles[j]``; a revolute joint adds q_j to this angle, a
+prismatic joint adds q_j to the length of the link. So ``PlanarArm((5, 4, 1))`` is the
+notes' 3R arm, and a prismatic joint is a link of varying length, as they put it.
 
-Without limits on its revolute joints the workspace is a disc, a disc with a hole, or a circle, in
-closed form. In general it is built from the tip to the base. Let W' be the workspace of the arm
-without its first joint. The first joint sweeps W', so the boundary of the result is made of
+Without limits on its revolute joints the workspace is a disc, a disc with a hole, or a
+circle, in closed form. In general it is built from the tip to the base. Let W' be the
+workspace of the arm without its first joint. The first joint sweeps W', so the boundary
+of the result is made of
 
 - the boundary of W' with the first joint at either limit, and
-- the paths on which the first joint carries those points of that boundary where it moves along it
-  (the boundary's nearest and farthest points from the pivot), and its corners.
+- the paths on which the first joint carries those points of that boundary where it
+  moves along it (the boundary's nearest and farthest points from the pivot), and its
+  corners.
 
-These are the arm's critical curves: the configurations where the joints that are not at a limit
-cannot move the tip in all directions. All are arcs and segments. They are cut where they meet, and
-a piece belongs to the boundary if the workspace lies on one side of it only. A point is in the
-workspace if its path, seen from the first link, meets the boundary of W' or runs inside it.
+These are the arm's critical curves: the configurations where the joints that are not at
+a limit cannot move the tip in all directions. All are arcs and segments. They are cut
+where they meet, and a piece belongs to the boundary if the workspace lies on one side
+of it only. A point is in the workspace if its path, seen from the first link, meets the
+boundary of W' or runs inside it.
 
 References:
     [Lecture7.1] Describing Robot Arms, section "Workspace".
-    [Siciliano2009] Siciliano et al.: Robotics, sections 2.9.1 (three-link planar arm) and 2.10.1.
-    [Haug1996] Haug, Luh, Adkins, Wang: Numerical algorithms for mapping boundaries of manipulator
-        workspaces, J. Mech. Design 118(2), 1996 (boundaries as critical curves with joint limits).
+    [Siciliano2009] Siciliano et al.: Robotics, sections 2.9.1 (three-link planar arm)
+        and 2.10.1.
+    [Haug1996] Haug, Luh, Adkins, Wang: Numerical algorithms for mapping boundaries of
+        manipulator workspaces, J. Mech. Design 118(2), 1996 (boundaries as critical
+        curves with joint limits).
 """
 
 from __future__ import annotations
@@ -51,7 +56,8 @@ from alpha5_model.theory.planar.intersections import hits
 
 #: Distances below this share of the arm's reach count as zero.
 RELATIVE_TOLERANCE = 1e-9
-#: Step to either side of a critical curve to see which side is inside, as a share of the reach.
+#: Step to either side of a critical curve to see which side is inside, as a share of
+#: the reach.
 RELATIVE_STEP = 1e-7
 #: Least and greatest position of a joint, or distance from the base.
 Range = tuple[float, float]
@@ -62,16 +68,16 @@ class PlanarArm:
     """A planar arm, base at the origin.
 
     Attributes:
-        lengths: Link lengths [m]: positive after a revolute joint, zero or more after a prismatic
-            one.
-        limits: (lower, upper) per joint [rad or m]; None, for one or all, where a revolute joint
-            has no limits. A range of a full turn or more counts as none.
+        lengths: Link lengths [m]: positive after a revolute joint, zero or more after a
+            prismatic one.
+        limits: (lower, upper) per joint [rad or m]; None, for one or all, where a
+            revolute joint has no limits. A range of a full turn or more counts as none.
         joints: One letter per joint, ``"R"`` or ``"P"``; all revolute by default.
         angles: Constant angle of each link to the one before [rad]; zero by default.
 
     Raises:
-        InputError: No links, a length that is negative or zero, limits the wrong way round, an
-            unknown joint type.
+        InputError: No links, a length that is negative or zero, limits the wrong way
+            round, an unknown joint type.
         MissingParameterError: A prismatic joint without limits.
     """
 
@@ -110,7 +116,9 @@ class PlanarArm:
 
     @property
     def reach(self) -> float:
-        """Sum of the greatest lengths of the links: no point is farther from the base [m]."""
+        """Sum of the greatest lengths of the links: no point is farther from the base
+        [m].
+        """
         reach = 0.0
         for length, kind, limit in zip(
             self.lengths, self.joints, self.limits, strict=True
@@ -123,10 +131,12 @@ class PlanarArm:
 
     @property
     def length_ranges(self) -> tuple[Range, ...] | None:
-        """Range of the distance between one revolute joint and the next (last: to the tip) [m].
+        """Range of the distance between one revolute joint and the next (last: to the
+        tip) [m].
 
-        None unless the first joint is revolute, no revolute joint has limits, and every prismatic
-        joint slides along its link: then the workspace depends on these ranges only.
+        None unless the first joint is revolute, no revolute joint has limits, and every
+        prismatic joint slides along its link: then the workspace depends on these
+        ranges only.
         """
         sums: list[
             tuple[float, float]
@@ -167,7 +177,8 @@ class PlanarArm:
             q: (..., N) [rad or m].
 
         Returns:
-            x [m], y [m], orientation [rad]: (..., N + 1, 3); row 0 is the base, the last the tip.
+            x [m], y [m], orientation [rad]: (..., N + 1, 3); row 0 is the base, the
+            last the tip.
         """
         position = bounded("q", float_array("q", q, (self.n,)))
         revolute = np.array([kind == "R" for kind in self.joints])
@@ -181,7 +192,7 @@ class PlanarArm:
         return out
 
     def forward_kinematics(self, q: ArrayLike) -> FloatArray:
-        """Tip x [m], y [m] and orientation [rad], (..., 3), at q (..., N) [rad or m]."""
+        """Tip x, y [m] and orientation [rad], (..., 3), at q (..., N) [rad or m]."""
         return np.ascontiguousarray(self.poses(q)[..., -1, :])
 
     def jacobian(self, q: ArrayLike) -> FloatArray:
@@ -291,9 +302,10 @@ class Workspace:
     Attributes:
         arm: The arm; None for the tip itself, a point.
         edges: Boundary of the two-dimensional part.
-        thin: Curves that belong to the workspace and have nothing on either side, as the whole
-            workspace of a one-joint arm.
-        inner: Workspace of the arm without its first joint, in the frame of its first link.
+        thin: Curves that belong to the workspace and have nothing on either side, as
+            the whole workspace of a one-joint arm.
+        inner: Workspace of the arm without its first joint, in the frame of its first
+            link.
     """
 
     arm: PlanarArm | None
@@ -327,10 +339,13 @@ class Workspace:
 
     @property
     def shape(self) -> str:
-        """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or ``region``."""
+        """``point``, ``interval``, ``arc``, ``circle``, ``disc``, ``annulus`` or
+        ``region``.
+        """
         circles = [isinstance(c, Arc) and c.closed for c in self.curves]
         if self.edges and not self.thin and all(circles):
-            # In one piece and bounded by whole circles: they are concentric, two at most.
+            # In one piece and bounded by whole circles: they are concentric, two at
+            # most.
             return "disc" if len(circles) == 1 else "annulus"
         if self.edges or len(self.thin) != 1:
             return "region"
@@ -401,8 +416,8 @@ def bring(
         tolerance: Distance up to which a point counts as on a curve [m].
 
     Yields:
-        For each curve, joint positions q (M, K) [rad or m] and the points of the curve that
-        they bring there, (M, K, 2) [m]; NaN for those that do not exist.
+        For each curve, joint positions q (M, K) [rad or m] and the points of the curve
+        that they bring there, (M, K, 2) [m]; NaN for those that do not exist.
     """
     angle, length = _first_link(arm, 0.0)
     # Seen from link 1, a point runs on a circle about the joint, or along x, against q.
@@ -433,10 +448,10 @@ def workspace(arm: PlanarArm) -> Workspace:
 def annulus(length_ranges: Iterable[tuple[float, float]]) -> tuple[float, float]:
     """Radii between which a chain of freely turning links reaches.
 
-    The outer radius is the sum of the lengths. The inner radius is the longest length less all
-    others, if that is positive. If lengths vary, the longest counts with its least length and
-    the others with their greatest: only one link can exceed the sum of the others, so no choice
-    of lengths does better.
+    The outer radius is the sum of the lengths. The inner radius is the longest length
+    less all others, if that is positive. If lengths vary, the longest counts with its
+    least length and the others with their greatest: only one link can exceed the sum of
+    the others, so no choice of lengths does better.
 
     Args:
         length_ranges: (least, greatest) length of each link [m].
@@ -493,7 +508,7 @@ def _build(arm: PlanarArm | None, tolerance: float, step: float) -> Workspace:
 def _annular(
     arm: PlanarArm | None, inner: Workspace | None, rings: Range, tolerance: float
 ) -> Workspace:
-    """A disc, a disc with a hole, or a circle; a circle that is too small is a point."""
+    """A disc, a disc with a hole, or a circle, which may be a point."""
     small = Arc(center=(0.0, 0.0), radius=rings[0])
     large = Arc(center=(0.0, 0.0), radius=rings[1])
     if large.radius - small.radius <= tolerance:
@@ -569,7 +584,9 @@ def _extremes(curve: Curve, revolute: bool, tolerance: float) -> list[list[float
 
 
 def _points_moved_along(curve: Curve, revolute: bool, tolerance: float) -> FloatArray:
-    """Points of the whole circle or line of a curve where the joint moves along it, (K, 2)."""
+    """Points of the whole circle or line of a curve where the joint moves along it, (K,
+    2).
+    """
     none = np.empty((0, 2))
     if isinstance(curve, Segment):
         if not revolute:

@@ -1,7 +1,7 @@
 """The boundary of a set of the plane, from the curves that it lies on.
 
-Curves that overlap are united, then cut where they meet. A piece belongs to the boundary
-if the set lies on one side of it only.
+Curves that overlap are united, then cut where they meet. A piece belongs to the
+boundary if the set lies on one side of it only.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def bounds(
         curves: They may overlap.
         contains: Whether points (N, 2) belong to the set, (N,).
         tolerance: Distance up to which curves count as touching [m].
-        step: Distance to either side of a curve at which `contains` is evaluated; shorter
-            pieces are left out [m].
+        step: Distance to either side of a curve at which `contains` is evaluated;
+            shorter pieces are left out [m].
 
     Returns:
         The edges, and the pieces that have nothing of the set on either side.
@@ -136,7 +136,8 @@ def _runs(
     return runs
 
 
-# United curves --------------------------------------------------------------------------
+# United curves
+# --------------------------------------------------------------------------
 
 
 def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
@@ -155,7 +156,9 @@ def _united(curves: list[Curve], tolerance: float) -> list[Curve]:
 
 
 def _grouped(curves: list[Curve], tolerance: float) -> list[list[Curve]]:
-    """The curves by the circle or line that carries them, in the order of the first ones."""
+    """The curves by the circle or line that carries them, in the order of the first
+    ones.
+    """
     groups: list[list[Curve]] = []
     for curve in curves:
         for group in groups:
@@ -197,7 +200,9 @@ def _same_carrier(a: Curve, b: Curve, tolerance: float) -> bool:
 
 
 def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
-    """Range of `member` in the parameter of `first`, a curve on the same circle or line."""
+    """Range of `member` in the parameter of `first`, a curve on the same circle or
+    line.
+    """
     if isinstance(first, Arc) and isinstance(member, Arc):
         start = member.start % TURN
         return start, start + member.span
@@ -207,11 +212,14 @@ def _span_on(first: Curve, member: Curve) -> tuple[float, float]:
     return low, high
 
 
-# Cuts -----------------------------------------------------------------------------------
+# Cuts
+# -----------------------------------------------------------------------------------
 
 
 def _cuts(curves: list[Curve], tolerance: float, step: float) -> list[list[float]]:
-    """Parameters at which each curve begins, meets another, and ends, in ascending order."""
+    """Parameters at which each curve begins, meets another, and ends, in ascending
+    order.
+    """
     cuts = [list(curve.interval) for curve in curves]
     arcs = {i: c for i, c in enumerate(curves) if isinstance(c, Arc)}
     lines = {i: c for i, c in enumerate(curves) if isinstance(c, Segment)}

@@ -1,7 +1,7 @@
 """Arcs and segments in the plane.
 
-Each is a curve with a parameter t: the polar angle on an `Arc`, the distance from the start on a
-`Segment`. A point is an arc of radius zero.
+Each is a curve with a parameter t: the polar angle on an `Arc`, the distance from the
+start on a `Segment`. A point is an arc of radius zero.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Arc:
         return np.asarray(self.center) + self.radius * direction
 
     def left(self, t: float) -> FloatArray:
-        """Unit normal to the left of the direction of travel: towards the centre, (2,)."""
+        """Unit normal to the left of the direction of travel (to the centre), (2,)."""
         return -unit_vector(t)
 
     def parameter(self, points: FloatArray, tolerance: float) -> FloatArray:
@@ -79,7 +79,9 @@ class Arc:
         )
 
     def moved(self, angle: float, shift: Point) -> Arc:
-        """The curve translated by `shift` [m], then rotated about the origin by `angle` [rad]."""
+        """The curve translated by `shift` [m], then rotated about the origin by `angle`
+        [rad].
+        """
         return Arc(
             center=_moved(self.center, angle, shift),
             radius=self.radius,
@@ -93,7 +95,7 @@ class Arc:
         return self.radius * self.span
 
     def area_integral(self) -> float:
-        """Line integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
+        """Integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
         a, b = self.interval
         x, y = self.center
         r = self.radius
@@ -148,7 +150,9 @@ class Segment:
         return Segment(start=(x, y), angle=self.angle, length=end - start)
 
     def moved(self, angle: float, shift: Point) -> Segment:
-        """The curve translated by `shift` [m], then rotated about the origin by `angle` [rad]."""
+        """The curve translated by `shift` [m], then rotated about the origin by `angle`
+        [rad].
+        """
         return Segment(
             start=_moved(self.start, angle, shift),
             angle=self.angle + angle,
@@ -156,7 +160,7 @@ class Segment:
         )
 
     def area_integral(self) -> float:
-        """Line integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
+        """Integral of (x dy - y dx) / 2 along the curve [m^2] (Green's theorem)."""
         x, y = self.start
         return 0.5 * self.length * (x * math.sin(self.angle) - y * math.cos(self.angle))
 

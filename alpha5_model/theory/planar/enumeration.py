@@ -31,9 +31,11 @@ class DexterityMap:
 
     Attributes:
         x, y: Grid lines, (I,) and (J,) [m].
-        share: Share of orientations reached at (x[i], y[j]), (J, I); 0 outside the workspace.
+        share: Share of orientations reached at (x[i], y[j]), (J, I); 0 outside the
+            workspace.
         spacing: Distance between grid lines [m].
-        orientations: How many were tried: gaps narrower than 2 pi / orientations can be missed.
+        orientations: How many were tried: gaps narrower than 2 pi / orientations can be
+            missed.
     """
 
     x: FloatArray
@@ -55,7 +57,8 @@ def dexterity_map(
 
     Args:
         arm: See `dexterity`.
-        resolution: Grid lines along the longer side of the workspace's bounding box, 2 or more.
+        resolution: Grid lines along the longer side of the workspace's bounding box, 2
+            or more.
         orientations, samples: See `dexterity`.
     """
     if count("resolution", resolution) < 2:
@@ -83,12 +86,14 @@ def dexterity_map(
 def dexterity(
     arm: PlanarArm, points: ArrayLike, orientations: int = 360, samples: int = 181
 ) -> FloatArray:
-    """Share of orientations with which points are reached, numerically, joint limits included.
+    """Share of orientations with which points are reached, numerically, joint limits
+    included.
 
-    The last three joints are solved in closed form for each of evenly spaced orientations; joints
-    before them are sampled evenly between their limits, both limits included. A point counts as
-    dexterous where the share is 1: a range of orientations narrower than 2 pi / orientations can
-    be missed, and with more than three joints some orientations are missed near the boundary.
+    The last three joints are solved in closed form for each of evenly spaced
+    orientations; joints before them are sampled evenly between their limits, both
+    limits included. A point counts as dexterous where the share is 1: a range of
+    orientations narrower than 2 pi / orientations can be missed, and with more than
+    three joints some orientations are missed near the boundary.
 
     Args:
         arm: Three joints or more, the last one revolute.
@@ -136,7 +141,9 @@ def _sampled_starts(arm: PlanarArm, samples: int) -> FloatArray:
 
 
 def _three_joint_reach(arm: PlanarArm, wrist: FloatArray, phi: FloatArray) -> BoolArray:
-    """Whether joints 1 and 2 reach the wrist (..., 2), and joint 3 the orientation phi (...)."""
+    """Whether joints 1 and 2 reach the wrist (..., 2), and joint 3 the orientation phi
+    (...).
+    """
     tolerance = _TOLERANCE * arm.reach
     path = _path_of_second_joint(arm)
     ((first, there),) = bring(arm, wrist.reshape(-1, 2), [path], tolerance)

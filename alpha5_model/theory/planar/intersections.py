@@ -17,14 +17,16 @@ def hits(
     """Points in which circles or straight lines meet a curve; touching counts.
 
     Args:
-        at: Centres of the circles, or a point of each line, (M, 2), or (1, 2) for all [m].
-        size: Radii of the circles (M,) [m], or unit vectors along the lines, (M, 2) or (1, 2).
+        at: Centres of the circles, or a point of each line, (M, 2), or (1, 2) for all
+            [m].
+        size: Radii of the circles (M,) [m], or unit vectors along the lines, (M, 2) or
+            (1, 2).
         curve: The curve.
         tolerance: Distance up to which they count as touching [m].
 
     Returns:
-        Points (M, K, 2) [m], K up to 4; NaN for those that do not exist. For a circle or
-        line that runs along the curve, the points are the ends of the curve.
+        Points (M, K, 2) [m], K up to 4; NaN for those that do not exist. For a circle
+        or line that runs along the curve, the points are the ends of the curve.
     """
     meet = _with_carrier(at, size, curve, tolerance)
 
@@ -69,7 +71,9 @@ def _distance(at: FloatArray, size: FloatArray, points: FloatArray) -> FloatArra
 def _circle_circle(
     c1: FloatArray, r1: FloatArray, c2: FloatArray, r2: float, tolerance: float
 ) -> FloatArray:
-    """Intersections of circles (c1, r1) with one circle (c2, r2), (M, 2, 2); NaN if none."""
+    """Intersections of circles (c1, r1) with one circle (c2, r2), (M, 2, 2); NaN if
+    none.
+    """
     between = c2 - c1
     distance = np.linalg.norm(between, axis=1)
     apart = np.maximum(distance - (r1 + r2), np.abs(r1 - r2) - distance)
@@ -111,7 +115,9 @@ def _line_circle(
 def _line_line(
     p1: FloatArray, e1: FloatArray, p2: FloatArray, e2: FloatArray
 ) -> FloatArray:
-    """Intersections of lines (p1, e1) with one line (p2, e2), (M, 1, 2); NaN if parallel."""
+    """Intersections of lines (p1, e1) with one line (p2, e2), (M, 1, 2); NaN if
+    parallel.
+    """
     sine = _cross(e1, e2)
     sine = np.where(np.abs(sine) <= _PARALLEL, np.nan, sine)
     t = _cross(p2 - p1, e2) / sine

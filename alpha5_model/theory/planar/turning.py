@@ -13,7 +13,8 @@ from alpha5_model._support.checks import instance, real
 from alpha5_model.errors import InputError
 from alpha5_model.theory.planar.arm import PlanarArm, Range, annulus
 
-#: Equality counts in every condition here; lengths this share of the whole apart count as equal.
+#: Equality counts in every condition here; lengths this share of the whole apart count
+#: as equal.
 ROUNDING = 1e-14
 
 
@@ -50,10 +51,12 @@ class _Linkage(NamedTuple):
 
 
 def turns_fully(arm: PlanarArm, radius: float) -> bool:
-    """The exact condition: whether the last link turns fully with the tip pinned at a radius.
+    """The exact condition: whether the last link turns fully with the tip pinned at a
+    radius.
 
-    For any number of revolute joints without limits, and prismatic joints along their links. Where
-    the last link's length varies, every orientation may use its own length.
+    For any number of revolute joints without limits, and prismatic joints along their
+    links. Where the last link's length varies, every orientation may use its own
+    length.
 
     Args:
         arm: The arm; see `dexterous_radii`.
@@ -71,15 +74,16 @@ def dexterous_radii(arm: PlanarArm) -> tuple[Range, ...]:
     """The dexterous workspace as intervals of distance from the base, exact.
 
     Args:
-        arm: First joint revolute, no revolute joint with limits, prismatic joints along their
-            links.
+        arm: First joint revolute, no revolute joint with limits, prismatic joints along
+            their links.
 
     Returns:
-        Closed intervals (least, greatest) [m], ascending, disjoint; one of zero width is an
-        isolated circle, or the base itself. Empty if there is no dexterous point.
+        Closed intervals (least, greatest) [m], ascending, disjoint; one of zero width
+        is an isolated circle, or the base itself. Empty if there is no dexterous point.
 
     Raises:
-        InputError: An arm whose dexterous workspace is not a set of radii; `dexterity` takes any.
+        InputError: An arm whose dexterous workspace is not a set of radii; `dexterity`
+            takes any.
     """
     rest = _linkage(arm)
     limit = rest.high - rest.short
@@ -101,19 +105,21 @@ def dexterous_radii(arm: PlanarArm) -> tuple[Range, ...]:
 
 
 def dexterous_area(arm: PlanarArm) -> float:
-    """Area of the dexterous workspace [m^2]; zero if it consists of isolated circles and points."""
+    """Area of the dexterous workspace [m^2]; zero if it consists of isolated circles
+    and points.
+    """
     return math.fsum(math.pi * (high**2 - low**2) for low, high in dexterous_radii(arm))
 
 
 def necessary_conditions(arm: PlanarArm) -> Conditions:
     """Necessary conditions for a dexterous workspace with an interior, for planar arms.
 
-    The ranges of the revolute joints add up to a full turn, for the orientation is the sum of their
-    angles, and two joints beside one of them place the end effector. The notes ask for a revolute
-    joint without limits in place of the first, which is not necessary: with +-2.967 rad on every
-    joint the notes' arm (5, 4, 1) has a dexterous workspace of 155.8. Both speak of an interior: a
-    2R arm of equal lengths reaches its own base with every orientation, a single dexterous point.
-    They are not sufficient.
+    The ranges of the revolute joints add up to a full turn, for the orientation is the
+    sum of their angles, and two joints beside one of them place the end effector. The
+    notes ask for a revolute joint without limits in place of the first, which is not
+    necessary: with +-2.967 rad on every joint the notes' arm (5, 4, 1) has a dexterous
+    workspace of 155.8. Both speak of an interior: a 2R arm of equal lengths reaches its
+    own base with every orientation, a single dexterous point. They are not sufficient.
     """
     turn = _total_turn(instance("arm", arm, PlanarArm))
     reasons = []
