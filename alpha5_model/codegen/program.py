@@ -152,18 +152,13 @@ def _steps(
             registers[written[0]] = registers[read[0]]
             continue
 
-        arguments: tuple[int, ...]
         value = None
         if op == "const":
-            arguments = ()
             value = float(function.instruction_constant(i))
-        elif op == "input":
-            slot, element = read
-            arguments = slot, _by_rows(inputs[slot].shape, element)
+        if op == "input":
+            arguments = _in_slot(inputs, *read)
         elif op == "output":
-            slot, element = written
-            place = _by_rows(outputs[slot].shape, element)
-            arguments = slot, place, registers[read[0]]
+            arguments = (*_in_slot(outputs, *written), registers[read[0]])
         else:
             arguments = tuple(registers[element] for element in read)
 
@@ -184,13 +179,14 @@ def _operation(function: casadi.Function, i: int) -> str:
     return _NAMES[number]
 
 
-def _by_rows(shape: tuple[int, ...], element: int) -> int:
-    """Place of an element row by row; CasADi numbers elements column by column."""
+def _in_slot(slots: Sequence[Slot], slot: int, element: int) -> tuple[int, ...]:
+    """A slot, and the number row by row of an element; CasADi numbers by columns."""
+    shape = slots[slot].shape
     if len(shape) == 1:
-        return element
+        return slot, element
     rows, columns = shape
     column, row = divmod(element, rows)
-    return row * columns + column
+    return slot, row * columns + column
 
 
 def _what_it_computes(step: Step) -> tuple[object, ...]:

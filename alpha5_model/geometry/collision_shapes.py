@@ -296,10 +296,16 @@ def _box_of_blade(
     bottom = -0.2 if side > 0 else -half
     top = half if side >= 0 else 0.2
     if direction is None:
-        last = len(outline) // 2
-        end = outline[last - 1 : last + 1].mean(0)
-        direction = end - outline[[0, -1]].mean(0)
+        direction = _along(outline)
     return box_around(outline, (bottom, top), direction, _MARGIN)
+
+
+def _along(outline: FloatArray) -> FloatArray:
+    """From the middle of a ribbon's start to the middle of its end, (2,)."""
+    last = len(outline) // 2
+    start = outline[[0, -1]].mean(0)
+    end = outline[last - 1 : last + 1].mean(0)
+    return np.asarray(end - start)
 
 
 def _half_width(dimensions: Dimensions, outline: FloatArray) -> float:

@@ -222,9 +222,13 @@ def _block_by_block(
 
             results = formula(*columns, *bound, np)
             for out, result in zip(outputs, results, strict=True):
-                for k, column in enumerate(result):
-                    out[block, k] = column
+                _write_columns(out[block], result)
     return True
+
+
+def _write_columns(rows: FloatArray, columns: Sequence[Any]) -> None:
+    for k, column in enumerate(columns):
+        rows[:, k] = column
 
 
 def inverse_kinematics(kind: type[tuple[Any, ...]], position: Any, wrist: Any) -> Any:
