@@ -1,7 +1,7 @@
-// Where the joints stand, and what follows: the pose of every link, the torque that holds it still.
+// Joint positions, and what follows from them: the poses of the links and the torques that hold the arm still.
 //
-// setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` says who
-// moved it: "hand", "motion", "python" or "page".
+// setPose(values, by) moves the arm; onPose(listener) calls listener(by) after every move. `by` is what moved
+// it: "hand", "motion", "python" or "page".
 const q = { ...data.q };
 let poses = {};
 const listeners = [];
@@ -14,7 +14,7 @@ for (const joint of data.tree) {
 const joints = data.tree.filter((joint) => data.sliders.includes(joint.name));
 const angles = () => data.sliders.slice(0, 4).map((name) => q[name]);
 const amount = (joint, value) => joint.kind === "prismatic" ? `${mm(value)} mm` : `${fixed(value * 180 / Math.PI, 1)}\u00b0`;
-// The limit that a joint is beyond, or undefined; its last digit is rounding.
+// The limit that a joint is beyond by more than rounding, or undefined.
 const limit = (joint) => [joint.lower, joint.upper].find((end, i) => (i ? 1 : -1) * (q[joint.name] - end) > 1e-9);
 
 function setPose(values, by = "hand") {
@@ -27,7 +27,7 @@ const setJoint = (name, value) => setPose(data.sliders.map((each) => each === na
 const named = (values) => Object.fromEntries(data.sliders.map((name, i) => [name, values[i]]));
 const withJaws = (turned) => [...turned, ...data.sliders.slice(4).map((name) => q[name])];
 
-// Everything to where it is now.
+// Move everything drawn to where it is at the joint positions q.
 function place(by) {
   poses = forwardKinematics();
   for (const link in poses) if (data.links[link]) viewer.set_transform(split(data.links[link]), poses[link].elements);
@@ -36,7 +36,7 @@ function place(by) {
   viewer.set_dirty();
 }
 
-// ---- kinematics: the arm by the generated formulas, what is fixed to it or beyond it joint by joint
+// ---- kinematics: the links of the arm by the generated formulas, all other links joint by joint
 function forwardKinematics(at = q) {
   const found = {};
   for (const link in data.root) found[link] = matrix(data.root[link]);
@@ -62,7 +62,7 @@ function anchor(item) {
   return new THREE.Matrix4().makeTranslation(mean.x, mean.y, mean.z);
 }
 
-// ---- statics: bodies beyond link_4 move in it and count where they are
+// ---- statics: bodies beyond link_4 move relative to it, so their moments are added at their present pose
 const carried = {};
 for (const joint of data.tree.slice().reverse()) {
   carried[joint.child] = [joint.child, ...(carried[joint.child] || [])];
@@ -79,7 +79,7 @@ function holding() {
   return formulas.hydrostatic_torque(angles(), parameters);
 }
 
-// A steady current on links at rest: drag of their strips, and the Munk moment of their added mass.
+// Torque of a steady current on a joint at rest: drag of the strips, and the Munk moment of the added mass.
 function drag(joint) {
   const origin = new THREE.Vector3().setFromMatrixPosition(poses[joint.child]);
   const axis = joint.direction.clone().transformDirection(poses[joint.child]);

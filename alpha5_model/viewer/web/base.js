@@ -1,4 +1,4 @@
-// What the page was given, meshcat's drawing of it, and the words that every other file uses.
+// The data of the page, meshcat's viewer, and helpers that all other files use.
 const data = JSON.parse(document.getElementById("alpha5-data").textContent);
 const THREE = MeshCat.THREE;
 const byId = (id) => document.getElementById(id);
@@ -18,19 +18,19 @@ const vector = (elements) => new THREE.Vector3().fromArray(elements);
 const origin = (pose) => new THREE.Vector3().setFromMatrixPosition(pose);
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 const wrapped = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-// What is drawn under a path of meshcat's tree.
+// The meshes under a path of meshcat's scene tree.
 function meshes(path) {
   const found = [];
   viewer.scene_tree.find(split(path)).object.traverse((part) => part.isMesh && found.push(part));
   return found;
 }
 
-// A new element inside another, with its properties.
+// Add an element to another one, with some properties, and return it.
 function added(parent, tag, properties = {}) {
   return Object.assign(parent.appendChild(document.createElement(tag)), properties);
 }
 
-// A number with a true minus sign and no minus zero.
+// A number as text, with a true minus sign and without minus zero.
 function fixed(value, digits) {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "\u2212");

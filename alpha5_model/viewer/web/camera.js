@@ -1,14 +1,14 @@
-// The camera: views from named sides, framed around all that will be seen, in the part of the window that is free.
+// The camera: named views that frame the arm, its motion and all that is shown, in the free part of the window.
 //
-// meshcat's camera sits in a frame turned so that its y axis is up.
+// meshcat's camera is in a frame whose y axis points up.
 const KEYS = new Map([["h", "home"], ["f", "fit"], ["1", "front"], ["2", "side"], ["3", "top"]]);
 const swap = ([x, y, z]) => [x, z, -y];
 const unswap = ({ x, y, z }) => new THREE.Vector3(x, -z, y);
 viewer.camera.fov = data.camera.field_of_view;
 viewer.controls.minDistance = 0.05;
 viewer.controls.maxDistance = 12;
-let chosen = "home"; // the view that a change of the window keeps; null once a hand has turned it
-let gliding = 0; // which flight of the camera is on
+let chosen = "home"; // the view that is kept when the window changes; null after the user has turned it
+let gliding = 0; // number of the latest camera movement; an earlier one stops
 viewer.controls.addEventListener("start", () => {
   chosen = null;
   gliding++;
@@ -23,7 +23,7 @@ document.addEventListener("keydown", (event) => {
   if (name && !event.ctrlKey && !event.metaKey && !event.altKey && !event.target.closest("input[type=number], select")) look(name);
 });
 
-// The part of the window that nothing covers: [left, top, right, bottom] in pixels.
+// The part of the window that no panel covers: [left, top, right, bottom] in pixels.
 function free() {
   const box = (id) => byId(id).getBoundingClientRect();
   const bottom = byId("strip").hidden ? window.innerHeight : box("strip").top;
@@ -33,7 +33,7 @@ function free() {
   return [folded ? 0 : box("panel").right, top, window.innerWidth, bottom];
 }
 
-// Pixels (from the window's corner) and depth of a point of the world, and back. meshcat's scene is turned, too.
+// A point of the world to pixels (from the window's corner) and depth, and back. meshcat's scene is turned, too.
 function onScreen(point) {
   const at = point.clone().applyMatrix4(viewer.scene.matrixWorld).project(viewer.camera);
   return [(at.x + 1) / 2 * window.innerWidth, (1 - at.y) / 2 * window.innerHeight, at.z];
@@ -43,9 +43,9 @@ function fromScreen(x, y, depth) {
   return at.unproject(viewer.camera).applyMatrix4(viewer.scene.matrixWorld.clone().invert());
 }
 
-// ---- what will be seen: corners of the bodies at the poses to come, and of all else that is shown
+// ---- what the camera frames: the bodies at the poses to come, and everything else that is shown
 const corners = {};
-// The corners of a mesh that lie furthest out, in 26 directions.
+// The outermost vertices of a mesh in 26 directions.
 function outermost(geometry) {
   if (corners[geometry.uuid]) return corners[geometry.uuid];
   const points = geometry.attributes.position;
@@ -65,7 +65,7 @@ function bodiesAt(found) {
   return Object.keys(data.links).flatMap((link) => meshes(data.links[link]).flatMap(
     (part) => outermost(part.geometry).map((point) => point.clone().applyMatrix4(found[link]))));
 }
-function toBeSeen(all) {
+function pointsToFrame(all) {
   const points = bodiesAt(poses);
   const coming = data.motion ? data.motion.q : Object.values(data.poses);
   const step = Math.ceil(coming.length / 40);
@@ -80,7 +80,7 @@ function toBeSeen(all) {
 }
 
 // ---- moving the camera
-function place3d(eye, target) {
+function moveCamera(eye, target) {
   viewer.camera.position.set(...swap(eye.toArray()));
   viewer.controls.target.set(...swap(target.toArray()));
   viewer.controls.update();
@@ -106,7 +106,7 @@ function framing(points, back) {
   const up = back.clone().cross(across);
   const target = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
   let distance = 0;
-  for (let i = 0; i < 4; i++) { // the middle of the corners in space is not their middle in the picture
+  for (let i = 0; i < 4; i++) { // near points look larger, so the middle in space is not the middle in the picture
     const seen = points.map((point) => point.clone().sub(target)).map((p) => [p.dot(across), p.dot(up), p.dot(back)]);
     distance = Math.max(...seen.map(([x, y, z]) => z + Math.max(Math.abs(x) / wide, Math.abs(y) / high)));
     [across, up].forEach((axis, k) => {
@@ -122,11 +122,11 @@ function look(name, slowly = true) {
   const back = name in data.views ? vector(data.views[name]).normalize() : backwards();
   chosen = name in data.views ? name : null;
   center();
-  const points = toBeSeen(name !== "fit");
+  const points = pointsToFrame(name !== "fit");
   if (!points.length) return;
   const to = framing(points, back);
   if (slowly && !matchMedia("(prefers-reduced-motion: reduce)").matches) glide(to);
-  else place3d(to.eye, to.target);
+  else moveCamera(to.eye, to.target);
 }
 function glide(to) {
   const from = { eye: unswap(viewer.camera.position), target: unswap(viewer.controls.target) };
@@ -140,16 +140,16 @@ function glide(to) {
     const eased = part * part * (3 - 2 * part);
     const target = from.target.clone().lerp(to.target, eased);
     const way = start.clone().lerp(end, eased).normalize();
-    place3d(target.clone().addScaledVector(way, near + eased * (far - near)), target);
+    moveCamera(target.clone().addScaledVector(way, near + eased * (far - near)), target);
     if (part < 1) requestAnimationFrame(step);
   }
   requestAnimationFrame(step);
 }
-// After a hand has let go: step back if the arm has left the picture.
+// After the user has let go: move the camera back if the arm is out of the picture.
 function keepInSight() {
   const [left, top, right, bottom] = free();
   const seen = [...bodiesAt(poses), ...(aim ? [toWorld(aim)] : [])].map(onScreen);
-  if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(toBeSeen(true), backwards()));
+  if (seen.some(([x, y]) => x < left || x > right || y < top || y > bottom)) glide(framing(pointsToFrame(true), backwards()));
 }
 
 const resize = viewer.set_3d_pane_size.bind(viewer);

@@ -1,6 +1,6 @@
-// The scene, command by command: from this file, or over the connection.
-const geometries = {}; // a mesh that several shapes share comes with the first of them
-let unframed = false; // something came after the camera was placed
+// Commands that build and move the scene, from this file or from a live server.
+const geometries = {}; // meshes by identifier; one that several shapes share comes with the first of them
+let unframed = false; // whether an object has come since the camera was placed
 const handle = viewer.handle_command.bind(viewer);
 const decode = viewer.handle_command_bytearray.bind(viewer);
 
@@ -19,7 +19,7 @@ viewer.handle_command = (command) => {
     if (geometry.data) geometries[geometry.uuid] = geometry.data;
     else geometry.data = geometries[geometry.uuid];
   }
-  // What is seen through lies on a body in places: there it is the nearer one.
+  // Transparent shapes touch bodies in places: draw them as if they were nearer.
   for (const each of materials) {
     Object.assign(each, { polygonOffset: each.opacity < 1, polygonOffsetFactor: -1, polygonOffsetUnits: -4 });
   }
@@ -32,7 +32,7 @@ viewer.handle_command = (command) => {
     unframed = true;
     requestAnimationFrame(() => { unframed = false; if (chosen) look(chosen, false); });
   }
-  heard(command);
+  onCommand(command);
 };
 
 for (const command of data.commands) {

@@ -1,8 +1,8 @@
-// The picture as PNG, a motion as video: the canvas with the labels and scales that lie over it.
+// Save the picture as PNG and the motion as video, with the labels and scales over them.
 let film = null;
 const download = (name, address) => Object.assign(document.createElement("a"), { href: address, download: name }).click();
 
-// The free part of the window, as drawn last, onto a canvas of its size in pixels of the screen.
+// Copy the free part of the window, as it was drawn last, to a canvas.
 function compose(canvas) {
   const [left, top] = canvas.frame;
   const drawn = viewer.renderer.domElement;
@@ -32,7 +32,7 @@ function compose(canvas) {
 function sheet() {
   const frame = free();
   const dots = viewer.renderer.domElement.width / window.innerWidth;
-  const even = (size) => 2 * Math.floor(size * dots / 2); // encoders of video want even sides
+  const even = (size) => 2 * Math.floor(size * dots / 2); // video encoders need even sizes
   return Object.assign(document.createElement("canvas"), { width: even(frame[2] - frame[0]), height: even(frame[3] - frame[1]), frame });
 }
 function picture() {
@@ -42,7 +42,7 @@ function picture() {
   return canvas.toDataURL("image/png");
 }
 
-// The motion once, in real time.
+// Record the motion once, in real time; a second call stops.
 function record() {
   if (film) return film.stop();
   const canvas = sheet();
@@ -61,12 +61,12 @@ function record() {
   film.start();
   play();
 }
-// Called after every drawing.
+// Called after every frame.
 function rendered() {
   if (!film || film.state !== "recording") return;
   compose(film.canvas);
   video.textContent = `Stop (${(last - now).toFixed(0)} s)`;
-  if (now < film.before) film.stop(); // it began again
+  if (now < film.before) film.stop(); // the motion has started again
   else film.before = now;
 }
 

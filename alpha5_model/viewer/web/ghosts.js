@@ -1,12 +1,12 @@
-// The other ways to the target, or to where the tcp is, as ghosts; a click on one takes it.
+// The other solutions for the target, or for the present tcp, as ghosts; a click on one moves the arm there.
 const GHOSTS = ["#0d8c80", "#d9730d", "#734dbf", "#8c801a"];
 const ghosts = data.branches.map((name, i) => {
   const solid = { color: GHOSTS[i], transparent: true, depthWrite: true, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
   return { material: new THREE.MeshPhongMaterial(solid), group: new THREE.Group(), links: {}, label: null, open: false };
 });
 
-// Copies of the bodies, made when they are first needed: they share the bodies' geometries.
-function haunt(ghost) {
+// Make a ghost when it is first needed; it shares the geometries of the bodies.
+function makeGhost(ghost) {
   for (const link in data.links) {
     if (link === root || link === "link_0") continue;
     const copy = new THREE.Group();
@@ -19,27 +19,27 @@ function haunt(ghost) {
   if (Object.keys(ghost.links).length) viewer.scene_tree.find(split("/meshcat/alpha5/ghosts")).object.add(ghost.group);
 }
 
-// What equals the arm, or another ghost, is not drawn.
+// Draw the ghosts; links at the same pose as in the arm or in another ghost are left out.
 function drawGhosts(found) {
   const drawn = [poses];
   ghosts.forEach((ghost, i) => {
     ghost.label.element.disabled = !(ghost.open = found.within_limits[i]);
-    ghost.group.visible = shown.ghosts && found.exists[i] && apart(found.q[i], angles()) > 1e-6;
-    ghost.label.text = `${wayNames[i]}${ghost.open ? "" : ", beyond the limits"}`;
+    ghost.group.visible = shown.ghosts && found.exists[i] && largestDifference(found.q[i], angles()) > 1e-6;
+    ghost.label.text = `${branchNames[i]}${ghost.open ? "" : ", beyond the limits"}`;
     if (!ghost.group.visible) return;
-    if (!ghost.group.parent) haunt(ghost);
+    if (!ghost.group.parent) makeGhost(ghost);
     ghost.material.opacity = ghost.open ? 0.42 : 0.16;
     ghost.poses = forwardKinematics(named(withJaws(found.q[i])));
     for (const link in ghost.links) {
       const pose = ghost.poses[link];
       ghost.links[link].matrix.copy(pose);
-      ghost.links[link].visible = !drawn.some((other) => apart(pose.elements, other[link].elements) < 1e-6);
+      ghost.links[link].visible = !drawn.some((other) => largestDifference(pose.elements, other[link].elements) < 1e-6);
     }
     drawn.push(ghost.poses);
   });
 }
 
-// A click, not the end of a turn of the view.
+// A click chooses a ghost, unless the pointer was dragged to turn the view.
 let pressed = null;
 byId("pane").addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
 byId("pane").addEventListener("click", (event) => {

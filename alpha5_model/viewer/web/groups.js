@@ -1,4 +1,4 @@
-// What is shown: switches of the groups of things in the scene.
+// Switches that show and hide the groups of the scene.
 const shown = {};
 const DOTS = { com: "#e0a400", cob: "#1f78c8", weight: "#c8322d", buoyancy: "#2a8fd6", collision: "#ee8b1a", workspace: "#159a80", surface: "#159a80", current: "#00808c" };
 
@@ -17,7 +17,7 @@ function setGroup(name, on) {
   else if (name !== "labels") viewer.set_property(split(`/meshcat/alpha5/${name}`), "visible", on);
   document.querySelector(`#groups input[name="${name}"]`).checked = on;
   if (name === "current" && poses[root]) showTorques();
-  if (name === "ghosts" && poses[root]) showWays();
+  if (name === "ghosts" && poses[root]) showSolutions();
   viewer.set_dirty();
 }
 
@@ -27,13 +27,13 @@ function seeThrough(on) {
   }
 }
 
-// The backdrop follows the scheme: lighter than the dark bodies and, where it is light, darker than the jaws.
+// The backdrop is lighter than the dark bodies and, in the light colour scheme, darker than the jaws.
 function backdrop() {
   const [top, bottom] = dark.matches ? [[0.42, 0.47, 0.51], [0.20, 0.24, 0.28]] : [[0.78, 0.83, 0.87], [0.56, 0.65, 0.71]];
   viewer.set_property(["Background"], "top_color", top);
   viewer.set_property(["Background"], "bottom_color", bottom);
 }
-// More light than in meshcat's own scene, for dark bodies.
+// The dark bodies need more light than meshcat's scene has.
 for (const [name, strength] of [["AmbientLight", 0.75], ["PointLightNegativeX", 0.5], ["PointLightPositiveX", 0.5], ["FillLight", 0.5]]) {
   viewer.set_property(["Lights", name, "<object>"], "intensity", strength);
 }

@@ -1,27 +1,27 @@
-// Inverse kinematics: the ways to a point of base_link, and the nearest point of a way that does not get there.
+// Inverse kinematics: all solutions for a point in base_link, and the nearest point if a branch has none.
 //
-// Branch i of data.branches faces the point if i is even, turns its back to it if odd; 2 and 3 have the elbow
-// flipped. In the arm's plane, r outwards and z up, tcp = (a_0, d_0) + l_1 e(phi) + l_2 e(phi + pi - gamma) with
-// e(x) = (cos x, sin x), as in kinematics/plane.py.
+// In branch i of data.branches the arm faces the point if i is even, and turns its back to it if i is odd; in
+// branches 2 and 3 the elbow is flipped. In the arm's plane, r outwards and z up,
+// tcp = (a_0, d_0) + l_1 e(phi) + l_2 e(phi + pi - gamma) with e(x) = (cos x, sin x), as in the Python package.
 const root = data.tree[0].parent;
 const tcpInBase = () => formulas.forward_kinematics(angles()).slice(0, 3).map((row) => row[3]);
 const toBase = (point) => point.clone().applyMatrix4(poses[root].clone().invert()).toArray();
 const toWorld = (point) => vector(point).applyMatrix4(poses[root]);
-const ways = (point) => formulas.inverse_kinematics(point, angles()[3]);
-const apart = (one, other) => Math.max(...one.map((value, i) => Math.abs(wrapped(value - other[i]))));
+const solutions = (point) => formulas.inverse_kinematics(point, angles()[3]);
+const largestDifference = (one, other) => Math.max(...one.map((value, i) => Math.abs(wrapped(value - other[i]))));
 
-// The branch that the arm is on: where two meet, the first.
-function branchNow() {
-  const found = ways(tcpInBase());
-  const gaps = found.q.map((solution, i) => found.exists[i] ? apart(solution, angles()) : Infinity);
+// The branch that the arm is on; the first one if two meet there.
+function currentBranch() {
+  const found = solutions(tcpInBase());
+  const gaps = found.q.map((solution, i) => found.exists[i] ? largestDifference(solution, angles()) : Infinity);
   return gaps.indexOf(Math.min(...gaps));
 }
 
-// Angles of a branch, within the limits, that bring the tcp to a point, or as near as that branch comes.
+// Joint angles of a branch, within the limits, with the tcp at a point or as near to it as possible, and the distance.
 function reach(point, branch) {
-  const found = ways(point);
+  const found = solutions(point);
   const radius = Math.hypot(point[0], point[1]);
-  if (found.within_limits[branch]) { // any azimuth reaches the axis
+  if (found.within_limits[branch]) { // on the yaw axis any azimuth will do
     return { q: radius < 1e-9 ? [angles()[0], ...found.q[branch].slice(1)] : found.q[branch], away: 0 };
   }
   const { lower, upper, middle, azimuth_offset } = data.plane;
@@ -30,8 +30,8 @@ function reach(point, branch) {
   const turn = radius < 1e-9 ? angles()[0] : clamp(middle[0] + wrapped(azimuth), lower[0], upper[0]);
   const facing = turn + azimuth_offset;
   const goal = [point[0] * Math.cos(facing) + point[1] * Math.sin(facing), point[2]];
-  const foot = ways([goal[0] * Math.cos(facing), goal[0] * Math.sin(facing), point[2]]);
-  const inside = foot.within_limits[branch] ? [foot.q[branch].slice(1, 3)] : []; // beside an azimuth that is left out
+  const foot = solutions([goal[0] * Math.cos(facing), goal[0] * Math.sin(facing), point[2]]);
+  const inside = foot.within_limits[branch] ? [foot.q[branch].slice(1, 3)] : []; // the point may be in reach in the plane at the azimuth limit
   let best = { away: Infinity };
   for (const [theta1, theta2] of [...inside, ...edges(goal, side, branch > 1)]) {
     const q = [turn, theta1, theta2, angles()[3]];
@@ -42,7 +42,7 @@ function reach(point, branch) {
   return best;
 }
 
-// Where a point of the plane may be nearest: on the arcs that one joint draws while the other is at an end of its range.
+// Candidates for the nearest point in the plane: on the arcs on which one joint moves and the other is at a limit.
 function edges(goal, side, flipped) {
   const { a_0, d_0, l_1, l_2, phi_offset, gamma_offset, lower, upper } = data.plane;
   const phis = [lower[1] + phi_offset, upper[1] + phi_offset];
@@ -50,7 +50,7 @@ function edges(goal, side, flipped) {
   const found = [];
   function arc(center, length, from, to, jointsAt) {
     const toGoal = Math.atan2(goal[1] - center[1], goal[0] - center[0]);
-    const across = Math.acos(-center[0] / length); // where the arc meets the yaw axis, if it does
+    const across = Math.acos(-center[0] / length); // where the arc meets the yaw axis; NaN if it does not
     for (const angle of [from, to, toGoal, across, -across]) {
       const turned = from + ((angle - from) % (2 * Math.PI) + 2 * Math.PI) % (2 * Math.PI);
       const inside = turned <= to || angle === to;

@@ -1,7 +1,7 @@
-// Labels, laid over the canvas beside what they name, each with a line to it; none lies on another.
+// Labels over the canvas, each beside its point and with a line to it; no label covers another.
 const GAP = 10;
 const ROW = 20;
-// Where a label may stand, the best first: right or left of its point [1 or -1], rows below it; up is better than down.
+// Places for a label, the best first: [1 right or -1 left of its point, rows below it]; up is better than down.
 const STEPS = [1, -1].flatMap((side) => Array.from({ length: 31 }, (_, k) => [side, k - 15]));
 const cost = ([side, step]) => Math.abs(step) + (side < 0 ? 2.5 : 0) + (step > 0 ? 1.2 : 0);
 STEPS.sort((one, other) => cost(one) - cost(other));
@@ -24,8 +24,8 @@ for (const label of labels) {
 const mark = added(byId("leaders"), "b");
 const gap = added(byId("leaders"), "i", { id: "gap" });
 
-const place2d = (element, x, y) => { element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`; };
-// A line is a thin element, turned: a drawing of the whole window would cost more than the picture.
+const moveElement = (element, x, y) => { element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`; };
+// A line is a thin rotated element: an SVG over the whole window would be slower than the scene.
 function drawLine(line, x1, y1, x2, y2) {
   line.ends = [x1, y1, x2, y2];
   line.style.display = "";
@@ -36,7 +36,7 @@ function drawLine(line, x1, y1, x2, y2) {
 function drawLabels() {
   const [left, top, right, bottom] = free();
   const [tipX, tipY] = onScreen(origin(poses.tcp));
-  const placed = [{ left: tipX - 10, right: tipX + 7, top: tipY - 10 }]; // the handle stays clear
+  const placed = [{ left: tipX - 10, right: tipX + 7, top: tipY - 10 }]; // no label covers the handle
   const points = [];
   for (const label of labels) {
     const where = shown.labels && shown[label.group] && label.where();
@@ -55,22 +55,22 @@ function drawLabels() {
       (box) => at >= box.right + 2 || at + label.width <= box.left - 2 || row >= box.top + ROW || row + ROW <= box.top);
     const [at, row] = STEPS.map(([side, step]) => [x + (side > 0 ? GAP : -GAP - label.width), y - 9 + step * ROW]).find(fits) || [x + GAP, y - 9];
     placed.push({ left: at, right: at + label.width, top: row });
-    place2d(label.element, at, row);
+    moveElement(label.element, at, row);
     const end = [clamp(x, at, at + label.width), clamp(y, row + 2, row + ROW - 4)];
     if (Math.hypot(end[0] - x, end[1] - y) > GAP + 3) drawLine(label.line, x, y, ...end);
   }
   drawTip();
 }
 
-// The handle on the tip, the target and, between them, what is missing.
+// Draw the handle on the tip, the target, and a dashed line between them if the target is out of reach.
 function drawTip() {
   const from = onScreen(origin(poses.tcp));
-  place2d(tip, from[0], from[1]);
+  moveElement(tip, from[0], from[1]);
   tip.style.display = from[2] < 1 ? "" : "none";
   const to = aim ? onScreen(toWorld(aim)) : [0, 0, 2];
   const away = to[2] < 1 && Math.hypot(to[0] - from[0], to[1] - from[1]) > 1;
   mark.style.display = to[2] < 1 && (away || shown.ghosts) ? "" : "none";
-  place2d(mark, to[0], to[1]);
+  moveElement(mark, to[0], to[1]);
   if (away && missed) drawLine(gap, ...from.slice(0, 2), ...to.slice(0, 2));
   else gap.style.display = "none";
 }

@@ -1,7 +1,7 @@
-// A live server: poses both ways, Python's camera, and what to say when its program has ended.
+// The live server: poses in both directions, Python's camera, and a notice when the program has ended.
 
-// Called with every command that came, after meshcat has seen it.
-function heard(command) {
+// Called with every command after meshcat has handled it.
+function onCommand(command) {
   if (command.type === "pose" && isPose(command.q)) {
     data.root = command.root;
     setPose(command.q, "python");
@@ -21,7 +21,7 @@ function connect(notice) {
     notice.hidden = false;
     setTimeout(() => connect(notice), 1000);
   };
-  // The next program at this address may show another arm.
+  // A new program at this address may show another arm.
   viewer.connection.onopen = () => { if (!notice.hidden) location.reload(); };
 }
 
@@ -32,12 +32,12 @@ if (data.live) {
     hidden: true,
     textContent: "The program behind this page has ended. What you move here reaches it no more; the page connects again when it is back.",
   }));
-  // What drives a real arm stays within the limits: a joint that Python showed beyond goes back to its limit.
+  // The page may drive a real arm: send only positions within the limits, even if Python showed others.
   const inside = () => data.sliders.map((name) => {
     const { lower, upper } = joints.find((joint) => joint.name === name);
     return clamp(q[name], lower, upper);
   });
-  // One message for each picture, however fast a hand is.
+  // Send at most one message for each frame.
   let waiting = false;
   onPose((by) => {
     if (by === "hand") say("refused", "");

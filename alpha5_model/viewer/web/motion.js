@@ -1,10 +1,10 @@
-// A motion, played by the clock: a slow browser drops frames, not time.
+// Play a motion in real time; a slow browser drops frames.
 let started = null;
 const times = data.motion ? data.motion.time : [0];
 const last = times[times.length - 1];
 let now = 0;
 
-// Rows of numbers over the motion's time, between its samples on straight lines.
+// Interpolate rows of numbers linearly at a time of the motion.
 function between(columns, time) {
   let i = 1;
   let high = times.length - 1;

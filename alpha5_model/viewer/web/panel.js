@@ -1,4 +1,4 @@
-// The panel: joints, named poses, the tcp, and messages of what is not as it should be.
+// The panel: joints, named poses, the position of the tcp, and messages about problems.
 for (const note of data.notes) added(byId("notes"), "p", { textContent: note });
 
 function fold(on) {
@@ -9,7 +9,7 @@ function fold(on) {
 }
 byId("fold").onclick = () => fold(!byId("panel").classList.contains("folded"));
 
-// ---- messages, one for each matter
+// ---- messages, one for each subject
 const messages = {};
 function say(matter, text) {
   if (messages[matter] === text) return;
@@ -44,7 +44,7 @@ for (const [name, values] of Object.entries(data.poses)) {
   added(byId("poses"), "button", { textContent: name, onclick: () => keepInSight(setPose(values)) });
 }
 
-// Move a joint to what was typed, or say why not; a limit as it is shown may be rounded beyond itself.
+// Move a joint to the typed value, or say why not. A displayed limit may be rounded to beyond the limit.
 function moveTo(joint, field) {
   const rounding = 0.5 * 10 ** -DIGITS[unit(joint)];
   const within = (end, sign) => sign * field.valueAsNumber <= sign * end / UNITS[unit(joint)] + rounding;
@@ -75,7 +75,7 @@ function showJoints() {
   const [x, y, z] = tcpInBase();
   byId("readout").textContent = `tcp  x ${mm(x)}  y ${mm(y)}  z ${mm(z)} mm`;
 }
-// What each joint holds; the jaws' rod has no figure.
+// Show the torque that each joint holds; there is none for the jaws' rod.
 function showTorques() {
   holding().forEach((still, i) => {
     const torque = shown.current ? still - drag(rows[i].joint) : still;

@@ -1,4 +1,4 @@
-// A scale bar, at the distance of what the camera looks at, and the scale of the arrows.
+// Scale bars of lengths and arrows, at the distance of the camera's target.
 const bars = [
   { name: "length", unit: "mm", each: 1e-3, groups: ["bodies", "labels"] },
   { name: "force", unit: "N", each: data.arrows.force, groups: ["weight", "buoyancy"] },
@@ -9,7 +9,7 @@ for (const bar of bars) {
   for (const part of ["span", "i"]) added(bar.element, part);
 }
 
-// 1, 2 or 5 times a power of ten, the largest whose bar is at most that long.
+// The largest of 1, 2 or 5 times a power of ten that is at most a number.
 function round(most) {
   const power = 10 ** Math.floor(Math.log10(most));
   return [5, 2, 1].find((digit) => digit * power <= most * (1 + 1e-9)) * power;

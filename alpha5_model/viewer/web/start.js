@@ -1,4 +1,4 @@
-// All is there: place the arm, frame it, and hand out what a script may use.
+// Everything is loaded: place the arm, frame it, and export what scripts may use.
 backdrop();
 place("page");
 for (const name in shown) setGroup(name, shown[name]);

@@ -1,4 +1,4 @@
-// The motion's torques by cause and its load on the mount, over time; drag in it to move through the motion.
+// Curves of the motion: torque by cause and load on the mount; drag in them to move through the motion.
 const CAUSES = [
   ["weight", "weight", "#d98200"],
   ["buoyancy", "buoyancy", "#3a9fd8"],
@@ -9,7 +9,7 @@ const CAUSES = [
 const AXES = [["x", "#d0482a"], ["y", "#0a9a70"], ["z", "#2f6fd0"]];
 const charts = [];
 
-// Columns of the motion's quantities as curves; torques with their sum.
+// The torques of a joint by cause, and their sum, as curves.
 function torqueCurves(k) {
   const known = CAUSES.filter(([cause]) => data.motion[cause]);
   const parts = known.map(([cause, name, color]) => ({ name, color, values: data.motion[cause].map((row) => row[k]) }));
@@ -63,7 +63,7 @@ function showStrip() {
 
 if (data.motion && data.motion.mount) {
   const unitOf = (k) => joints[k].kind === "prismatic" ? "N" : "N\u00b7m";
-  // One scale for all joints of a unit: a small torque looks small.
+  // Joints with the same unit share a scale, so that a small torque looks small.
   const rangeOf = (k) => extent(joints.flatMap((_, other) => unitOf(other) === unitOf(k) ? torqueCurves(other) : []));
   const torque = addChart("Torque of ", unitOf(1), torqueCurves(1), rangeOf(1));
   const select = added(torque.name, "select", { id: "torque-of", onchange: () => {

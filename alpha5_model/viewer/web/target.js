@@ -1,7 +1,7 @@
-// Where the tcp should be: typed, dragged or given. The arm follows on its branch; the other ways are ghosts.
+// The target of the tcp: typed, dragged or given. The arm follows on its branch; the other solutions are ghosts.
 let aim = data.target; // in base_link [m], or null
-let short = false; // the arm was sent there, and its branch does not get there
-let missed = false; // which is said, and drawn
+let short = false; // whether the arm was sent there and its branch cannot reach it
+let missed = false; // whether the page shows that the tcp is not at the target
 
 const fields = ["x", "y", "z"].map((axis) => {
   const label = added(byId("target"), "label", { textContent: axis });
@@ -13,15 +13,15 @@ const fields = ["x", "y", "z"].map((axis) => {
   };
   input.onchange = () => {
     if (!near(input)) refuse(input, axis);
-    else if (aim) follow(aim, branchNow());
+    else if (aim) follow(aim, currentBranch());
   };
   return input;
 });
 added(byId("target"), "span", { textContent: "mm" });
-const wayNames = data.branches.map((name) => name.replace("_", " "));
-const buttons = wayNames.map((name, i) => added(byId("ways"), "button", { textContent: name, onclick: () => take(i) }));
+const branchNames = data.branches.map((name) => name.replace("_", " "));
+const buttons = branchNames.map((name, i) => added(byId("ways"), "button", { textContent: name, onclick: () => take(i) }));
 
-// What is typed lies this near to the base [mm]; the arm reaches a twentieth of it.
+// Largest coordinate that may be typed [mm]; the arm reaches a twentieth of it.
 const NEAR = 10000;
 const near = (input) => !(Math.abs(input.valueAsNumber) > NEAR) && !input.validity.badInput;
 function refuse(input, axis) {
@@ -39,38 +39,38 @@ function fill() {
 fill();
 function setAim(point) {
   aim = point;
-  showWays();
+  showSolutions();
   viewer.set_dirty();
 }
-// Bring the tcp to a point of base_link, or as near as this branch comes; the jaws stay as they are.
+// Move the tcp to a point in base_link, or as near to it as a branch can; the jaws stay as they are.
 function follow(point, branch) {
   aim = point;
   fill();
   const nearest = reach(point, branch);
   setPose(withJaws(nearest.q));
   short = nearest.away > 1e-7;
-  if (short) showWays();
+  if (short) showSolutions();
 }
-// Go one way: to the target, or to where the tcp is already.
+// Move the arm to another branch, with the tcp at the target or where it is.
 function take(branch) {
   follow(aim || tcpInBase(), branch);
   keepInSight();
 }
 
-function showWays() {
-  const found = ways(aim || tcpInBase());
-  const now = poses[root] && branchNow();
+function showSolutions() {
+  const found = solutions(aim || tcpInBase());
+  const now = poses[root] && currentBranch();
   buttons.forEach((button, i) => {
     button.disabled = !aim || !found.within_limits[i];
     button.setAttribute("aria-pressed", aim !== null && i === now);
   });
   const away = aim ? Math.hypot(...tcpInBase().map((value, i) => value - aim[i])) : 0;
   missed = away > 1e-7 && (short || !found.within_limits.some(Boolean));
-  say("target", missed ? howFar(found, now, away) : "");
+  say("target", missed ? missText(found, now, away) : "");
   drawGhosts(found);
 }
-function howFar(found, now, away) {
-  const others = wayNames.filter((_, i) => found.within_limits[i]);
+function missText(found, now, away) {
+  const others = branchNames.filter((_, i) => found.within_limits[i]);
   const nearest = Math.min(...data.branches.map((_, i) => reach(aim, i).away));
   if (nearest > 1e-7 && away - nearest < 1e-7) return `Target out of reach: the tip stops ${mm(away)} mm from it.`;
   if (nearest > 1e-7) return `Target out of reach by ${mm(nearest)} mm; the tip is ${mm(away)} mm from it.`;
@@ -78,16 +78,16 @@ function howFar(found, now, away) {
 }
 onPose(() => {
   short = false;
-  showWays();
+  showSolutions();
 });
 
-// ---- the tip as a handle: drag it in the plane that faces the eye
+// ---- the handle on the tip: drag it in the plane that faces the camera
 const tip = byId("tip");
 let held = null;
 tip.onpointerdown = (event) => {
   tip.setPointerCapture(event.pointerId);
   const [x, y, depth] = onScreen(origin(poses.tcp));
-  held = { branch: branchNow(), dx: x - event.clientX, dy: y - event.clientY, depth };
+  held = { branch: currentBranch(), dx: x - event.clientX, dy: y - event.clientY, depth };
   if (!shown.ghosts) setGroup("ghosts", true);
   event.preventDefault();
 };
