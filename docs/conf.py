@@ -1,4 +1,7 @@
-"""Sphinx settings of the documentation: ``make docs`` builds it into build/docs, warnings are errors."""
+"""Sphinx settings of the documentation, which ``make docs`` builds into build/docs.
+
+Warnings are errors.
+"""
 
 from __future__ import annotations
 

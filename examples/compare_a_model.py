@@ -1,4 +1,4 @@
-"""Find what is wrong with a URDF of this arm: three common mistakes are put in, and named again.
+"""Find what is wrong with a URDF of this arm, which has three common mistakes.
 
 python examples/compare_a_model.py
 """
@@ -16,22 +16,23 @@ def with_mistakes() -> ET.ElementTree:
     """Our URDF with the mistakes that public models of this arm have."""
     tree = ET.parse(a5.URDF_PATH)
     links = {link.get("name"): link for link in tree.getroot().iter("link")}
-    for product in (
-        "ixy",
-        "ixz",
-        "iyz",
-    ):  # copied with the signs of the document's table
-        inertia = links["link_2"].find("inertial/inertia")
+    # The products of inertia have the signs of the document's table.
+    inertia = links["link_2"].find("inertial/inertia")
+    for product in ("ixy", "ixz", "iyz"):
         inertia.set(product, str(-float(inertia.get(product))))
-    origin = links["link_3"].find("inertial/origin")  # y of a mirrored drawing
+
+    # The centre of mass is read from a mirrored drawing.
+    origin = links["link_3"].find("inertial/origin")
     x, y, z = map(float, origin.get("xyz").split())
     origin.set("xyz", f"{x} {-y} {z}")
-    links["link_4"].find("inertial/mass").set("value", "0.255")  # without the jaws
+
+    # The jaws are left out.
+    links["link_4"].find("inertial/mass").set("value", "0.255")
     return tree
 
 
 def main() -> None:
-    """Print what compare finds: the costliest first, with what to write instead."""
+    """Print what compare finds, the costliest first, and what to write instead."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "somebody_elses.urdf"
         with_mistakes().write(path)
@@ -40,9 +41,8 @@ def main() -> None:
     for finding in comparison.findings:
         print(f"\n{finding.where}: {finding.text}")
         if finding.instead:
-            print(
-                f"  gravity torque off by up to {finding.cost:.2f} N m; write {finding.instead}"
-            )
+            print(f"  gravity torque off by up to {finding.cost:.2f} N m; ", end="")
+            print(f"write {finding.instead}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Hold a pose in water: the same controller with and without the weight and the water in its model.
+"""Hold a pose in water: a controller with and without weight and water in its model.
 
     python examples/gravity_compensation.py
 
-A computed-torque controller steers the arm, simulated under water, from `home` to `reach`. What it
-leaves out of its model stays as an error that only a stiffer controller would push down.
+A computed-torque controller moves the arm, simulated under water, from `home` to
+`reach`. Whatever its model lacks causes an error, which only a stiffer controller would
+reduce.
 """
 
 from __future__ import annotations
@@ -12,18 +13,23 @@ import numpy as np
 
 import alpha5_model as a5
 
-STIFFNESS, STEP, DURATION = 8.0, 2e-3, 3.0  # [rad/s], [s], [s]
+STIFFNESS = 8.0  # [rad/s]
+STEP = 2e-3  # [s]
+DURATION = 3.0  # [s]
 
 
 def error_after(compensation: a5.Arm | None) -> np.ndarray:
-    """Error of each joint after the motion [rad], (4,), the arm being in sea water."""
-    world, goal = a5.load(), a5.named_pose("reach")
-    q, v = a5.named_pose("home"), np.zeros(4)
+    """Error of each joint after the motion in sea water, (4,) [rad]."""
+    world = a5.load()
+    goal = a5.named_pose("reach")
+    q = a5.named_pose("home")
+    v = np.zeros(4)
     for _ in range(round(DURATION / STEP)):
         wanted = STIFFNESS**2 * (goal - q) - 2 * STIFFNESS * v  # critically damped
         torque = world.mass_matrix(q) @ wanted
         if compensation is not None:
-            torque += compensation.nonlinear_effects(q, v)  # Coriolis, weight, buoyancy
+            # Coriolis, weight, buoyancy
+            torque += compensation.nonlinear_effects(q, v)
         v = v + STEP * world.forward_dynamics(q, v, torque)
         q = q + STEP * v
     return goal - q
@@ -31,18 +37,15 @@ def error_after(compensation: a5.Arm | None) -> np.ndarray:
 
 def main() -> None:
     """Print the error that is left."""
-    print(
-        f"error after {DURATION:g} s [deg]"
-        + "".join(f"{f'axis_{x}':>9}" for x in "edcb")
-    )
+    joints = "".join(f"{name:>9}" for name in a5.load().joint_names)
+    print(f"error after {DURATION:g} s [deg]{joints}")
     for name, model in (
         ("no compensation", None),
         ("weight only", a5.load(a5.AIR)),
         ("weight and buoyancy", a5.load(a5.SEA_WATER)),
     ):
-        print(
-            f"{name:23}" + "".join(f"{x:9.2f}" for x in np.degrees(error_after(model)))
-        )
+        errors = np.degrees(error_after(model))
+        print(f"{name:23}" + "".join(f"{error:9.2f}" for error in errors))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A map from a study: the largest moment on the mount, by its attitude and by what the gripper holds.
+"""A map from a study: the largest moment on the mount by its attitude and the payload.
 
 python examples/mount_map.py
 """
@@ -34,9 +34,10 @@ def main() -> None:
     page.axes[0].set_ylabel("pitch of the mount (deg)")
     page.colorbar(image, ax=page.axes, label="of the panel's largest moment (%)")
     share = (1 - norm.min(axis=(0, 1)) / norm.max(axis=(0, 1))).max()
-    title = f"The attitude changes the largest moment by {share:.0%} at most; {mass[-1]:g} kg"
+    factor = norm.max() / norm[..., 0].max()
     page.suptitle(
-        f"{title} make it {norm.max() / norm[..., 0].max():.1f} times as large"
+        f"The attitude changes the largest moment by {share:.0%} at most; "
+        f"{mass[-1]:g} kg make it {factor:.1f} times as large"
     )
     figures.write_figure(page, "mount_map.png", dpi=110)
 

@@ -1,4 +1,4 @@
-"""The same arm in MuJoCo, buoyancy included: made, loaded, and held against Pinocchio.
+"""The same arm in MuJoCo, buoyancy included: generated, loaded, compared to Pinocchio.
 
 python examples/mujoco_in_water.py
 """
@@ -16,7 +16,7 @@ from alpha5_model.cli import main as alpha5
 
 
 def load() -> mujoco.MjModel:
-    """What ``alpha5 generate --format mjcf`` writes, with motors that leave the joints free."""
+    """The model that ``alpha5 generate --format mjcf`` writes, with idle motors."""
     with tempfile.TemporaryDirectory() as folder:
         status = alpha5(
             ["generate", "--format", "mjcf", "--actuators", "motor", "--output", folder]
@@ -26,13 +26,17 @@ def load() -> mujoco.MjModel:
 
 
 def main() -> None:
-    """Print the accelerations of both, and where the arm sinks to within a second."""
-    arm, model = a5.load(), load()
+    """Print the accelerations of both, and how far the arm sinks in a second."""
+    arm = a5.load()
+    model = load()
     data = mujoco.MjData(model)
     joints = [model.joint(name).id for name in arm.joint_names]
-    address, rates = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
-    data.qpos[address] = q = a5.named_pose("reach")
-    data.qvel[rates] = v = np.array([0.1, -0.2, 0.3, 0.5])
+    positions = model.jnt_qposadr[joints]
+    rates = model.jnt_dofadr[joints]
+    q = a5.named_pose("reach")
+    v = np.array([0.1, -0.2, 0.3, 0.5])
+    data.qpos[positions] = q
+    data.qvel[rates] = v
     mujoco.mj_forward(model, data)
     ours = arm.forward_dynamics(q, v, np.zeros(4))
     print("acceleration, motors off [rad/s^2]")
@@ -40,7 +44,7 @@ def main() -> None:
     print(f"  Pinocchio {np.round(ours, 6)}")
     before = arm.forward_kinematics(q).translation[2]
     mujoco.mj_step(model, data, nstep=round(1.0 / model.opt.timestep))
-    after = arm.forward_kinematics(data.qpos[address]).translation[2]
+    after = arm.forward_kinematics(data.qpos[positions]).translation[2]
     print(f"let go for 1 s, the tcp goes from {before:.3f} m to {after:.3f} m")
 
 

@@ -1,4 +1,4 @@
-"""Carry something under water: what counts is its weight and its volume, and where both act.
+"""Carry something under water: its weight and volume count, and where they act.
 
 python examples/payload.py
 """
@@ -20,26 +20,26 @@ PAYLOADS = {
 
 
 def main() -> None:
-    """Print the torque that holds each of them with the arm stretched out, and the motor current."""
-    arm, q, still = a5.load(), a5.named_pose("reach"), np.zeros(4)
+    """Print the torque and current that hold each of them with the arm stretched."""
+    arm = a5.load()
+    q = a5.named_pose("reach")
+    still = np.zeros(4)
     shoulder = a5.actuators.actuator("axis_d")
-    print(
-        f"{'payload':28}axis_d [N m]   current [A]   mount, down [N]  inertia, axis_e [kg m^2]"
-    )
+    print(f"{'payload':28}axis_d [N m]   current [A]", end="")
+    print("   mount, down [N]  inertia, axis_e [kg m^2]")
     for name, (mass, volume, com, cob) in PAYLOADS.items():
-        loaded = (
-            arm.with_payload(mass, com=com, volume=volume, cob=cob) if mass else arm
-        )
+        loaded = arm
+        if mass:
+            loaded = arm.with_payload(mass, com=com, volume=volume, cob=cob)
         torque = loaded.hydrostatic_torque(q)[1]
-        current = shoulder.holding_current(
-            torque
-        )  # friction may hold it, or be in the way
+        # An interval: friction may help to hold the load, or not.
+        current = shoulder.holding_current(torque)
         weight = -loaded.base_wrench(q, still, still).linear[2]
         # A neutral payload has no weight under water, but all of its inertia.
         swing = loaded.mass_matrix(q)[0, 0]
-        print(
-            f"{name:28}{torque:12.3f}{current.lower:9.3f} to {current.upper:5.3f}{weight:13.2f}{swing:20.4f}"
-        )
+        print(f"{name:28}{torque:12.3f}", end="")
+        print(f"{current.lower:9.3f} to {current.upper:5.3f}", end="")
+        print(f"{weight:13.2f}{swing:20.4f}")
 
 
 if __name__ == "__main__":

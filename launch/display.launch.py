@@ -19,7 +19,7 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
-# Each goes to xacro under the same name: name, default, description.
+# Arguments that xacro takes under the same name: name, default, description.
 XACRO_ARGUMENTS = (
     (
         "gripper",
@@ -52,22 +52,15 @@ MESHES = "package://alpha5_description/meshes/"
 def generate_launch_description() -> LaunchDescription:
     """robot_state_publisher on the expanded xacro, joint sliders, RViz."""
     share = FindPackageShare("alpha5_description")
-    command = [FindExecutable(name="xacro"), " "]
-    command += [PathJoinSubstitution([share, "xacro", "alpha5.urdf.xacro"])]
-    command += [f" mesh_prefix:={MESHES}"]
+    command = [
+        FindExecutable(name="xacro"),
+        " ",
+        PathJoinSubstitution([share, "xacro", "alpha5.urdf.xacro"]),
+        f" mesh_prefix:={MESHES}",
+    ]
     for name, _, _ in XACRO_ARGUMENTS:
         command += [f" {name}:='", LaunchConfiguration(name), "'"]
     description = ParameterValue(Command(command), value_type=str)
-    # At zero the arm is out of its limits and in collision: the sliders start at the SRDF's home.
-    home = ET.parse(FOLDER / "urdf" / "alpha5.srdf").findall(
-        "group_state[@name='home']/joint"
-    )
-    start = {
-        ("zeros.", LaunchConfiguration("prefix"), joint.get("name")): float(
-            joint.get("value")
-        )
-        for joint in home
-    }
     return LaunchDescription(
         [
             *(
@@ -85,7 +78,7 @@ def generate_launch_description() -> LaunchDescription:
             Node(
                 package="joint_state_publisher_gui",
                 executable="joint_state_publisher_gui",
-                parameters=[start],
+                parameters=[_start()],
                 condition=IfCondition(LaunchConfiguration("gui")),
             ),
             Node(
@@ -96,3 +89,16 @@ def generate_launch_description() -> LaunchDescription:
             ),
         ]
     )
+
+
+def _start() -> dict[tuple, float]:
+    """Where the sliders start: at the SRDF's home.
+
+    At zero the arm is beyond its limits and in collision.
+    """
+    srdf = ET.parse(FOLDER / "urdf" / "alpha5.srdf")
+    start = {}
+    for joint in srdf.findall("group_state[@name='home']/joint"):
+        name = ("zeros.", LaunchConfiguration("prefix"), joint.get("name"))
+        start[name] = float(joint.get("value"))
+    return start
