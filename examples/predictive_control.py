@@ -51,7 +51,7 @@ def main() -> None:
     plan, used = 0.0, []
     for step in range(1, 41):
         found, plan = control(q, v, goal, plan)
-        tau = np.ravel(found)
+        tau = np.array(found)[:, 0]
         for _ in range(20):
             v = v + STEP / 20 * arm.forward_dynamics(q, v, tau)
             q = q + STEP / 20 * v
