@@ -36,7 +36,7 @@ INERTIA = 2e-10
 _HALVES = {"box": (0.5, 0.5, 0.5), "cylinder": (1.0, 0.5), "sphere": (1.0,)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BodyWriter:
     """Writes the tree of bodies.
 

@@ -17,11 +17,12 @@ import reference
 import alpha5_model as a5
 from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
 from alpha5_model.cli import main
-from alpha5_model.description import verification
 from alpha5_model.description.reading import read_urdf
 from alpha5_model.description.urdf import Variant, urdf
 from alpha5_model.description.verification import (
     FileCheck,
+    checks,
+    frames,
     verify_generated,
     verify_urdf,
 )
@@ -95,7 +96,7 @@ def test_the_letter_of_the_document_needs_its_name(tmp_path: Path) -> None:
 def test_the_dh_product_equals_the_tests_own() -> None:
     p = a5.parameters()
     q = reference.configurations(40, seed=3)
-    ours = verification.dh_product(p, q)
+    ours = frames.dh_product(p, q)
     for k, row in enumerate(q):
         for name, theirs in zip(
             [f"dh_{i}" for i in range(1, 6)], reference.dh_frames(row)[1:], strict=True
@@ -109,11 +110,11 @@ def test_the_dh_product_equals_the_tests_own() -> None:
 
 
 def test_configurations_are_within_the_limits_and_at_all_corners() -> None:
-    q = verification.configurations(a5.parameters(), 100)
+    q = frames.configurations(a5.parameters(), 100)
     assert len({tuple(row) for row in q[:16].tolist()}) == 16
     assert set(q[:16].ravel()) == {*reference.LOWER, *reference.UPPER}
     assert ((q >= reference.LOWER) & (q <= reference.UPPER)).all()
-    np.testing.assert_array_equal(q, verification.configurations(a5.parameters(), 100))
+    np.testing.assert_array_equal(q, frames.configurations(a5.parameters(), 100))
 
 
 def test_the_frame_error_sees_position_and_orientation() -> None:
@@ -124,15 +125,15 @@ def test_the_frame_error_sees_position_and_orientation() -> None:
     moved = moved + np.array(
         [[0, 0, 0, 0], [0, 0, 0, 3e-7], [0, 0, 0, 4e-7], [0, 0, 0, 0]]
     )
-    assert verification.frame_error(turned, here) == pytest.approx(1e-9, rel=1e-6)
-    assert verification.frame_error(half, here) == pytest.approx(np.pi)
-    assert verification.frame_error(moved, here) == pytest.approx(5e-7)
+    assert frames.frame_error(turned, here) == pytest.approx(1e-9, rel=1e-6)
+    assert frames.frame_error(half, here) == pytest.approx(np.pi)
+    assert frames.frame_error(moved, here) == pytest.approx(5e-7)
 
 
 def test_a_committed_file_that_cannot_be_read_has_failed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(verification, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
+    monkeypatch.setattr(checks, "URDF_PATH", str(tmp_path / "alpha5.urdf"))
     assert main(["check"]) == 1
     assert "no such file" in " ".join(capsys.readouterr().out.split())
 
@@ -591,7 +592,7 @@ def test_a_failing_generated_file_is_status_1(
 ) -> None:
     file = tmp_path / "alpha5.urdf"
     file.write_text(WRONG["products with SolidWorks' sign"][0], "utf-8")
-    monkeypatch.setattr(verification, "URDF_PATH", str(file))
+    monkeypatch.setattr(checks, "URDF_PATH", str(file))
     assert main(["check", "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["passed"] is False
 

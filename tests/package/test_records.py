@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import alpha5_model as a5
-from alpha5_model.description import frames, verification
+from alpha5_model.description import frames
 from alpha5_model.description.mjcf import MjcfOptions, mjcf
 from alpha5_model.description.reading import read_urdf
+from alpha5_model.description.verification import checks
 from alpha5_model.errors import PublishedDataError
 from alpha5_model.numbers.parameters import parameters
 
@@ -107,10 +108,10 @@ def test_what_check_urdf_says_is_cut(
     program = tmp_path / "check_urdf"
     program.write_text("#!/bin/sh\nprintf 'x%.0s' $(seq 500)\nexit 3\n")
     program.chmod(0o755)
-    monkeypatch.setattr(verification.shutil, "which", lambda *_, **__: str(program))
+    monkeypatch.setattr(checks.shutil, "which", lambda *_, **__: str(program))
 
     def found() -> str:
-        rows = verification.verify_urdf(a5.URDF_PATH, samples=1)
+        rows = checks.verify_urdf(a5.URDF_PATH, samples=1)
         return next(r.finding for r in rows if r.check == "check_urdf")
 
     assert found() == "x" * 200

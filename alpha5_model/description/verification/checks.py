@@ -1,0 +1,128 @@
+"""All checks of a URDF file, and of the files that are committed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from alpha5_model._support.paths import JAWS_URDF_PATH, URDF_PATH
+from alpha5_model.description.committed import not_generated, stale_files
+from alpha5_model.description.verification.frames import (
+    FRAME_BOUND,
+    YOURDFPY_BOUND,
+    check_frames,
+    configurations,
+    pinocchio_frames,
+    yourdfpy_frames,
+)
+from alpha5_model.description.verification.jaws import (
+    check_closed_jaws,
+    jaw_limit_differences,
+)
+from alpha5_model.description.verification.subject import FileCheck, Subject, Verdict
+from alpha5_model.description.verification.values import CHECKS, Finder
+from alpha5_model.errors import FileFormatError, MissingFileError
+from alpha5_model.numbers.corrections import DEFAULT_CORRECTIONS
+from alpha5_model.numbers.parameters import parameters
+
+SAMPLES = 2000
+
+
+def verify_generated() -> tuple[FileCheck, ...]:
+    """Check the committed URDF files, jaws locked and moving, and that no generated file is stale."""
+    rows: list[FileCheck] = []
+    for path in (URDF_PATH, JAWS_URDF_PATH):
+        try:
+            rows += verify_urdf(path)
+        except (FileFormatError, MissingFileError) as error:
+            # The file is not the caller's input, so the error is a finding.
+            rows.append(FileCheck(Path(path).name, "readable", "failed", str(error)))
+    return (*rows, _check_fresh())
+
+
+def _check_fresh() -> FileCheck:
+    """Check that the committed files are what the generator writes now."""
+    verdict: Verdict = "passed"
+    finding = "every file is what the generator writes now"
+    if lacking := not_generated():
+        verdict = "not run"
+        finding = "; ".join(lacking)
+    if stale := stale_files():
+        paths = [file.path for file in stale]
+        verdict = "failed"
+        finding = f"stale: {', '.join(paths)}"
+    return FileCheck("generated files", "fresh", verdict, finding)
+
+
+def verify_urdf(
+    path: str | os.PathLike[str],
+    corrections: Iterable[str] = DEFAULT_CORRECTIONS,
+    samples: int = SAMPLES,
+) -> tuple[FileCheck, ...]:
+    """Check a URDF of the arm against the printed tables.
+
+    Args:
+        path: The file; whether it has jaws, and the prefix of its names, are read from it.
+        corrections: Recorded corrections that it was generated with.
+        samples: Number of random joint positions within the limits; the limits come on top.
+
+    Returns:
+        One row per check.
+
+    Raises:
+        MissingFileError, FileFormatError: The file cannot be read as a URDF at all.
+        UnknownNameError: A correction that is not recorded.
+    """
+    text = Subject.read(path, parameters(corrections))
+    rows = []
+    for check, (find, claim) in CHECKS.items():
+        rows.append(_check_values(text, check, find, claim))
+    rows.append(_check_urdf(text))
+
+    q = configurations(text.expected, samples)
+    # yourdfpy is slow: a hundredth of the positions.
+    few = q[:: max(1, len(q) // 100)]
+    rows.append(check_frames("Pinocchio", text, q, pinocchio_frames, FRAME_BOUND))
+    rows.append(check_frames("yourdfpy", text, few, yourdfpy_frames, YOURDFPY_BOUND))
+
+    if text.jaws:
+        rows.append(check_closed_jaws(text))
+        claim = "rod and finger limits agree"
+        rows.append(_check_values(text, "jaw limits", jaw_limit_differences, claim))
+    return tuple(rows)
+
+
+def _check_values(text: Subject, check: str, find: Finder, claim: str) -> FileCheck:
+    """A row with the first problems that are found, or with the claim if there is none."""
+    problems = list(find(text))
+    if not problems:
+        return text.row(check, "passed", claim)
+    more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
+    return text.row(check, "failed", "; ".join(problems[:3]) + more)
+
+
+def _check_urdf(text: Subject) -> FileCheck:
+    """Let urdfdom's program read the file."""
+    # The environment of this Python may not be activated, so its folder is searched too.
+    beside = str(Path(sys.executable).parent)
+    program = shutil.which("check_urdf") or shutil.which("check_urdf", path=beside)
+    if program is None:
+        finding = "the program check_urdf is not installed"
+        return text.row("check_urdf", "not run", finding)
+
+    done = subprocess.run(
+        [program, str(text.path)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+    )
+    if done.returncode == 0:
+        return text.row("check_urdf", "passed", "urdfdom reads it as one tree")
+    words = " ".join((done.stderr + done.stdout).split())
+    finding = words[:200] or f"exit status {done.returncode}"
+    return text.row("check_urdf", "failed", finding)
