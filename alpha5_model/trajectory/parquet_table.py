@@ -44,11 +44,10 @@ class ParquetTable(FileTable):
     ) -> tuple[FloatArray, str | None]:
         """The numbers of some columns; see `FileTable.read`."""
         names = [self.header[column] for column in (*needed, *efforts)]
-        self._check_expansion(names)
-
         with library(self._path, "parquet"):
             from pyarrow import types
 
+            self._check_expansion(names)
             table = self._file.read(names)
             columns = [_numbers(table[name]) for name in names]
             numbers = np.stack(columns, axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -620,3 +621,20 @@ def test_text_among_the_efforts_leaves_them_out(tmp_path: Path) -> None:
     motion = a5.trajectory.read_motion(path)
     assert motion.effort is None
     assert set(motion.ignored) == {f"{joint}_effort" for joint in JOINTS}
+
+
+def test_names_in_a_parquet_file_that_are_no_text(tmp_path: Path) -> None:
+    """Each place of a column's name in turn: it is no name of a joint, or a damaged file."""
+    path = write_parquet(tmp_path / "m.parquet", samples(3))
+    content = path.read_bytes()
+    places = [m.start() for m in re.finditer(b"axis_d_pos", content)]
+    assert len(places) >= 2  # the schema's, and those of the column's data
+    said = []
+    for place in places:
+        path.write_bytes(content[:place] + b"axis_\x80" + content[place + 6 :])
+        try:
+            a5.trajectory.read_motion(path)
+        except a5.errors.Alpha5Error as error:
+            said.append(str(error))
+    assert len(said) >= 2
+    assert all("m.parquet" in line for line in said)
