@@ -13,8 +13,7 @@ from alpha5_model.codegen.c_library.options import COptions
 from alpha5_model.codegen.c_library.text import numbers, template
 from alpha5_model.codegen.program import Program
 from alpha5_model.dynamics.arm import Arm
-from alpha5_model.kinematics import workspace
-from alpha5_model.kinematics.ik import inverse_kinematics
+from alpha5_model.kinematics.arm_kinematics import ArmKinematics
 from alpha5_model.numbers.parameters import Alpha5Parameters
 
 _DEFAULT = "&alpha5_default_parameters"
@@ -221,26 +220,28 @@ def _targets(arm: Arm) -> list[list[Any]]:
     q = rng.uniform(lower, upper, (40, 4))
     at_limit = rng.random((16, 3)) < 0.5
     q[10:26, 1:] = np.where(at_limit, lower[1:], upper[1:])
-    q[26:34, 2] = workspace.singular_elbow_angles()["stretched"]
+    kinematics = ArmKinematics(arm.parameters)
+    q[26:34, 2] = kinematics.singular_elbow_angles()["stretched"]
 
     rows = []
     for angles in q:
         position = arm.forward_kinematics(angles).translation
-        rows.append(_target(position, angles[3], angles))
+        rows.append(_target(kinematics, position, angles[3], angles))
     for height in (-0.1, 0.1, 0.3):
-        rows.append(_target((0.0, 0.0, height), 1.0))
+        rows.append(_target(kinematics, (0.0, 0.0, height), 1.0))
     for position in rng.uniform(0.3, 0.6, (4, 3)):
-        rows.append(_target(position, 6.25))
+        rows.append(_target(kinematics, position, 6.25))
     return rows
 
 
 def _target(
+    kinematics: ArmKinematics,
     position: Sequence[float] | FloatArray,
     wrist: float,
     angles: FloatArray | None = None,
 ) -> list[Any]:
     """A target, and what is known of its solutions."""
-    solutions = inverse_kinematics(position, float(wrist))
+    solutions = kinematics.inverse_kinematics(position, float(wrist))
     singular = bool(solutions.singular)
     return [
         position,
