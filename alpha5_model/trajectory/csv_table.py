@@ -80,21 +80,27 @@ class CsvTable(FileTable):
 
     def _problem(self, needed: list[int]) -> FileFormatError:
         """The error about the first line that cannot be read."""
-        for row, line in enumerate(self._lines[1:]):
-            number = f"line {self._line_numbers[row + 1]}"
-            fields = _fields(self._path, line, number)
-            if len(fields) != len(self.header):
-                expected = f"expected {len(self.header)} as in line 1"
-                problem = f"{len(fields)} fields, {expected}"
-                return FileFormatError(self._path, problem, number)
-            for column in needed:
-                text = fields[column]
-                if not _is_finite(text):
-                    problem = f"expected a finite number, got {text[:40]!r}"
-                    place = self.place(row, column)
-                    return FileFormatError(self._path, problem, place)
-
+        for row in range(len(self._lines) - 1):
+            problem = self._row_problem(row, needed)
+            if problem is not None:
+                return problem
         return FileFormatError(self._path, "cannot be read as a table of numbers")
+
+    def _row_problem(self, row: int, needed: list[int]) -> FileFormatError | None:
+        """The error about a row; None if it can be read."""
+        line = f"line {self._line_numbers[row + 1]}"
+        fields = _fields(self._path, self._lines[row + 1], line)
+        width = len(self.header)
+        if len(fields) != width:
+            problem = f"{len(fields)} fields, expected {width} as in line 1"
+            return FileFormatError(self._path, problem, line)
+
+        for column in needed:
+            text = fields[column]
+            if not _is_finite(text):
+                problem = f"expected a finite number, got {text[:40]!r}"
+                return FileFormatError(self._path, problem, self.place(row, column))
+        return None
 
 
 def _lines_of(path: PathLike) -> list[str]:

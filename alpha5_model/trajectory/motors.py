@@ -73,8 +73,7 @@ def motor_columns(
 def drive_limits(
     motors: Sequence[Actuator], motion: SmoothMotion, torque: FloatArray, drive: Drive
 ) -> Interval:
-    """Torques that a drive can give while a joint moves and hold while it rests, (N,
-    n).
+    """Torques that a drive can give in motion and hold at rest, (N, n) each.
 
     Args:
         motors: Of the n joints.
@@ -108,7 +107,8 @@ def _state(motion: SmoothMotion, torque: FloatArray, k: int) -> _JointState:
 def _columns(motor: Actuator, state: _JointState) -> dict[str, FloatArray]:
     """`BY_MOTOR` of one joint, (N,) each."""
     current = _current(motor, state)
-    ends = [_current(extreme, state) for extreme in motor.extremes()]
+    low_friction, high_friction = motor.extremes()
+    ends = [_current(low_friction, state), _current(high_friction, state)]
     voltage = motor.voltage(current, state.velocity)
     motor_torque = motor.torque_constant * motor.ratio * current
     return {

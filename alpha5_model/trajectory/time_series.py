@@ -31,18 +31,12 @@ def columns(analysis: Analysis) -> dict[str, FloatArray]:
     the mount; ``tcp_x .. tcp_z``. Columns of a motor that cannot be computed are left
     out. `read_motion` can read the file again.
     """
-    a = analysis
-    of_joints = _columns_of_joints(a)
-    table = {"time_secs": a.smooth.time}
-    for k, joint in enumerate(a.smooth.joints):
-        for name, values in of_joints.items():
-            table[f"{joint}_{name}"] = values[:, k]
-    force = a.base_wrench[:, :3]
-    moment = a.base_wrench[:, 3:]
-    for k, axis in enumerate("xyz"):
-        table[f"base_force_{axis}"] = force[:, k]
-        table[f"base_moment_{axis}"] = moment[:, k]
-        table[f"tcp_{axis}"] = a.tcp[:, k]
+    table = {"time_secs": analysis.smooth.time}
+    of_joints = _columns_of_joints(analysis)
+    for k, joint in enumerate(analysis.smooth.joints):
+        for ending, values in of_joints.items():
+            table[f"{joint}_{ending}"] = values[:, k]
+    table |= _columns_of_axes(analysis)
     return {name: values for name, values in table.items() if not _unknown(values)}
 
 
@@ -72,6 +66,18 @@ def _columns_of_joints(a: Analysis) -> dict[str, FloatArray]:
     if a.torque_limits is not None:
         table["torque_min"] = a.torque_limits.lower
         table["torque_max"] = a.torque_limits.upper
+    return table
+
+
+def _columns_of_axes(a: Analysis) -> dict[str, FloatArray]:
+    """The load on the mount and the TCP, axis by axis, (N,) each."""
+    force = a.base_wrench[:, :3]
+    moment = a.base_wrench[:, 3:]
+    table = {}
+    for k, axis in enumerate("xyz"):
+        table[f"base_force_{axis}"] = force[:, k]
+        table[f"base_moment_{axis}"] = moment[:, k]
+        table[f"tcp_{axis}"] = a.tcp[:, k]
     return table
 
 

@@ -54,16 +54,19 @@ def blocks_of(study: Study, first: int, last: int) -> Iterator[Block]:
     in_each = study.sizes().blocks
     for number in range(first, last):
         case, block_of_case = divmod(number, in_each)
-        place = _place(study, case)
         start = block_of_case * BLOCK
-        first_row = case * _rows_in_each(study) + start
+        place = _place(study, case)
         states = _states(study, place, start)
+        motion = states.motion
         arm = arm_of_case(study, tuple(place.items()))
+
+        first_row = case * _rows_in_each(study) + start
+        count = len(motion.time)
         yield Block(
-            rows=np.arange(first_row, first_row + len(states.motion.time)),
+            rows=np.arange(first_row, first_row + count),
             index={**place, **states.index},
             columns=states.columns,
-            quantities=quantities_of(arm, states.motion, wanted),
+            quantities=quantities_of(arm, motion, wanted),
         )
 
 
