@@ -1,7 +1,8 @@
 """The arm in moving water as CasADi Functions: added mass, drag and a current.
 
-The equations are those of `alpha5_model.codegen.newton_euler`. What the water adds to
-them beside a rigid body has the numbers of `alpha5_model.codegen.water_parameters`.
+The equations are those of `alpha5_model.codegen.newton_euler`. The part of the added mass
+that a rigid body can have is in the base parameters; the numbers of the rest, and of the
+drag, are those of `alpha5_model.codegen.water_parameters`.
 """
 
 from __future__ import annotations
@@ -70,7 +71,9 @@ def in_moving_water(parameters: Alpha5Parameters) -> tuple[casadi.Function, ...]
 def _load(
     numbers: Mapping[str, SX], link: int, first_moments: SX, motion: Motion
 ) -> tuple[SX, SX]:
-    """What a link spends on the water beside what a rigid body would.
+    """Force and moment that the motion of a link in the water takes.
+
+    They are those beside the first and second moments, a `Load`.
 
     Args:
         numbers: `WATER_PARAMETERS`, by name.

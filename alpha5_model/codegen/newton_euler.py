@@ -228,5 +228,5 @@ def in_air(base_parameters: SX) -> SX:
 
 
 def mass_matrix(torque: SX, a: SX) -> SX:
-    """M (4, 4) from a torque linear in a: half of the derivative, mirrored."""
+    """M (4, 4) from a torque linear in a: the derivative's lower half, mirrored."""
     return casadi.tril2symm(casadi.tril(jacobian(torque, a)))

@@ -80,7 +80,7 @@ def _with_closed_fingers(
 def _slabs(
     heights: Iterable[float], radius: float
 ) -> Iterator[tuple[float, float, float]]:
-    """Low, high, and half of the largest width of a circle between them."""
+    """Low, high, and half of the largest width between them of a circle."""
     for low, high in pairwise(heights):
         nearest = max(low, -high, 0.0)
         yield low, high, math.sqrt(radius**2 - nearest**2)

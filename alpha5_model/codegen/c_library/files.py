@@ -14,7 +14,11 @@ def c_files(options: COptions | None = None) -> dict[str, bytes]:
         MissingDependencyError: CasADi is not installed.
     """
     # Late: Pinocchio and CasADi come with these.
-    from alpha5_model.codegen.c_library.code import header, programs, source
+    from alpha5_model.codegen.c_library.header_and_source import (
+        header,
+        programs,
+        source,
+    )
     from alpha5_model.codegen.c_library.self_test import test_program
     from alpha5_model.codegen.c_library.text import template
     from alpha5_model.dynamics.load import load

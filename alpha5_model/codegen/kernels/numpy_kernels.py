@@ -46,7 +46,7 @@ class _Kernel(NamedTuple):
         return self.inputs[:-1] if has_parameters else self.inputs
 
     def has_parameters(self, parameters: Sequence[float] | FloatArray) -> bool:
-        """Whether its last input are such parameters."""
+        """Whether such parameters are its last input."""
         return self.inputs[-1] == np.shape(parameters)
 
 
