@@ -32,6 +32,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     lower = [joint.lower for joint in joints]
     upper = [joint.upper for joint in joints]
     q = np.random.default_rng(0).uniform(lower, upper, (SAMPLES, 4))
+    # The catalogue's arm, for which the inverse kinematics were generated.
     chain = DHChain.alpha5()
     target = chain.frames(q)[:, -1, :3, 3]
 

@@ -32,6 +32,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     The areas are exact. How far the rounding of the printed lengths may move them is
     counted on a grid, on which only the tori move.
     """
+    # Of the catalogue's arm, for which the inverse kinematics were generated.
     exact = workspace.published_errors()
     beyond_rounding, missed_rounding = _rounding_of_shares(printed, parameters)
     # The third torus is drawn for one pose, and so is the inner one.

@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from alpha5_model._support.checks import FloatArray
-from alpha5_model.kinematics import workspace
+from alpha5_model.kinematics.plane import ArmPlane
+from alpha5_model.kinematics.singular import singular_elbow_angles
 from alpha5_model.numbers.parameters import Alpha5Parameters
 from alpha5_model.numbers.tables import Published
 from alpha5_model.proofs.audit.rounding import figure, si
 from alpha5_model.proofs.audit.row import ARITHMETIC, AuditRow, audited
 from alpha5_model.proofs.audit.table_1_lengths import lengths
+from alpha5_model.theory.dh.alpha5_table import alpha5_table
 from alpha5_model.theory.dh.chain import DHChain
 
 
@@ -23,7 +25,7 @@ def audit(printed: Published, parameters: Alpha5Parameters) -> list[AuditRow]:
     return [
         _inner_offset(printed),
         _outer_torus(printed, parameters),
-        _inner_torus(printed),
+        _inner_torus(printed, parameters),
         _downward_centre(printed, parameters),
         _downward_radius(printed),
     ]
@@ -50,9 +52,10 @@ def _forearm(printed: Published) -> float:
     return float(np.hypot(table.a_2.si, table.d_3.si))
 
 
-def _shoulder_distance(elbow: float) -> float:
+def _shoulder_distance(parameters: Alpha5Parameters, elbow: float) -> float:
     """From the shoulder, DH frame {1}, to the tcp, at a theta_2 [rad], in m."""
-    frames = DHChain.alpha5().frames([0.0, 0.0, elbow, 0.0])
+    chain = DHChain(**alpha5_table(parameters))
+    frames = chain.frames([0.0, 0.0, elbow, 0.0])
     return float(np.linalg.norm(frames[-1, :3, 3] - frames[1, :3, 3]))
 
 
@@ -66,13 +69,16 @@ def _inner_offset(printed: Published) -> AuditRow:
 def _outer_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The longest distance: the elbow stretched, or as near to that as it can get."""
     elbow = parameters.joints[2]
-    stretched = workspace.singular_elbow_angles()["stretched"]
+    plane = ArmPlane.from_parameters(parameters)
+    stretched = singular_elbow_angles(plane)["stretched"]
     bend = float(np.clip(stretched, elbow.lower, elbow.upper))
+
+    longest = _shoulder_distance(parameters, bend)
     radius = parameters.dh[1].a + _forearm(printed)
-    return _row(printed, "outer_torus", _shoulder_distance(bend), ARITHMETIC, radius)
+    return _row(printed, "outer_torus", longest, ARITHMETIC, radius)
 
 
-def _inner_torus(printed: Published) -> AuditRow:
+def _inner_torus(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     numbers = printed.workspace
     elbow = printed.elbow
     table = lengths(printed)
@@ -89,12 +95,14 @@ def _inner_torus(printed: Published) -> AuditRow:
 
     measured = radius(si(torus), si(forearm))
     rounding = figure(excess, [*torus, *forearm, *caption]).bound
-    return _row(printed, "inner_torus", measured, rounding, _shoulder_distance(0.0))
+    expected = _shoulder_distance(parameters, 0.0)
+    return _row(printed, "inner_torus", measured, rounding, expected)
 
 
 def _downward_centre(printed: Published, parameters: Alpha5Parameters) -> AuditRow:
     """The horizontal distance of the elbow from the shoulder at theta_1 = 0."""
-    elbow = DHChain.alpha5().frames(np.zeros(4))[2, :3, 3]
+    chain = DHChain(**alpha5_table(parameters))
+    elbow = chain.frames(np.zeros(4))[2, :3, 3]
     offset = float(np.hypot(*elbow[:2])) - parameters.dh[0].a
     rounding = lengths(printed).a_0.rounding + printed.elbow.opposite.rounding
     return _row(printed, "downward_centre", offset, rounding, 0.0)
