@@ -12,7 +12,6 @@ from alpha5_model.description.reading import UrdfJoint, parse_urdf
 from alpha5_model.description.srdf import NAMED_POSES
 from alpha5_model.dynamics.arm import Arm
 from alpha5_model.errors import InputError
-from alpha5_model.numbers import parameters as numbers
 from alpha5_model.viewer.scene import WORLD, Scene
 
 #: Position and unit quaternion of a floating base at the world's origin.
@@ -21,7 +20,7 @@ _AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 def named_poses(arm: Arm) -> dict[str, FloatArray]:
     """Named poses as joint positions (n,) of the arm, its jaws closed."""
-    jaws = numbers.parameters().joints[4 : len(arm.joint_names)]
+    jaws = arm.parameters.joints[4 : len(arm.joint_names)]
     closed = [joint.lower for joint in jaws]
     return {name: np.array([*pose, *closed]) for name, pose in NAMED_POSES.items()}
 

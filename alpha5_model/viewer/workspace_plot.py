@@ -41,7 +41,7 @@ def workspace_figure() -> Any:
     """
     page = new_figure(9.4, 9.0)
     left, right = page.subplots(1, 2, sharey=True)
-    _draw_exact(left)
+    _draw_exact(left, catalogue().plane)
     _draw_published(right)
     for axes in (left, right):
         legend_below(axes, 0.08)
@@ -51,13 +51,13 @@ def workspace_figure() -> Any:
     return page
 
 
-def _draw_exact(axes: Any) -> None:
+def _draw_exact(axes: Any, plane: ArmPlane) -> None:
     _fill_arcs(axes, workspace.boundary("both"), FILL)
     for side, color in (("underarm", Color.BLUE), ("overarm", Color.ORANGE)):
         for arc in workspace.boundary(side):
             points = polyline(planar_arc(arc), CHORD) * 1e3
             axes.plot(*points.T, _line_style(arc), color=color, linewidth=1.8)
-    _mark_shoulder(axes, catalogue().plane)
+    _mark_shoulder(axes, plane)
     for color, line, text in _LEGEND:
         axes.plot([], [], line, color=color, label=text)
     area = workspace.cross_section_area() * 1e4

@@ -1,0 +1,124 @@
+"""Which modules ask for the catalogue's arm; all others receive the arm that they compute with."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[2] / "alpha5_model"
+#: Function -> module that defines it.
+CATALOGUE = {
+    "parameters": "alpha5_model.numbers.parameters",
+    "catalogue": "alpha5_model.kinematics.catalogue_arm",
+}
+#: Module -> what in it asks: public functions without an arm among their arguments, commands,
+#: generators, and what was made for the catalogue's arm only.
+ENTRY_POINTS = {
+    "casadi": "load",
+    "cli.demo": "a command",
+    "cli.ik": "a command",
+    "codegen.sources": "a generator; the kernels are the catalogue's arm",
+    "description.committed": "a generator",
+    "description.mjcf": "a generator",
+    "description.sdf": "a generator",
+    "description.srdf": "a generator",
+    "description.urdf": "a generator",
+    "description.verification.checks": "verify_urdf",
+    "dynamics.actuators": "actuator",
+    "dynamics.arm": "Arm without a record",
+    "dynamics.collision": "without_self_collision",
+    "dynamics.dimensions": "for which arm kernels and drawn bodies were made",
+    "dynamics.load": "load",
+    "geometry.collision_shapes": "bodies that are drawn for the catalogue's arm",
+    "geometry.drawing": "bodies that are drawn for the catalogue's arm",
+    "kinematics.catalogue_arm": "catalogue",
+    "kinematics.ik": "functions of the catalogue's arm",
+    "kinematics.path": "functions of the catalogue's arm",
+    "kinematics.pose": "functions of the catalogue's arm",
+    "kinematics.reach": "functions of the catalogue's arm",
+    "kinematics.solver": "which arm the kernels solve",
+    "kinematics.workspace": "functions of the catalogue's arm",
+    "proofs.audit.run": "audit",
+    "proofs.comparison.measure": "compare_robots",
+    "studies.sweep.arms": "a study names corrections, not records",
+    "studies.uncertainty.digit_bounds": "bounds",
+    "studies.uncertainty.identification": "identify",
+    "studies.uncertainty.sampling": "Sample.base_parameters",
+    "theory.dh.chain": "DHChain.alpha5",
+    "trajectory.arrays": "motion",
+    "trajectory.recordings": "read_motion",
+    "trajectory.smoothing": "smooth",
+    "viewer.build": "the workspace and the page's inverse kinematics",
+    "viewer.self_collision_plot": "self_collision_figure",
+    "viewer.workspace_plot": "workspace_figure",
+}
+
+
+def calls(source: str) -> list[int]:
+    """Lines of a source that call one of the functions of `CATALOGUE`."""
+    tree = ast.parse(source)
+    functions: set[str] = set()
+    modules: dict[str, str] = {}
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        for alias in node.names:
+            name = alias.asname or alias.name
+            if CATALOGUE.get(alias.name) == node.module:
+                functions.add(name)
+            whole = f"{node.module}.{alias.name}"
+            for function, module in CATALOGUE.items():
+                if whole == module:
+                    modules[name] = function
+
+    lines = []
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        match node.func:
+            case ast.Name(id=name) if name in functions:
+                lines.append(node.lineno)
+            case ast.Attribute(value=ast.Name(id=module), attr=name):
+                if modules.get(module) == name:
+                    lines.append(node.lineno)
+    return lines
+
+
+def callers() -> dict[str, list[int]]:
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        lines = calls(path.read_text("utf-8"))
+        if lines:
+            found[name] = lines
+    return found
+
+
+def test_only_entry_points_ask_for_the_catalogue() -> None:
+    found = callers()
+    elsewhere = {name: found[name] for name in found.keys() - ENTRY_POINTS.keys()}
+    assert elsewhere == {}, "receive the arm as an argument, or say why not"
+    assert ENTRY_POINTS.keys() - found.keys() == set(), "asks no more"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from alpha5_model.numbers.parameters import parameters\nparameters()",
+        "from alpha5_model.numbers.parameters import parameters as p\ndef f():\n    p(())",
+        "from alpha5_model.numbers import parameters as records\nrecords.parameters()",
+        "def f():\n    from alpha5_model.kinematics.catalogue_arm import catalogue\n    catalogue()",
+        "from alpha5_model.kinematics import catalogue_arm\ncatalogue_arm.catalogue().plane",
+    ],
+)
+def test_the_guard_sees_a_call(source: str) -> None:
+    assert calls(source)
+
+
+def test_the_guard_sees_no_call_in_other_names() -> None:
+    assert calls("def f(parameters):\n    parameters()") == []
+    assert calls("arm.parameters()") == []
+    imported = "from alpha5_model.numbers.parameters import Alpha5Parameters\n"
+    assert calls(imported + "def f(p: Alpha5Parameters): return p.dh") == []
