@@ -43,20 +43,25 @@ def align(ours: OwnArm, theirs: FourJointArm) -> Alignment:
     that fit equally well, the one with the fewest oddities is taken.
     """
     axes = AxisFit(ours=ours, theirs=theirs)
-    within = np.repeat(allowed(ours.parameters, theirs), 4)
+    tolerance = allowed(ours.parameters, theirs)
+    within = np.repeat([tolerance.length, tolerance.angle], 4)
     judge = Judge(ours=ours, theirs=theirs, within=within)
 
-    close = [with_base_link(ours, theirs, start) for start in _close_starts(axes)]
-    likely = sorted(close, key=judge.oddity)[:FITTED]
+    starts = _close_starts(axes)
+    placed = [with_base_link(ours, theirs, start) for start in starts]
+    likely = sorted(placed, key=judge.oddity)[:FITTED]
 
     # With all dimensions free the axes coincide: each dimension shows its own error.
     fits = [axes.fit(start, UNKNOWNS) for start in likely]
-    placed = [with_base_link(ours, theirs, fit) for fit in fits]
-    exact = min(placed, key=judge.oddity)
+    fitted = [with_base_link(ours, theirs, fit) for fit in fits]
+    exact = min(fitted, key=judge.oddity)
 
-    best = _with_wrong_dimensions_only(axes, exact, within)
-    best = _settle_zeros(ours, theirs, with_base_link(ours, theirs, best))
-    return replace(best, exact=_settle_zeros(ours, theirs, exact))
+    fit = _with_wrong_dimensions_only(axes, exact, within)
+    best = with_base_link(ours, theirs, fit)
+    return replace(
+        _settle_zeros(ours, theirs, best),
+        exact=_settle_zeros(ours, theirs, exact),
+    )
 
 
 def _with_wrong_dimensions_only(
@@ -89,8 +94,11 @@ def without_zero(
     zero = alignment.zero.copy()
     zero[joint] = 0.0
     held = replace(alignment, zero=zero)
-    free = {*POSE_UNKNOWNS, *alignment.changes()} - {f"zero of {AXES[joint]}"}
-    return AxisFit(ours=ours, theirs=theirs).fit(held, free).residual[0]
+    free = {*POSE_UNKNOWNS, *alignment.changes()}
+    free.remove(f"zero of {AXES[joint]}")
+    axes = AxisFit(ours=ours, theirs=theirs)
+    length, _ = axes.fit(held, free).residual
+    return length
 
 
 def _close_starts(axes: AxisFit) -> list[Alignment]:
@@ -119,13 +127,11 @@ def _settle_zeros(
 
     The base frame decides the first one, the last body the second.
     """
-    if alignment.same_base:
-        alignment = _without_yaw(alignment)
-
-    turned = _without_roll(ours, theirs, alignment)
-    error = body_errors(ours, theirs, alignment)[4]
+    upright = _without_yaw(alignment) if alignment.same_base else alignment
+    turned = _without_roll(ours, theirs, upright)
+    error = body_errors(ours, theirs, upright)[4]
     turned_error = body_errors(ours, theirs, turned)[4]
-    best = turned if 4 * turned_error < error else alignment
+    best = turned if 4 * turned_error < error else upright
     return replace(best, zero=wrap(best.zero))
 
 

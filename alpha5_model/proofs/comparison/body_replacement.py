@@ -32,16 +32,21 @@ def replacement_of(ours: LinkParameters, written: Sequence[Inertial]) -> Replace
     if not written:
         return Replacement()
     heaviest = max(written, key=lambda link: abs(link.mass))
-    others = [link.link for link in written if link is not heaviest and link.mass]
+    name = heaviest.link
     to_link = np.asarray(np.linalg.inv(heaviest.pose), np.float64)
     mass = f'<mass value="{ours.mass:g}"/>'
     placed = _placed(ours, to_link)
+
+    others = [link.link for link in written if link is not heaviest and link.mass]
     if others:
         empty = ", ".join(others)
-        everything = f"{heaviest.link}: {mass} {placed} (nothing in {empty})"
+        everything = f"{name}: {mass} {placed} (nothing in {empty})"
         return Replacement(mass=everything, com=everything, inertia=everything)
-    placed = f"{heaviest.link}: {placed}"
-    return Replacement(mass=f"{heaviest.link}: {mass}", com=placed, inertia=placed)
+    return Replacement(
+        mass=f"{name}: {mass}",
+        com=f"{name}: {placed}",
+        inertia=f"{name}: {placed}",
+    )
 
 
 def _placed(ours: LinkParameters, to_link: FloatArray) -> str:

@@ -93,14 +93,17 @@ def find_chains(
     _check_names(robot, given)
 
     rows = _rows_of_turning_joints(robot)
-    candidates: list[Joints] = [row for row in rows.values() if len(row) == 4]
     if len(given) == 4:
-        candidates = [tuple(robot.joints[given[axis]] for axis in AXES)]
-    found = [row for row in candidates if _has_names(row, given)]
+        found = [tuple(robot.joints[given[axis]] for axis in AXES)]
+    else:
+        found = [row for row in rows.values() if _fits(row, given)]
     if given and not found:
-        example = ",".join(map("=".join, given.items()))
-        expected = "four different joints that follow each other, out of: "
-        raise InputError("map", example, expected + (", ".join(rows) or "none"))
+        mapping = ",".join(f"{axis}={name}" for axis, name in given.items())
+        names_there = ", ".join(rows) or "none"
+        expected = (
+            f"four different joints that follow each other, out of: {names_there}"
+        )
+        raise InputError("map", mapping, expected)
 
     chains = _measured(robot, found, our_shape(parameters))
     chains.sort(key=lambda chain: (round(chain.misfit, 4), -chain.named_as_ours))
@@ -134,8 +137,10 @@ def _rows_of_turning_joints(robot: UrdfRobot) -> dict[str, Joints]:
     return rows
 
 
-def _has_names(row: Joints, given: Mapping[str, str]) -> bool:
-    """Whether the joints of a row have the names that are given for them."""
+def _fits(row: Joints, given: Mapping[str, str]) -> bool:
+    """Whether a row has four joints, with the names that are given for them."""
+    if len(row) < 4:
+        return False
     return all(row[AXES.index(axis)].name == name for axis, name in given.items())
 
 

@@ -146,17 +146,22 @@ def _fewest_mistakes(
         alone: How closely one mistake must give it.
         together: How closely several must.
     """
-    entries = tuple(range(1, table.values.ndim))
-    errors = [
-        np.abs(table.values * view.scale - view.number).max(entries, initial=0.0)
-        for view in views
-    ]
+    errors = np.array([_errors(table, view) for view in views])
     mistakes = np.array([table.mistakes + view.mistakes for view in views])
     within = np.where(mistakes > 1, together, alone)
     hits = (mistakes <= MOST_MISTAKES) & (errors <= within)
     if not hits.any():
         return None
 
-    best = int(np.where(hits, mistakes, MOST_MISTAKES + 1).argmin())
+    counted = np.where(hits, mistakes, MOST_MISTAKES + 1)
+    best = int(counted.argmin())
     view, hypothesis = divmod(best, len(table.words))
-    return ", ".join(filter(None, (table.words[hypothesis], views[view].words)))
+    words = [table.words[hypothesis], views[view].words]
+    return ", ".join(filter(None, words))
+
+
+def _errors(table: HypothesisTable, view: View) -> FloatArray:
+    """How far the hypotheses are from a number, by its worst entry, (N,)."""
+    entries = tuple(range(1, table.values.ndim))
+    off = np.abs(table.values * view.scale - view.number)
+    return np.asarray(off.max(entries, initial=0.0))

@@ -111,9 +111,8 @@ def compare_robots(
     meant = as_meant(other)
     chains = find_chains(meant, record, names)
     if not chains or not _is_ours(chains[0]):
-        return Comparison(
-            name=other.name, findings=(_another_arm(record, other, chains),)
-        )
+        why = _another_arm(record, other, chains)
+        return Comparison(name=other.name, findings=(why,))
 
     ours = own_arm_of(record)
     q = random_positions(record, number)
@@ -151,20 +150,20 @@ def _reduced(
         chain: Its four joints.
         base: The first link of its arm, if it is given.
     """
-    record = ours.parameters
-    arm = reduce_robot(meant, chain.joints, record, base)
+    parameters = ours.parameters
+    arm = reduce_robot(meant, chain.joints, parameters, base)
     alignment = align(ours, arm)
 
-    base_place = arm.base_path.index(alignment.base_link)
-    before_base = set(arm.base_path[:base_place])
-    all_carried = before_base.issubset(arm.carried)
-    if base is None and alignment.same_base and not all_carried:
+    place = arm.base_path.index(alignment.base_link)
+    before_base = set(arm.base_path[:place])
+    is_carried = before_base.issubset(arm.carried)
+    if base is None and alignment.same_base and not is_carried:
         # What stands before our base_link carries it, even if it weighs nothing.
         base = alignment.base_link
-        arm = reduce_robot(meant, chain.joints, record, base)
+        arm = reduce_robot(meant, chain.joints, parameters, base)
 
     written_joints = tuple(other.joints[name] for name in chain.names)
-    written = reduce_robot(other, written_joints, record, base)
+    written = reduce_robot(other, written_joints, parameters, base)
     return _Arms(meant=arm, written=written, alignment=alignment)
 
 
@@ -173,20 +172,23 @@ def _bodies(
 ) -> tuple[BodyDifference, ...]:
     """The bodies of the other arm, each with ours."""
     coms, inertias = bodies_in_our_frames(ours, theirs, alignment)
-    exact_coms, _ = bodies_in_our_frames(ours, theirs, alignment.exact or alignment)
+    exact = alignment.exact or alignment
+    exact_coms, _ = bodies_in_our_frames(ours, theirs, exact)
     slack = np.linalg.norm(exact_coms - coms, axis=1)
-    return tuple(
-        BodyDifference(
-            name=link.name,
-            links=theirs.links[k],
-            mass=float(theirs.mass[k]),
-            com=coms[k],
-            inertia=inertias[k],
-            ours=link,
-            slack=float(slack[k]),
+    bodies = []
+    for k, link in enumerate(ours.parameters.links):
+        bodies.append(
+            BodyDifference(
+                name=link.name,
+                links=theirs.links[k],
+                mass=float(theirs.mass[k]),
+                com=coms[k],
+                inertia=inertias[k],
+                ours=link,
+                slack=float(slack[k]),
+            )
         )
-        for k, link in enumerate(ours.parameters.links)
-    )
+    return tuple(bodies)
 
 
 def _compared(evidence: Evidence, chains: Sequence[Chain]) -> Comparison:
@@ -225,18 +227,22 @@ def _gravity_error(evidence: Evidence) -> FloatArray:
     alignment = evidence.alignment
     # Gravity points down in our base frame, wherever the other root stands.
     down = rotation_of(alignment.base).T @ DOWN
-    theirs = evidence.written.gravity_torque(alignment.theirs(evidence.q), down)
+    their_q = alignment.theirs(evidence.q)
+    theirs = evidence.written.gravity_torque(their_q, down)
     ours = evidence.ours.reduced.gravity_torque(evidence.q)
-    return np.asarray(np.abs(theirs * alignment.sign - ours).max(axis=0))
+    errors = np.abs(theirs * alignment.sign - ours)
+    return np.asarray(errors.max(axis=0))
 
 
 def _mass_matrix_error(evidence: Evidence) -> float:
     """Largest difference of an entry of the mass matrix [kg m^2]."""
     alignment = evidence.alignment
     signs = np.outer(alignment.sign, alignment.sign)
-    theirs = evidence.written.mass_matrix(alignment.theirs(evidence.q))
+    their_q = alignment.theirs(evidence.q)
+    theirs = evidence.written.mass_matrix(their_q)
     ours = evidence.ours.reduced.mass_matrix(evidence.q)
-    return float(np.abs(theirs * signs - ours).max())
+    errors = np.abs(theirs * signs - ours)
+    return float(errors.max())
 
 
 # ------------------------------------------------------------------------- other arms
@@ -259,18 +265,19 @@ def _second_arms(chains: Sequence[Chain]) -> list[Finding]:
     for chain in chains[1:]:
         is_apart = set(chain.names).isdisjoint(chains[0].names)
         if _is_ours(chain) and is_apart:
-            mapping = ",".join(map("=".join, _joint_names(chain).items()))
+            names = _joint_names(chain)
+            mapping = ",".join(f"{ours}={theirs}" for ours, theirs in names.items())
             found.append(finding("second_arm", mapping=mapping))
     return found
 
 
 def _another_arm(
-    record: Alpha5Parameters, other: UrdfRobot, chains: Sequence[Chain]
+    parameters: Alpha5Parameters, other: UrdfRobot, chains: Sequence[Chain]
 ) -> Finding:
     """Why a model is not of this arm.
 
     Args:
-        record: Our arm.
+        parameters: Our arm.
         other: The model.
         chains: All that could be its joints, the best first.
     """
@@ -282,11 +289,12 @@ def _another_arm(
         return finding("another_arm.without_joints", turning=turning)
 
     best = chains[0]
+    worst = _worst_differences(best, our_shape(parameters))
     return finding(
         "another_arm",
         turning=turning,
         joints=", ".join(best.names),
-        worst=", ".join(_worst_differences(best, our_shape(record))),
+        worst=", ".join(worst),
     )
 
 

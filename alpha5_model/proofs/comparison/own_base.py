@@ -35,7 +35,8 @@ def own_base_links(
     nothing is left for link_0.
     """
     whole_arm = sum(link.mass for link in parameters.links)
-    if (robot.links[base_path[-1]].mass or 0.0) > whole_arm:
+    turned_in = robot.links[base_path[-1]]
+    if (turned_in.mass or 0.0) > whole_arm:
         return set()
 
     joints = joints_to(robot, still)
@@ -68,8 +69,10 @@ def _first_link(
     """The link before axis_e that, with all it carries, comes closest to a mass."""
     best = base_path[0]
     for name in base_path[1:]:
-        closer = abs(weights[name] - mass) < abs(weights[best] - mass)
-        if closer and weights[best] - weights[name] > CARRIED_FROM:
+        off = abs(weights[name] - mass)
+        least_off = abs(weights[best] - mass)
+        carrier_weight = weights[best] - weights[name]
+        if off < least_off and carrier_weight > CARRIED_FROM:
             best = name
     return best
 

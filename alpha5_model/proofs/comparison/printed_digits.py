@@ -64,7 +64,8 @@ def meant_angle(text: str) -> float:
 
     # An angle computed from a short pi is not exact. The slack must stay below the
     # error of 3.14, or other angles would count.
-    slack = min(1.01 * unit + 1e-12, (math.pi - 3.14) * abs(angle) / 3)
+    error_of_short_pi = (math.pi - 3.14) * abs(angle) / 3
+    slack = min(1.01 * unit + 1e-12, error_of_short_pi)
     off = np.abs(multiples * _short_pis() - abs(angle))
     close = (off <= slack).any(axis=1)
     if not close.any():
