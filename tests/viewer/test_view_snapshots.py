@@ -1,0 +1,131 @@
+"""Colours, sizes, places and words of what is drawn, as files that a person can read.
+
+What is drawn is held against Pinocchio and the tables elsewhere; this is its look. After a
+change that is meant: ``ALPHA5_UPDATE_PRINTED=1 python -m pytest
+tests/viewer/test_view_snapshots.py``, and read the difference.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from descriptions import described, figure
+
+import alpha5_model as a5
+from alpha5_model.dynamics.load import arm_of
+from alpha5_model.trajectory import Motion
+from alpha5_model.viewer.build import build_scene
+from alpha5_model.viewer.commands import scene_commands
+from alpha5_model.viewer.mount_plot import mount_load_figure
+from alpha5_model.viewer.page import page_data
+from alpha5_model.viewer.planar_plot import new_axes, plot_planar
+from alpha5_model.viewer.scene import GROUPS, Scene
+from alpha5_model.viewer.self_collision_plot import self_collision_figure
+from alpha5_model.viewer.workspace_plot import workspace_figure
+
+FOLDER = Path(__file__).parent / "snapshots"
+
+
+def held(name: str, lines: Iterable[str]) -> None:
+    """Compare lines with the committed ones, or write these anew."""
+    text = "\n".join(lines) + "\n"
+    path = FOLDER / f"{name}.txt"
+    if os.environ.get("ALPHA5_UPDATE_PRINTED"):
+        path.write_text(text, "utf-8")
+    assert text == path.read_text("utf-8")
+
+
+def arm_with_made_up_masses() -> a5.Arm:
+    """So that no snapshot changes with a printed mass."""
+    printed = a5.parameters()
+    links = [
+        dataclasses.replace(link, mass=0.1 + 0.05 * number)
+        for number, link in enumerate(printed.links)
+    ]
+    return arm_of(dataclasses.replace(printed, links=tuple(links)))
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """An arm with a payload that plays a motion, with every group shown."""
+    arm = arm_with_made_up_masses().with_payload(0.3, (0.0, 0.01, 0.02), volume=1e-4)
+    rows = np.linspace([2.0, 0.6, 0.9, 1.0], [2.4, 1.1, 1.4, 0.5], 5)
+    motion = Motion(
+        time=np.linspace(0.0, 2.0, 5),
+        position=rows,
+        joints=arm.joint_names,
+        source="made up",
+    )
+    return build_scene(
+        arm, rows[0], motion=motion, show=[*GROUPS], current=(0.5, 0.1, 0.0)
+    )
+
+
+def test_the_scene(scene: Scene) -> None:
+    drawn = dataclasses.replace(scene, tree=())  # the tree is Pinocchio's elsewhere
+    held("scene", described("scene", drawn))
+
+
+def test_the_scene_of_a_target() -> None:
+    target = build_scene(a5.load(), target=(0.25, 0.1, 0.1))
+    shapes = [shape for shape in target.shapes if shape.group == "ghosts"]
+    held("target", described("ghosts", (shapes, target.labels, target.camera)))
+
+
+def test_the_data_of_the_page(scene: Scene) -> None:
+    data = page_data(scene)
+    for seen_elsewhere in ("labels", "anchors", "tree", "statics", "streams"):
+        del data[seen_elsewhere]
+    held("page", described("page", data))
+
+
+def test_the_commands_of_meshcat(scene: Scene) -> None:
+    first = {shape.group: shape for shape in reversed(scene.shapes)}
+    few = dataclasses.replace(scene, shapes=tuple(first.values()))
+    lines = []
+    for command in scene_commands(few):
+        lines += described(command["type"], without_arrays(command), depth=0)
+    held("commands", lines)
+
+
+def without_arrays(part: object) -> object:
+    """A command whose packed arrays are replaced by their kind and size."""
+    if isinstance(part, dict):
+        return {key: without_arrays(value) for key, value in part.items()}
+    if isinstance(part, list | tuple):
+        return [without_arrays(value) for value in part]
+    if hasattr(part, "data") and hasattr(part, "type"):
+        return f"packed {part.type} {len(part.data)} bytes"
+    return part
+
+
+def test_the_plot_of_the_workspace() -> None:
+    held("workspace", figure(workspace_figure()))
+
+
+def test_the_plot_of_self_collision() -> None:
+    held("self_collision", figure(self_collision_figure(cell=0.1, samples=400)))
+
+
+def test_the_plot_of_planar_arms() -> None:
+    lines = []
+    for arm in (
+        a5.planar.PlanarArm((5, 4, 1)),
+        a5.planar.PlanarArm((3, 2), [(-1, 2), None]),
+    ):
+        axes = new_axes()
+        plot_planar(arm, axes=axes)
+        lines += figure(axes.figure)
+    held("planar", lines)
+
+
+def test_the_plot_of_the_load_on_the_mount() -> None:
+    held(
+        "mount",
+        figure(mount_load_figure(arm_with_made_up_masses(), [3.0, 1.0, 1.0, 0.5], 0.5)),
+    )
